@@ -1,0 +1,1 @@
+//! Image comparison: how far two pictures are apart, and where.

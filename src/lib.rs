@@ -1,0 +1,11 @@
+//! mechanim: exact motion, collision reports and pictures of spatial mechanisms, from their equations.
+//!
+//! Data flows one way: scene file → [`model`] → trajectory ([`kinematics`]) → frames ([`render`]) → files
+//! ([`export`]). The library never prints and never exits.
+
+pub mod compare;
+pub mod export;
+pub mod geometry;
+pub mod math;
+pub mod model;
+pub mod render;

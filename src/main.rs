@@ -1,0 +1,3 @@
+//! The `mechanim` program: parse, dispatch, exit code.
+
+fn main() {}

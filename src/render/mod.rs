@@ -1,0 +1,144 @@
+//! Pictures of a stage: the types both renderers share, and the choice between them.
+//!
+//! A renderer is a pure function from (stage, frame) to pixels; it knows nothing of mechanisms or files.
+
+use crate::geometry::Mesh;
+use crate::math::Pose;
+use glam::DVec3;
+use image::RgbaImage;
+use std::ops::Range;
+
+/// What stays the same over all frames.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Meshes that instances refer to by index.
+    pub meshes: Vec<Mesh>,
+    /// Picture size in pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel: 1 or 4 (the CPU renderer also takes 2, 8 and 16).
+    pub samples: u32,
+    /// Where the picture is seen from.
+    pub camera: Camera,
+    /// Background colour, sRGB.
+    pub background: [u8; 3],
+    /// The ground, if any.
+    pub ground: Option<Ground>,
+}
+
+/// Projection of the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Vertical field of view in radians.
+    Perspective {
+        /// Full vertical angle.
+        fov_y: f64,
+    },
+    /// Parallel projection.
+    Orthographic {
+        /// Height of the picture in the scene's unit.
+        height: f64,
+    },
+}
+
+/// A camera that looks along its own -z, with x to the right and y up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Pose of the camera in the world.
+    pub world_from_camera: Pose,
+    /// Kind of projection.
+    pub projection: Projection,
+    /// Distance of the near plane, positive.
+    pub near: f64,
+    /// Distance of the far plane.
+    pub far: f64,
+}
+
+/// A horizontal disc that fades out into the background and takes the contact shadow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// A point of the ground, the middle of the disc.
+    pub center: DVec3,
+    /// Unit normal, towards the viewer's up.
+    pub normal: DVec3,
+    /// Radius at which the disc has faded out.
+    pub radius: f64,
+    /// Distance of the grid lines; 0 for none.
+    pub grid: f64,
+}
+
+/// One mesh, drawn in one frame.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Index into `Stage::meshes`.
+    pub mesh: usize,
+    /// Placement.
+    pub world_from_mesh: Pose,
+    /// sRGB colour.
+    pub colour: [u8; 3],
+    /// 1 opaque, below 1 translucent (drawn after everything opaque, back to front).
+    pub opacity: f64,
+    /// Which of the mesh's triangles are drawn; a growing trace draws a growing range.
+    pub triangles: Range<u32>,
+    /// Whether it darkens the ground below it.
+    pub casts_shadow: bool,
+    /// 0 lit like matter, 1 its flat colour whatever the light (traces, markers).
+    pub flat: f64,
+}
+
+/// Where a label is anchored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Anchor {
+    /// A point of the world, projected; the label is centred on it.
+    World(DVec3),
+    /// Fractions of the picture's width and height from the top left; the label starts there.
+    Screen([f64; 2]),
+}
+
+/// A line of text over the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// The text.
+    pub text: String,
+    /// Where.
+    pub anchor: Anchor,
+    /// Height of the capitals' line in pixels.
+    pub size: f64,
+    /// sRGB colour.
+    pub colour: [u8; 3],
+    /// Draws a plate of the background's colour behind the text.
+    pub plate: bool,
+}
+
+/// Everything that is particular to one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Meshes to draw.
+    pub instances: Vec<Instance>,
+    /// Text over them.
+    pub labels: Vec<Label>,
+    /// Drawn greyed, with a hatched margin: there is no pose at this time.
+    pub no_pose: bool,
+}
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// No adapter, or none of the asked kind.
+    #[error("no usable graphics adapter: {0}")]
+    NoAdapter(String),
+    /// The device was lost or refused a request.
+    #[error("the graphics device failed: {0}")]
+    Device(String),
+    /// The picture is larger than the adapter can draw.
+    #[error("{0}")]
+    Size(String),
+}
+
+/// Draws frames of one stage.
+pub trait Renderer: Send {
+    /// Name for messages: `cpu`, or the adapter, driver and backend.
+    fn name(&self) -> String;
+
+    /// Draws `frame` into `image`, which has the stage's size; every pixel is written, alpha is 255.
+    fn draw(&mut self, frame: &Frame, image: &mut RgbaImage) -> Result<(), RenderError>;
+}
