@@ -4,8 +4,10 @@
 //! ([`export`]). The library never prints and never exits.
 
 pub mod compare;
+pub mod diag;
 pub mod export;
 pub mod geometry;
 pub mod math;
 pub mod model;
 pub mod render;
+pub mod scene;
