@@ -7,6 +7,7 @@ pub mod compare;
 pub mod diag;
 pub mod export;
 pub mod geometry;
+pub mod kinematics;
 pub mod math;
 pub mod model;
 pub mod render;
