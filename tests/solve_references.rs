@@ -31,3 +31,18 @@ fn slider_crank_full_turn_is_exact() {
         assert!((pose.unknowns[2] - h).abs() < 1e-12 * 120.0);
     }
 }
+
+#[test]
+fn gearshift_runs() {
+    let scene = scene("gearshift", &[]);
+    let m = &scene.mechanism;
+    let times: Vec<f64> = (0..120).map(|k| 0.05 * k as f64).collect();
+    let start = std::time::Instant::now();
+    let trajectory = solve(m, &times).unwrap();
+    println!("{:?} {:?}", start.elapsed(), trajectory.events);
+    for sample in &trajectory.samples {
+        let pose = sample.pose.as_ref().unwrap();
+        println!("{:.3} {:?} {:?} {:.2e} {:.4} {:.1} {} {}", sample.time, sample.inputs, pose.traces, pose.closure_error, pose.sigma_min, pose.condition, pose.branch, pose.iterations);
+    }
+    println!("{:?}", trajectory.samples[0].pose.as_ref().unwrap().unknowns);
+}
