@@ -1,7 +1,5 @@
 //! Triangle meshes of the model's solids. Holds no poses of links and no renderer.
 
-pub mod stl;
-
 use glam::DVec3;
 
 /// A closed or open triangle mesh with one normal per vertex.
