@@ -1,0 +1,1 @@
+//! The built-in renderer: no driver, no window, the same bytes on every machine.
