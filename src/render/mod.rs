@@ -6,6 +6,8 @@ pub mod colour;
 pub mod contact_shadow;
 pub mod cpu;
 pub mod look;
+pub mod overlay;
+pub mod text;
 
 use crate::geometry::Mesh;
 use crate::math::Pose;
