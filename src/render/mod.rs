@@ -2,9 +2,11 @@
 //!
 //! A renderer is a pure function from (stage, frame) to pixels; it knows nothing of mechanisms or files.
 
+pub mod camera;
 pub mod colour;
 pub mod contact_shadow;
 pub mod cpu;
+pub mod ground;
 pub mod look;
 pub mod overlay;
 pub mod text;
