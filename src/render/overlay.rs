@@ -7,7 +7,6 @@
 mod border;
 mod paint;
 mod plate;
-mod project;
 
 use super::text::{Face, Setting, set_text};
 use super::{Anchor, Camera, Frame, Label};
@@ -51,8 +50,7 @@ impl Overlay {
             return;
         }
         let setting = set_text(&self.face, &label.text, label.size.min(LARGEST_SIZE));
-        let picture = [f64::from(image.width()), f64::from(image.height())];
-        let Some([left, top]) = place(label, &setting, camera, picture) else {
+        let Some([left, top]) = place(label, &setting, camera, image.dimensions().into()) else {
             return;
         };
         let mut painter = Painter::new(image);
@@ -74,7 +72,7 @@ impl Overlay {
 fn place(label: &Label, setting: &Setting, camera: &Camera, picture: [f64; 2]) -> Option<[i32; 2]> {
     let corner = match label.anchor {
         Anchor::World(point) => {
-            let [x, y] = project::to_pixels(camera, point, picture)?;
+            let [x, y, _] = camera.project(point, size)?;
             [x - 0.5 * setting.width, y - 0.5 * setting.height]
         }
         Anchor::Screen([x, y]) => {
