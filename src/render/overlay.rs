@@ -69,7 +69,8 @@ impl Overlay {
 }
 
 /// Top left pixel of a label's text; `None` when it cannot be seen.
-fn place(label: &Label, setting: &Setting, camera: &Camera, picture: [f64; 2]) -> Option<[i32; 2]> {
+fn place(label: &Label, setting: &Setting, camera: &Camera, size: [u32; 2]) -> Option<[i32; 2]> {
+    let picture = size.map(f64::from);
     let corner = match label.anchor {
         Anchor::World(point) => {
             let [x, y, _] = camera.project(point, size)?;
