@@ -60,6 +60,7 @@ fn body_translucent(in: BodyVertex, @builtin(front_facing) front: bool) -> @loca
     let normal = seen_normal(in.normal, front);
     let to_viewer = viewer_direction(in.place);
     let colour = shade(normal, to_viewer, globals.up.xyz, in.colour.rgb, in.flatness);
-    let opacity = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
+    let edge = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
+    let opacity = mix(edge, in.colour.a, in.flatness);
     return vec4<f32>(colour, opacity);
 }

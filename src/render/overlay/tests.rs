@@ -81,11 +81,19 @@ fn a_screen_label_starts_at_its_corner() {
 
 #[test]
 fn a_point_behind_the_camera_has_no_label() {
-    let behind = Anchor::World(DVec3::new(0.0, 0.0, 11.0));
-    assert_eq!(
-        changed(&drawn(80, 60, vec![label("H", behind)], false)),
-        None
-    );
+    let perspective = Camera {
+        projection: Projection::Perspective { fov_y: 0.5 },
+        ..camera()
+    };
+    for (z, seen) in [(11.0, false), (9.95, false), (5.0, true)] {
+        let frame = Frame {
+            labels: vec![label("H", Anchor::World(DVec3::Z * z))],
+            ..Frame::default()
+        };
+        let mut image = picture(80, 60);
+        Overlay::new([0; 3]).draw(&frame, &perspective, &mut image);
+        assert_eq!(changed(&image).is_some(), seen, "{z}");
+    }
 }
 
 #[test]
