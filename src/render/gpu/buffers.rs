@@ -26,22 +26,22 @@ impl Meshes {
         let mut vertices = Vec::new();
         let mut indices = Vec::new();
         let mut spans = Vec::new();
-        for (number, mesh) in meshes.iter().enumerate() {
-            check_mesh(number, mesh)?;
+        for mesh in meshes {
             let base = vertices.len() as u32;
+            let pairs = mesh.positions.iter().zip(&mesh.normals);
+            vertices.extend(pairs.map(|(position, normal)| Vertex {
+                position: narrow(*position),
+                normal: narrow(*normal),
+            }));
+            let count = vertices.len() as u32 - base;
             spans.push(MeshSpan {
                 first_index: indices.len() as u32,
                 triangles: mesh.triangles.len() as u32,
                 closed: hides_its_inside(mesh),
                 middle: middle(mesh),
             });
-            let corners = mesh.triangles.iter().flatten();
-            indices.extend(corners.map(|corner| base + corner));
-            let pairs = mesh.positions.iter().zip(&mesh.normals);
-            vertices.extend(pairs.map(|(position, normal)| Vertex {
-                position: narrow(*position),
-                normal: narrow(*normal),
-            }));
+            let sound = mesh.triangles.iter().map(|t| sound_corners(*t, count));
+            indices.extend(sound.flatten().map(|corner| base + corner));
         }
         Ok(Self {
             vertices: upload(device, "vertices", &vertices, wgpu::BufferUsages::VERTEX),
@@ -81,19 +81,13 @@ fn check_total(meshes: &[Mesh], largest: u64) -> Result<(), RenderError> {
     Ok(())
 }
 
-fn check_mesh(number: usize, mesh: &Mesh) -> Result<(), RenderError> {
-    let vertices = mesh.positions.len();
-    let outside = mesh
-        .triangles
-        .iter()
-        .flatten()
-        .any(|corner| *corner as usize >= vertices);
-    if outside || mesh.normals.len() != vertices {
-        return Err(RenderError::Device(format!(
-            "mesh {number} is damaged: a corner without vertex, or a vertex without normal"
-        )));
+/// A triangle's corners, or a triangle without area where one is not a vertex, so that ranges stay what they are.
+fn sound_corners(triangle: [u32; 3], vertices: u32) -> [u32; 3] {
+    if triangle.iter().all(|corner| *corner < vertices) {
+        triangle
+    } else {
+        [0; 3]
     }
-    Ok(())
 }
 
 /// Whether the outside hides the inside completely, so that back faces may be left out: closed, and not inside out.
@@ -187,11 +181,9 @@ mod tests {
     }
 
     #[test]
-    fn damaged_meshes_are_refused() {
-        let mut mesh = tetrahedron();
-        assert!(check_mesh(0, &mesh).is_ok());
-        mesh.triangles.push([0, 1, 12]);
-        assert!(check_mesh(0, &mesh).is_err());
+    fn a_corner_without_vertex_takes_its_triangle_away() {
+        assert_eq!(sound_corners([0, 1, 11], 12), [0, 1, 11]);
+        assert_eq!(sound_corners([0, 1, 12], 12), [0; 3]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::layout::{InstanceData, instance_data};
 use crate::math::Pose;
-use crate::render::{Frame, Instance, RenderError};
+use crate::render::{Frame, Instance};
 use glam::DVec3;
 
 /// Where a mesh lies in the index buffer, and what the order of drawing needs to know of it.
@@ -46,21 +46,14 @@ pub struct Plan {
 
 impl Plan {
     /// Orders a frame's instances. Triangle ranges are cut to the mesh; instances of opacity 0 or less and empty
-    /// ranges are left out. An instance of a mesh that the stage lacks is an error.
-    pub fn new(
-        frame: &Frame,
-        spans: &[MeshSpan],
-        camera_from_world: &Pose,
-    ) -> Result<Self, RenderError> {
+    /// ranges are left out, and so are instances of a mesh that the stage lacks.
+    pub fn new(frame: &Frame, spans: &[MeshSpan], camera_from_world: &Pose) -> Self {
         let mut plan = Self::default();
         let mut translucent = Vec::new();
         for instance in &frame.instances {
-            let span = *spans.get(instance.mesh).ok_or_else(|| {
-                let (mesh, count) = (instance.mesh, spans.len());
-                RenderError::Device(format!(
-                    "a frame asks for mesh {mesh} of a stage with {count}"
-                ))
-            })?;
+            let Some(span) = spans.get(instance.mesh).copied() else {
+                continue;
+            };
             if instance.opacity >= 1.0 {
                 let data = instance_data(instance, camera_from_world);
                 push(&mut plan.opaque, &mut plan.instances, &span, instance, data);
@@ -76,7 +69,7 @@ impl Plan {
             let draws = &mut plan.translucent;
             push(draws, &mut plan.instances, &span, instance, data);
         }
-        Ok(plan)
+        plan
     }
 }
 
@@ -102,7 +95,7 @@ fn push(
     };
     instances.push(data);
     // Translucent draws stay single: back and front faces of one follow those of the one behind it.
-    let opaque = data.colour[3] >= 1.0;
+    let opaque = instance.opacity >= 1.0;
     match draws.last_mut() {
         Some(last) if opaque && same_triangles(last, &draw) => last.instances += 1,
         _ => draws.push(draw),
@@ -145,7 +138,7 @@ mod tests {
         }
     }
 
-    fn plan(instances: Vec<Instance>) -> Result<Plan, RenderError> {
+    fn plan(instances: Vec<Instance>) -> Plan {
         let frame = Frame {
             instances,
             ..Frame::default()
@@ -159,8 +152,7 @@ mod tests {
             instance(0, 0.0, 1.0),
             instance(0, 1.0, 1.0),
             instance(1, 0.0, 1.0),
-        ])
-        .unwrap();
+        ]);
         assert_eq!(plan.opaque.len(), 2);
         assert_eq!(
             (plan.opaque[0].instances, plan.opaque[1].first_instance),
@@ -176,8 +168,7 @@ mod tests {
             instance(0, -9.0, 0.5),
             instance(0, -5.0, 1.0),
             instance(0, -4.0, 0.0),
-        ])
-        .unwrap();
+        ]);
         let depths: Vec<f32> = plan
             .instances
             .iter()
@@ -193,7 +184,7 @@ mod tests {
         part.triangles = 8..1000;
         let mut none = instance(0, 0.0, 1.0);
         none.triangles = 12..20;
-        let plan = plan(vec![part, none]).unwrap();
+        let plan = plan(vec![part, none]);
         assert_eq!(plan.opaque.len(), 1);
         let draw = plan.opaque[0];
         assert_eq!(
@@ -203,10 +194,8 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_mesh_is_an_error() {
-        assert!(matches!(
-            plan(vec![instance(5, 0.0, 1.0)]),
-            Err(RenderError::Device(_))
-        ));
+    fn an_unknown_mesh_is_left_out() {
+        let plan = plan(vec![instance(5, 0.0, 1.0), instance(1, 0.0, 1.0)]);
+        assert_eq!((plan.instances.len(), plan.opaque.len()), (1, 1));
     }
 }

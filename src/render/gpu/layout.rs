@@ -89,7 +89,7 @@ impl Globals {
         let size = stage.size.map(f64::from);
         let per_unit = camera.pixels_per_unit(stage.size);
         let depth = DepthMap::new(camera, ground_reach(stage));
-        let up = camera.world_from_camera.rotation.transpose() * stage_up(stage);
+        let up = up_in_camera(stage);
         let [r, g, b] = Curve::shared().decode_rgb(stage.background);
         let perspective = if camera.is_perspective() { 1.0 } else { 0.0 };
         let mut globals = Self {
@@ -113,11 +113,12 @@ impl Globals {
     }
 }
 
-/// Up in the world: the ground's normal, or z.
-pub fn stage_up(stage: &Stage) -> DVec3 {
-    stage
-        .ground
-        .map_or(DVec3::Z, |ground| ground_axes(&ground).z_axis)
+/// Up in camera space: the ground's normal, or the picture's own upward direction where there is no ground.
+fn up_in_camera(stage: &Stage) -> DVec3 {
+    let camera_from_world = stage.camera.world_from_camera.rotation.transpose();
+    stage.ground.map_or(DVec3::Y, |ground| {
+        camera_from_world * ground_axes(&ground).z_axis
+    })
 }
 
 /// The instance as the shader takes it.

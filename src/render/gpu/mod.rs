@@ -177,7 +177,7 @@ impl Renderer for GpuRenderer {
                 "a stage of {width} x {height} pixels cannot be drawn into a picture of {w} x {h}"
             )));
         }
-        let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world)?;
+        let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
         if frame.no_pose {
