@@ -1,0 +1,188 @@
+//! The renderer on a graphics adapter: wgpu over Vulkan, Metal, DX12 or GL, off-screen.
+//!
+//! One pass a picture: opaque bodies, the ground, translucent bodies from back to front. The only room with
+//! wgpu. The look is `look`'s: constants are generated from it, formulas are in `shaders/look.wgsl`.
+
+pub mod adapter;
+mod buffers;
+mod device;
+mod frame;
+mod layout;
+mod pipelines;
+mod shader;
+mod shadow;
+mod target;
+
+use super::adapter::{AdapterChoice, AdapterInfo};
+use super::colour::mark_no_pose;
+use super::ground::GroundView;
+use super::{Frame, RenderError, Renderer, Stage};
+use crate::math::Pose;
+use buffers::{InstanceBuffer, Meshes};
+use bytemuck::bytes_of;
+use device::{Device, nearest_sample_count};
+use frame::Plan;
+use image::RgbaImage;
+use layout::Globals;
+use pipelines::Pipelines;
+use shadow::ShadowTexture;
+use std::sync::Arc;
+use target::Target;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+/// Draws one stage on one adapter.
+pub struct GpuRenderer {
+    stage: Arc<Stage>,
+    info: AdapterInfo,
+    device: Device,
+    pipelines: Pipelines,
+    target: Target,
+    meshes: Meshes,
+    instances: InstanceBuffer,
+    globals: Globals,
+    globals_buffer: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    shadow: ShadowTexture,
+    bindings: wgpu::BindGroup,
+    camera_from_world: Pose,
+    has_ground: bool,
+}
+
+impl GpuRenderer {
+    /// Opens an adapter and uploads the stage.
+    ///
+    /// Every adapter draws 1 or 4 samples a pixel, many also 2, 8 or 16; another number is replaced by the nearest
+    /// supported one. Errors: no such adapter; the device refuses; a picture or mesh beyond its limits.
+    pub fn open(stage: Arc<Stage>, choice: AdapterChoice) -> Result<Self, RenderError> {
+        let (adapter, info) = adapter::choose(&choice)?;
+        let device = Device::open(&adapter)?;
+        let samples = nearest_sample_count(stage.samples, &device.sample_counts);
+        let target = Target::new(&device, stage.size, samples)?;
+        let pipelines = Pipelines::new(&device, samples);
+        let meshes = Meshes::new(&device, &stage.meshes)?;
+        let ground = stage
+            .ground
+            .and_then(|ground| GroundView::new(&ground, &stage.camera, stage.size));
+        let globals = Globals::new(&stage, ground.as_ref());
+        let globals_buffer = device.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("globals"),
+            contents: bytes_of(&globals),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let sampler = shadow::sampler(&device);
+        let shadow = ShadowTexture::new(&device, 1);
+        let bindings = bind(
+            &device,
+            &pipelines.bindings,
+            &globals_buffer,
+            &shadow,
+            &sampler,
+        );
+        device.check()?;
+        Ok(Self {
+            camera_from_world: stage.camera.world_from_camera.inverse(),
+            has_ground: ground.is_some(),
+            instances: InstanceBuffer::new(&device),
+            stage,
+            info,
+            device,
+            pipelines,
+            target,
+            meshes,
+            globals,
+            globals_buffer,
+            sampler,
+            shadow,
+            bindings,
+        })
+    }
+
+    /// The adapter that draws.
+    pub fn adapter(&self) -> &AdapterInfo {
+        &self.info
+    }
+
+    fn record(&mut self, plan: &Plan) -> wgpu::CommandEncoder {
+        let instances = self.instances.write(&self.device, &plan.instances);
+        let mut encoder =
+            self.device
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("picture"),
+                });
+        let mut pass = self.target.begin(&mut encoder, self.globals.background);
+        pass.set_bind_group(0, &self.bindings, &[]);
+        pass.set_vertex_buffer(0, self.meshes.vertices.slice(..));
+        pass.set_vertex_buffer(1, instances.slice(..));
+        pass.set_index_buffer(self.meshes.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for draw in &plan.opaque {
+            let pipeline = if draw.closed {
+                &self.pipelines.closed
+            } else {
+                &self.pipelines.open
+            };
+            run(&mut pass, pipeline, draw);
+        }
+        if self.has_ground {
+            pass.set_pipeline(&self.pipelines.ground);
+            pass.draw(0..3, 0..1);
+        }
+        for draw in &plan.translucent {
+            run(&mut pass, &self.pipelines.translucent_back, draw);
+            run(&mut pass, &self.pipelines.translucent_front, draw);
+        }
+        drop(pass);
+        encoder
+    }
+}
+
+fn run(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, draw: &frame::Draw) {
+    pass.set_pipeline(pipeline);
+    pass.draw_indexed(
+        draw.first_index..draw.first_index + draw.indices,
+        0,
+        draw.first_instance..draw.first_instance + draw.instances,
+    );
+}
+
+fn bind(
+    device: &Device,
+    layout: &wgpu::BindGroupLayout,
+    globals: &wgpu::Buffer,
+    shadow: &ShadowTexture,
+    sampler: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+    device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("scene"),
+        layout,
+        entries: &[
+            entry(0, globals.as_entire_binding()),
+            entry(1, wgpu::BindingResource::TextureView(&shadow.view)),
+            entry(2, wgpu::BindingResource::Sampler(sampler)),
+        ],
+    })
+}
+
+impl Renderer for GpuRenderer {
+    fn name(&self) -> String {
+        self.info.to_string()
+    }
+
+    fn draw(&mut self, frame: &Frame, image: &mut RgbaImage) -> Result<(), RenderError> {
+        let [width, height] = self.stage.size;
+        if image.dimensions() != (width, height) {
+            let (w, h) = image.dimensions();
+            return Err(RenderError::Size(format!(
+                "a stage of {width} x {height} pixels cannot be drawn into a picture of {w} x {h}"
+            )));
+        }
+        let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world);
+        let encoder = self.record(&plan);
+        self.target.finish(&self.device, encoder, image)?;
+        if frame.no_pose {
+            mark_no_pose(image, self.stage.background);
+        }
+        Ok(())
+    }
+}
