@@ -3,6 +3,7 @@
 //! Data flows one way: scene file → [`model`] → trajectory ([`kinematics`]) → frames ([`render`]) → files
 //! ([`export`]). The library never prints and never exits.
 
+pub mod cli;
 pub mod compare;
 pub mod diag;
 pub mod export;
@@ -12,3 +13,4 @@ pub mod math;
 pub mod model;
 pub mod render;
 pub mod scene;
+pub mod staging;

@@ -6,7 +6,10 @@ use mechanim::scene::{Overrides, builtin, load};
 
 fn scene(name: &str, inputs: &[(&str, &str)]) -> mechanim::scene::Scene {
     let overrides = Overrides {
-        inputs: inputs.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect(),
+        inputs: inputs
+            .iter()
+            .map(|(n, v)| (n.to_string(), v.to_string()))
+            .collect(),
         ..Overrides::default()
     };
     let source = builtin::find(name).unwrap();
@@ -27,7 +30,10 @@ fn slider_crank_full_turn_is_exact() {
         let pose = sample.pose.as_ref().unwrap();
         let phi = sample.inputs[0];
         let h = 40.0 * phi.cos() + (6400.0 - (40.0 * phi.sin()).powi(2)).sqrt();
-        println!("{:.3} {:?} {} {} {} {}", phi, pose.unknowns, pose.closure_error, pose.sigma_min, pose.branch, pose.iterations);
+        println!(
+            "{:.3} {:?} {} {} {} {}",
+            phi, pose.unknowns, pose.closure_error, pose.sigma_min, pose.branch, pose.iterations
+        );
         assert!((pose.unknowns[2] - h).abs() < 1e-12 * 120.0);
     }
 }
@@ -42,7 +48,20 @@ fn gearshift_runs() {
     println!("{:?} {:?}", start.elapsed(), trajectory.events);
     for sample in &trajectory.samples {
         let pose = sample.pose.as_ref().unwrap();
-        println!("{:.3} {:?} {:?} {:.2e} {:.4} {:.1} {} {}", sample.time, sample.inputs, pose.traces, pose.closure_error, pose.sigma_min, pose.condition, pose.branch, pose.iterations);
+        println!(
+            "{:.3} {:?} {:?} {:.2e} {:.4} {:.1} {} {}",
+            sample.time,
+            sample.inputs,
+            pose.traces,
+            pose.closure_error,
+            pose.sigma_min,
+            pose.condition,
+            pose.branch,
+            pose.iterations
+        );
     }
-    println!("{:?}", trajectory.samples[0].pose.as_ref().unwrap().unknowns);
+    println!(
+        "{:?}",
+        trajectory.samples[0].pose.as_ref().unwrap().unknowns
+    );
 }

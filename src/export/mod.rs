@@ -24,6 +24,7 @@ mod oklab;
 pub mod palette;
 pub mod png;
 pub mod pump;
+pub mod table;
 pub mod target;
 pub mod timing;
 

@@ -11,5 +11,6 @@ pub mod newton;
 pub mod offered;
 pub mod qr;
 pub mod rank;
+pub mod sampling;
 pub mod structure;
 pub mod trajectory;

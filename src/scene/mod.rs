@@ -14,6 +14,8 @@ use std::path::PathBuf;
 /// A scene ready to be solved and drawn.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// One line for lists.
+    pub description: String,
     /// The mechanism.
     pub mechanism: Mechanism,
     /// How it wants to be seen.

@@ -129,7 +129,9 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         duration: coordinates.duration,
     };
     mechanism.size = size(&mechanism, &names);
+    let description = file.description.clone().unwrap_or_default();
     Some(Scene {
+        description,
         mechanism,
         view,
         warnings: Diagnostics::default(),
