@@ -19,12 +19,12 @@ use mechanim::render::open::list_adapters;
 use mechanim::render::{Frame, Ground, Instance, Projection, RenderError, Renderer, Stage};
 use std::sync::Arc;
 
-/// Least likeness of the two renderers' pictures.
-const LEAST_PSNR: f64 = 35.0;
+/// Least likeness of the two renderers' pictures. Mesa's software adapters reach 56 to 60 dB.
+const LEAST_PSNR: f64 = 45.0;
 /// A channel this many levels apart is seen.
 const SEEN: u8 = 24;
 /// Largest share of pixels with a seen difference: edges, where the two may sort a sample's two surfaces differently.
-const MOST_SEEN: f64 = 0.002;
+const MOST_SEEN: f64 = 0.001;
 
 const PERSPECTIVE: Projection = Projection::Perspective { fov_y: 0.5 };
 const PARALLEL: Projection = Projection::Orthographic { height: 1.0 };
@@ -61,7 +61,13 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
     };
     let (low, high) = (DVec3::new(-1.6, -1.8, 0.0), DVec3::new(1.8, 1.9, 1.7));
     let corner = |k: usize| {
-        let pick = |axis: usize| if k >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        let pick = |axis: usize| {
+            if k >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
         DVec3::new(pick(0), pick(1), pick(2))
     };
     let aspect = f64::from(size[0]) / f64::from(size[1]);
@@ -82,15 +88,17 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
 
 /// Opaque and translucent bodies, one cut by the ground, one flat, one partial.
 fn frame(stage: &Stage) -> Frame {
-    let body = |mesh: usize, place: [f64; 3], (axis, angle): (usize, f64), colour, opacity| Instance {
-        mesh,
-        world_from_mesh: Pose::from_translation(place.into()) * Pose::from_axis_rotation(axis, angle),
-        colour,
-        opacity,
-        triangles: 0..stage.meshes[mesh].triangles.len() as u32,
-        casts_shadow: true,
-        flat: 0.0,
-    };
+    let body =
+        |mesh: usize, place: [f64; 3], (axis, angle): (usize, f64), colour, opacity| Instance {
+            mesh,
+            world_from_mesh: Pose::from_translation(place.into())
+                * Pose::from_axis_rotation(axis, angle),
+            colour,
+            opacity,
+            triangles: 0..stage.meshes[mesh].triangles.len() as u32,
+            casts_shadow: true,
+            flat: 0.0,
+        };
     let mut instances = vec![
         body(0, [-1.2, 0.0, 0.4], (0, 0.0), [0xc2, 0x45, 0x2d], 1.0),
         body(0, [1.3, 0.4, 1.3], (0, 0.0), [0x2f, 0x6f, 0xb5], 1.0),
@@ -111,7 +119,10 @@ fn frame(stage: &Stage) -> Frame {
 
 fn adapters() -> Vec<AdapterInfo> {
     let found = list_adapters();
-    assert!(!found.is_empty(), "this test needs a graphics adapter and found none");
+    assert!(
+        !found.is_empty(),
+        "this test needs a graphics adapter and found none"
+    );
     found
 }
 
@@ -146,21 +157,32 @@ fn psnr(a: &RgbaImage, b: &RgbaImage, dx: i32, dy: i32) -> f64 {
 }
 
 fn share_seen(a: &RgbaImage, b: &RgbaImage) -> f64 {
-    let seen = a.pixels().zip(b.pixels()).filter(|(p, q)| {
-        p.0.iter().zip(q.0).any(|(m, n)| m.abs_diff(n) > SEEN)
-    });
+    let seen = a
+        .pixels()
+        .zip(b.pixels())
+        .filter(|(p, q)| p.0.iter().zip(q.0).any(|(m, n)| m.abs_diff(n) > SEEN));
     seen.count() as f64 / (f64::from(a.width()) * f64::from(a.height()))
 }
 
 fn assert_same(gpu: &RgbaImage, cpu: &RgbaImage, what: &str) {
     let likeness = psnr(gpu, cpu, 0, 0);
     let seen = share_seen(gpu, cpu);
-    println!("{what}: {likeness:.2} dB, {:.3} % of pixels seen to differ", seen * 100.0);
+    println!(
+        "{what}: {likeness:.2} dB, {:.3} % of pixels seen to differ",
+        seen * 100.0
+    );
     assert!(likeness >= LEAST_PSNR, "{what}: {likeness:.2} dB");
-    assert!(seen <= MOST_SEEN, "{what}: {:.3} % differ by more than {SEEN}", seen * 100.0);
+    assert!(
+        seen <= MOST_SEEN,
+        "{what}: {:.3} % differ by more than {SEEN}",
+        seen * 100.0
+    );
     for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1)] {
         let shifted = psnr(gpu, cpu, dx, dy);
-        assert!(shifted < likeness, "{what}: better when moved by ({dx}, {dy})");
+        assert!(
+            shifted < likeness,
+            "{what}: better when moved by ({dx}, {dy})"
+        );
     }
 }
 
@@ -174,7 +196,11 @@ fn compare(projection: Projection, size: [u32; 2], samples: u32) {
         assert_eq!(gpu.name(), adapter.to_string());
         let found = draw(&mut gpu, &stage, &frame);
         assert!(found.pixels().all(|p| p.0[3] == 255));
-        assert_same(&found, &expected, &format!("{adapter}, {projection:?}, {samples} samples"));
+        assert_same(
+            &found,
+            &expected,
+            &format!("{adapter}, {projection:?}, {samples} samples"),
+        );
         let again = draw(&mut gpu, &stage, &frame);
         assert_eq!(found, again, "{adapter}: a second drawing differs");
     }
@@ -187,7 +213,11 @@ fn an_adapter_that_is_not_there_is_an_error_that_helps() {
     let Err(RenderError::NoAdapter(text)) = GpuRenderer::open(stage, choice) else {
         panic!("an adapter was found");
     };
-    for part in ["no adapter has this name", "mesa-vulkan-drivers", "--renderer cpu"] {
+    for part in [
+        "no adapter has this name",
+        "mesa-vulkan-drivers",
+        "--renderer cpu",
+    ] {
         assert!(text.contains(part), "{text}");
     }
 }
@@ -224,7 +254,10 @@ fn a_picture_without_pose_is_marked_alike() {
     frame.no_pose = true;
     let mut cpu = CpuRenderer::new(Arc::clone(&stage)).unwrap();
     let mut gpu = GpuRenderer::open(Arc::clone(&stage), AdapterChoice::Any).unwrap();
-    let pictures = [draw(&mut gpu, &stage, &frame), draw(&mut cpu, &stage, &frame)];
+    let pictures = [
+        draw(&mut gpu, &stage, &frame),
+        draw(&mut cpu, &stage, &frame),
+    ];
     assert_same(&pictures[0], &pictures[1], "no pose");
 }
 

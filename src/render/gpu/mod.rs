@@ -15,6 +15,7 @@ mod target;
 
 use super::adapter::{AdapterChoice, AdapterInfo};
 use super::colour::mark_no_pose;
+use super::contact_shadow::ShadowCaster;
 use super::ground::GroundView;
 use super::{Frame, RenderError, Renderer, Stage};
 use crate::math::Pose;
@@ -43,9 +44,9 @@ pub struct GpuRenderer {
     globals_buffer: wgpu::Buffer,
     sampler: wgpu::Sampler,
     shadow: ShadowTexture,
+    caster: Option<ShadowCaster>,
     bindings: wgpu::BindGroup,
     camera_from_world: Pose,
-    has_ground: bool,
 }
 
 impl GpuRenderer {
@@ -81,7 +82,7 @@ impl GpuRenderer {
         device.check()?;
         Ok(Self {
             camera_from_world: stage.camera.world_from_camera.inverse(),
-            has_ground: ground.is_some(),
+            caster: ground.and_then(|_| ShadowCaster::new(&stage)),
             instances: InstanceBuffer::new(&device),
             stage,
             info,
@@ -100,6 +101,25 @@ impl GpuRenderer {
     /// The adapter that draws.
     pub fn adapter(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// Casts the frame's shadow and brings it to the device.
+    fn cast_shadow(&mut self, frame: &Frame) {
+        let Some(caster) = &mut self.caster else {
+            return;
+        };
+        let shadow = caster.cast(frame);
+        if !self.shadow.fits(shadow) {
+            self.shadow = ShadowTexture::new(&self.device, shadow.size);
+            self.bindings = bind(
+                &self.device,
+                &self.pipelines.bindings,
+                &self.globals_buffer,
+                &self.shadow,
+                &self.sampler,
+            );
+        }
+        self.shadow.write(&self.device, shadow);
     }
 
     fn record(&mut self, plan: &Plan) -> wgpu::CommandEncoder {
@@ -123,7 +143,7 @@ impl GpuRenderer {
             };
             run(&mut pass, pipeline, draw);
         }
-        if self.has_ground {
+        if self.caster.is_some() {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..1);
         }
@@ -178,6 +198,7 @@ impl Renderer for GpuRenderer {
             )));
         }
         let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world);
+        self.cast_shadow(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
         if frame.no_pose {
