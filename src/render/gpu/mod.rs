@@ -207,3 +207,42 @@ impl Renderer for GpuRenderer {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::render::Projection;
+    use crate::render::camera::{ViewDirection, fit};
+    use glam::DVec3;
+
+    #[test]
+    #[ignore = "needs a graphics adapter: run with --include-ignored"]
+    fn a_lost_device_is_an_error() {
+        let view = ViewDirection {
+            azimuth: 0.3,
+            elevation: 0.3,
+            up: DVec3::Z,
+        };
+        let corners = [DVec3::ZERO, DVec3::ONE];
+        let projection = Projection::Perspective { fov_y: 0.5 };
+        let stage = Arc::new(Stage {
+            meshes: Vec::new(),
+            size: [64, 48],
+            samples: 4,
+            camera: fit(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),
+            background: [250, 250, 250],
+            ground: None,
+        });
+        let mut renderer = GpuRenderer::open(stage, AdapterChoice::Any).unwrap();
+        let mut image = RgbaImage::new(64, 48);
+        renderer.draw(&Frame::default(), &mut image).unwrap();
+        assert!(image.pixels().all(|p| p.0 == [250, 250, 250, 255]));
+        renderer.device.device.destroy();
+        let outcome = renderer.draw(&Frame::default(), &mut image);
+        assert!(
+            matches!(outcome, Err(RenderError::Device(_))),
+            "{outcome:?}"
+        );
+    }
+}
