@@ -1,6 +1,7 @@
 //! The choice between the renderers.
 
 use super::adapter::{AdapterChoice, AdapterInfo};
+use super::cpu::CpuRenderer;
 use super::{RenderError, Renderer, Stage};
 use std::sync::Arc;
 
@@ -28,11 +29,11 @@ pub fn open(
     workers: usize,
 ) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
     match choice {
-        RendererChoice::Cpu => Ok(open_cpu(&stage, workers)),
+        RendererChoice::Cpu => open_cpu(&stage, workers),
         RendererChoice::Gpu => Ok(vec![open_gpu(stage, adapter)?]),
         RendererChoice::Auto => match open_gpu(Arc::clone(&stage), adapter) {
             Ok(renderer) => Ok(vec![renderer]),
-            Err(_) => Ok(open_cpu(&stage, workers)),
+            Err(_) => open_cpu(&stage, workers),
         },
     }
 }
@@ -45,8 +46,13 @@ pub fn list_adapters() -> Vec<AdapterInfo> {
     return Vec::new();
 }
 
-fn open_cpu(_: &Arc<Stage>, _: usize) -> Vec<Box<dyn Renderer>> {
-    Vec::new()
+fn open_cpu(stage: &Arc<Stage>, workers: usize) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
+    (0..workers.max(1))
+        .map(|_| {
+            let renderer = CpuRenderer::new(Arc::clone(stage))?;
+            Ok(Box::new(renderer) as Box<dyn Renderer>)
+        })
+        .collect()
 }
 
 #[cfg(feature = "gpu")]

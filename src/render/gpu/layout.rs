@@ -202,9 +202,9 @@ mod tests {
         }
     }
 
-    /// A point of the ground has the same depth through the plane's form and through the mesh's transform.
+    /// A face in the ground is in front of it, by less than is seen.
     #[test]
-    fn ground_and_bodies_agree_on_depth() {
+    fn ground_is_just_behind_what_rests_on_it() {
         for projection in [
             Projection::Perspective { fov_y: 0.6 },
             Projection::Orthographic { height: 1.0 },
@@ -229,7 +229,8 @@ mod tests {
                 let expected = (-a * z + b) / divisor;
                 let g = globals.ground_depth;
                 let found = g[0] * clip[0] + g[1] * clip[1] + g[2];
-                assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+                assert!(found < expected * (1.0 - 1e-6), "{found} {expected}");
+                assert!(found > expected * (1.0 - 1e-3), "{found} {expected}");
                 assert!(expected > 0.0 && expected < 1.0);
             }
         }

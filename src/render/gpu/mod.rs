@@ -15,6 +15,7 @@ mod target;
 
 use super::adapter::{AdapterChoice, AdapterInfo};
 use super::colour::mark_no_pose;
+use super::contact_shadow::ShadowCaster;
 use super::ground::GroundView;
 use super::{Frame, RenderError, Renderer, Stage};
 use crate::math::Pose;
@@ -43,9 +44,9 @@ pub struct GpuRenderer {
     globals_buffer: wgpu::Buffer,
     sampler: wgpu::Sampler,
     shadow: ShadowTexture,
+    caster: Option<ShadowCaster>,
     bindings: wgpu::BindGroup,
     camera_from_world: Pose,
-    has_ground: bool,
 }
 
 impl GpuRenderer {
@@ -81,7 +82,7 @@ impl GpuRenderer {
         device.check()?;
         Ok(Self {
             camera_from_world: stage.camera.world_from_camera.inverse(),
-            has_ground: ground.is_some(),
+            caster: ground.and_then(|_| ShadowCaster::new(&stage)),
             instances: InstanceBuffer::new(&device),
             stage,
             info,
@@ -100,6 +101,25 @@ impl GpuRenderer {
     /// The adapter that draws.
     pub fn adapter(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// Casts the frame's shadow and brings it to the device.
+    fn cast_shadow(&mut self, frame: &Frame) {
+        let Some(caster) = &mut self.caster else {
+            return;
+        };
+        let shadow = caster.cast(frame);
+        if !self.shadow.fits(shadow) {
+            self.shadow = ShadowTexture::new(&self.device, shadow.size);
+            self.bindings = bind(
+                &self.device,
+                &self.pipelines.bindings,
+                &self.globals_buffer,
+                &self.shadow,
+                &self.sampler,
+            );
+        }
+        self.shadow.write(&self.device, shadow);
     }
 
     fn record(&mut self, plan: &Plan) -> wgpu::CommandEncoder {
@@ -123,7 +143,7 @@ impl GpuRenderer {
             };
             run(&mut pass, pipeline, draw);
         }
-        if self.has_ground {
+        if self.caster.is_some() {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..1);
         }
@@ -178,11 +198,51 @@ impl Renderer for GpuRenderer {
             )));
         }
         let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world);
+        self.cast_shadow(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
         if frame.no_pose {
             mark_no_pose(image, self.stage.background);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::render::Projection;
+    use crate::render::camera::{ViewDirection, fit};
+    use glam::DVec3;
+
+    #[test]
+    #[ignore = "needs a graphics adapter: run with --include-ignored"]
+    fn a_lost_device_is_an_error() {
+        let view = ViewDirection {
+            azimuth: 0.3,
+            elevation: 0.3,
+            up: DVec3::Z,
+        };
+        let corners = [DVec3::ZERO, DVec3::ONE];
+        let projection = Projection::Perspective { fov_y: 0.5 };
+        let stage = Arc::new(Stage {
+            meshes: Vec::new(),
+            size: [64, 48],
+            samples: 4,
+            camera: fit(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),
+            background: [250, 250, 250],
+            ground: None,
+        });
+        let mut renderer = GpuRenderer::open(stage, AdapterChoice::Any).unwrap();
+        let mut image = RgbaImage::new(64, 48);
+        renderer.draw(&Frame::default(), &mut image).unwrap();
+        assert!(image.pixels().all(|p| p.0 == [250, 250, 250, 255]));
+        renderer.device.device.destroy();
+        let outcome = renderer.draw(&Frame::default(), &mut image);
+        assert!(
+            matches!(outcome, Err(RenderError::Device(_))),
+            "{outcome:?}"
+        );
     }
 }
