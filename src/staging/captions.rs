@@ -118,6 +118,6 @@ pub fn in_world(
         anchor: Anchor::World(point),
         size: label.size * height,
         colour: label.colour,
-        plate: true,
+        plate: false,
     })
 }

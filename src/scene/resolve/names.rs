@@ -12,6 +12,9 @@ use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use std::collections::BTreeMap;
 
+/// The name of the time in the formulas of drives.
+pub const TIME: &str = "t";
+
 /// A parameter, its kind as far as known, and its value (radians for angles).
 pub struct Parameter {
     pub name: String,
@@ -210,6 +213,8 @@ impl Names {
             node,
             wanted,
             &mut |name, kind, span| match kinds.get(name) {
+                // The time of a drive is a number of seconds wherever it stands.
+                _ if name == TIME => {}
                 None => {
                     kinds.insert(name.to_owned(), (kind, span.clone()));
                 }
@@ -336,8 +341,8 @@ fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
                 continue;
             }
             seen.insert(word, (section, name.span.clone()));
-            let reserved =
-                ["t", "pi", "π", "E", "inv"].contains(&word) || Function::from_name(word).is_some();
+            let reserved = [TIME, "pi", "π", "E", "inv"].contains(&word)
+                || Function::from_name(word).is_some();
             if reserved || !is_identifier(word) {
                 let why = if reserved {
                     "has a fixed meaning in formulas"
