@@ -337,12 +337,12 @@ fn in_block<const G: usize>(
             } else if step[k] < 0 {
                 range[1] = (zero + RANGE_GUARD).min(range[1]);
             } else if most < 0 {
-                range[1] = -1.0;
+                range[1] = -2.0;
             }
         }
-        // Both are within a tile or the row is empty, so the casts are harmless.
-        let (from, to) = (range[0].ceil() as i32, range[1].floor() as i32);
-        if from > to {
+        // Cutting off the fraction leaves at most one cell too many in front, which is found bare.
+        let (from, to) = (range[0] as i32, range[1] as i32);
+        if range[0] > range[1] {
             continue;
         }
         let edges = Edges {

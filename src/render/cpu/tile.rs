@@ -112,6 +112,16 @@ fn smooth(assembly: &Assembly, first: i32, second: i32) -> bool {
     shared(a) | shared(b) | shared(c)
 }
 
+/// Whether all samples of a pixel show facets that are the first one or smooth with it.
+#[inline(always)]
+fn one_surface<const S: usize>(assembly: &Assembly, samples: &[i32; S]) -> bool {
+    let first = samples[0];
+    samples[1..].iter().all(|facet| {
+        *facet == first
+            || (first != NOTHING && *facet != NOTHING && smooth(assembly, first, *facet))
+    })
+}
+
 impl<const G: usize> Tile<G> {
     pub(super) fn new(samples: u32) -> Self {
         let pattern = Pattern::new(samples);
@@ -199,46 +209,48 @@ impl<const G: usize> Tile<G> {
     }
 
     /// Lights each smooth surface once in each pixel where it is seen, weighted by its samples.
-    #[inline(never)]
     fn light(&mut self, view: &View, window: Window) {
-        let samples = self.pattern.samples;
-        let share = 1.0 / samples as f32;
+        match self.pattern.samples {
+            1 => self.light_samples::<1>(view, window),
+            2 => self.light_samples::<2>(view, window),
+            4 => self.light_samples::<4>(view, window),
+            8 => self.light_samples::<8>(view, window),
+            _ => self.light_samples::<16>(view, window),
+        }
+    }
+
+    #[inline(never)]
+    fn light_samples<const S: usize>(&mut self, view: &View, window: Window) {
         let facets = self.facet.as_flattened().as_flattened();
+        let pixels = facets.as_chunks::<S>().0;
+        let colour = self.colour.as_mut_slice();
         for_pixels(window, |pixel, x, y| {
-            let own = &facets[pixel * samples..(pixel + 1) * samples];
+            let own = &pixels[pixel];
             let first = own[0];
-            let whole = own[1..].iter().all(|facet| {
-                *facet == first
-                    || (first != NOTHING
-                        && *facet != NOTHING
-                        && smooth(view.assembly, first, *facet))
-            });
-            if whole && first == NOTHING {
-                self.colour[pixel] = BARE;
+            if *own == [NOTHING; S] {
+                colour[pixel] = BARE;
                 return;
             }
-            self.colour[pixel] = [0.0; 3];
-            if whole {
-                self.batch
-                    .add(view, first, x, y, 1.0, pixel, &mut self.colour);
+            colour[pixel] = [0.0; 3];
+            if one_surface(view.assembly, own) {
+                self.batch.add(view, first, x, y, 1.0, pixel, colour);
                 return;
             }
             let mut seen = Seen::of(own);
             seen.merge(view.assembly);
             for (facet, count) in &seen.facets[..seen.count] {
-                let weight = share * *count as f32;
+                let weight = *count as f32 / S as f32;
                 if *facet == NOTHING {
                     let (rgb, _) = view.backdrop.linear(x as usize, y as usize, view.shadow);
                     for k in 0..3 {
-                        self.colour[pixel][k] += rgb[k] * weight;
+                        colour[pixel][k] += rgb[k] * weight;
                     }
                 } else {
-                    self.batch
-                        .add(view, *facet, x, y, weight, pixel, &mut self.colour);
+                    self.batch.add(view, *facet, x, y, weight, pixel, colour);
                 }
             }
         });
-        self.batch.flush(view.up, &mut self.colour);
+        self.batch.flush(view.up, colour);
     }
 
     #[inline(never)]
