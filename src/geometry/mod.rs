@@ -2,9 +2,9 @@
 
 mod crease;
 mod primitive;
-mod stl;
+pub mod stl;
 mod torus;
-mod trace;
+pub mod trace;
 mod tube;
 
 pub use crease::mesh_of_triangles;
@@ -53,10 +53,24 @@ impl Mesh {
 
     /// Whether every edge is shared by two triangles that run along it in opposite directions.
     ///
-    /// Corners at exactly the same position count as one, triangles with two such corners are ignored. A
-    /// renderer may leave out the back faces of a closed mesh.
+    /// Corners at exactly the same position count as one, triangles with two such corners are ignored.
     pub fn is_closed(&self) -> bool {
         closed_edges(self).is_some()
+    }
+
+    /// Whether the outside hides the inside completely: closed, and not inside out as a file may have it. A
+    /// renderer may leave out the back faces of such a mesh.
+    pub fn hides_its_inside(&self) -> bool {
+        let corner = |index: u32| {
+            let position = self.positions.get(index as usize);
+            position.copied().unwrap_or_default()
+        };
+        let six_volumes: f64 = self
+            .triangles
+            .iter()
+            .map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))))
+            .sum();
+        six_volumes > 0.0 && self.is_closed()
     }
 }
 

@@ -415,3 +415,24 @@ fn solids_without_extent_give_no_triangles() {
         );
     }
 }
+
+#[test]
+fn back_faces_are_hidden_only_by_a_whole_mesh_the_right_way_out() {
+    let whole = mesh_of(
+        &Solid::Box {
+            center: DVec3::ONE,
+            size: DVec3::ONE,
+        },
+        0.1,
+    );
+    assert!(whole.hides_its_inside());
+    let mut gap = whole.clone();
+    gap.triangles.pop();
+    assert!(!gap.hides_its_inside());
+    let mut inside_out = whole;
+    for triangle in &mut inside_out.triangles {
+        triangle.swap(0, 1);
+    }
+    assert!(inside_out.is_closed() && !inside_out.hides_its_inside());
+    assert!(!Mesh::default().hides_its_inside());
+}

@@ -115,7 +115,10 @@ impl Assembly {
                 continue;
             };
             if instance.opacity >= 1.0 {
-                let faces = if solid.closed {
+                // A part of a closed mesh is open.
+                let whole = instance.triangles.start == 0
+                    && instance.triangles.end as usize >= solid.triangles.len();
+                let faces = if solid.closed && whole {
                     Faces::Front
                 } else {
                     Faces::Both

@@ -35,7 +35,7 @@ impl Solid {
             } else {
                 Vec::new()
             },
-            closed: mesh.is_closed(),
+            closed: mesh.hides_its_inside(),
             bounds: mesh.bounds().unwrap_or([DVec3::ZERO; 2]),
         }
     }
