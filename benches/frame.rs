@@ -5,6 +5,9 @@
 //! `cargo bench --bench frame [-- [--quick] FOLDER]` prints a table, and with a folder leaves pictures there.
 //! `--quick` measures the time of four samples only, for a profiler.
 
+// A benchmark may stop at the first surprise.
+#![allow(clippy::expect_used)]
+
 use glam::{DMat3, DVec3};
 use image::RgbaImage;
 use mechanim::geometry::Mesh;
@@ -17,6 +20,8 @@ use std::time::Instant;
 
 const SIZE: [u32; 2] = [640, 480];
 const FRAMES: u32 = 120;
+/// The frame whose picture is compared.
+const COMPARED: u32 = 30;
 
 /// Triangles of a grid of `around` by `along` vertices, closed around and maybe along.
 fn grid(around: u32, along: u32, closed: bool) -> Vec<[u32; 3]> {
@@ -211,8 +216,8 @@ fn reference(number: u32, ground: bool) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; (SIZE[0] * SIZE[1]) as usize];
     for (x, y, pixel) in large.enumerate_pixels() {
         let sum = &mut sums[((y / SCALE) * SIZE[0] + x / SCALE) as usize];
-        for k in 0..3 {
-            sum[k] += f64::from(curve.decode(pixel.0[k])) / f64::from(SCALE * SCALE);
+        for (sum, code) in sum.iter_mut().zip(pixel.0) {
+            *sum += f64::from(curve.decode(code)) / f64::from(SCALE * SCALE);
         }
     }
     let encode = |v: f64| {
@@ -236,6 +241,34 @@ fn rmse(image: &RgbaImage, reference: &[[f64; 3]]) -> f64 {
     (sum / (3.0 * reference.len() as f64)).sqrt()
 }
 
+/// Time of all frames with one number of samples, and the distance from the truth if it is known.
+fn measure(stage: Stage, frames: &[Frame], truth: Option<&[[f64; 3]]>) -> RgbaImage {
+    let samples = stage.samples;
+    let mut renderer = CpuRenderer::new(Arc::new(stage)).expect("a stage");
+    let mut image = RgbaImage::new(SIZE[0], SIZE[1]);
+    renderer.draw(&frames[0], &mut image).expect("a picture");
+    let start = Instant::now();
+    let before = cpu_seconds(start);
+    let mut best = f64::INFINITY;
+    for frame in frames {
+        let start = Instant::now();
+        renderer.draw(frame, &mut image).expect("a picture");
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    let cpu = (cpu_seconds(start) - before) * 1e3 / frames.len() as f64;
+    renderer
+        .draw(&frames[COMPARED as usize], &mut image)
+        .expect("a picture");
+    let error = truth.map_or(String::new(), |truth| {
+        format!(", RMSE {:.3}", rmse(&image, truth))
+    });
+    println!(
+        "  {samples:2} samples: {cpu:6.2} CPU ms a frame (best {:6.2} wall){error}",
+        best * 1e3
+    );
+    image
+}
+
 fn main() {
     let folder = std::env::args().skip(1).find(|a| !a.starts_with("--"));
     let quick = std::env::args().any(|a| a == "--quick");
@@ -250,37 +283,15 @@ fn main() {
         println!(
             "{}",
             if ground {
-                "with ground, grid and contact shadow"
+                "with ground and contact shadow"
             } else {
                 "bodies only"
             }
         );
-        let truth = if quick {
-            Vec::new()
-        } else {
-            reference(30, ground)
-        };
+        let truth = (!quick).then(|| reference(COMPARED, ground));
         let counts: &[u32] = if quick { &[4] } else { &[1, 2, 4, 8, 16] };
         for samples in counts.iter().copied() {
-            let mut renderer =
-                CpuRenderer::new(Arc::new(stage(1, samples, ground))).expect("a stage");
-            let mut image = RgbaImage::new(SIZE[0], SIZE[1]);
-            renderer.draw(&frames[0], &mut image).expect("a picture");
-            let start = Instant::now();
-            let before = cpu_seconds(start);
-            let mut best = f64::INFINITY;
-            for frame in &frames {
-                let start = Instant::now();
-                renderer.draw(frame, &mut image).expect("a picture");
-                best = best.min(start.elapsed().as_secs_f64());
-            }
-            let cpu = (cpu_seconds(start) - before) * 1e3 / f64::from(FRAMES);
-            renderer.draw(&frames[30], &mut image).expect("a picture");
-            println!(
-                "  {samples:2} samples: {cpu:6.2} CPU ms a frame (best {:6.2} wall), RMSE {:.3}",
-                best * 1e3,
-                rmse(&image, &truth)
-            );
+            let image = measure(stage(1, samples, ground), &frames, truth.as_deref());
             if let Some(folder) = &folder {
                 let name = format!("{folder}/frame-{samples}-{ground}.png");
                 image.save(&name).expect("a file");

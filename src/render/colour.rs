@@ -15,11 +15,6 @@ const GUESS_CELLS: usize = 4096;
 const NO_POSE_GREY: u32 = 208;
 /// Share of the way to the background that a picture without a pose goes, in 256ths.
 const NO_POSE_FADE: u32 = 112;
-/// Width of the hatched margin in pixels for each 480 pixels of the picture's shorter side, at least 4.
-const HATCH_MARGIN: u32 = 14;
-/// Pitch of the hatching in pixels.
-const HATCH_PITCH: u32 = 12;
-
 /// Tables of the sRGB transfer curve.
 pub struct Curve {
     linear: [f32; 256],
@@ -106,26 +101,18 @@ fn fifth_root(value: f64) -> f64 {
     root
 }
 
-/// Greys a finished picture and hatches its margin: there is no pose at this time.
+/// Greys a finished picture: there is no pose at this time.
 ///
-/// Works on the sRGB codes with integers, so both renderers give the same bytes. Labels are drawn later.
+/// Works on the sRGB codes with integers, so both renderers give the same bytes. Border and labels are laid
+/// over it later.
 pub fn mark_no_pose(image: &mut RgbaImage, background: [u8; 3]) {
-    let (width, height) = image.dimensions();
-    let margin = (width.min(height) * HATCH_MARGIN / 480).max(4);
     let weights = LUMINANCE.map(|w| (w * 256.0 + 0.5) as u32);
-    for (x, y, pixel) in image.enumerate_pixels_mut() {
+    for pixel in image.pixels_mut() {
         let [r, g, b, _] = pixel.0.map(u32::from);
         let grey = (weights[0] * r + weights[1] * g + weights[2] * b + 128) >> 8;
-        let inside = x >= margin && y >= margin && x + margin < width && y + margin < height;
-        let dark = !inside && (x + y) % HATCH_PITCH < HATCH_PITCH / 2;
-        for c in 0..3 {
-            let own = u32::from(pixel.0[c]);
-            let faded = blend(
-                blend(own, grey, NO_POSE_GREY),
-                u32::from(background[c]),
-                NO_POSE_FADE,
-            );
-            pixel.0[c] = if dark { faded * 3 / 4 } else { faded } as u8;
+        for (code, below) in pixel.0.iter_mut().zip(background) {
+            let faded = blend(u32::from(*code), grey, NO_POSE_GREY);
+            *code = blend(faded, u32::from(below), NO_POSE_FADE) as u8;
         }
     }
 }
@@ -172,5 +159,18 @@ mod tests {
         assert_eq!(curve.encode(f32::NAN), 0);
         assert_eq!(curve.encode(-3.0), 0);
         assert_eq!(curve.encode(7.0), 255);
+    }
+
+    #[test]
+    fn a_picture_without_pose_is_grey_and_pale() {
+        let background = [245, 246, 248];
+        let mut image = RgbaImage::from_pixel(1, 1, image::Rgba([200, 40, 40, 255]));
+        mark_no_pose(&mut image, background);
+        let [r, g, b, a] = image.get_pixel(0, 0).0;
+        assert!(r - g < 40 && r > g && g.abs_diff(b) < 4 && a == 255);
+        let mut empty = RgbaImage::from_pixel(1, 1, image::Rgba([245, 246, 248, 255]));
+        mark_no_pose(&mut empty, background);
+        let kept = empty.get_pixel(0, 0).0;
+        assert!((0..3).all(|k| kept[k].abs_diff(background[k]) <= 2));
     }
 }

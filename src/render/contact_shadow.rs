@@ -13,9 +13,9 @@ use glam::DMat3;
 pub const SHADOW_SIZE: u32 = 128;
 /// Height above which a body darkens nothing, in radii: of the narrow shadow close to a contact, and of
 /// the wide one.
-const REACH: [f32; 2] = [0.10, 0.55];
+const REACH: [f32; 2] = [0.12, 0.60];
 /// Darkness right at the ground.
-const DEPTH: [f32; 2] = [0.62, 0.50];
+const DEPTH: [f32; 2] = [0.70, 0.50];
 /// Half width of the averaging window in texels; it is passed twice along each axis.
 const BLUR: [usize; 2] = [1, 4];
 /// The largest of them.
@@ -355,3 +355,6 @@ fn blur_columns(from: &[f32], to: &mut [f32], half: usize) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -100,7 +100,7 @@ impl Lens {
 
     /// Direction from what a pixel shows to the eye, in camera space, not normalised.
     #[inline(always)]
-    pub(super) fn to_viewer(&self, x: f32, y: f32) -> [f32; 3] {
+    pub(super) fn viewer_from(&self, x: f32, y: f32) -> [f32; 3] {
         if self.perspective {
             [
                 (self.center[0] - x) * self.slope,

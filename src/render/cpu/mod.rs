@@ -7,6 +7,7 @@
 
 mod assembly;
 mod backdrop;
+mod blocks;
 mod clip;
 mod lens;
 mod raster;

@@ -63,6 +63,8 @@ impl Batch {
     }
 
     /// Lights all items, adds them to their pixels by weight and empties the batch.
+    // One index through many arrays is what becomes vector code.
+    #[allow(clippy::needless_range_loop)]
     pub(super) fn flush(&mut self, up: [f32; 3], pixels: &mut [[f32; 3]]) {
         let mut colour = [[0.0; BATCH]; 3];
         for i in 0..BATCH {

@@ -327,7 +327,7 @@ impl Batch {
         let facet = &view.assembly.facets[number as usize];
         let paint = &view.assembly.paints[facet.instance()];
         let normal = normal_at(view.assembly, facet, view.lens, x, y);
-        let to_viewer = view.lens.to_viewer(x as f32 + 0.5, y as f32 + 0.5);
+        let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
         self.push(
             normal,
             to_viewer,
