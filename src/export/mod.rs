@@ -26,6 +26,7 @@ pub mod palette;
 pub mod png;
 pub mod pump;
 mod screen;
+pub mod table;
 pub mod target;
 pub mod timing;
 

@@ -2,6 +2,19 @@
 //!
 //! A renderer is a pure function from (stage, frame) to pixels; it knows nothing of mechanisms or files.
 
+pub mod adapter;
+pub mod camera;
+pub mod colour;
+pub mod contact_shadow;
+pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+pub mod ground;
+pub mod look;
+pub mod open;
+pub mod overlay;
+pub mod text;
+
 use crate::geometry::Mesh;
 use crate::math::Pose;
 use glam::DVec3;

@@ -1,0 +1,66 @@
+// Meshes: posed instances, lit by the common look, opaque or translucent.
+
+struct BodyVertex {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) place: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) @interpolate(flat) colour: vec4<f32>,
+    @location(3) @interpolate(flat) flatness: f32,
+}
+
+@vertex
+fn body_vertex(
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) pose_x: vec4<f32>,
+    @location(3) pose_y: vec4<f32>,
+    @location(4) pose_z: vec4<f32>,
+    @location(5) colour: vec4<f32>,
+    @location(6) flatness: f32,
+) -> BodyVertex {
+    let point = vec4<f32>(position, 1.0);
+    let place = vec3<f32>(dot(pose_x, point), dot(pose_y, point), dot(pose_z, point));
+    let d = -place.z;
+    var out: BodyVertex;
+    out.clip = vec4<f32>(
+        place.xy * globals.scale.xy,
+        globals.depth.x * d + globals.depth.y,
+        globals.depth.z * d + globals.depth.w,
+    );
+    out.place = place;
+    out.normal = vec3<f32>(dot(pose_x.xyz, normal), dot(pose_y.xyz, normal), dot(pose_z.xyz, normal));
+    out.colour = colour;
+    out.flatness = flatness;
+    return out;
+}
+
+// The unit direction from a point of a surface to the eye.
+fn viewer_direction(place: vec3<f32>) -> vec3<f32> {
+    if (globals.up.w > 0.5) {
+        return -normalize(place);
+    }
+    return vec3<f32>(0.0, 0.0, 1.0);
+}
+
+// The unit normal on the side that is seen.
+fn seen_normal(normal: vec3<f32>, front: bool) -> vec3<f32> {
+    let unit = normal / max(length(normal), 1e-20);
+    return select(-unit, unit, front);
+}
+
+@fragment
+fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let normal = seen_normal(in.normal, front);
+    let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, in.colour.rgb, in.flatness);
+    return vec4<f32>(colour, 1.0);
+}
+
+@fragment
+fn body_translucent(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let normal = seen_normal(in.normal, front);
+    let to_viewer = viewer_direction(in.place);
+    let colour = shade(normal, to_viewer, globals.up.xyz, in.colour.rgb, in.flatness);
+    let edge = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
+    let opacity = mix(edge, in.colour.a, in.flatness);
+    return vec4<f32>(colour, opacity);
+}

@@ -1,0 +1,48 @@
+// The formulas of src/render/look.rs, one to one. The constants come in front of this text from there.
+
+fn rim(n_v: f32) -> f32 {
+    let away = 1.0 - n_v;
+    let squared = away * away;
+    return squared * squared;
+}
+
+fn edge_opacity(opacity: f32, n_v: f32) -> f32 {
+    return opacity + (1.0 - opacity) * (EDGE_OPACITY * rim(n_v));
+}
+
+// Directions are unit vectors in camera space; the answer is in linear light.
+fn shade(normal: vec3<f32>, to_viewer: vec3<f32>, up: vec3<f32>, albedo: vec3<f32>, flatness: f32) -> vec3<f32> {
+    let n_l = dot(normal, KEY_DIRECTION);
+    let n_v = max(dot(normal, to_viewer), 0.0);
+    let key = max((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
+    let fill = max(dot(normal, FILL_DIRECTION), 0.0);
+    let sky = 0.5 + 0.5 * dot(normal, up);
+
+    let half_sum = max(n_l + n_v, 0.0);
+    let h2 = min(half_sum * half_sum / max(2.0 + 2.0 * dot(KEY_DIRECTION, to_viewer), 1e-6), 1.0);
+    let h4 = h2 * h2;
+    let h8 = h4 * h4;
+    let h16 = h8 * h8;
+    let h32 = h16 * h16;
+    let glint = SHEEN * h8 + HIGHLIGHT * (h32 * h32);
+
+    let light = mix(GROUND_COLOUR, SKY_COLOUR, sky) + KEY_COLOUR * key + FILL_COLOUR * fill;
+    let gloss = KEY_COLOUR * glint + SKY_COLOUR * (RIM * rim(n_v));
+    let lit = saturate(EXPOSURE * (albedo * light + gloss));
+    return mix(lit, albedo, flatness);
+}
+
+fn ground_fade(radius_share_squared: f32) -> f32 {
+    let t = saturate((radius_share_squared - FADE_START_SQUARED) / (1.0 - FADE_START_SQUARED));
+    return 1.0 - t * t * (3.0 - 2.0 * t);
+}
+
+fn grid_line(at: f32, footprint: f32) -> f32 {
+    let off = abs(at - floor(at + 0.5));
+    let cover = saturate(GRID_HALF_WIDTH + 0.5 - off / max(footprint, 1e-12));
+    return cover * saturate(2.0 - footprint * (2.0 / GRID_MAX_FOOTPRINT));
+}
+
+fn ground_factor(fade: f32, lines: f32, shadow: f32) -> f32 {
+    return (1.0 - fade * (GROUND_TINT + GRID_DARKNESS * lines)) * (1.0 - fade * SHADOW_DARKNESS * shadow);
+}

@@ -1,0 +1,22 @@
+// What is the same in all draws of one picture. Mirrors `Globals` of src/render/gpu/layout.rs.
+
+struct Globals {
+    // Clip space of a point in camera space at distance d: (x * scale.x, y * scale.y, depth.x * d + depth.y,
+    // depth.z * d + depth.w).
+    scale: vec4<f32>,
+    depth: vec4<f32>,
+    // Up in camera space; w is 1 for a perspective, 0 for a parallel projection.
+    up: vec4<f32>,
+    // Background in linear light.
+    background: vec4<f32>,
+    // The ground's forms in the pixel coordinates (x right, y down): u, v, w. See src/render/ground.rs.
+    ground_u: vec4<f32>,
+    ground_v: vec4<f32>,
+    ground_w: vec4<f32>,
+    // Depth buffer value of the ground as a form in clip coordinates; w is the pitch of the grid, 0 for none.
+    ground_depth: vec4<f32>,
+}
+
+@group(0) @binding(0) var<uniform> globals: Globals;
+@group(0) @binding(1) var shadow_texels: texture_2d<f32>;
+@group(0) @binding(2) var shadow_sampler: sampler;

@@ -1,0 +1,125 @@
+//! Meshes of links, pins and balls: parry's tessellations, with the analytic normals added.
+//!
+//! parry gives which corners make triangles and where they sit on the unit shape; here they are put on the
+//! true surface, so that the result does not depend on the platform's sine.
+
+use super::{Mesh, crease, segments, settle, upright};
+use glam::{DMat3, DVec3};
+use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};
+
+/// Below this share of the radius a link has no length, and a capsule is a ball.
+const NO_LENGTH: f64 = 1e-9;
+
+/// parry's corner in a frame whose third column is the shape's axis.
+fn placed(frame: &DMat3, corner: DVec3) -> DVec3 {
+    frame.x_axis * corner.z + frame.y_axis * corner.x + frame.z_axis * corner.y
+}
+
+/// Segments around and from pole to pole of a ball; the errors of the two directions add up.
+fn ball_segments(radius: f64, tolerance: f64) -> [u32; 2] {
+    let around = segments(radius, 0.5 * tolerance);
+    [around, around / 2]
+}
+
+pub(super) fn ball(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
+    if !(radius > 0.0) {
+        return Mesh::default();
+    }
+    let [around, down] = ball_segments(radius, tolerance);
+    let (corners, triangles) = Ball::new(1.0).to_trimesh(around, down);
+    let frame = upright(DVec3::Z);
+    let normals: Vec<DVec3> = corners
+        .into_iter()
+        .map(|corner| placed(&frame, settle(corner)))
+        .collect();
+    Mesh {
+        positions: normals.iter().map(|n| center + *n * radius).collect(),
+        normals,
+        triangles,
+    }
+}
+
+pub(super) fn capsule(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Mesh {
+    if !(from.distance(to) > NO_LENGTH * radius) {
+        return ball(from, radius, tolerance);
+    }
+    let [around, down] = ball_segments(radius, tolerance);
+    let (corners, triangles) = Capsule::new_y(1.0, 1.0).to_trimesh(around, down);
+    let frame = upright(to - from);
+    let mut mesh = Mesh {
+        triangles,
+        ..Mesh::default()
+    };
+    for corner in corners {
+        let top = corner.y > 0.0;
+        let (end, middle) = if top {
+            (to, DVec3::Y)
+        } else {
+            (from, DVec3::NEG_Y)
+        };
+        let normal = placed(&frame, settle(corner - middle));
+        mesh.push_vertex(end + normal * radius, normal);
+    }
+    mesh
+}
+
+/// Cylinder, frustum or cone between two centres, its flat ends with edges of their own.
+pub(super) fn frustum(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) -> Mesh {
+    let widest = radii[0].max(radii[1]);
+    let axis = ends[1] - ends[0];
+    if !(widest > 0.0 && radii[0].min(radii[1]) >= 0.0 && axis.length() > NO_LENGTH * widest) {
+        return Mesh::default();
+    }
+    if radii[0] == 0.0 {
+        return frustum([ends[1], ends[0]], [radii[1], radii[0]], tolerance);
+    }
+    let around = segments(widest, tolerance);
+    let pointed = radii[1] == 0.0;
+    let (corners, triangles) = if pointed {
+        Cone::new(1.0, 1.0).to_trimesh(around)
+    } else {
+        Cylinder::new(1.0, 1.0).to_trimesh(around)
+    };
+    let frame = upright(axis);
+    let tilt = radii[0] - radii[1];
+    let outward: Vec<DVec3> = corners
+        .iter()
+        .map(|c| placed(&frame, settle(DVec3::new(c.x, 0.0, c.z))))
+        .collect();
+    let position = |corner: usize| {
+        let end = usize::from(corners[corner].y > 0.0);
+        ends[end] + outward[corner] * radii[end]
+    };
+    let mut mesh = Mesh::default();
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|i| i as usize);
+        let level = corners[a].y + corners[b].y + corners[c].y;
+        let flat = level.abs() > 2.5;
+        // At the tip the surface has no normal of its own; the side's middle direction serves.
+        let middle = outward[a] + outward[b] + outward[c];
+        let corners_out = [a, b, c].map(|corner| {
+            let out = if outward[corner] == DVec3::ZERO {
+                middle
+            } else {
+                outward[corner]
+            };
+            let normal = if flat {
+                frame.z_axis * level.signum()
+            } else {
+                (out.normalize_or_zero() * axis.length() + frame.z_axis * tilt).normalize_or_zero()
+            };
+            mesh.push_vertex(position(corner), normal)
+        });
+        mesh.triangles.push(corners_out);
+    }
+    crease::share_vertices(mesh)
+}
+
+pub(super) fn cuboid(center: DVec3, size: DVec3) -> Mesh {
+    if !(size.min_element() > 0.0) {
+        return Mesh::default();
+    }
+    let (corners, triangles) = Cuboid::new(size * 0.5).to_trimesh();
+    let corners: Vec<DVec3> = corners.into_iter().map(|c| c + center).collect();
+    crease::mesh_of_triangles(&corners, &triangles)
+}

@@ -1,0 +1,258 @@
+//! Round tubes along polylines: rings carried along without twist, balls at the corners, round ends.
+
+use super::{Mesh, primitive, segments};
+use crate::math::sin_cos;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Points closer than this share of the tube's radius are one point.
+const REPEAT: f64 = 1e-9;
+/// Sine below which two directions have no common perpendicular worth the name.
+const STRAIGHT: f64 = 1e-12;
+
+/// All points within `radius` of the polyline, as one closed surface.
+///
+/// At a corner the ring turns about the corner point, so that its outer half sweeps the ball that joins
+/// the two straight parts and its inner half stays inside the tube: no pinching at any angle.
+pub(super) fn tube(points: &[DVec3], radius: f64, closed: bool, tolerance: f64) -> Mesh {
+    if !(radius > 0.0) {
+        return Mesh::default();
+    }
+    let points = distinct(points, radius, closed);
+    let closed = closed && points.len() >= 3;
+    match points.as_slice() {
+        [] => Mesh::default(),
+        [only] => primitive::ball(*only, radius, tolerance),
+        _ => Sweep::new(radius, segments(radius, 0.5 * tolerance)).along(&points, closed),
+    }
+}
+
+/// The polyline without repeated neighbours and without what is not finite.
+fn distinct(points: &[DVec3], radius: f64, closed: bool) -> Vec<DVec3> {
+    let mut kept: Vec<DVec3> = Vec::with_capacity(points.len());
+    for point in points.iter().filter(|p| p.is_finite()) {
+        if kept
+            .last()
+            .is_none_or(|last| last.distance(*point) > REPEAT * radius)
+        {
+            kept.push(*point);
+        }
+    }
+    while closed && kept.len() > 1 && kept[0].distance(kept[kept.len() - 1]) <= REPEAT * radius {
+        kept.pop();
+    }
+    kept
+}
+
+/// Two unit axes of a ring and, implied by them, the direction of the tube, first × second.
+#[derive(Clone, Copy)]
+pub(super) struct RingFrame {
+    pub(super) first: DVec3,
+    pub(super) second: DVec3,
+}
+
+impl RingFrame {
+    pub(super) fn across(direction: DVec3) -> Self {
+        let rotation = super::upright(direction);
+        Self {
+            first: rotation.x_axis,
+            second: rotation.y_axis,
+        }
+    }
+
+    pub(super) fn direction(&self) -> DVec3 {
+        self.first.cross(self.second)
+    }
+
+    /// Turned about `axis` (unit) by `angle` radians.
+    fn turned(&self, axis: DVec3, angle: f64) -> Self {
+        let (sin, cos) = sin_cos(angle);
+        let turn = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
+        let first = turn(self.first).normalize_or_zero();
+        let second = turn(self.second);
+        Self {
+            first,
+            second: (second - first * first.dot(second)).normalize_or_zero(),
+        }
+    }
+
+    /// Axis and angle of the shortest turn to a new direction of the tube.
+    pub(super) fn turn_to(&self, direction: DVec3) -> (DVec3, f64) {
+        let own = self.direction();
+        let normal = own.cross(direction);
+        let angle = libm::atan2(normal.length(), own.dot(direction));
+        // Straight on any axis will do, and so it will for a full reversal.
+        let axis = if normal.length() > STRAIGHT {
+            normal.normalize()
+        } else {
+            self.first
+        };
+        (axis, angle)
+    }
+
+    /// The frame with the given direction, reached without twist.
+    pub(super) fn carried_to(&self, direction: DVec3) -> Self {
+        let (axis, angle) = self.turn_to(direction);
+        self.turned(axis, angle)
+    }
+}
+
+/// A ring before its vertices are made.
+struct Ring {
+    center: DVec3,
+    frame: RingFrame,
+}
+
+struct Sweep {
+    radius: f64,
+    around: u32,
+    mesh: Mesh,
+}
+
+impl Sweep {
+    fn new(radius: f64, around: u32) -> Self {
+        Self {
+            radius,
+            around,
+            mesh: Mesh::default(),
+        }
+    }
+
+    fn along(mut self, points: &[DVec3], closed: bool) -> Mesh {
+        let count = points.len();
+        let legs = if closed { count } else { count - 1 };
+        let direction =
+            |leg: usize| (points[(leg + 1) % count] - points[leg % count]).normalize_or_zero();
+        let mut frame = RingFrame::across(direction(0));
+        let mut rings = Vec::new();
+        if !closed {
+            rings.push(Ring {
+                center: points[0],
+                frame,
+            });
+        }
+        for leg in 1..legs {
+            frame = self.corner(points[leg], frame, direction(leg), &mut rings);
+        }
+        if closed {
+            frame = self.corner(points[0], frame, direction(0), &mut rings);
+            let (sin, cos) = {
+                let start = RingFrame::across(direction(0));
+                (start.second.dot(frame.first), start.first.dot(frame.first))
+            };
+            self.untwist(&mut rings, libm::atan2(sin, cos));
+        } else {
+            rings.push(Ring {
+                center: points[count - 1],
+                frame,
+            });
+        }
+        for ring in &rings {
+            self.push_ring(ring);
+        }
+        let rows = rings.len() as u32;
+        for row in 1..rows {
+            self.join(row - 1, row);
+        }
+        if closed {
+            self.join(rows - 1, 0);
+        } else {
+            self.round_end(&rings[0], 0, -1.0);
+            self.round_end(&rings[rings.len() - 1], rows - 1, 1.0);
+        }
+        self.mesh
+    }
+
+    /// Rings that turn about the corner until the tube points in `direction`.
+    fn corner(
+        &self,
+        center: DVec3,
+        frame: RingFrame,
+        direction: DVec3,
+        rings: &mut Vec<Ring>,
+    ) -> RingFrame {
+        let (axis, angle) = frame.turn_to(direction);
+        let step = TAU / f64::from(self.around);
+        if angle <= step {
+            // A bend this slight is as good as a mitre; its error is within the chords' tolerance.
+            let frame = frame.turned(axis, 0.5 * angle);
+            rings.push(Ring { center, frame });
+        } else {
+            let steps = (angle / step).ceil() as u32;
+            for k in 0..=steps {
+                let frame = frame.turned(axis, angle * f64::from(k) / f64::from(steps));
+                rings.push(Ring { center, frame });
+            }
+        }
+        frame.turned(axis, angle)
+    }
+
+    /// Spreads the twist that a closed line has gathered evenly over its length.
+    fn untwist(&self, rings: &mut [Ring], twist: f64) {
+        let centers: Vec<DVec3> = rings.iter().map(|ring| ring.center).collect();
+        let Some(last) = centers.last() else { return };
+        let mut travelled = vec![0.0];
+        for pair in centers.windows(2) {
+            travelled.push(travelled[travelled.len() - 1] + pair[0].distance(pair[1]));
+        }
+        let length = travelled[travelled.len() - 1] + last.distance(centers[0]);
+        for (ring, way) in rings.iter_mut().zip(travelled) {
+            let share = if length > 0.0 { way / length } else { 0.0 };
+            ring.frame = ring.frame.turned(ring.frame.direction(), -twist * share);
+        }
+    }
+
+    fn push_ring(&mut self, ring: &Ring) {
+        for k in 0..self.around {
+            let (sin, cos) = sin_cos(TAU * f64::from(k) / f64::from(self.around));
+            let normal = ring.frame.first * cos + ring.frame.second * sin;
+            self.mesh
+                .push_vertex(ring.center + normal * self.radius, normal);
+        }
+    }
+
+    /// Facets between the rings number `from` and `to`.
+    fn join(&mut self, from: u32, to: u32) {
+        for k in 0..self.around {
+            let next = (k + 1) % self.around;
+            let [a, b] = [from * self.around + k, from * self.around + next];
+            let [d, c] = [to * self.around + k, to * self.around + next];
+            self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+
+    /// Half a ball beyond a ring; `side` is +1 at the end and -1 at the start of the line.
+    fn round_end(&mut self, ring: &Ring, row: u32, side: f64) {
+        let outward = ring.frame.direction() * side;
+        let steps = (self.around / 4).max(2);
+        let mut base = row * self.around;
+        for step in 1..steps {
+            let (sin, cos) = sin_cos(FRAC_PI_2 * f64::from(step) / f64::from(steps));
+            let next = self.mesh.positions.len() as u32;
+            for k in 0..self.around {
+                let (s, c) = sin_cos(TAU * f64::from(k) / f64::from(self.around));
+                let normal = (ring.frame.first * c + ring.frame.second * s) * cos + outward * sin;
+                self.mesh
+                    .push_vertex(ring.center + normal * self.radius, normal);
+            }
+            for k in 0..self.around {
+                let j = (k + 1) % self.around;
+                self.facet([base + k, base + j, next + j], side);
+                self.facet([base + k, next + j, next + k], side);
+            }
+            base = next;
+        }
+        let pole = self
+            .mesh
+            .push_vertex(ring.center + outward * self.radius, outward);
+        for k in 0..self.around {
+            self.facet([base + k, base + (k + 1) % self.around, pole], side);
+        }
+    }
+
+    fn facet(&mut self, [a, b, c]: [u32; 3], side: f64) {
+        self.mesh
+            .triangles
+            .push(if side > 0.0 { [a, b, c] } else { [a, c, b] });
+    }
+}

@@ -1,0 +1,294 @@
+//! Cameras that hold given points as tightly as they can, and the projection of points to pixels.
+//!
+//! Works in f64. Holds no pixels and no matrix of a graphics interface.
+
+use super::{Camera, Projection};
+use crate::math::{Pose, sin_cos};
+use glam::{DMat3, DVec3};
+
+/// Clearance between the eye and the nearest point, as a share of the points' extent, when the frame
+/// itself would let the eye touch them (all points on one line of sight).
+const EYE_CLEARANCE: f64 = 0.05;
+/// Extent given to a set of points that has none, in the scene's unit: one point must still make a picture.
+const POINT_EXTENT: f64 = 1.0;
+/// Points closer together than this share of their distance from the origin have no extent to f64.
+const EXTENT_RESOLUTION: f64 = 1e-12;
+/// Room between the points and the near and far planes, as a share of the extent: what moves between
+/// the fitted points or rests below them is not cut.
+const DEPTH_SLACK: f64 = 0.05;
+/// The near plane is never closer than this share of the far plane's distance: f32 depth keeps
+/// four digits at the far end.
+const NEAR_SHARE: f64 = 1e-4;
+/// Largest share of the frame that a margin may take.
+const MAX_MARGIN: f64 = 0.9;
+
+/// From where a scene is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewDirection {
+    /// Angle of the eye about `up`, in radians. With z up, 0 is on the x axis and π/2 on the y axis.
+    pub azimuth: f64,
+    /// Angle of the eye above the horizon, in radians, -π/2 to π/2.
+    pub elevation: f64,
+    /// The direction that is up in the picture; unit length.
+    pub up: DVec3,
+}
+
+impl ViewDirection {
+    /// The camera's axes in the world: x right, y up, z towards the viewer.
+    pub fn axes(&self) -> DMat3 {
+        let (sin_azimuth, cos_azimuth) = sin_cos(self.azimuth);
+        let (sin_elevation, cos_elevation) = sin_cos(self.elevation);
+        let right = DVec3::new(-sin_azimuth, cos_azimuth, 0.0);
+        let back = DVec3::new(
+            cos_elevation * cos_azimuth,
+            cos_elevation * sin_azimuth,
+            sin_elevation,
+        );
+        Pose::from_z_axis(self.up).rotation * DMat3::from_cols(right, back.cross(right), back)
+    }
+}
+
+/// The tightest camera from a direction: every finite point is inside the frame less its margin, and at
+/// least two touch it.
+///
+/// `aspect` is width over height; `margin` the share of the frame's half width and half height kept free.
+/// The height of an orthographic `projection` is ignored. Closed form: each side of the frame is a plane
+/// that supports the points, and the eye is where opposite planes meet. No points: a unit around the origin.
+pub fn fit(
+    points: impl Iterator<Item = DVec3> + Clone,
+    view: &ViewDirection,
+    projection: Projection,
+    aspect: f64,
+    margin: f64,
+) -> Camera {
+    let axes = view.axes();
+    let free = 1.0 - margin.clamp(0.0, MAX_MARGIN);
+    let slope = match projection {
+        Projection::Perspective { fov_y } => {
+            let (sin, cos) = sin_cos(0.5 * fov_y);
+            sin / cos
+        }
+        Projection::Orthographic { .. } => 0.0,
+    };
+    let slopes = [slope * aspect * free, slope * free];
+    let inside = points
+        .filter(|point| point.is_finite())
+        .map(|point| axes.transpose() * point);
+    let support = Support::of(inside, slopes);
+    let (projection, eye) = match projection {
+        Projection::Perspective { fov_y } => (
+            Projection::Perspective { fov_y },
+            support.perspective_eye(slopes),
+        ),
+        Projection::Orthographic { .. } => {
+            let spans = [0, 1].map(|k| support.reach[k][0] + support.reach[k][1]);
+            let height = (spans[0] / aspect).max(spans[1]) / free;
+            let height = if height > support.extent * EXTENT_RESOLUTION {
+                height
+            } else {
+                support.extent
+            };
+            (
+                Projection::Orthographic { height },
+                support.eye_at(support.back + support.extent),
+            )
+        }
+    };
+    let slack = DEPTH_SLACK * support.extent;
+    let far = eye.z - support.front + slack;
+    Camera {
+        world_from_camera: Pose {
+            rotation: axes,
+            translation: axes * eye,
+        },
+        projection,
+        near: (eye.z - support.back - slack).max(far * NEAR_SHARE),
+        far,
+    }
+}
+
+/// Where the planes of a frame with given slopes touch the points; coordinates along the camera's axes.
+struct Support {
+    /// For x and y: greatest of `+c + slope z` and of `-c + slope z`.
+    reach: [[f64; 2]; 2],
+    /// Greatest z, nearest to the viewer.
+    back: f64,
+    /// Least z.
+    front: f64,
+    /// Largest edge of the bounding box, or the stand-in for a single point.
+    extent: f64,
+}
+
+impl Support {
+    fn of(points: impl Iterator<Item = DVec3>, slopes: [f64; 2]) -> Self {
+        let mut reach = [[f64::NEG_INFINITY; 2]; 2];
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for point in points {
+            for k in 0..2 {
+                reach[k][0] = reach[k][0].max(point[k] + slopes[k] * point.z);
+                reach[k][1] = reach[k][1].max(-point[k] + slopes[k] * point.z);
+            }
+            (low, high) = (low.min(point), high.max(point));
+        }
+        if low.x > high.x {
+            return Self::of([DVec3::splat(-0.5), DVec3::splat(0.5)].into_iter(), slopes);
+        }
+        let extent = (high - low).max_element();
+        let resolution = EXTENT_RESOLUTION * high.abs().max(low.abs()).max_element();
+        Self {
+            reach,
+            back: high.z,
+            front: low.z,
+            extent: if extent > resolution {
+                extent
+            } else {
+                POINT_EXTENT
+            },
+        }
+    }
+
+    fn perspective_eye(&self, slopes: [f64; 2]) -> DVec3 {
+        let tight = (0..2)
+            .map(|k| (self.reach[k][0] + self.reach[k][1]) / (2.0 * slopes[k]))
+            .fold(f64::NEG_INFINITY, f64::max);
+        let clearance = if self.back > self.front || tight > self.back {
+            EYE_CLEARANCE * self.extent
+        } else {
+            self.extent
+        };
+        self.eye_at(tight.max(self.back + clearance))
+    }
+
+    /// The eye at depth `z`, the free room shared evenly between opposite sides.
+    fn eye_at(&self, z: f64) -> DVec3 {
+        let [x, y] = [0, 1].map(|k| 0.5 * (self.reach[k][0] - self.reach[k][1]));
+        DVec3::new(x, y, z)
+    }
+}
+
+impl Camera {
+    /// Pixel and distance of a world point: x to the right and y down from the picture's top left corner,
+    /// and the distance in front of the eye along the line of sight.
+    ///
+    /// `None` for a point behind the near plane of a perspective, or not finite.
+    pub fn project(&self, point: DVec3, size: [u32; 2]) -> Option<[f64; 3]> {
+        let local = self.world_from_camera.inverse().transform_point(point);
+        let distance = -local.z;
+        let divisor = match self.projection {
+            Projection::Perspective { .. } => distance,
+            Projection::Orthographic { .. } => 1.0,
+        };
+        if !local.is_finite() || (self.is_perspective() && distance < self.near) {
+            return None;
+        }
+        let scale = self.pixels_per_unit(size) / divisor;
+        Some([
+            0.5 * f64::from(size[0]) + scale * local.x,
+            0.5 * f64::from(size[1]) - scale * local.y,
+            distance,
+        ])
+    }
+
+    /// Pixels that one unit spans: at distance 1 in a perspective, anywhere in a parallel projection.
+    pub fn pixels_per_unit(&self, size: [u32; 2]) -> f64 {
+        match self.projection {
+            Projection::Perspective { fov_y } => {
+                let (sin, cos) = sin_cos(0.5 * fov_y);
+                0.5 * f64::from(size[1]) * cos / sin
+            }
+            Projection::Orthographic { height } => f64::from(size[1]) / height,
+        }
+    }
+
+    /// Whether lines of sight meet in the eye.
+    pub fn is_perspective(&self) -> bool {
+        matches!(self.projection, Projection::Perspective { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SIZE: [u32; 2] = [640, 480];
+    const PERSPECTIVE: Projection = Projection::Perspective { fov_y: 0.6 };
+    const PARALLEL: Projection = Projection::Orthographic { height: 0.0 };
+
+    fn view(azimuth: f64, elevation: f64) -> ViewDirection {
+        ViewDirection {
+            azimuth,
+            elevation,
+            up: DVec3::Z,
+        }
+    }
+
+    /// Greatest |x| and |y| of the projected points in units of the half frame.
+    fn spread(camera: &Camera, points: &[DVec3]) -> [f64; 2] {
+        points.iter().fold([0.0, 0.0], |[a, b]: [f64; 2], point| {
+            let Some([x, y, depth]) = camera.project(*point, SIZE) else {
+                return [f64::INFINITY; 2];
+            };
+            assert!(depth > camera.near && depth < camera.far);
+            [
+                a.max((x / 320.0 - 1.0).abs()),
+                b.max((y / 240.0 - 1.0).abs()),
+            ]
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn fitted_points_fill_the_frame_to_its_margin(
+            raw in prop::collection::vec([-20.0..20.0f64, -20.0..20.0, -20.0..20.0], 0..40),
+            azimuth in -4.0..4.0f64, elevation in -1.57..1.57f64, parallel: bool,
+        ) {
+            // The cube keeps the frame binding: without it a needle along the line of sight would be held
+            // by the eye's clearance instead.
+            let cube = (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)) * 40.0 - 20.0);
+            let points: Vec<DVec3> = raw.into_iter().map(DVec3::from).chain(cube).collect();
+            let projection = if parallel { PARALLEL } else { PERSPECTIVE };
+            let camera = fit(points.iter().copied(), &view(azimuth, elevation), projection, 4.0 / 3.0, 0.1);
+            let [x, y] = spread(&camera, &points);
+            prop_assert!(x <= 0.9 + 1e-9 && y <= 0.9 + 1e-9);
+            prop_assert!((x.max(y) - 0.9).abs() < 1e-9, "nothing touches: {x} {y}");
+        }
+    }
+
+    #[test]
+    fn degenerate_sets_still_make_a_camera() {
+        let line: Vec<DVec3> = (0..5).map(|k| DVec3::X * f64::from(k)).collect();
+        let sets: [&[DVec3]; 5] = [
+            &[],
+            &[DVec3::new(3.0, 4.0, 5.0)],
+            &[DVec3::ONE, DVec3::ONE],
+            &line,
+            &[DVec3::ZERO, DVec3::NAN],
+        ];
+        for points in sets {
+            for projection in [PERSPECTIVE, PARALLEL] {
+                let camera = fit(
+                    points.iter().copied(),
+                    &view(0.0, 0.0),
+                    projection,
+                    1.0,
+                    0.1,
+                );
+                assert!(camera.world_from_camera.is_finite());
+                assert!(camera.near > 0.0 && camera.far > camera.near && camera.far.is_finite());
+                let finite: Vec<DVec3> = points.iter().copied().filter(|p| p.is_finite()).collect();
+                assert!(spread(&camera, &finite).iter().all(|c| *c <= 1.0));
+            }
+        }
+    }
+
+    #[test]
+    fn the_eye_stands_where_the_angles_say() {
+        let axes = view(0.0, 0.0).axes();
+        assert!((axes.z_axis - DVec3::X).length() < 1e-15);
+        assert!((axes.y_axis - DVec3::Z).length() < 1e-15);
+        let above = view(0.3, std::f64::consts::FRAC_PI_2).axes();
+        assert!((above.z_axis - DVec3::Z).length() < 1e-15);
+        assert!((above.determinant() - 1.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,174 @@
+//! sRGB to linear light and back, to the bit the same on every machine, and the picture without a pose.
+//!
+//! Transfer curve of IEC 61966-2-1. Powers are taken with `+ - * /` only. Holds no lights.
+
+use std::sync::LazyLock;
+
+use super::look::{LUMINANCE, Rgb};
+use image::RgbaImage;
+
+/// Cells of the first guess when encoding. Above 255 · 12.92 (the steepest part of the curve has one code
+/// per 1/3295), so that no cell holds two thresholds and one comparison settles the code.
+const GUESS_CELLS: usize = 4096;
+
+/// Share of the colour that a picture without a pose loses, in 256ths.
+const NO_POSE_GREY: u32 = 208;
+/// Share of the way to the background that a picture without a pose goes, in 256ths.
+const NO_POSE_FADE: u32 = 112;
+/// Width of the hatched margin in pixels for each 480 pixels of the picture's shorter side, at least 4.
+const HATCH_MARGIN: u32 = 14;
+/// Pitch of the hatching in pixels.
+const HATCH_PITCH: u32 = 12;
+
+/// Tables of the sRGB transfer curve.
+pub struct Curve {
+    linear: [f32; 256],
+    /// `thresholds[k]` is the least linear value whose code is k + 1; the last is above 1.
+    thresholds: [f32; 256],
+    guess: Vec<u8>,
+}
+
+static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
+
+impl Curve {
+    /// The shared tables.
+    pub fn shared() -> &'static Self {
+        &CURVE
+    }
+
+    fn new() -> Self {
+        let mut linear = [0.0; 256];
+        let mut thresholds = [2.0; 256];
+        for code in 0..256 {
+            linear[code] = decode_exact(code as f64 / 255.0) as f32;
+            if code < 255 {
+                thresholds[code] = decode_exact((code as f64 + 0.5) / 255.0) as f32;
+            }
+        }
+        let mut guess = vec![0u8; GUESS_CELLS + 1];
+        let mut code = 0;
+        for (cell, entry) in guess.iter_mut().enumerate() {
+            let start = cell as f32 / GUESS_CELLS as f32;
+            while code < 255 && thresholds[code] <= start {
+                code += 1;
+            }
+            *entry = code as u8;
+        }
+        Self {
+            linear,
+            thresholds,
+            guess,
+        }
+    }
+
+    /// Linear value of an sRGB code.
+    #[inline]
+    pub fn decode(&self, code: u8) -> f32 {
+        self.linear[code as usize]
+    }
+
+    /// Linear colour of an sRGB colour.
+    #[inline]
+    pub fn decode_rgb(&self, colour: [u8; 3]) -> Rgb {
+        colour.map(|code| self.decode(code))
+    }
+
+    /// Nearest sRGB code of a linear value; values outside 0..=1 are clamped, not a number becomes 0.
+    #[inline]
+    pub fn encode(&self, value: f32) -> u8 {
+        let value = super::look::saturate(value);
+        let cell = (value * GUESS_CELLS as f32) as usize;
+        let guess = self.guess[cell.min(GUESS_CELLS)];
+        guess + u8::from(value >= self.thresholds[guess as usize])
+    }
+}
+
+/// The transfer curve from code (0..=1) to linear light, error below 1e-15.
+fn decode_exact(code: f64) -> f64 {
+    if code <= 0.040_45 {
+        return code / 12.92;
+    }
+    // x^2.4 = x² (x²)^(1/5)
+    let x = (code + 0.055) / 1.055;
+    x * x * fifth_root(x * x)
+}
+
+/// Fifth root of a number in 0..=1 by Newton's method from above, which converges monotonically.
+fn fifth_root(value: f64) -> f64 {
+    let mut root = 1.0;
+    // From 1 down to the root of 0.001 takes 8 steps, of 1e-6 about 20; 40 leave no doubt.
+    for _ in 0..40 {
+        let fourth = root * root * root * root;
+        root = (4.0 * root + value / fourth) / 5.0;
+    }
+    root
+}
+
+/// Greys a finished picture and hatches its margin: there is no pose at this time.
+///
+/// Works on the sRGB codes with integers, so both renderers give the same bytes. Labels are drawn later.
+pub fn mark_no_pose(image: &mut RgbaImage, background: [u8; 3]) {
+    let (width, height) = image.dimensions();
+    let margin = (width.min(height) * HATCH_MARGIN / 480).max(4);
+    let weights = LUMINANCE.map(|w| (w * 256.0 + 0.5) as u32);
+    for (x, y, pixel) in image.enumerate_pixels_mut() {
+        let [r, g, b, _] = pixel.0.map(u32::from);
+        let grey = (weights[0] * r + weights[1] * g + weights[2] * b + 128) >> 8;
+        let inside = x >= margin && y >= margin && x + margin < width && y + margin < height;
+        let dark = !inside && (x + y) % HATCH_PITCH < HATCH_PITCH / 2;
+        for c in 0..3 {
+            let own = u32::from(pixel.0[c]);
+            let faded = blend(
+                blend(own, grey, NO_POSE_GREY),
+                u32::from(background[c]),
+                NO_POSE_FADE,
+            );
+            pixel.0[c] = if dark { faded * 3 / 4 } else { faded } as u8;
+        }
+    }
+}
+
+/// Mix of two codes, `share` in 256ths of the second.
+fn blend(first: u32, second: u32, share: u32) -> u32 {
+    ((256 - share) * first + share * second + 128) >> 8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_survives_the_round_trip() {
+        let curve = Curve::shared();
+        for code in 0..=255 {
+            assert_eq!(curve.encode(curve.decode(code)), code);
+        }
+    }
+
+    #[test]
+    fn decode_agrees_with_the_standard_formula() {
+        for code in 0..=255u8 {
+            let x = f64::from(code) / 255.0;
+            let expected = if x <= 0.040_45 {
+                x / 12.92
+            } else {
+                ((x + 0.055) / 1.055).powf(2.4)
+            };
+            assert!((decode_exact(x) - expected).abs() < 1e-15, "{code}");
+        }
+    }
+
+    #[test]
+    fn encode_is_the_nearest_code_everywhere() {
+        let curve = Curve::shared();
+        for step in 0..=1_000_000 {
+            let value = step as f32 / 1e6;
+            let code = curve.encode(value) as usize;
+            assert!(code == 0 || value >= curve.thresholds[code - 1], "{value}");
+            assert!(value < curve.thresholds[code], "{value}");
+        }
+        assert_eq!(curve.encode(f32::NAN), 0);
+        assert_eq!(curve.encode(-3.0), 0);
+        assert_eq!(curve.encode(7.0), 255);
+    }
+}

@@ -1,0 +1,296 @@
+//! The soft shadow that bodies throw on the ground below them, as a small texture for both renderers.
+//!
+//! Computed on the CPU once a frame from the casting instances. It is the darkening near a contact,
+//! straight below a body and growing softer with its height, not the shadow of the key light.
+
+use super::ground::ground_axes;
+use super::look::{larger, smaller};
+use super::{Frame, Ground, Instance, Stage};
+use crate::math::{Pose, narrow, narrow_pose};
+use glam::DMat3;
+
+/// Texels along each side of the map. A texel is then 1/64 of the ground's radius, which the blur hides.
+pub const SHADOW_SIZE: u32 = 128;
+/// Height above which a body darkens nothing, in radii: of the narrow shadow close to a contact, and of
+/// the wide one.
+const REACH: [f32; 2] = [0.10, 0.55];
+/// Darkness right at the ground.
+const DEPTH: [f32; 2] = [0.62, 0.50];
+/// Half width of the averaging window in texels; it is passed twice along each axis.
+const BLUR: [usize; 2] = [1, 4];
+
+/// Darkness over the square that circumscribes the ground's disc.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactShadow {
+    /// Texels along each side.
+    pub size: u32,
+    /// `size * size` darknesses, 0 none to 255 full; row-major, first axis of the ground along a row.
+    pub texels: Vec<u8>,
+    /// First and last texel column, then row, that is not all zero, for leaving out the rest.
+    pub dark: Option<[[u32; 2]; 2]>,
+}
+
+impl ContactShadow {
+    /// Darkness 0..=1 at a point of the ground, bilinear between texel centres.
+    ///
+    /// `u` and `v` are the coordinates along the ground's two axes divided by its radius, -1..=1. A GPU
+    /// gets the same with a linear, edge-clamped sampler at `0.5 + 0.5 * (u, v)`.
+    #[inline]
+    pub fn sample(&self, u: f32, v: f32) -> f32 {
+        let size = self.size as usize;
+        let last = self.size as f32 - 1.0;
+        let place = |c: f32| smaller(larger((0.5 + 0.5 * c) * self.size as f32 - 0.5, 0.0), last);
+        let (x, y) = (place(u), place(v));
+        let (column, row) = (x as usize, y as usize);
+        let (fx, fy) = (x - column as f32, y - row as f32);
+        let next = (column + 1).min(size - 1);
+        let below = (row + 1).min(size - 1);
+        let at = |c: usize, r: usize| f32::from(self.texels[r * size + c]);
+        let top = at(column, row) + (at(next, row) - at(column, row)) * fx;
+        let bottom = at(column, below) + (at(next, below) - at(column, below)) * fx;
+        (top + (bottom - top) * fy) / 255.0
+    }
+
+    /// Least and greatest coordinates (as of [`sample`](Self::sample)) between which darkness is not zero.
+    pub fn reach(&self) -> Option<[[f32; 2]; 2]> {
+        let dark = self.dark?;
+        // The bilinear lookup spreads a texel to the centres of its neighbours.
+        let edge =
+            |texel: u32, spread: f32| (texel as f32 + 0.5 + spread) / self.size as f32 * 2.0 - 1.0;
+        let [x, y] = dark;
+        Some([
+            [edge(x[0], -1.0), edge(y[0], -1.0)],
+            [edge(x[1], 1.0), edge(y[1], 1.0)],
+        ])
+    }
+}
+
+/// A mesh seen from the ground: fine parts count by their corners, coarse ones by their triangles.
+#[derive(Clone, Debug)]
+struct Caster {
+    corners: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// For each triangle, whether an edge is longer than a texel.
+    coarse: Vec<u32>,
+}
+
+/// Makes the contact shadows of a stage's frames. Keeps its memory between frames.
+#[derive(Clone, Debug)]
+pub struct ShadowCaster {
+    ground: Ground,
+    axes: DMat3,
+    casters: Vec<Caster>,
+    /// Least height over each texel in radii; infinite where nothing is above.
+    heights: Vec<f32>,
+    layers: [Vec<f32>; 2],
+    scratch: Vec<f32>,
+    shadow: ContactShadow,
+}
+
+impl ShadowCaster {
+    /// A caster for a stage; `None` without a ground.
+    pub fn new(stage: &Stage) -> Option<Self> {
+        let ground = stage
+            .ground
+            .filter(|g| g.radius > 0.0 && g.center.is_finite())?;
+        let texel = (2.0 * ground.radius / f64::from(SHADOW_SIZE)) as f32;
+        let area = (SHADOW_SIZE * SHADOW_SIZE) as usize;
+        let casters = stage.meshes.iter().map(|mesh| {
+            let corners: Vec<[f32; 3]> = mesh.positions.iter().map(|p| narrow(*p)).collect();
+            let inside = |t: &&[u32; 3]| t.iter().all(|i| (*i as usize) < corners.len());
+            let triangles: Vec<[u32; 3]> = mesh
+                .triangles
+                .iter()
+                .map(|t| if inside(&t) { *t } else { [0; 3] })
+                .collect();
+            let coarse = (0..triangles.len() as u32)
+                .filter(|k| {
+                    !corners.is_empty() && is_coarse(&corners, triangles[*k as usize], texel)
+                })
+                .collect();
+            Caster {
+                corners,
+                triangles,
+                coarse,
+            }
+        });
+        Some(Self {
+            ground,
+            axes: ground_axes(&ground),
+            casters: casters.collect(),
+            heights: vec![f32::INFINITY; area],
+            layers: [vec![0.0; area], vec![0.0; area]],
+            scratch: vec![0.0; area],
+            shadow: ContactShadow {
+                size: SHADOW_SIZE,
+                texels: vec![0; area],
+                dark: None,
+            },
+        })
+    }
+
+    /// The shadow of a frame's casting instances.
+    pub fn cast(&mut self, frame: &Frame) -> &ContactShadow {
+        self.heights.fill(f32::INFINITY);
+        let mut reach = HeightMap {
+            heights: &mut self.heights,
+        };
+        let ground_from_world = Pose {
+            rotation: self.axes,
+            translation: self.ground.center,
+        }
+        .inverse();
+        for instance in frame.instances.iter().filter(|i| i.casts_shadow) {
+            if let Some(caster) = self.casters.get(instance.mesh) {
+                let pose = ground_from_world * instance.world_from_mesh;
+                caster.drop_on(&mut reach, instance, &pose, self.ground.radius);
+            }
+        }
+        self.darken();
+        &self.shadow
+    }
+
+    /// From heights to blurred darkness.
+    fn darken(&mut self) {
+        let size = SHADOW_SIZE as usize;
+        for (k, layer) in self.layers.iter_mut().enumerate() {
+            for (dark, height) in layer.iter_mut().zip(&self.heights) {
+                let near = larger(1.0 - height / REACH[k], 0.0);
+                *dark = DEPTH[k] * near * near;
+            }
+            for _ in 0..2 {
+                blur_rows(layer, &mut self.scratch, BLUR[k], size);
+                blur_columns(&self.scratch, layer, BLUR[k], size);
+            }
+        }
+        let mut dark: Option<[[u32; 2]; 2]> = None;
+        let [narrow, wide] = &self.layers;
+        for (k, texel) in self.shadow.texels.iter_mut().enumerate() {
+            let light = (1.0 - narrow[k]) * (1.0 - wide[k]);
+            *texel = ((1.0 - light) * 255.0 + 0.5) as u8;
+            if *texel > 0 {
+                let (x, y) = ((k % size) as u32, (k / size) as u32);
+                let [columns, rows] = dark.unwrap_or([[x, x], [y, y]]);
+                dark = Some([
+                    [columns[0].min(x), columns[1].max(x)],
+                    [rows[0].min(y), rows[1].max(y)],
+                ]);
+            }
+        }
+        self.shadow.dark = dark;
+    }
+}
+
+fn is_coarse(corners: &[[f32; 3]], triangle: [u32; 3], texel: f32) -> bool {
+    let [a, b, c] = triangle.map(|i| corners[i as usize]);
+    let longer = |p: [f32; 3], q: [f32; 3]| {
+        let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+        d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > texel * texel
+    };
+    longer(a, b) || longer(b, c) || longer(c, a)
+}
+
+impl Caster {
+    fn drop_on(&self, map: &mut HeightMap, instance: &Instance, pose: &Pose, radius: f64) {
+        let [x, y, z] = narrow_pose(pose);
+        let radius = radius as f32;
+        let half = 0.5 * SHADOW_SIZE as f32;
+        let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3];
+        // Texel coordinates and height in radii.
+        let place = |p: [f32; 3]| {
+            [
+                row(x, p) / radius * half + half,
+                row(y, p) / radius * half + half,
+                row(z, p) / radius,
+            ]
+        };
+        let count = self.triangles.len() as u32;
+        let (start, end) = (
+            instance.triangles.start.min(count),
+            instance.triangles.end.min(count),
+        );
+        if start == 0 && end == count {
+            self.corners.iter().for_each(|p| map.dot(place(*p)));
+        } else if start < end {
+            for triangle in &self.triangles[start as usize..end as usize] {
+                triangle
+                    .iter()
+                    .for_each(|i| map.dot(place(self.corners[*i as usize])));
+            }
+        }
+        for k in self.coarse.iter().filter(|k| (start..end).contains(k)) {
+            map.triangle(self.triangles[*k as usize].map(|i| place(self.corners[i as usize])));
+        }
+    }
+}
+
+struct HeightMap<'a> {
+    heights: &'a mut [f32],
+}
+
+impl HeightMap<'_> {
+    /// Lowers the texel under a point.
+    #[inline(always)]
+    fn dot(&mut self, [x, y, height]: [f32; 3]) {
+        let size = SHADOW_SIZE as f32;
+        if x >= 0.0 && x < size && y >= 0.0 && y < size {
+            let texel = &mut self.heights[y as usize * SHADOW_SIZE as usize + x as usize];
+            *texel = smaller(larger(height, 0.0), *texel);
+        }
+    }
+
+    /// Lowers the texels whose centres are under a triangle.
+    fn triangle(&mut self, [a, b, c]: [[f32; 3]; 3]) {
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+        // Upright triangles have no area from above; their corners and neighbours count.
+        if !(area.abs() > 1e-6 && area.abs() < 1e12) {
+            return;
+        }
+        let last = SHADOW_SIZE as f32 - 1.0;
+        let range = |k: usize| {
+            let low = smaller(smaller(a[k], b[k]), c[k]);
+            let high = larger(larger(a[k], b[k]), c[k]);
+            let first = larger((low - 0.5).ceil(), 0.0);
+            (first, smaller((high - 0.5).floor(), last))
+        };
+        let ((x0, x1), (y0, y1)) = (range(0), range(1));
+        if !(x0 <= x1 && y0 <= y1) {
+            return;
+        }
+        for row in y0 as usize..=y1 as usize {
+            for column in x0 as usize..=x1 as usize {
+                let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
+                let v = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / area;
+                let w = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / area;
+                if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+                    self.dot([x, y, a[2] + v * (b[2] - a[2]) + w * (c[2] - a[2])]);
+                }
+            }
+        }
+    }
+}
+
+/// Running mean over `2 half + 1` texels along each row; zero beyond the map.
+fn blur_rows(from: &[f32], to: &mut [f32], half: usize, size: usize) {
+    for (source, target) in from.chunks_exact(size).zip(to.chunks_exact_mut(size)) {
+        let share = 1.0 / (2 * half + 1) as f32;
+        for (k, texel) in target.iter_mut().enumerate() {
+            let window = &source[k.saturating_sub(half)..(k + half + 1).min(size)];
+            *texel = window.iter().sum::<f32>() * share;
+        }
+    }
+}
+
+/// The same along each column.
+fn blur_columns(from: &[f32], to: &mut [f32], half: usize, size: usize) {
+    let share = 1.0 / (2 * half + 1) as f32;
+    for (k, target) in to.chunks_exact_mut(size).enumerate() {
+        target.fill(0.0);
+        for row in k.saturating_sub(half)..(k + half + 1).min(size) {
+            let source = &from[row * size..(row + 1) * size];
+            for (texel, value) in target.iter_mut().zip(source) {
+                *texel += value * share;
+            }
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! What is seen where no body is: background, ground, grid and contact shadow.
+//!
+//! All but the shadow is the same in every frame and made once.
+
+use super::tile::TILE;
+use crate::render::Stage;
+use crate::render::colour::Curve;
+use crate::render::contact_shadow::ContactShadow;
+use crate::render::ground::GroundView;
+use crate::render::look::{self, Rgb};
+
+/// The ground in one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spot {
+    /// Factor on the background without shadow.
+    factor: f32,
+    /// Coordinates on the ground in units of its radius.
+    at: [f32; 2],
+    /// Presence of the ground; 0 where there is none.
+    fade: f32,
+}
+
+/// The picture without bodies.
+#[derive(Clone, Debug)]
+pub(super) struct Backdrop {
+    size: [usize; 2],
+    background: Rgb,
+    /// Codes without shadow, row by row.
+    codes: Vec<[u8; 4]>,
+    spots: Vec<Spot>,
+    /// Range of the ground's coordinates in each tile, `None` where it shows no ground.
+    reach: Vec<Option<[[f32; 2]; 2]>>,
+    pub(super) view: Option<GroundView>,
+}
+
+impl Backdrop {
+    pub(super) fn new(stage: &Stage) -> Self {
+        let curve = Curve::shared();
+        let size = stage.size.map(|n| n as usize);
+        let background = curve.decode_rgb(stage.background);
+        let [r, g, b] = stage.background;
+        let view = stage
+            .ground
+            .as_ref()
+            .and_then(|ground| GroundView::new(ground, &stage.camera, stage.size));
+        let mut backdrop = Self {
+            size,
+            background,
+            codes: vec![[r, g, b, 255]; size[0] * size[1]],
+            spots: Vec::new(),
+            reach: Vec::new(),
+            view,
+        };
+        if let Some(view) = view {
+            backdrop.lay_ground(&view, curve);
+        }
+        backdrop
+    }
+
+    fn lay_ground(&mut self, view: &GroundView, curve: &Curve) {
+        let [width, height] = self.size;
+        self.spots = vec![
+            Spot {
+                factor: 1.0,
+                ..Spot::default()
+            };
+            width * height
+        ];
+        let columns = width.div_ceil(TILE);
+        self.reach = vec![None; columns * height.div_ceil(TILE)];
+        for y in 0..height {
+            for x in 0..width {
+                let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {
+                    continue;
+                };
+                let factor = look::ground_factor(point.fade, point.lines, 0.0);
+                let [u, v] = point.at;
+                self.spots[y * width + x] = Spot {
+                    factor,
+                    at: point.at,
+                    fade: point.fade,
+                };
+                let code = self.background.map(|c| curve.encode(c * factor));
+                self.codes[y * width + x] = [code[0], code[1], code[2], 255];
+                let reach = &mut self.reach[y / TILE * columns + x / TILE];
+                let [low, high] = reach.unwrap_or([point.at, point.at]);
+                *reach = Some([
+                    [low[0].min(u), low[1].min(v)],
+                    [high[0].max(u), high[1].max(v)],
+                ]);
+            }
+        }
+    }
+
+    /// Whether any pixel of a tile may be in the shadow.
+    pub(super) fn shaded(&self, tile: usize, shadow: Option<&ContactShadow>) -> bool {
+        let reach = self.reach.get(tile).copied().flatten();
+        let (Some([low, high]), Some(shadow)) = (reach, shadow) else {
+            return false;
+        };
+        let Some([least, greatest]) = shadow.reach() else {
+            return false;
+        };
+        (0..2).all(|k| low[k] <= greatest[k] && high[k] >= least[k])
+    }
+
+    /// Codes of a row of pixels without shadow.
+    pub(super) fn codes(&self, x: usize, y: usize, count: usize) -> &[[u8; 4]] {
+        let start = y * self.size[0] + x;
+        &self.codes[start..start + count]
+    }
+
+    /// Linear colour of a pixel, with the shadow where there is one, and whether the shadow changes it.
+    #[inline]
+    pub(super) fn linear(&self, x: usize, y: usize, shadow: Option<&ContactShadow>) -> (Rgb, bool) {
+        let Some(spot) = self.spots.get(y * self.size[0] + x) else {
+            return (self.background, false);
+        };
+        let darkness = match shadow {
+            Some(shadow) if spot.fade > 0.0 => shadow.sample(spot.at[0], spot.at[1]),
+            _ => 0.0,
+        };
+        let factor = spot.factor * (1.0 - spot.fade * look::SHADOW_DARKNESS * darkness);
+        (self.background.map(|c| c * factor), darkness > 0.0)
+    }
+
+    /// Nearness of the ground at a place in the picture (pixels), as vertices measure it; minus infinity
+    /// where there is none.
+    pub(super) fn depth(&self, x: f64, y: f64, perspective: bool) -> f32 {
+        let Some(view) = &self.view else {
+            return f32::NEG_INFINITY;
+        };
+        match (view.at(x, y), view.distance_at(x, y)) {
+            (Some(_), Some(distance)) if perspective => (1.0 / distance) as f32,
+            (Some(_), Some(distance)) => -distance as f32,
+            _ => f32::NEG_INFINITY,
+        }
+    }
+}

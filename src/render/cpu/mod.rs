@@ -1,0 +1,196 @@
+//! The built-in renderer: no driver, no window, the same bytes on every machine.
+//!
+//! A frame goes through three steps. Assembly transforms the vertices, leaves out what cannot be seen and
+//! sorts the rest into tiles that fit the cache. Each tile then finds the nearest facet of every sample,
+//! lights each facet once in each pixel, and encodes the mean of a pixel's samples. One renderer works on
+//! one thread; frames are shared out by giving each thread a renderer of its own.
+
+mod assembly;
+mod backdrop;
+mod clip;
+mod lens;
+mod raster;
+mod samples;
+mod shading;
+mod solid;
+mod tile;
+mod translucent;
+
+use super::contact_shadow::{ContactShadow, ShadowCaster};
+use super::{Frame, RenderError, Renderer, Stage, colour};
+use assembly::Assembly;
+use backdrop::Backdrop;
+use image::RgbaImage;
+use lens::Lens;
+use raster::Window;
+use solid::Solid;
+use std::sync::Arc;
+use tile::{TILE, Tile, View};
+
+/// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits.
+pub const MAX_SIDE: u32 = 8192;
+
+/// Draws frames of a stage on the processor.
+#[derive(Debug)]
+pub struct CpuRenderer {
+    stage: Arc<Stage>,
+    solids: Vec<Solid>,
+    lens: Lens,
+    backdrop: Backdrop,
+    assembly: Assembly,
+    tile: AnyTile,
+    caster: Option<ShadowCaster>,
+    /// Camera-space direction that is up.
+    up: [f32; 3],
+}
+
+/// A tile's samples, by their number.
+#[derive(Debug)]
+enum AnyTile {
+    One(Tile<1>),
+    Two(Tile<2>),
+    Four(Tile<4>),
+    Eight(Tile<8>),
+    Sixteen(Tile<16>),
+}
+
+impl CpuRenderer {
+    /// A renderer with its own working memory.
+    ///
+    /// Errors: a picture with no pixels or a side above [`MAX_SIDE`]; a number of samples other than 1, 2,
+    /// 4, 8 and 16.
+    pub fn new(stage: Arc<Stage>) -> Result<Self, RenderError> {
+        samples::check(stage.samples)?;
+        let [width, height] = stage.size;
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(RenderError::Size(format!(
+                "a picture of {width} x {height} pixels cannot be drawn; sides are 1 to {MAX_SIDE}"
+            )));
+        }
+        let lens = Lens::new(&stage.camera, stage.size);
+        let backdrop = Backdrop::new(&stage);
+        let up = match &stage.ground {
+            Some(ground) => lens.camera_from_world.transform_vector(ground.normal),
+            None => glam::DVec3::Y,
+        };
+        let tile = match stage.samples {
+            1 => AnyTile::One(Tile::new()),
+            2 => AnyTile::Two(Tile::new()),
+            8 => AnyTile::Eight(Tile::new()),
+            16 => AnyTile::Sixteen(Tile::new()),
+            _ => AnyTile::Four(Tile::new()),
+        };
+        let caster = ShadowCaster::new(&stage).filter(|_| backdrop.view.is_some());
+        Ok(Self {
+            solids: stage.meshes.iter().map(Solid::new).collect(),
+            lens,
+            backdrop,
+            assembly: Assembly::new(stage.size),
+            tile,
+            caster,
+            up: crate::math::narrow(up),
+            stage,
+        })
+    }
+
+    fn below_ground(&self, frame: &Frame) -> bool {
+        let Some(ground) = self.stage.ground.filter(|_| self.backdrop.view.is_some()) else {
+            return false;
+        };
+        frame.instances.iter().any(|instance| {
+            let Some(solid) = self.solids.get(instance.mesh) else {
+                return false;
+            };
+            let [low, high] = solid.bounds;
+            let pose = instance.world_from_mesh;
+            let normal = pose.rotation.transpose() * ground.normal;
+            let middle = pose.transform_point((low + high) * 0.5) - ground.center;
+            let reach = ((high - low) * 0.5).dot(normal.abs());
+            middle.dot(ground.normal) < reach
+        })
+    }
+}
+
+impl Renderer for CpuRenderer {
+    fn name(&self) -> String {
+        "cpu".to_owned()
+    }
+
+    fn draw(&mut self, frame: &Frame, image: &mut RgbaImage) -> Result<(), RenderError> {
+        let [width, height] = self.stage.size;
+        if image.dimensions() != (width, height) {
+            return Err(RenderError::Size(format!(
+                "the picture is {} x {} pixels, the stage {width} x {height}",
+                image.width(),
+                image.height()
+            )));
+        }
+        let below_ground = self.below_ground(frame);
+        let shadow = self.caster.as_mut().map(|caster| caster.cast(frame));
+        let scene = Scene {
+            frame,
+            solids: &self.solids,
+            lens: &self.lens,
+            backdrop: &self.backdrop,
+            shadow,
+            up: self.up,
+            below_ground,
+            size: self.stage.size,
+        };
+        let assembly = &mut self.assembly;
+        match &mut self.tile {
+            AnyTile::One(tile) => scene.draw(assembly, tile, image),
+            AnyTile::Two(tile) => scene.draw(assembly, tile, image),
+            AnyTile::Four(tile) => scene.draw(assembly, tile, image),
+            AnyTile::Eight(tile) => scene.draw(assembly, tile, image),
+            AnyTile::Sixteen(tile) => scene.draw(assembly, tile, image),
+        }
+        if frame.no_pose {
+            colour::mark_no_pose(image, self.stage.background);
+        }
+        Ok(())
+    }
+}
+
+/// One frame with all it is drawn from.
+struct Scene<'a> {
+    frame: &'a Frame,
+    solids: &'a [Solid],
+    lens: &'a Lens,
+    backdrop: &'a Backdrop,
+    shadow: Option<&'a ContactShadow>,
+    up: [f32; 3],
+    below_ground: bool,
+    size: [u32; 2],
+}
+
+impl Scene<'_> {
+    fn draw<const S: usize>(
+        &self,
+        assembly: &mut Assembly,
+        tile: &mut Tile<S>,
+        image: &mut RgbaImage,
+    ) {
+        assembly.assemble(self.frame, self.solids, self.lens, &tile.pattern);
+        let view = View {
+            assembly,
+            lens: self.lens,
+            backdrop: self.backdrop,
+            shadow: self.shadow,
+            up: self.up,
+            below_ground: self.below_ground,
+        };
+        let [width, height] = self.size.map(|n| n as i32);
+        let stride = width as usize * 4;
+        let bytes: &mut [u8] = image;
+        for number in 0..view.assembly.bins.len() {
+            let [x, y] = view.assembly.origin(number);
+            let window = Window {
+                x: [x, (x + TILE as i32).min(width) - 1],
+                y: [y, (y + TILE as i32).min(height) - 1],
+            };
+            let rows = &mut bytes[y as usize * stride..];
+            tile.draw(&view, number, window, rows, stride);
+        }
+    }
+}

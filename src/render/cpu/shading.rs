@@ -1,0 +1,144 @@
+//! Light on covered pixels, many at a time: one item for each facet that is seen in a pixel.
+
+use super::assembly::{Assembly, Facet};
+use super::lens::Lens;
+use super::samples::SUBPIXELS;
+use crate::render::look::{self, Rgb};
+
+/// Items shaded together; the loop over them is what the compiler turns into vector code.
+pub(super) const BATCH: usize = 128;
+
+/// Items waiting for light, one array a quantity.
+#[derive(Debug)]
+pub(super) struct Batch {
+    count: usize,
+    normal: [[f32; BATCH]; 3],
+    to_viewer: [[f32; BATCH]; 3],
+    albedo: [[f32; BATCH]; 3],
+    flat: [f32; BATCH],
+    /// Share of the pixel, and which pixel.
+    weight: [f32; BATCH],
+    pixel: [u32; BATCH],
+}
+
+impl Batch {
+    pub(super) fn new() -> Self {
+        Self {
+            count: 0,
+            normal: [[0.0; BATCH]; 3],
+            to_viewer: [[0.0; BATCH]; 3],
+            albedo: [[0.0; BATCH]; 3],
+            flat: [0.0; BATCH],
+            weight: [0.0; BATCH],
+            pixel: [0; BATCH],
+        }
+    }
+
+    /// Adds an item; the batch must not be full.
+    #[inline(always)]
+    pub(super) fn push(
+        &mut self,
+        normal: [f32; 3],
+        to_viewer: [f32; 3],
+        albedo: Rgb,
+        flat: f32,
+        weight: f32,
+        pixel: u32,
+    ) {
+        let i = self.count % BATCH;
+        for k in 0..3 {
+            self.normal[k][i] = normal[k];
+            self.to_viewer[k][i] = to_viewer[k];
+            self.albedo[k][i] = albedo[k];
+        }
+        self.flat[i] = flat;
+        self.weight[i] = weight;
+        self.pixel[i] = pixel;
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    pub(super) fn is_full(&self) -> bool {
+        self.count == BATCH
+    }
+
+    /// Lights all items, adds them to their pixels by weight and empties the batch.
+    pub(super) fn flush(&mut self, up: [f32; 3], pixels: &mut [[f32; 3]]) {
+        let mut colour = [[0.0; BATCH]; 3];
+        for i in 0..BATCH {
+            let at = |a: &[[f32; BATCH]; 3]| [a[0][i], a[1][i], a[2][i]];
+            let rgb = light(
+                at(&self.normal),
+                at(&self.to_viewer),
+                up,
+                at(&self.albedo),
+                self.flat[i],
+            );
+            for k in 0..3 {
+                colour[k][i] = rgb[k] * self.weight[i];
+            }
+        }
+        for i in 0..self.count {
+            if let Some(pixel) = pixels.get_mut(self.pixel[i] as usize) {
+                for k in 0..3 {
+                    pixel[k] += colour[k][i];
+                }
+            }
+        }
+        self.count = 0;
+    }
+}
+
+/// Light on one surface; neither direction need have length 1.
+#[inline(always)]
+pub(super) fn light(
+    normal: [f32; 3],
+    to_viewer: [f32; 3],
+    up: [f32; 3],
+    albedo: Rgb,
+    flat: f32,
+) -> Rgb {
+    look::shade(unit(normal), unit(to_viewer), up, albedo, flat)
+}
+
+/// The vector with length 1; a zero vector stays zero.
+#[inline(always)]
+pub(super) fn unit(v: [f32; 3]) -> [f32; 3] {
+    let scale = 1.0 / look::larger(look::dot(v, v), 1e-30).sqrt();
+    [v[0] * scale, v[1] * scale, v[2] * scale]
+}
+
+/// The interpolated normal in the middle of a pixel, on the side that is seen, not normalised.
+///
+/// Where the facet covers the pixel but not its middle, the nearest edge's normal is taken.
+#[inline(always)]
+pub(super) fn normal_at(
+    assembly: &Assembly,
+    facet: &Facet,
+    lens: &Lens,
+    x: i32,
+    y: i32,
+) -> [f32; 3] {
+    let [i, j, k] = facet.corners.map(|i| i as usize);
+    let [a, b, c] = [i, j, k].map(|i| assembly.vertices[i]);
+    let (px, py) = (x * SUBPIXELS + SUBPIXELS / 2, y * SUBPIXELS + SUBPIXELS / 2);
+    let edge = |from: &super::lens::Vertex, to: &super::lens::Vertex| {
+        let value = (to.y - from.y) as f32 * (px - from.x) as f32
+            + (from.x - to.x) as f32 * (py - from.y) as f32;
+        look::larger(value, 0.0)
+    };
+    let depth = |v: &super::lens::Vertex| if lens.perspective { v.depth } else { 1.0 };
+    let weights = [
+        edge(&b, &c) * depth(&a),
+        edge(&c, &a) * depth(&b),
+        edge(&a, &b) * depth(&c),
+    ];
+    let normals = [i, j, k].map(|i| assembly.normals[i]);
+    let side = facet.side();
+    // The weights' sum is of the size of the area; scaled to keep the squares within range.
+    let scale = side / look::larger(weights[0] + weights[1] + weights[2], 1e-30);
+    std::array::from_fn(|n| {
+        (weights[0] * normals[0][n] + weights[1] * normals[1][n] + weights[2] * normals[2][n])
+            * scale
+    })
+}

@@ -1,0 +1,42 @@
+//! The stage's meshes in f32, checked once.
+
+use crate::geometry::Mesh;
+use crate::math::narrow;
+use glam::DVec3;
+
+/// A mesh as the frame loop reads it.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) normals: Vec<[f32; 3]>,
+    /// Indices are within the vertices; a triangle that was not is all zeros and has no area.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Back faces of a closed mesh are never seen.
+    pub(super) closed: bool,
+    /// Corners of the box around it.
+    pub(super) bounds: [DVec3; 2],
+}
+
+impl Solid {
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        let count = mesh.positions.len().min(mesh.normals.len());
+        let triangle = |t: &[u32; 3]| {
+            if t.iter().all(|i| (*i as usize) < count) {
+                *t
+            } else {
+                [0; 3]
+            }
+        };
+        Self {
+            positions: mesh.positions[..count].iter().map(|p| narrow(*p)).collect(),
+            normals: mesh.normals[..count].iter().map(|n| narrow(*n)).collect(),
+            triangles: if count > 0 {
+                mesh.triangles.iter().map(triangle).collect()
+            } else {
+                Vec::new()
+            },
+            closed: mesh.hides_its_inside(),
+            bounds: mesh.bounds().unwrap_or([DVec3::ZERO; 2]),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Finding an adapter: all that wgpu knows on this machine, in order of preference.
+
+use crate::render::RenderError;
+use crate::render::adapter::{AdapterChoice, AdapterInfo, DeviceKind};
+use std::cmp::Ordering;
+
+/// The adapters of this machine, best first. Empty where no driver is installed.
+pub fn list() -> Vec<AdapterInfo> {
+    found().iter().map(describe).collect()
+}
+
+/// The best adapter that `choice` accepts.
+pub fn choose(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo), RenderError> {
+    let adapters = if *choice == AdapterChoice::Hardware && !may_have_hardware() {
+        Vec::new()
+    } else {
+        found()
+    };
+    let known: Vec<AdapterInfo> = adapters.iter().map(describe).collect();
+    let best = adapters
+        .into_iter()
+        .zip(known.iter().cloned())
+        .find(|(_, info)| choice.accepts(info));
+    best.ok_or_else(|| RenderError::NoAdapter(explain(choice, &known, &backends())))
+}
+
+/// False only where a look at the device files tells that there is no graphics hardware, which spares the start of
+/// all drivers: the greater part of a tenth of a second on each run of a machine without any.
+fn may_have_hardware() -> bool {
+    if !cfg!(target_os = "linux") {
+        return true;
+    }
+    // Kernel drivers: DRM, NVIDIA's own, Windows' under Linux, and three that mobile chips use.
+    let devices = [
+        "dri",
+        "nvidiactl",
+        "nvidia0",
+        "dxg",
+        "mali0",
+        "kgsl-3d0",
+        "pvr_sync",
+    ];
+    devices
+        .iter()
+        .any(|name| std::path::Path::new("/dev").join(name).exists())
+}
+
+fn found() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    // Stable: among equals the driver's own order stays.
+    adapters.sort_by(|a, b| preference(&describe(a), &describe(b), trusts_software_vulkan()));
+    adapters
+}
+
+/// Hardware before software; among the same kind Metal, DX12 and Vulkan before GL.
+fn preference(a: &AdapterInfo, b: &AdapterInfo, software_vulkan: bool) -> Ordering {
+    let rank = |info: &AdapterInfo| {
+        let is_gl = info.backend == "Gl";
+        let gl_first = info.device_type == DeviceKind::Software && !software_vulkan;
+        (info.device_type, is_gl != gl_first)
+    };
+    rank(a).cmp(&rank(b))
+}
+
+/// Mesa's software Vulkan has crashed with 128-bit vectors, which it takes on processors without AVX; its GL
+/// has not.
+fn trusts_software_vulkan() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("avx");
+    #[cfg(not(target_arch = "x86_64"))]
+    return true;
+}
+
+fn describe(adapter: &wgpu::Adapter) -> AdapterInfo {
+    let info = adapter.get_info();
+    let driver = match (info.driver.is_empty(), info.driver_info.is_empty()) {
+        (_, true) => info.driver,
+        (true, false) => info.driver_info,
+        (false, false) if info.driver_info.contains(&info.driver) => info.driver_info,
+        (false, false) => format!("{} {}", info.driver, info.driver_info),
+    };
+    AdapterInfo {
+        name: info.name,
+        driver,
+        backend: format!("{:?}", info.backend),
+        device_type: match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => DeviceKind::Discrete,
+            wgpu::DeviceType::IntegratedGpu => DeviceKind::Integrated,
+            wgpu::DeviceType::VirtualGpu => DeviceKind::Virtual,
+            wgpu::DeviceType::Other => DeviceKind::Unknown,
+            wgpu::DeviceType::Cpu => DeviceKind::Software,
+        },
+    }
+}
+
+/// Names of the interfaces this build can try.
+fn backends() -> Vec<String> {
+    let compiled = wgpu::Instance::enabled_backend_features();
+    compiled
+        .iter_names()
+        .map(|(name, _)| name.to_owned())
+        .collect()
+}
+
+/// What was tried, what was found, and what helps.
+fn explain(choice: &AdapterChoice, known: &[AdapterInfo], tried: &[String]) -> String {
+    let found = if known.is_empty() {
+        "none were found".to_owned()
+    } else {
+        let names: Vec<String> = known.iter().map(ToString::to_string).collect();
+        format!("found: {}", names.join("; "))
+    };
+    format!(
+        "no {} among the backends {} ({found}). Install the driver of the graphics card; a software adapter comes \
+         with the package `mesa-vulkan-drivers` (Debian, Ubuntu) and is taken by `--renderer gpu`; \
+         `--renderer cpu` needs no driver",
+        choice.wanted(),
+        tried.join(", "),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info(device_type: DeviceKind, backend: &str) -> AdapterInfo {
+        AdapterInfo {
+            name: "x".to_owned(),
+            driver: String::new(),
+            backend: backend.to_owned(),
+            device_type,
+        }
+    }
+
+    #[test]
+    fn hardware_comes_first_and_gl_last_of_its_kind() {
+        let order = |software_vulkan| {
+            let mut all = vec![
+                info(DeviceKind::Software, "Gl"),
+                info(DeviceKind::Software, "Vulkan"),
+                info(DeviceKind::Integrated, "Gl"),
+                info(DeviceKind::Integrated, "Vulkan"),
+                info(DeviceKind::Discrete, "Vulkan"),
+            ];
+            all.sort_by(|a, b| preference(a, b, software_vulkan));
+            all.into_iter()
+                .map(|i| format!("{} {}", i.device_type, i.backend))
+                .collect::<Vec<_>>()
+        };
+        let hardware = ["discrete Vulkan", "integrated Vulkan", "integrated Gl"];
+        assert_eq!(order(true)[..3], hardware);
+        assert_eq!(order(true)[3..], ["software Vulkan", "software Gl"]);
+        assert_eq!(order(false)[3..], ["software Gl", "software Vulkan"]);
+    }
+
+    #[test]
+    fn the_explanation_names_backends_findings_and_package() {
+        let known = [info(DeviceKind::Software, "Gl")];
+        let text = explain(&AdapterChoice::Hardware, &known, &["VULKAN".to_owned()]);
+        for part in [
+            "hardware adapter",
+            "VULKAN",
+            "x (Gl, software)",
+            "mesa-vulkan-drivers",
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Meshes on the device, uploaded once, and the instances of the current frame.
+
+use super::device::Device;
+use super::frame::MeshSpan;
+use super::layout::{InstanceData, Vertex};
+use crate::geometry::Mesh;
+use crate::math::narrow;
+use crate::render::RenderError;
+use glam::DVec3;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+/// All meshes of a stage in one vertex and one index buffer.
+pub struct Meshes {
+    /// Vertices of all meshes.
+    pub vertices: wgpu::Buffer,
+    /// Indices into all vertices.
+    pub indices: wgpu::Buffer,
+    /// One for each mesh of the stage.
+    pub spans: Vec<MeshSpan>,
+}
+
+impl Meshes {
+    /// Uploads a stage's meshes. Indices are absolute, since not every GL can offset them in a draw.
+    pub fn new(device: &Device, meshes: &[Mesh]) -> Result<Self, RenderError> {
+        check_total(meshes, device.device.limits().max_buffer_size)?;
+        let mut vertices = Vec::new();
+        let mut indices = Vec::new();
+        let mut spans = Vec::new();
+        for mesh in meshes {
+            let base = vertices.len() as u32;
+            let pairs = mesh.positions.iter().zip(&mesh.normals);
+            vertices.extend(pairs.map(|(position, normal)| Vertex {
+                position: narrow(*position),
+                normal: narrow(*normal),
+            }));
+            let count = vertices.len() as u32 - base;
+            spans.push(MeshSpan {
+                first_index: indices.len() as u32,
+                triangles: mesh.triangles.len() as u32,
+                closed: mesh.hides_its_inside(),
+                middle: middle(mesh),
+            });
+            let sound = mesh.triangles.iter().map(|t| sound_corners(*t, count));
+            indices.extend(sound.flatten().map(|corner| base + corner));
+        }
+        Ok(Self {
+            vertices: upload(device, "vertices", &vertices, wgpu::BufferUsages::VERTEX),
+            indices: upload(device, "indices", &indices, wgpu::BufferUsages::INDEX),
+            spans,
+        })
+    }
+}
+
+/// A buffer of at least one element: empty ones cannot be bound.
+fn upload<T: bytemuck::Pod>(
+    device: &Device,
+    label: &str,
+    data: &[T],
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    let nothing = [T::zeroed()];
+    let data = if data.is_empty() { &nothing } else { data };
+    device.device.create_buffer_init(&BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::cast_slice(data),
+        usage,
+    })
+}
+
+fn check_total(meshes: &[Mesh], largest: u64) -> Result<(), RenderError> {
+    let vertices: usize = meshes.iter().map(|m| m.positions.len()).sum();
+    let corners: usize = meshes.iter().map(|m| 3 * m.triangles.len()).sum();
+    let bytes = (vertices * size_of::<Vertex>()).max(corners * size_of::<u32>()) as u64;
+    if bytes > largest || vertices > u32::MAX as usize || corners > u32::MAX as usize {
+        return Err(RenderError::Size(format!(
+            "the scene's meshes take {} MiB, more than the {} MiB this adapter holds in one buffer",
+            bytes >> 20,
+            largest >> 20
+        )));
+    }
+    Ok(())
+}
+
+/// A triangle's corners, or a triangle without area where one is not a vertex, so that ranges stay what they are.
+fn sound_corners(triangle: [u32; 3], vertices: u32) -> [u32; 3] {
+    if triangle.iter().all(|corner| *corner < vertices) {
+        triangle
+    } else {
+        [0; 3]
+    }
+}
+
+/// Middle of the bounding box; the origin for an empty mesh.
+fn middle(mesh: &Mesh) -> DVec3 {
+    mesh.bounds()
+        .map_or(DVec3::ZERO, |[low, high]| 0.5 * (low + high))
+}
+
+/// The instance buffer, which grows with the frames.
+pub struct InstanceBuffer {
+    buffer: wgpu::Buffer,
+}
+
+impl InstanceBuffer {
+    /// An empty buffer.
+    pub fn new(device: &Device) -> Self {
+        Self {
+            buffer: allocate(device, 64),
+        }
+    }
+
+    /// Replaces the instances and gives the buffer to bind.
+    pub fn write(&mut self, device: &Device, instances: &[InstanceData]) -> &wgpu::Buffer {
+        let bytes: &[u8] = bytemuck::cast_slice(instances);
+        if bytes.len() as u64 > self.buffer.size() {
+            self.buffer = allocate(device, instances.len().next_power_of_two());
+        }
+        device.queue.write_buffer(&self.buffer, 0, bytes);
+        &self.buffer
+    }
+}
+
+fn allocate(device: &Device, instances: usize) -> wgpu::Buffer {
+    device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("instances"),
+        size: (instances * size_of::<InstanceData>()) as u64,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_without_vertex_takes_its_triangle_away() {
+        assert_eq!(sound_corners([0, 1, 11], 12), [0, 1, 11]);
+        assert_eq!(sound_corners([0, 1, 12], 12), [0; 3]);
+    }
+
+    #[test]
+    fn the_middle_is_that_of_the_box() {
+        let mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.2, 1.0, -4.0)],
+            ..Mesh::default()
+        };
+        assert_eq!(middle(&mesh), DVec3::new(0.5, 0.5, -2.0));
+        assert_eq!(middle(&Mesh::default()), DVec3::ZERO);
+    }
+}

@@ -1,0 +1,201 @@
+//! A frame as a list of draws: which instances, in which order, through which pipeline. Touches no device.
+
+use super::layout::{InstanceData, instance_data};
+use crate::math::Pose;
+use crate::render::{Frame, Instance};
+use glam::DVec3;
+
+/// Where a mesh lies in the index buffer, and what the order of drawing needs to know of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshSpan {
+    /// First index.
+    pub first_index: u32,
+    /// Triangles.
+    pub triangles: u32,
+    /// Whether the outside hides the inside completely.
+    pub closed: bool,
+    /// Middle of the bounding box, in the mesh's frame.
+    pub middle: DVec3,
+}
+
+/// One draw call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draw {
+    /// First index.
+    pub first_index: u32,
+    /// Number of indices.
+    pub indices: u32,
+    /// First instance of [`Plan::instances`].
+    pub first_instance: u32,
+    /// Number of instances.
+    pub instances: u32,
+    /// Whether back faces may be left out.
+    pub closed: bool,
+}
+
+/// What a frame draws.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// Opaque instances in the frame's order, then translucent ones from back to front.
+    pub instances: Vec<InstanceData>,
+    /// Opaque draws.
+    pub opaque: Vec<Draw>,
+    /// Translucent draws, farthest first; each is drawn twice, back faces and front faces.
+    pub translucent: Vec<Draw>,
+}
+
+impl Plan {
+    /// Orders a frame's instances. Triangle ranges are cut to the mesh; instances of opacity 0 or less and empty
+    /// ranges are left out, and so are instances of a mesh that the stage lacks.
+    pub fn new(frame: &Frame, spans: &[MeshSpan], camera_from_world: &Pose) -> Self {
+        let mut plan = Self::default();
+        let mut translucent = Vec::new();
+        for instance in &frame.instances {
+            let Some(span) = spans.get(instance.mesh).copied() else {
+                continue;
+            };
+            if instance.opacity >= 1.0 {
+                let data = instance_data(instance, camera_from_world);
+                push(&mut plan.opaque, &mut plan.instances, &span, instance, data);
+            } else if instance.opacity > 0.0 {
+                let place = *camera_from_world * instance.world_from_mesh;
+                translucent.push((place.transform_point(span.middle).z, span, instance));
+            }
+        }
+        // The camera looks along -z: the farthest have the least z. The sort is stable.
+        translucent.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, span, instance) in translucent {
+            let data = instance_data(instance, camera_from_world);
+            let draws = &mut plan.translucent;
+            push(draws, &mut plan.instances, &span, instance, data);
+        }
+        plan
+    }
+}
+
+/// Appends an instance, to the last draw if that draws the same triangles.
+fn push(
+    draws: &mut Vec<Draw>,
+    instances: &mut Vec<InstanceData>,
+    span: &MeshSpan,
+    instance: &Instance,
+    data: InstanceData,
+) {
+    let end = instance.triangles.end.min(span.triangles);
+    let start = instance.triangles.start.min(end);
+    if start == end {
+        return;
+    }
+    let draw = Draw {
+        first_index: span.first_index + 3 * start,
+        indices: 3 * (end - start),
+        first_instance: instances.len() as u32,
+        instances: 1,
+        closed: span.closed && end - start == span.triangles,
+    };
+    instances.push(data);
+    // Translucent draws stay single: back and front faces of one follow those of the one behind it.
+    let opaque = instance.opacity >= 1.0;
+    match draws.last_mut() {
+        Some(last) if opaque && same_triangles(last, &draw) => last.instances += 1,
+        _ => draws.push(draw),
+    }
+}
+
+fn same_triangles(a: &Draw, b: &Draw) -> bool {
+    a.first_index == b.first_index && a.indices == b.indices
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    const SPANS: [MeshSpan; 2] = [
+        MeshSpan {
+            first_index: 0,
+            triangles: 10,
+            closed: true,
+            middle: DVec3::ZERO,
+        },
+        MeshSpan {
+            first_index: 30,
+            triangles: 4,
+            closed: false,
+            middle: DVec3::ZERO,
+        },
+    ];
+
+    fn instance(mesh: usize, z: f64, opacity: f64) -> Instance {
+        Instance {
+            mesh,
+            world_from_mesh: Pose::from_translation(DVec3::Z * z),
+            colour: [200, 10, 10],
+            opacity,
+            triangles: 0..SPANS[mesh.min(1)].triangles,
+            casts_shadow: true,
+            flat: 0.0,
+        }
+    }
+
+    fn plan(instances: Vec<Instance>) -> Plan {
+        let frame = Frame {
+            instances,
+            ..Frame::default()
+        };
+        Plan::new(&frame, &SPANS, &Pose::IDENTITY)
+    }
+
+    #[test]
+    fn equal_neighbours_share_a_draw() {
+        let plan = plan(vec![
+            instance(0, 0.0, 1.0),
+            instance(0, 1.0, 1.0),
+            instance(1, 0.0, 1.0),
+        ]);
+        assert_eq!(plan.opaque.len(), 2);
+        assert_eq!(
+            (plan.opaque[0].instances, plan.opaque[1].first_instance),
+            (2, 2)
+        );
+        assert!(plan.opaque[0].closed && !plan.opaque[1].closed);
+    }
+
+    #[test]
+    fn translucent_ones_come_last_from_far_to_near() {
+        let plan = plan(vec![
+            instance(0, -1.0, 0.5),
+            instance(0, -9.0, 0.5),
+            instance(0, -5.0, 1.0),
+            instance(0, -4.0, 0.0),
+        ]);
+        let depths: Vec<f32> = plan
+            .instances
+            .iter()
+            .map(|i| i.camera_from_mesh[2][3])
+            .collect();
+        assert_eq!(depths, [-5.0, -9.0, -1.0]);
+        assert_eq!(plan.translucent.len(), 2);
+    }
+
+    #[test]
+    fn ranges_are_cut_to_the_mesh_and_partial_meshes_are_open() {
+        let mut part = instance(0, 0.0, 1.0);
+        part.triangles = 8..1000;
+        let mut none = instance(0, 0.0, 1.0);
+        none.triangles = 12..20;
+        let plan = plan(vec![part, none]);
+        assert_eq!(plan.opaque.len(), 1);
+        let draw = plan.opaque[0];
+        assert_eq!(
+            (draw.first_index, draw.indices, draw.closed),
+            (24, 6, false)
+        );
+    }
+
+    #[test]
+    fn an_unknown_mesh_is_left_out() {
+        let plan = plan(vec![instance(5, 0.0, 1.0), instance(1, 0.0, 1.0)]);
+        assert_eq!((plan.instances.len(), plan.opaque.len()), (1, 1));
+    }
+}

@@ -1,0 +1,253 @@
+//! The structs the shaders read, byte for byte, and how a stage's camera and ground fill them.
+//!
+//! Mirrors `Globals` of `shaders/scene.wgsl` and the vertex inputs of `shaders/body.wgsl`.
+
+use crate::math::{Pose, narrow_pose};
+use crate::render::colour::Curve;
+use crate::render::ground::{GroundView, ground_axes};
+use crate::render::{Camera, Instance, Projection, Stage};
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+/// A mesh's vertex, in the mesh's frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    /// Place, in the scene's unit.
+    pub position: [f32; 3],
+    /// Outward unit normal.
+    pub normal: [f32; 3],
+}
+
+/// One instance, ready for the vertex shader.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct InstanceData {
+    /// Rows of `camera_from_mesh`; multiplied in f64 so that far from the origin no digits are lost.
+    pub camera_from_mesh: [[f32; 4]; 3],
+    /// Linear colour and opacity.
+    pub colour: [f32; 4],
+    /// 0 lit, 1 flat colour; the rest is padding.
+    pub flatness: [f32; 4],
+}
+
+/// What all draws of a stage share.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Globals {
+    /// Clip-space x and y per unit in camera space; the rest is padding.
+    pub scale: [f32; 4],
+    /// Factors of the depth and of the divisor, see the shader.
+    pub depth: [f32; 4],
+    /// Up in camera space, and 1 for a perspective.
+    pub up: [f32; 4],
+    /// Linear background, alpha 1.
+    pub background: [f32; 4],
+    /// Forms of the ground in pixel coordinates.
+    pub ground_u: [f32; 4],
+    /// Second form.
+    pub ground_v: [f32; 4],
+    /// Divisor.
+    pub ground_w: [f32; 4],
+    /// Depth of the ground in clip coordinates, and the grid's pitch in radii.
+    pub ground_depth: [f32; 4],
+}
+
+// WGSL lays these out without gaps: vec4s in the uniform, tightly packed vertex attributes.
+const _: () = assert!(size_of::<Globals>() == 8 * 16);
+const _: () = assert!(size_of::<InstanceData>() == 80);
+const _: () = assert!(size_of::<Vertex>() == 24);
+
+/// Depth as the buffer stores it: `(a d + b) / (c d + e)` of the distance d, 1 at the near plane and smaller
+/// behind (reversed, because floats are densest at 0).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthMap {
+    /// a, b, c, e.
+    pub factors: [f64; 4],
+}
+
+impl DepthMap {
+    /// A perspective has no far plane: near / d. A parallel projection falls linearly from the near plane to the
+    /// far plane or to the ground's farthest point, whichever is farther.
+    pub fn new(camera: &Camera, ground_reach: f64) -> Self {
+        let factors = match camera.projection {
+            Projection::Perspective { .. } => [0.0, camera.near, 1.0, 0.0],
+            Projection::Orthographic { .. } => {
+                let far = camera.far.max(ground_reach);
+                let span = far - camera.near;
+                [-1.0 / span, far / span, 0.0, 1.0]
+            }
+        };
+        Self { factors }
+    }
+}
+
+impl Globals {
+    /// The globals of a stage; `ground` is the stage's ground seen through its camera.
+    pub fn new(stage: &Stage, ground: Option<&GroundView>) -> Self {
+        let camera = &stage.camera;
+        let size = stage.size.map(f64::from);
+        let per_unit = camera.pixels_per_unit(stage.size);
+        let depth = DepthMap::new(camera, ground_reach(stage));
+        let up = up_in_camera(stage);
+        let [r, g, b] = Curve::shared().decode_rgb(stage.background);
+        let perspective = if camera.is_perspective() { 1.0 } else { 0.0 };
+        let mut globals = Self {
+            scale: row(
+                [2.0 * per_unit / size[0], 2.0 * per_unit / size[1], 0.0],
+                0.0,
+            ),
+            depth: depth.factors.map(|f| f as f32),
+            up: row(up.to_array(), perspective),
+            background: [r, g, b, 1.0],
+            ..Self::zeroed()
+        };
+        if let (Some(view), Some(ground)) = (ground, &stage.ground) {
+            globals.ground_u = row(view.u, 0.0);
+            globals.ground_v = row(view.v, 0.0);
+            globals.ground_w = row(view.w, 0.0);
+            let pitch = (ground.grid / ground.radius).max(0.0);
+            globals.ground_depth = row(ground_depth(view, &depth, size), pitch);
+        }
+        globals
+    }
+}
+
+/// Up in camera space: the ground's normal, or the picture's own upward direction where there is no ground.
+fn up_in_camera(stage: &Stage) -> DVec3 {
+    let camera_from_world = stage.camera.world_from_camera.rotation.transpose();
+    stage.ground.map_or(DVec3::Y, |ground| {
+        camera_from_world * ground_axes(&ground).z_axis
+    })
+}
+
+/// The instance as the shader takes it.
+pub fn instance_data(instance: &Instance, camera_from_world: &Pose) -> InstanceData {
+    let [r, g, b] = Curve::shared().decode_rgb(instance.colour);
+    let flatness = (instance.flat as f32).clamp(0.0, 1.0);
+    InstanceData {
+        camera_from_mesh: narrow_pose(&(*camera_from_world * instance.world_from_mesh)),
+        colour: [r, g, b, (instance.opacity as f32).clamp(0.0, 1.0)],
+        flatness: [flatness, 0.0, 0.0, 0.0],
+    }
+}
+
+/// Greatest distance of the ground's disc from the eye's plane.
+fn ground_reach(stage: &Stage) -> f64 {
+    stage.ground.map_or(0.0, |ground| {
+        let seen = stage
+            .camera
+            .world_from_camera
+            .inverse()
+            .transform_point(ground.center);
+        ground.radius - seen.z
+    })
+}
+
+/// The ground's depth value as a form in clip coordinates x, y and 1.
+///
+/// The distance is `distance / w`, forms in the pixel; in both projections the depth value is then affine.
+fn ground_depth(view: &GroundView, depth: &DepthMap, size: [f64; 2]) -> [f64; 3] {
+    let [a, b, c, _] = depth.factors;
+    let in_pixels: [f64; 3] = if c > 0.0 {
+        // near / d = near w / height, where the perspective's distance form is the constant height.
+        view.w.map(|w| b * w / view.distance[2])
+    } else {
+        [
+            a * view.distance[0],
+            a * view.distance[1],
+            a * view.distance[2] + b,
+        ]
+    };
+    // Pixel x = (1 + clip x) / 2 * width, pixel y = (1 - clip y) / 2 * height.
+    let [x, y, constant] = in_pixels;
+    let (half_width, half_height) = (0.5 * size[0], 0.5 * size[1]);
+    [
+        x * half_width,
+        -y * half_height,
+        constant + x * half_width + y * half_height,
+    ]
+}
+
+fn row(v: [f64; 3], last: f64) -> [f32; 4] {
+    [v[0] as f32, v[1] as f32, v[2] as f32, last as f32]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::render::Ground;
+    use crate::render::camera::{ViewDirection, fit};
+
+    fn stage(projection: Projection) -> Stage {
+        let view = ViewDirection {
+            azimuth: 0.6,
+            elevation: 0.5,
+            up: DVec3::Z,
+        };
+        let corners = [DVec3::splat(-1.0), DVec3::splat(1.0)];
+        Stage {
+            meshes: Vec::new(),
+            size: [320, 200],
+            samples: 4,
+            camera: fit(corners.into_iter(), &view, projection, 1.6, 0.1),
+            background: [250, 250, 250],
+            ground: Some(Ground {
+                center: DVec3::new(0.0, 0.0, -1.0),
+                normal: DVec3::Z,
+                radius: 5.0,
+                grid: 0.5,
+            }),
+        }
+    }
+
+    /// A face in the ground is in front of it, by less than is seen.
+    #[test]
+    fn ground_is_just_behind_what_rests_on_it() {
+        for projection in [
+            Projection::Perspective { fov_y: 0.6 },
+            Projection::Orthographic { height: 1.0 },
+        ] {
+            let stage = stage(projection);
+            let ground =
+                GroundView::new(&stage.ground.unwrap(), &stage.camera, stage.size).unwrap();
+            let globals = Globals::new(&stage, Some(&ground));
+            for point in [DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.7, -1.2, -1.0)] {
+                let seen = stage
+                    .camera
+                    .world_from_camera
+                    .inverse()
+                    .transform_point(point);
+                let [x, y, z] = seen.as_vec3().to_array();
+                let [a, b, c, e] = globals.depth;
+                let divisor = -c * z + e;
+                let clip = [
+                    x * globals.scale[0] / divisor,
+                    y * globals.scale[1] / divisor,
+                ];
+                let expected = (-a * z + b) / divisor;
+                let g = globals.ground_depth;
+                let found = g[0] * clip[0] + g[1] * clip[1] + g[2];
+                assert!(found < expected * (1.0 - 1e-6), "{found} {expected}");
+                assert!(found > expected * (1.0 - 1e-3), "{found} {expected}");
+                assert!(expected > 0.0 && expected < 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn nearer_is_greater() {
+        for projection in [
+            Projection::Perspective { fov_y: 0.6 },
+            Projection::Orthographic { height: 1.0 },
+        ] {
+            let stage = stage(projection);
+            let [a, b, c, e] = DepthMap::new(&stage.camera, 100.0).factors;
+            let value = |d: f64| (a * d + b) / (c * d + e);
+            assert!((value(stage.camera.near) - 1.0).abs() < 1e-12);
+            assert!(value(stage.camera.near * 2.0) > value(stage.camera.near * 3.0));
+            assert!(value(99.0) >= 0.0);
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! The renderer on a graphics adapter: wgpu over Vulkan, Metal, DX12 or GL, off-screen.
+//!
+//! One pass a picture: opaque bodies, the ground, translucent bodies from back to front. The only room with
+//! wgpu. The look is `look`'s: constants are generated from it, formulas are in `shaders/look.wgsl`.
+
+pub mod adapter;
+mod buffers;
+mod device;
+mod frame;
+mod layout;
+mod pipelines;
+mod shader;
+mod shadow;
+mod target;
+
+use super::adapter::{AdapterChoice, AdapterInfo};
+use super::colour::mark_no_pose;
+use super::contact_shadow::ShadowCaster;
+use super::ground::GroundView;
+use super::{Frame, RenderError, Renderer, Stage};
+use crate::math::Pose;
+use buffers::{InstanceBuffer, Meshes};
+use bytemuck::bytes_of;
+use device::{Device, nearest_sample_count};
+use frame::Plan;
+use image::RgbaImage;
+use layout::Globals;
+use pipelines::Pipelines;
+use shadow::ShadowTexture;
+use std::sync::Arc;
+use target::Target;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+/// Draws one stage on one adapter.
+pub struct GpuRenderer {
+    stage: Arc<Stage>,
+    info: AdapterInfo,
+    device: Device,
+    pipelines: Pipelines,
+    target: Target,
+    meshes: Meshes,
+    instances: InstanceBuffer,
+    globals: Globals,
+    globals_buffer: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    shadow: ShadowTexture,
+    caster: Option<ShadowCaster>,
+    bindings: wgpu::BindGroup,
+    camera_from_world: Pose,
+}
+
+impl GpuRenderer {
+    /// Opens an adapter and uploads the stage.
+    ///
+    /// Every adapter draws 1 or 4 samples a pixel, many also 2, 8 or 16; another number is replaced by the nearest
+    /// supported one. Errors: no such adapter; the device refuses; a picture or mesh beyond its limits.
+    pub fn open(stage: Arc<Stage>, choice: AdapterChoice) -> Result<Self, RenderError> {
+        let (adapter, info) = adapter::choose(&choice)?;
+        let device = Device::open(&adapter)?;
+        let samples = nearest_sample_count(stage.samples, &device.sample_counts);
+        let target = Target::new(&device, stage.size, samples)?;
+        let pipelines = Pipelines::new(&device, samples);
+        let meshes = Meshes::new(&device, &stage.meshes)?;
+        let ground = stage
+            .ground
+            .and_then(|ground| GroundView::new(&ground, &stage.camera, stage.size));
+        let globals = Globals::new(&stage, ground.as_ref());
+        let globals_buffer = device.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("globals"),
+            contents: bytes_of(&globals),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let sampler = shadow::sampler(&device);
+        let shadow = ShadowTexture::new(&device, 1);
+        let bindings = bind(
+            &device,
+            &pipelines.bindings,
+            &globals_buffer,
+            &shadow,
+            &sampler,
+        );
+        device.check()?;
+        Ok(Self {
+            camera_from_world: stage.camera.world_from_camera.inverse(),
+            caster: ground.and_then(|_| ShadowCaster::new(&stage)),
+            instances: InstanceBuffer::new(&device),
+            stage,
+            info,
+            device,
+            pipelines,
+            target,
+            meshes,
+            globals,
+            globals_buffer,
+            sampler,
+            shadow,
+            bindings,
+        })
+    }
+
+    /// The adapter that draws.
+    pub fn adapter(&self) -> &AdapterInfo {
+        &self.info
+    }
+
+    /// Casts the frame's shadow and brings it to the device.
+    fn cast_shadow(&mut self, frame: &Frame) {
+        let Some(caster) = &mut self.caster else {
+            return;
+        };
+        let shadow = caster.cast(frame);
+        if !self.shadow.fits(shadow) {
+            self.shadow = ShadowTexture::new(&self.device, shadow.size);
+            self.bindings = bind(
+                &self.device,
+                &self.pipelines.bindings,
+                &self.globals_buffer,
+                &self.shadow,
+                &self.sampler,
+            );
+        }
+        self.shadow.write(&self.device, shadow);
+    }
+
+    fn record(&mut self, plan: &Plan) -> wgpu::CommandEncoder {
+        let instances = self.instances.write(&self.device, &plan.instances);
+        let mut encoder =
+            self.device
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("picture"),
+                });
+        let mut pass = self.target.begin(&mut encoder, self.globals.background);
+        pass.set_bind_group(0, &self.bindings, &[]);
+        pass.set_vertex_buffer(0, self.meshes.vertices.slice(..));
+        pass.set_vertex_buffer(1, instances.slice(..));
+        pass.set_index_buffer(self.meshes.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for draw in &plan.opaque {
+            let pipeline = if draw.closed {
+                &self.pipelines.closed
+            } else {
+                &self.pipelines.open
+            };
+            run(&mut pass, pipeline, draw);
+        }
+        if self.caster.is_some() {
+            pass.set_pipeline(&self.pipelines.ground);
+            pass.draw(0..3, 0..1);
+        }
+        for draw in &plan.translucent {
+            run(&mut pass, &self.pipelines.translucent_back, draw);
+            run(&mut pass, &self.pipelines.translucent_front, draw);
+        }
+        drop(pass);
+        encoder
+    }
+}
+
+fn run(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, draw: &frame::Draw) {
+    pass.set_pipeline(pipeline);
+    pass.draw_indexed(
+        draw.first_index..draw.first_index + draw.indices,
+        0,
+        draw.first_instance..draw.first_instance + draw.instances,
+    );
+}
+
+fn bind(
+    device: &Device,
+    layout: &wgpu::BindGroupLayout,
+    globals: &wgpu::Buffer,
+    shadow: &ShadowTexture,
+    sampler: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+    device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("scene"),
+        layout,
+        entries: &[
+            entry(0, globals.as_entire_binding()),
+            entry(1, wgpu::BindingResource::TextureView(&shadow.view)),
+            entry(2, wgpu::BindingResource::Sampler(sampler)),
+        ],
+    })
+}
+
+impl Renderer for GpuRenderer {
+    fn name(&self) -> String {
+        self.info.to_string()
+    }
+
+    fn draw(&mut self, frame: &Frame, image: &mut RgbaImage) -> Result<(), RenderError> {
+        let [width, height] = self.stage.size;
+        if image.dimensions() != (width, height) {
+            let (w, h) = image.dimensions();
+            return Err(RenderError::Size(format!(
+                "a stage of {width} x {height} pixels cannot be drawn into a picture of {w} x {h}"
+            )));
+        }
+        let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world);
+        self.cast_shadow(frame);
+        let encoder = self.record(&plan);
+        self.target.finish(&self.device, encoder, image)?;
+        if frame.no_pose {
+            mark_no_pose(image, self.stage.background);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::render::Projection;
+    use crate::render::camera::{ViewDirection, fit};
+    use glam::DVec3;
+
+    #[test]
+    #[ignore = "needs a graphics adapter: run with --include-ignored"]
+    fn a_lost_device_is_an_error() {
+        let view = ViewDirection {
+            azimuth: 0.3,
+            elevation: 0.3,
+            up: DVec3::Z,
+        };
+        let corners = [DVec3::ZERO, DVec3::ONE];
+        let projection = Projection::Perspective { fov_y: 0.5 };
+        let stage = Arc::new(Stage {
+            meshes: Vec::new(),
+            size: [64, 48],
+            samples: 4,
+            camera: fit(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),
+            background: [250, 250, 250],
+            ground: None,
+        });
+        let mut renderer = GpuRenderer::open(stage, AdapterChoice::Any).unwrap();
+        let mut image = RgbaImage::new(64, 48);
+        renderer.draw(&Frame::default(), &mut image).unwrap();
+        assert!(image.pixels().all(|p| p.0 == [250, 250, 250, 255]));
+        renderer.device.device.destroy();
+        let outcome = renderer.draw(&Frame::default(), &mut image);
+        assert!(
+            matches!(outcome, Err(RenderError::Device(_))),
+            "{outcome:?}"
+        );
+    }
+}

@@ -1,0 +1,254 @@
+//! The ground seen through a camera: which point of the plane a pixel shows, and how it looks without
+//! bodies. Holds no shadow and no pixels.
+
+use super::{Camera, Ground, look};
+use crate::math::Pose;
+use glam::{DMat3, DVec3};
+
+/// How far below its plane the ground is drawn: a face that rests exactly on the ground is in front of it,
+/// whatever the rounding. In radii, ten times the error of a vertex in f32 at a distance of two radii; in pixels,
+/// five times what a slanted face's depth errs when its corners are moved to the 1/256 pixel.
+const SINK_RADII: f64 = 4e-6;
+/// See [`SINK_RADII`]; the sum of both is far below what is seen.
+const SINK_PIXELS: f64 = 1.0 / 64.0;
+
+/// A plane through the pixels of one picture.
+///
+/// Each form `[a, b, c]` is `a x + b y + c` of a pixel coordinate (x right, y down, pixel centres at half
+/// integers): the plane's coordinates are `u / w` and `v / w` in units of the ground's radius, which is
+/// what perspective makes of a plane. `w` is positive where the plane is in front of the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundView {
+    /// First coordinate times `w`.
+    pub u: [f64; 3],
+    /// Second coordinate times `w`.
+    pub v: [f64; 3],
+    /// The common divisor.
+    pub w: [f64; 3],
+    /// Distance along the line of sight times this is 1 for the perspective's `w`; for a parallel
+    /// projection the distance itself is the form `distance`.
+    pub distance: [f64; 3],
+    /// Radii between grid lines; 0 for none.
+    pitch: f64,
+}
+
+/// What a pixel shows of the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundPoint {
+    /// Coordinates along the ground's axes in units of its radius.
+    pub at: [f32; 2],
+    /// Presence of the ground, 0 at the radius and beyond.
+    pub fade: f32,
+    /// Cover by grid lines.
+    pub lines: f32,
+}
+
+/// The ground's axes in the world: columns are first, second and normal.
+pub fn ground_axes(ground: &Ground) -> DMat3 {
+    Pose::from_z_axis(ground.normal).rotation
+}
+
+/// How far below its plane the ground is drawn.
+fn sink(ground: &Ground, camera: &Camera, size: [u32; 2]) -> f64 {
+    let away = if camera.is_perspective() {
+        (ground.center - camera.world_from_camera.translation).length()
+    } else {
+        1.0
+    };
+    SINK_RADII * ground.radius + SINK_PIXELS * away / camera.pixels_per_unit(size)
+}
+
+fn form(form: &[f64; 3], x: f64, y: f64) -> f64 {
+    form[0] * x + form[1] * y + form[2]
+}
+
+impl GroundView {
+    /// The ground through a camera; `None` when its upper side is not seen at all.
+    pub fn new(ground: &Ground, camera: &Camera, size: [u32; 2]) -> Option<Self> {
+        let axes = camera.world_from_camera.rotation.transpose() * ground_axes(ground);
+        let center = camera
+            .world_from_camera
+            .inverse()
+            .transform_point(ground.center);
+        let center = center - axes.z_axis * sink(ground, camera, size);
+        let normal = axes.z_axis;
+        // The line of sight of a pixel is origin + s direction; both are affine in the pixel.
+        let scale = 1.0 / camera.pixels_per_unit(size);
+        let plane_at = [
+            DVec3::X * scale,
+            DVec3::NEG_Y * scale,
+            DVec3::new(
+                -0.5 * f64::from(size[0]) * scale,
+                0.5 * f64::from(size[1]) * scale,
+                0.0,
+            ),
+        ];
+        let seen_from_above = if camera.is_perspective() {
+            -normal.dot(center)
+        } else {
+            normal.z
+        };
+        // Not a number, edge-on and seen from below are all refused by the one comparison.
+        let visible = seen_from_above > 0.0 && ground.radius > 0.0 && center.is_finite();
+        if !visible {
+            return None;
+        }
+        let (origin, direction): ([DVec3; 3], [DVec3; 3]) = if camera.is_perspective() {
+            let [x, y, corner] = plane_at;
+            ([DVec3::ZERO; 3], [x, y, corner - DVec3::Z])
+        } else {
+            (plane_at, [DVec3::ZERO, DVec3::ZERO, DVec3::NEG_Z])
+        };
+        Some(Self::from_sight(ground, &axes, center, origin, direction))
+    }
+
+    /// Intersects the lines of sight with the plane, form by form.
+    fn from_sight(
+        ground: &Ground,
+        axes: &DMat3,
+        center: DVec3,
+        origin: [DVec3; 3],
+        direction: [DVec3; 3],
+    ) -> Self {
+        let normal = axes.z_axis;
+        let parallel = direction[0] == DVec3::ZERO;
+        // s = numerator / fall, where both are at most affine and one of them is constant.
+        let fall = direction.map(|d| -normal.dot(d));
+        let mut numerator = origin.map(|o| normal.dot(o));
+        numerator[2] -= normal.dot(center);
+        let (height, drop) = (numerator[2], fall[2]);
+        let along = |axis: DVec3| -> [f64; 3] {
+            std::array::from_fn(|k| {
+                let offset = if k == 2 { axis.dot(center) } else { 0.0 };
+                let value = if parallel {
+                    axis.dot(origin[k]) + numerator[k] / drop * axis.dot(direction[2]) - offset
+                } else {
+                    height * axis.dot(direction[k]) - axis.dot(center) * fall[k]
+                };
+                value / ground.radius
+            })
+        };
+        let pitch = if ground.grid > 0.0 {
+            ground.grid / ground.radius
+        } else {
+            0.0
+        };
+        Self {
+            u: along(axes.x_axis),
+            v: along(axes.y_axis),
+            w: if parallel { [0.0, 0.0, 1.0] } else { fall },
+            distance: if parallel {
+                numerator.map(|n| n / drop)
+            } else {
+                [0.0, 0.0, height]
+            },
+            pitch,
+        }
+    }
+
+    /// Distance of the plane along the line of sight, `None` above the horizon.
+    pub fn distance_at(&self, x: f64, y: f64) -> Option<f64> {
+        let w = form(&self.w, x, y);
+        (w > 0.0).then(|| form(&self.distance, x, y) / w)
+    }
+
+    /// What the pixel with centre (x, y) shows; `None` where it sees no ground.
+    pub fn at(&self, x: f64, y: f64) -> Option<GroundPoint> {
+        let w = form(&self.w, x, y);
+        if w <= 0.0 {
+            return None;
+        }
+        let (u, v) = (form(&self.u, x, y) / w, form(&self.v, x, y) / w);
+        let share = u * u + v * v;
+        if !(share < 1.0) {
+            return None;
+        }
+        let lines = if self.pitch > 0.0 {
+            let line = |form: &[f64; 3], value: f64| {
+                let step = |k: usize| ((form[k] - value * self.w[k]) / w).abs();
+                let footprint = (step(0) + step(1)) / self.pitch;
+                look::grid_line((value / self.pitch) as f32, footprint as f32)
+            };
+            look::larger(line(&self.u, u), line(&self.v, v))
+        } else {
+            0.0
+        };
+        Some(GroundPoint {
+            at: [u as f32, v as f32],
+            fade: look::ground_fade(share as f32),
+            lines,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::render::Projection;
+    use crate::render::camera::{ViewDirection, fit};
+
+    /// A pixel's ground point, projected again, is the pixel.
+    #[test]
+    fn pixels_and_plane_are_inverse() {
+        let ground = Ground {
+            center: DVec3::new(0.3, -0.2, -1.0),
+            normal: DVec3::Z,
+            radius: 4.0,
+            grid: 0.5,
+        };
+        let size = [320, 240];
+        let corners = [DVec3::splat(-1.0), DVec3::splat(1.0)];
+        for projection in [
+            Projection::Perspective { fov_y: 0.7 },
+            Projection::Orthographic { height: 1.0 },
+        ] {
+            let view = ViewDirection {
+                azimuth: 0.7,
+                elevation: 0.4,
+                up: DVec3::Z,
+            };
+            let camera = fit(corners.into_iter(), &view, projection, 4.0 / 3.0, 0.1);
+            let plane = GroundView::new(&ground, &camera, size).unwrap();
+            let axes = ground_axes(&ground);
+            let mut seen = 0;
+            for (x, y) in [(160.5, 200.5), (10.0, 239.0), (300.0, 150.0)] {
+                let Some(point) = plane.at(x, y) else {
+                    continue;
+                };
+                seen += 1;
+                let [u, v] = point.at.map(f64::from);
+                let world = ground.center + (axes.x_axis * u + axes.y_axis * v) * ground.radius
+                    - axes.z_axis * sink(&ground, &camera, size);
+                let [px, py, distance] = camera.project(world, size).unwrap();
+                assert!((px - x).abs() < 1e-3 && (py - y).abs() < 1e-3);
+                let expected = plane.distance_at(x, y).unwrap();
+                assert!((distance - expected).abs() < 1e-5 * expected);
+            }
+            assert!(seen > 0);
+        }
+    }
+
+    #[test]
+    fn ground_from_below_is_not_seen() {
+        let view = ViewDirection {
+            azimuth: 0.7,
+            elevation: -0.4,
+            up: DVec3::Z,
+        };
+        let ground = Ground {
+            center: DVec3::Z,
+            normal: DVec3::Z,
+            radius: 4.0,
+            grid: 0.0,
+        };
+        let camera = fit(
+            [DVec3::ZERO, DVec3::ONE].into_iter(),
+            &view,
+            Projection::Perspective { fov_y: 0.7 },
+            1.0,
+            0.1,
+        );
+        assert_eq!(GroundView::new(&ground, &camera, [64, 64]), None);
+    }
+}

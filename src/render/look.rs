@@ -1,0 +1,161 @@
+//! The look of every picture: lights, materials, ground and colour, as constants and f32 formulas.
+//!
+//! Both renderers draw with exactly these numbers; the shader text repeats the formulas. Only `+ - * /`,
+//! comparisons and square roots are used, which IEEE 754 fixes to the bit, so a picture of the CPU
+//! renderer is the same on every machine. Directions are in camera space (x right, y up, z towards the
+//! viewer), so a mechanism is well lit from wherever it is seen. Holds no geometry and no pixels' order.
+
+/// A colour in linear light, 1 is the white of the screen; or a direction in camera space.
+pub type Rgb = [f32; 3];
+
+/// Unit direction towards the key light: above, left of and behind the viewer. The components are ninths
+/// so that the length is 1 without rounding a table of digits.
+pub const KEY_DIRECTION: [f32; 3] = [-4.0 / 9.0, 7.0 / 9.0, 4.0 / 9.0];
+/// Irradiance of the key light, faintly warm.
+pub const KEY_COLOUR: Rgb = [0.80, 0.785, 0.76];
+/// How far the key light reaches around the terminator: 0 is Lambert, 1 reaches the far pole.
+pub const KEY_WRAP: f32 = 0.25;
+/// Unit direction towards the fill light: from the right, a little above the horizon.
+pub const FILL_DIRECTION: [f32; 3] = [6.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0];
+/// Irradiance of the fill light, faintly cool.
+pub const FILL_COLOUR: Rgb = [0.15, 0.16, 0.18];
+/// Irradiance on a surface that faces up.
+pub const SKY_COLOUR: Rgb = [0.40, 0.41, 0.43];
+/// Irradiance on a surface that faces down: light that the ground sends back.
+pub const GROUND_COLOUR: Rgb = [0.21, 0.20, 0.19];
+/// Strength of the wide sheen, `(n·h)^8`.
+pub const SHEEN: f32 = 0.045;
+/// Strength of the small highlight, `(n·h)^64`.
+pub const HIGHLIGHT: f32 = 0.26;
+/// Light added where the surface turns away from the viewer, `(1 - n·v)^4`.
+pub const RIM: f32 = 0.10;
+/// Factor on everything a lit surface sends.
+pub const EXPOSURE: f32 = 0.98;
+/// How much of its missing opacity a translucent surface regains where it is seen edge-on.
+pub const EDGE_OPACITY: f32 = 0.65;
+
+/// How much darker than the background the middle of the ground is, in linear light.
+pub const GROUND_TINT: f32 = 0.09;
+/// How much a grid line darkens the ground, in linear light.
+pub const GRID_DARKNESS: f32 = 0.11;
+/// Half the width of a grid line in pixels.
+pub const GRID_HALF_WIDTH: f32 = 0.6;
+/// A grid is gone where a pixel spans more than this share of its pitch, and starts to go at half of it.
+pub const GRID_MAX_FOOTPRINT: f32 = 0.25;
+/// Square of the share of the ground's radius within which it does not fade.
+pub const FADE_START_SQUARED: f32 = 0.20;
+/// How much the darkest contact shadow takes away, in linear light.
+pub const SHADOW_DARKNESS: f32 = 0.62;
+
+/// Weights of linear red, green and blue in luminance (ITU-R BT.709).
+pub const LUMINANCE: Rgb = [0.2126, 0.7152, 0.0722];
+
+/// Scalar product.
+#[inline(always)]
+pub fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The larger of two numbers, `b` when `a` is not a number; one instruction, unlike `f32::max`.
+#[inline(always)]
+pub fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers, `b` when `a` is not a number.
+#[inline(always)]
+pub fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Clamps to 0..=1; not a number becomes 0.
+#[inline(always)]
+pub fn saturate(x: f32) -> f32 {
+    smaller(larger(x, 0.0), 1.0)
+}
+
+/// `a` at t = 0, `b` at t = 1.
+#[inline(always)]
+pub fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// The colour that a lit surface sends to the viewer, in linear light, 0..=1.
+///
+/// All directions are unit vectors in camera space: `normal` on the side that is seen, `to_viewer` from
+/// the surface to the eye (`[0, 0, 1]` for a parallel projection), `up` the ground's normal. `albedo` is
+/// linear; `flat` 1 gives the albedo itself. The highlight is Blinn's, with
+/// `(n·h)² = (n·l + n·v)² / (2 + 2 l·v)` so that the half vector is never normalised.
+#[inline(always)]
+pub fn shade(normal: [f32; 3], to_viewer: [f32; 3], up: [f32; 3], albedo: Rgb, flat: f32) -> Rgb {
+    let n_l = dot(normal, KEY_DIRECTION);
+    let n_v = larger(dot(normal, to_viewer), 0.0);
+    let key = larger((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
+    let fill = larger(dot(normal, FILL_DIRECTION), 0.0);
+    let sky = 0.5 + 0.5 * dot(normal, up);
+
+    let half = larger(n_l + n_v, 0.0);
+    let h2 = smaller(
+        half * half / larger(2.0 + 2.0 * dot(KEY_DIRECTION, to_viewer), 1e-6),
+        1.0,
+    );
+    let h4 = h2 * h2;
+    let h8 = h4 * h4;
+    let h16 = h8 * h8;
+    let h32 = h16 * h16;
+    let glint = SHEEN * h8 + HIGHLIGHT * (h32 * h32);
+    let rim = rim(n_v);
+
+    let channel = |c: usize| {
+        let light =
+            mix(GROUND_COLOUR[c], SKY_COLOUR[c], sky) + KEY_COLOUR[c] * key + FILL_COLOUR[c] * fill;
+        let gloss = KEY_COLOUR[c] * glint + SKY_COLOUR[c] * (RIM * rim);
+        let lit = saturate(EXPOSURE * (albedo[c] * light + gloss));
+        mix(lit, albedo[c], flat)
+    };
+    [channel(0), channel(1), channel(2)]
+}
+
+/// Fresnel-like weight `(1 - n·v)^4` of a surface whose normal has cosine `n_v` (0..=1) to the viewer.
+#[inline(always)]
+pub fn rim(n_v: f32) -> f32 {
+    let away = 1.0 - n_v;
+    let squared = away * away;
+    squared * squared
+}
+
+/// Opacity of a translucent surface: its own, and more where it is seen edge-on.
+#[inline(always)]
+pub fn edge_opacity(opacity: f32, n_v: f32) -> f32 {
+    opacity + (1.0 - opacity) * (EDGE_OPACITY * rim(n_v))
+}
+
+/// How much of the ground is there, 1 in the middle to 0 at its radius.
+///
+/// `radius_share_squared` is the squared distance from the ground's centre over the squared radius.
+#[inline(always)]
+pub fn ground_fade(radius_share_squared: f32) -> f32 {
+    let t = saturate((radius_share_squared - FADE_START_SQUARED) / (1.0 - FADE_START_SQUARED));
+    1.0 - t * t * (3.0 - 2.0 * t)
+}
+
+/// How much of a pixel a family of parallel grid lines covers, 0..=1.
+///
+/// `at` is the coordinate across the lines in units of the pitch (lines at the whole numbers) and
+/// `footprint` what a pixel spans in it, `|d at/dx| + |d at/dy|`.
+#[inline(always)]
+pub fn grid_line(at: f32, footprint: f32) -> f32 {
+    let off = at - (at + 0.5).floor();
+    let distance = if off < 0.0 { -off } else { off };
+    let cover = saturate(GRID_HALF_WIDTH + 0.5 - distance / larger(footprint, 1e-12));
+    cover * saturate(2.0 - footprint * (2.0 / GRID_MAX_FOOTPRINT))
+}
+
+/// Factor on the background's linear colour where the ground is seen.
+///
+/// `fade` as of [`ground_fade`]; `lines` the larger of the two [`grid_line`]s; `shadow` 0..=1, as of
+/// [`ContactShadow::sample`](super::contact_shadow::ContactShadow::sample).
+#[inline(always)]
+pub fn ground_factor(fade: f32, lines: f32, shadow: f32) -> f32 {
+    (1.0 - fade * (GROUND_TINT + GRID_DARKNESS * lines)) * (1.0 - fade * SHADOW_DARKNESS * shadow)
+}

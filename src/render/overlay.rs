@@ -1,0 +1,95 @@
+//! What is laid over a finished picture: labels, their plates, and the border of a picture without a pose.
+//!
+//! Works on the pixels of either renderer, so that both show the same text, and with table look-ups and
+//! correctly rounded arithmetic only, so that the bytes are the same on every machine. Draws nothing of the
+//! scene.
+
+mod border;
+mod paint;
+mod plate;
+
+use super::text::{Face, Setting, set_text};
+use super::{Anchor, Camera, Frame, Label};
+use image::RgbaImage;
+use paint::Painter;
+
+/// Greatest height of capitals in pixels; larger labels are drawn at this size (no picture needs them, and a
+/// mask takes memory with its square).
+const LARGEST_SIZE: f64 = 1024.0;
+
+/// Draws labels; keeps the glyphs it has rasterised.
+pub struct Overlay {
+    face: Face,
+    plate_colour: [u8; 3],
+}
+
+impl Overlay {
+    /// An overlay whose plates have the sRGB colour `background` (the stage's background).
+    pub fn new(background: [u8; 3]) -> Self {
+        Self {
+            face: Face::new(),
+            plate_colour: background,
+        }
+    }
+
+    /// Draws the border (if the frame has no pose) and the labels of `frame` over `image`, in their order.
+    ///
+    /// Parts outside the picture are cut off. A label is left out where its anchor lies behind the camera or is
+    /// not a finite place, or where its size is not positive. Alpha is not touched.
+    pub fn draw(&mut self, frame: &Frame, camera: &Camera, image: &mut RgbaImage) {
+        if frame.no_pose {
+            border::draw(image);
+        }
+        for label in &frame.labels {
+            self.draw_label(label, camera, image);
+        }
+    }
+
+    fn draw_label(&mut self, label: &Label, camera: &Camera, image: &mut RgbaImage) {
+        if label.size.is_nan() || label.size <= 0.0 {
+            return;
+        }
+        let setting = set_text(&self.face, &label.text, label.size.min(LARGEST_SIZE));
+        let Some([left, top]) = place(label, &setting, camera, image.dimensions().into()) else {
+            return;
+        };
+        let mut painter = Painter::new(image);
+        if label.plate && !setting.glyphs.is_empty() {
+            plate::draw(&mut painter, &setting, [left, top], self.plate_colour);
+        }
+        for glyph in &setting.glyphs {
+            let mask = self.face.mask(glyph.id, setting.size, glyph.phase);
+            let origin = [
+                left.saturating_add(glyph.column),
+                top.saturating_add(glyph.baseline),
+            ];
+            painter.blend_mask(mask, origin, label.colour);
+        }
+    }
+}
+
+/// Top left pixel of a label's text; `None` when it cannot be seen.
+fn place(label: &Label, setting: &Setting, camera: &Camera, size: [u32; 2]) -> Option<[i32; 2]> {
+    let picture = size.map(f64::from);
+    let corner = match label.anchor {
+        Anchor::World(point) => {
+            let [x, y, _] = camera.project(point, size)?;
+            [x - 0.5 * setting.width, y - 0.5 * setting.height]
+        }
+        Anchor::Screen([x, y]) => {
+            let inset = if label.plate {
+                plate::padding(setting.size)
+            } else {
+                0.0
+            };
+            [x * picture[0] + inset, y * picture[1] + inset]
+        }
+    };
+    // Far outside is as good as nowhere, and keeps the conversion to i32 exact.
+    let reach = 4.0 * (picture[0] + picture[1] + setting.width + setting.height) + 1e4;
+    let near = |c: f64| c.abs() <= reach.min(1e9);
+    (near(corner[0]) && near(corner[1])).then(|| corner.map(|c| c.round() as i32))
+}
+
+#[cfg(test)]
+mod tests;
