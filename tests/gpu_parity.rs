@@ -187,7 +187,11 @@ fn assert_same(gpu: &RgbaImage, cpu: &RgbaImage, what: &str) {
 }
 
 fn compare(projection: Projection, size: [u32; 2], samples: u32) {
-    let stage = stage(projection, size, samples);
+    compare_stage(stage(projection, size, samples));
+}
+
+fn compare_stage(stage: Arc<Stage>) {
+    let (projection, samples) = (stage.camera.projection, stage.samples);
     let frame = frame(&stage);
     let mut cpu = CpuRenderer::new(Arc::clone(&stage)).unwrap();
     let expected = draw(&mut cpu, &stage, &frame);
@@ -244,6 +248,29 @@ fn pictures_with_one_sample_are_the_same() {
 #[ignore = "needs a graphics adapter: run with --include-ignored"]
 fn rows_that_need_padding_are_read_whole() {
     compare(PERSPECTIVE, [257, 131], 4);
+}
+
+#[test]
+#[ignore = "needs a graphics adapter: run with --include-ignored"]
+fn bodies_without_ground_are_lit_alike() {
+    let mut bare = Stage::clone(&stage(PERSPECTIVE, [320, 240], 4));
+    bare.ground = None;
+    compare_stage(Arc::new(bare));
+}
+
+#[test]
+#[ignore = "needs a graphics adapter: run with --include-ignored"]
+fn an_eye_among_the_bodies_sees_the_same() {
+    for projection in [PERSPECTIVE, Projection::Orthographic { height: 3.0 }] {
+        let mut close = Stage::clone(&stage(PERSPECTIVE, [320, 240], 4));
+        let camera = &mut close.camera;
+        camera.projection = projection;
+        let ahead = camera.world_from_camera.rotation * DVec3::NEG_Z;
+        let middle = DVec3::new(0.0, 0.0, 0.6);
+        camera.world_from_camera.translation = middle - 0.9 * ahead;
+        (camera.near, camera.far) = (0.05, 8.0);
+        compare_stage(Arc::new(close));
+    }
 }
 
 #[test]
