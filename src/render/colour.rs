@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use super::look::{LUMINANCE, Rgb};
 use image::RgbaImage;
 
-/// Cells of the first guess when encoding. Above 255 · 12.92 (the steepest part of the curve has one code
+/// Cells of the first guess when encoding, a power of two. Above 255 · 12.92 (the steepest part of the curve has one code
 /// per 1/3295), so that no cell holds two thresholds and one comparison settles the code.
 const GUESS_CELLS: usize = 4096;
 
@@ -25,7 +25,7 @@ pub struct Curve {
     linear: [f32; 256],
     /// `thresholds[k]` is the least linear value whose code is k + 1; the last is above 1.
     thresholds: [f32; 256],
-    guess: Vec<u8>,
+    guess: Box<[u8; 2 * GUESS_CELLS]>,
 }
 
 static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
@@ -45,10 +45,11 @@ impl Curve {
                 thresholds[code] = decode_exact((code as f64 + 0.5) / 255.0) as f32;
             }
         }
-        let mut guess = vec![0u8; GUESS_CELLS + 1];
+        let mut guess = Box::new([0u8; 2 * GUESS_CELLS]);
         let mut code = 0;
         for (cell, entry) in guess.iter_mut().enumerate() {
-            let start = cell as f32 / GUESS_CELLS as f32;
+            // A cell is around its number, as values are rounded to the nearest.
+            let start = (cell as f32 - 0.5) / GUESS_CELLS as f32;
             while code < 255 && thresholds[code] <= start {
                 code += 1;
             }
@@ -77,8 +78,9 @@ impl Curve {
     #[inline]
     pub fn encode(&self, value: f32) -> u8 {
         let value = super::look::saturate(value);
-        let cell = (value * GUESS_CELLS as f32) as usize;
-        let guess = self.guess[cell.min(GUESS_CELLS)];
+        // At 2^23 the last bit of a number is worth 1: the low bits are the rounded value.
+        let cell = (value * GUESS_CELLS as f32 + 8_388_608.0).to_bits() as usize;
+        let guess = self.guess[cell % (2 * GUESS_CELLS)];
         guess + u8::from(value >= self.thresholds[guess as usize])
     }
 }

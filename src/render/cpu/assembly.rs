@@ -2,7 +2,7 @@
 
 use super::clip::{Corner, clip};
 use super::lens::{Lens, OUTSIDE, Vertex};
-use super::samples::{Pattern, SUBPIXEL_BITS, SUBPIXELS};
+use super::samples::Pattern;
 use super::solid::Solid;
 use super::tile::TILE;
 use crate::math::narrow_pose;
@@ -85,18 +85,28 @@ impl Assembly {
         }
     }
 
+    /// The vertices of a facet.
+    #[inline(always)]
+    pub(super) fn corners(&self, [a, b, c]: &[u32; 3]) -> [Vertex; 3] {
+        [
+            self.vertices[*a as usize],
+            self.vertices[*b as usize],
+            self.vertices[*c as usize],
+        ]
+    }
+
     /// Top left pixel of a tile.
     pub(super) fn origin(&self, tile: usize) -> [i32; 2] {
         [tile % self.columns, tile / self.columns].map(|k| (k * TILE) as i32)
     }
 
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
-    pub(super) fn assemble<const S: usize>(
+    pub(super) fn assemble<const G: usize>(
         &mut self,
         frame: &Frame,
         solids: &[Solid],
         lens: &Lens,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
     ) {
         self.clear();
         for instance in &frame.instances {
@@ -176,13 +186,13 @@ impl Assembly {
         );
     }
 
-    fn sweep<const S: usize>(
+    fn sweep<const G: usize>(
         &mut self,
         index: usize,
         instance: &Instance,
         solid: &Solid,
         lens: &Lens,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
         faces: Faces,
     ) {
         let base = self.first_vertex[index];
@@ -190,8 +200,8 @@ impl Assembly {
         let start = (instance.triangles.start as usize).min(count);
         let end = (instance.triangles.end as usize).clamp(start, count);
         for (offset, triangle) in solid.triangles[start..end].iter().enumerate() {
-            let corners = triangle.map(|i| i + base);
-            let [a, b, c] = corners.map(|i| self.vertices[i as usize]);
+            let corners = [triangle[0] + base, triangle[1] + base, triangle[2] + base];
+            let [a, b, c] = self.corners(&corners);
             if a.x == OUTSIDE || b.x == OUTSIDE || c.x == OUTSIDE {
                 self.clipped(index, instance, solid, lens, pattern, faces, start + offset);
             } else {
@@ -203,12 +213,12 @@ impl Assembly {
     /// Adds a triangle whose corners are all on the screen's plane, if its side is asked for and it can
     /// hold a sample.
     #[inline(always)]
-    fn facet<const S: usize>(
+    fn facet<const G: usize>(
         &mut self,
         [i, j, k]: [u32; 3],
         [a, b, c]: [Vertex; 3],
         index: usize,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
         faces: Faces,
     ) {
         let product = |p: i32, q: i32| i64::from(p) * i64::from(q);
@@ -222,10 +232,10 @@ impl Assembly {
         if !(pattern.meets(left, right) && pattern.meets(top, bottom)) {
             return;
         }
-        let first = |low: i32| (low - pattern.greatest + SUBPIXELS - 1) >> SUBPIXEL_BITS;
-        let last = |high: i32| (high - pattern.least) >> SUBPIXEL_BITS;
-        let [x0, x1] = [first(left).max(0), last(right).min(self.size[0] - 1)];
-        let [y0, y1] = [first(top).max(0), last(bottom).min(self.size[1] - 1)];
+        let [x0, x1] = pattern.pixels(left, right);
+        let [y0, y1] = pattern.pixels(top, bottom);
+        let [x0, x1] = [x0.max(0), x1.min(self.size[0] - 1)];
+        let [y0, y1] = [y0.max(0), y1.min(self.size[1] - 1)];
         if x0 > x1 || y0 > y1 {
             return;
         }
@@ -251,13 +261,13 @@ impl Assembly {
     /// The part of a triangle that can be projected, as a fan of new vertices.
     #[cold]
     #[allow(clippy::too_many_arguments)]
-    fn clipped<const S: usize>(
+    fn clipped<const G: usize>(
         &mut self,
         index: usize,
         instance: &Instance,
         solid: &Solid,
         lens: &Lens,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
         faces: Faces,
         triangle: usize,
     ) {

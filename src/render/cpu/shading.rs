@@ -119,8 +119,7 @@ pub(super) fn normal_at(
     x: i32,
     y: i32,
 ) -> [f32; 3] {
-    let [i, j, k] = facet.corners.map(|i| i as usize);
-    let [a, b, c] = [i, j, k].map(|i| assembly.vertices[i]);
+    let [a, b, c] = assembly.corners(&facet.corners);
     let (px, py) = (x * SUBPIXELS + SUBPIXELS / 2, y * SUBPIXELS + SUBPIXELS / 2);
     let edge = |from: &super::lens::Vertex, to: &super::lens::Vertex| {
         let value = (to.y - from.y) as f32 * (px - from.x) as f32
@@ -133,7 +132,9 @@ pub(super) fn normal_at(
         edge(&c, &a) * depth(&b),
         edge(&a, &b) * depth(&c),
     ];
-    let normals = [i, j, k].map(|i| assembly.normals[i]);
+    let [i, j, k] = facet.corners;
+    let normal = |i: u32| &assembly.normals[i as usize];
+    let normals = [normal(i), normal(j), normal(k)];
     let side = facet.side();
     // The weights' sum is of the size of the area; scaled to keep the squares within range.
     let scale = side / look::larger(weights[0] + weights[1] + weights[2], 1e-30);
