@@ -3,9 +3,14 @@
 //! Data flows one way: scene file → [`model`] → trajectory ([`kinematics`]) → frames ([`render`]) → files
 //! ([`export`]). The library never prints and never exits.
 
+pub mod cli;
 pub mod compare;
+pub mod diag;
 pub mod export;
 pub mod geometry;
+pub mod kinematics;
 pub mod math;
 pub mod model;
 pub mod render;
+pub mod scene;
+pub mod staging;

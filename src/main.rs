@@ -1,3 +1,16 @@
 //! The `mechanim` program: parse, dispatch, exit code.
 
-fn main() {}
+use std::sync::atomic::Ordering;
+
+fn main() {
+    // The first Ctrl-C ends a run in order; a second one does not wait.
+    let handler = ctrlc::set_handler(|| {
+        if mechanim::cli::CANCEL.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    if let Err(error) = handler {
+        eprintln!("warning: Ctrl-C will not clean up: {error}");
+    }
+    std::process::exit(mechanim::cli::run(std::env::args_os()));
+}

@@ -220,7 +220,7 @@ mod tests {
     fn left_jacobian_inverse_matches_differences() {
         let phi = DVec3::new(0.4, -0.9, 1.3);
         let base = Pose {
-            rotation: glam::DMat3::from_quat(glam::DQuat::from_scaled_axis(phi)),
+            rotation: DMat3::from_quat(glam::DQuat::from_scaled_axis(phi)),
             translation: DVec3::ZERO,
         };
         let jac = left_jacobian_inverse(phi);
@@ -229,9 +229,7 @@ mod tests {
             let mut w = DVec3::ZERO;
             w[k] = h;
             let spin = |w: DVec3| {
-                rotation_log(
-                    &(glam::DMat3::from_quat(glam::DQuat::from_scaled_axis(w)) * base.rotation),
-                )
+                rotation_log(&(DMat3::from_quat(glam::DQuat::from_scaled_axis(w)) * base.rotation))
             };
             let difference = (spin(w) - spin(-w)) / (2.0 * h);
             assert!((difference - jac.col(k)).length() < 1e-9);

@@ -1,1 +1,76 @@
 //! Files out of frames. Knows nothing of mechanisms; the only room with image encoders.
+//!
+//! The protocol, for a caller that can draw any frame by its index:
+//!
+//! 1. [`Format::from_path`] tells the kind of file.
+//! 2. For a GIF, draw the frames [`gif::sample_indices`] names ([`pump::draw_samples`] does so on all cores) and
+//!    build the palette from them. They are kept and not drawn again.
+//! 3. Open the sink: [`gif::GifSink`], [`png::SequenceSink`] or [`png::StillSink`].
+//! 4. [`pump::pump`] draws, codes and writes all frames, in order and in bounded memory; only its success
+//!    leaves anything on disk.
+
+use image::RgbaImage;
+
+mod delta;
+pub mod error;
+pub mod format;
+pub mod gif;
+mod histogram;
+mod kmeans;
+mod lzw;
+pub mod mapping;
+mod nearest;
+mod oklab;
+pub mod palette;
+pub mod png;
+pub mod pump;
+pub mod table;
+pub mod target;
+pub mod timing;
+
+pub use error::ExportError;
+pub use format::Format;
+pub use target::{Output, Stream, Target};
+
+/// What was written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExportSummary {
+    /// Frames handed over.
+    pub frames: usize,
+    /// Bytes written over all files.
+    pub bytes: u64,
+    /// Duration of the animation in seconds as the file says it; 0 where the format has no time.
+    pub seconds: f64,
+}
+
+/// Takes the frames of one file or one sequence, in order.
+///
+/// The work on a frame is in three steps, so that all but the last run on many threads: `prepare` looks at one
+/// frame alone, `code` also at the prepared frame before it, `write` runs in order on one thread.
+pub trait FrameSink: Send {
+    /// Size every frame must have, in pixels.
+    fn size(&self) -> [u32; 2];
+
+    /// A coder for one worker thread. All coders of a sink give the same bytes for the same frames.
+    fn coder(&self) -> Box<dyn FrameCoder>;
+
+    /// Writes what the coder made of frame `index`; called for 0, 1, 2 …
+    fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError>;
+
+    /// Completes the file. A sink dropped without this leaves nothing behind.
+    fn finish(self: Box<Self>) -> Result<ExportSummary, ExportError>;
+}
+
+/// The part of a sink that runs on worker threads, with its own scratch memory.
+pub trait FrameCoder: Send {
+    /// Reduces a frame to the sink's own form, replacing the contents of `prepared`.
+    fn prepare(&mut self, frame: &RgbaImage, prepared: &mut Vec<u8>) -> Result<(), ExportError>;
+
+    /// Codes a prepared frame given the one before it (`None` for the first), replacing the contents of `coded`.
+    fn code(
+        &mut self,
+        previous: Option<&[u8]>,
+        current: &[u8],
+        coded: &mut Vec<u8>,
+    ) -> Result<(), ExportError>;
+}

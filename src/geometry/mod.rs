@@ -2,9 +2,9 @@
 
 mod crease;
 mod primitive;
-mod stl;
+pub mod stl;
 mod torus;
-mod trace;
+pub mod trace;
 mod tube;
 
 pub use crease::mesh_of_triangles;

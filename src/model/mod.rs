@@ -1,3 +1,8 @@
 //! The mechanism as resolved: immutable, without names to look up or units to convert.
 
+pub mod chain;
+pub mod drive;
+pub mod expression;
+pub mod mechanism;
 pub mod shape;
+pub mod view;

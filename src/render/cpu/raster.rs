@@ -36,7 +36,7 @@ impl<F: FnMut(usize, usize, f32x4, f32x4)> Visit for F {}
 /// counter-clockwise on the screen.
 #[inline(always)]
 pub(super) fn rasterise<const G: usize>(
-    corners: &[Vertex; 3],
+    corners: [&Vertex; 3],
     window: &Window,
     pattern: &Pattern<G>,
     visit: impl Visit,
@@ -63,7 +63,8 @@ pub(super) fn rasterise<const G: usize>(
 /// Depth over the screen: at a point, and its growth a screen unit to the right and down.
 #[derive(Clone, Copy)]
 struct Plane {
-    from: Vertex,
+    from: [i32; 2],
+    depth: f32,
     x: f32,
     y: f32,
 }
@@ -71,11 +72,12 @@ struct Plane {
 impl Plane {
     /// Through the corners; `ca` and `ab` are the steps of the edges opposite b and c.
     #[inline(always)]
-    fn new([a, b, c]: &[Vertex; 3], ab: [f32; 2], ca: [f32; 2], area: f32) -> Self {
+    fn new([a, b, c]: [&Vertex; 3], ab: [f32; 2], ca: [f32; 2], area: f32) -> Self {
         let inverse = 1.0 / area;
         let (to_b, to_c) = ((b.depth - a.depth) * inverse, (c.depth - a.depth) * inverse);
         Self {
-            from: *a,
+            from: [a.x, a.y],
+            depth: a.depth,
             x: to_b * ca[0] + to_c * ab[0],
             y: to_b * ca[1] + to_c * ab[1],
         }
@@ -85,10 +87,10 @@ impl Plane {
     #[inline(always)]
     fn at(&self, x: i32, y: i32) -> f32 {
         let (dx, dy) = (
-            (x << SUBPIXEL_BITS) - self.from.x,
-            (y << SUBPIXEL_BITS) - self.from.y,
+            (x << SUBPIXEL_BITS) - self.from[0],
+            (y << SUBPIXEL_BITS) - self.from[1],
         );
-        self.from.depth + self.x * dx as f32 + self.y * dy as f32
+        self.depth + self.x * dx as f32 + self.y * dy as f32
     }
 
     #[inline(always)]
@@ -188,7 +190,7 @@ struct Side<T> {
 /// A small triangle, all in 32 bits.
 #[inline(always)]
 fn direct<const G: usize>(
-    corners: &[Vertex; 3],
+    corners: [&Vertex; 3],
     window: &Window,
     area: &Window,
     pattern: &Pattern<G>,
@@ -198,7 +200,8 @@ fn direct<const G: usize>(
     let origin = cells.origin(window, pattern);
     let side = |from: &Vertex, to: &Vertex| {
         let (x, y) = (to.y - from.y, from.x - to.x);
-        let belongs = x > 0 || (x == 0 && y > 0);
+        // Without short cuts: a branch here would be a coin toss for the processor.
+        let belongs = (x > 0) | ((x == 0) & (y > 0));
         let (dx, dy) = (
             (origin[0] << SUBPIXEL_BITS) - from.x,
             (origin[1] << SUBPIXEL_BITS) - from.y,
@@ -234,7 +237,7 @@ fn direct<const G: usize>(
 /// A triangle of any size: blocks that an edge leaves out are skipped, and only edges that cross a block
 /// are looked at in it.
 fn by_blocks<const G: usize>(
-    corners: &[Vertex; 3],
+    corners: [&Vertex; 3],
     window: &Window,
     area: &Window,
     pattern: &Pattern<G>,
@@ -243,7 +246,7 @@ fn by_blocks<const G: usize>(
     let first = [window.x[0] << SUBPIXEL_BITS, window.y[0] << SUBPIXEL_BITS];
     let side = |from: &Vertex, to: &Vertex| {
         let (x, y) = (i64::from(to.y - from.y), i64::from(from.x - to.x));
-        let belongs = x > 0 || (x == 0 && y > 0);
+        let belongs = (x > 0) | ((x == 0) & (y > 0));
         let start = x * i64::from(first[0] - from.x) + y * i64::from(first[1] - from.y);
         Side {
             x,

@@ -128,18 +128,14 @@ pub(super) fn normal_at(
     };
     let depth = |v: &super::lens::Vertex| if lens.perspective { v.depth } else { 1.0 };
     let weights = [
-        edge(&b, &c) * depth(&a),
-        edge(&c, &a) * depth(&b),
-        edge(&a, &b) * depth(&c),
+        edge(b, c) * depth(a),
+        edge(c, a) * depth(b),
+        edge(a, b) * depth(c),
     ];
-    let [i, j, k] = facet.corners;
-    let normal = |i: u32| &assembly.normals[i as usize];
-    let normals = [normal(i), normal(j), normal(k)];
     let side = facet.side();
     // The weights' sum is of the size of the area; scaled to keep the squares within range.
     let scale = side / look::larger(weights[0] + weights[1] + weights[2], 1e-30);
     std::array::from_fn(|n| {
-        (weights[0] * normals[0][n] + weights[1] * normals[1][n] + weights[2] * normals[2][n])
-            * scale
+        (weights[0] * a.normal[n] + weights[1] * b.normal[n] + weights[2] * c.normal[n]) * scale
     })
 }

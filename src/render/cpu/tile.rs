@@ -35,12 +35,34 @@ pub(super) struct View<'a> {
     pub(super) below_ground: bool,
 }
 
-/// The samples of one tile, reused for all: cell by cell, `G` vectors a cell.
+/// The samples of one cell, `G` vectors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell<const G: usize> {
+    pub(super) depth: [[f32; LANES]; G],
+    facet: [[i32; LANES]; G],
+}
+
+impl<const G: usize> Cell<G> {
+    const BARE: Self = Self {
+        depth: [[f32::NEG_INFINITY; LANES]; G],
+        facet: [[NOTHING; LANES]; G],
+    };
+}
+
+/// Facets of the `S` samples of a pixel of a tile.
+#[inline(always)]
+fn facets_of<const S: usize, const G: usize>(cells: &[Cell<G>], pixel: usize) -> [i32; S] {
+    let lane = pixel * S;
+    let cell = &cells[lane / (LANES * G)];
+    let lanes = cell.facet.as_flattened();
+    std::array::from_fn(|s| lanes[(lane + s) % (LANES * G)])
+}
+
+/// The samples of one tile, reused for all, row by row.
 #[derive(Debug)]
 pub(super) struct Tile<const G: usize> {
     pub(super) pattern: Pattern<G>,
-    depth: Vec<[[f32; LANES]; G]>,
-    facet: Vec<[[i32; LANES]; G]>,
+    cells: Vec<Cell<G>>,
     /// Linear colours of the pixels.
     colour: Vec<[f32; 3]>,
     batch: Batch,
@@ -128,8 +150,7 @@ impl<const G: usize> Tile<G> {
         let cells = AREA >> pattern.cell_bits;
         Self {
             pattern,
-            depth: vec![[[f32::NEG_INFINITY; LANES]; G]; cells],
-            facet: vec![[[NOTHING; LANES]; G]; cells],
+            cells: vec![Cell::BARE; cells],
             colour: vec![[0.0; 3]; AREA],
             batch: Batch::new(),
             layers: Layers::default(),
@@ -161,32 +182,44 @@ impl<const G: usize> Tile<G> {
             self.light(&view, window);
         } else {
             let samples = self.pattern.samples;
-            let facets = self.facet.as_flattened().as_flattened();
-            self.layers.begin(&view, window, samples, facets);
+            self.begin_layers(&view, window);
             self.layers
-                .blend(&view, bin, window, &self.pattern, &self.depth);
+                .blend(&view, bin, window, &self.pattern, &self.cells);
             self.layers.resolve(samples, &mut self.colour);
         }
         self.write(&view, window, bytes, stride);
     }
 
     fn clear(&mut self, view: &View, window: Window) {
-        self.facet.fill([[NOTHING; LANES]; G]);
-        self.depth.fill([[f32::NEG_INFINITY; LANES]; G]);
+        self.cells.fill(Cell::BARE);
         if !view.below_ground {
             return;
         }
-        let depth = self.depth.as_flattened_mut().as_flattened_mut();
+        let samples = self.pattern.samples;
         for_pixels(window, |pixel, x, y| {
-            for s in 0..self.pattern.samples {
+            for s in 0..samples {
                 let place = |p: i32, offset: &[[i32; LANES]; G]| {
                     f64::from(p) + f64::from(offset.as_flattened()[s]) / f64::from(SUBPIXELS)
                 };
                 let (x, y) = (place(x, &self.pattern.x), place(y, &self.pattern.y));
-                depth[pixel * self.pattern.samples + s] =
+                let lane = pixel * samples + s;
+                let cell = &mut self.cells[lane / (LANES * G)];
+                cell.depth.as_flattened_mut()[lane % (LANES * G)] =
                     view.backdrop.depth(x, y, view.lens.perspective);
             }
         });
+    }
+
+    /// Hands the opaque facets on to be drawn over.
+    fn begin_layers(&mut self, view: &View, window: Window) {
+        let (layers, cells) = (&mut self.layers, self.cells.as_slice());
+        match self.pattern.samples {
+            1 => layers.begin(view, window, |pixel| facets_of::<1, G>(cells, pixel)),
+            2 => layers.begin(view, window, |pixel| facets_of::<2, G>(cells, pixel)),
+            4 => layers.begin(view, window, |pixel| facets_of::<4, G>(cells, pixel)),
+            8 => layers.begin(view, window, |pixel| facets_of::<8, G>(cells, pixel)),
+            _ => layers.begin(view, window, |pixel| facets_of::<16, G>(cells, pixel)),
+        }
     }
 
     /// Finds the nearest opaque facet of every sample; of equally near ones the first.
@@ -196,14 +229,14 @@ impl<const G: usize> Tile<G> {
             let facet = &view.assembly.facets[*number as usize];
             let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
-            let (depth, nearest) = (&mut self.depth, &mut self.facet);
-            rasterise(&corners, &window, &self.pattern, |cell, g, covered, new| {
-                let (depth, nearest) = (&mut depth[cell][g], &mut nearest[cell][g]);
-                let old = f32x4::from(*depth);
+            let cells = self.cells.as_mut_slice();
+            rasterise(corners, &window, &self.pattern, |cell, g, covered, new| {
+                let cell = &mut cells[cell];
+                let old = f32x4::from(cell.depth[g]);
                 let wins = new.simd_gt(old) & covered;
-                *depth = wins.bitselect(new, old).to_array();
+                cell.depth[g] = wins.bitselect(new, old).to_array();
                 let mask = wins.to_bits().cast_signed();
-                *nearest = mask.bitselect(own, i32x4::from(*nearest)).to_array();
+                cell.facet[g] = mask.bitselect(own, i32x4::from(cell.facet[g])).to_array();
             });
         }
     }
@@ -221,11 +254,10 @@ impl<const G: usize> Tile<G> {
 
     #[inline(never)]
     fn light_samples<const S: usize>(&mut self, view: &View, window: Window) {
-        let facets = self.facet.as_flattened().as_flattened();
-        let pixels = facets.as_chunks::<S>().0;
+        let cells = self.cells.as_slice();
         let colour = self.colour.as_mut_slice();
         for_pixels(window, |pixel, x, y| {
-            let own = &pixels[pixel];
+            let own = &facets_of::<S, G>(cells, pixel);
             let first = own[0];
             if *own == [NOTHING; S] {
                 colour[pixel] = BARE;

@@ -4,7 +4,7 @@ use super::assembly::Bin;
 use super::raster::{Window, rasterise};
 use super::samples::{LANES, Pattern};
 use super::shading::{light, normal_at, unit};
-use super::tile::{AREA, NOTHING, TILE, View, for_pixels};
+use super::tile::{AREA, Cell, NOTHING, TILE, View, for_pixels};
 use crate::render::look::{self, Rgb};
 use wide::f32x4;
 
@@ -26,13 +26,18 @@ fn lit(view: &View, number: usize, x: i32, y: i32) -> (Rgb, f32) {
 }
 
 impl Layers {
-    /// Takes over the opaque facets of a tile, `samples` for each pixel.
-    pub(super) fn begin(&mut self, view: &View, window: Window, samples: usize, facets: &[i32]) {
-        self.colour.resize(AREA * samples, [0.0; 3]);
+    /// Takes over the opaque facets of a tile, `S` for each pixel.
+    pub(super) fn begin<const S: usize>(
+        &mut self,
+        view: &View,
+        window: Window,
+        facets: impl Fn(usize) -> [i32; S],
+    ) {
+        self.colour.resize(AREA * S, [0.0; 3]);
         for_pixels(window, |pixel, x, y| {
-            let own = pixel * samples..(pixel + 1) * samples;
+            let own = self.colour[pixel * S..(pixel + 1) * S].iter_mut();
             let mut last: Option<(i32, Rgb)> = None;
-            for (colour, facet) in self.colour[own.clone()].iter_mut().zip(&facets[own]) {
+            for (colour, facet) in own.zip(&facets(pixel)) {
                 let rgb = match last {
                     Some((known, rgb)) if known == *facet => rgb,
                     _ if *facet == NOTHING => {
@@ -46,21 +51,21 @@ impl Layers {
         });
     }
 
-    /// Blends the translucent facets of a bin in its order; `depth` is that of the opaque samples.
+    /// Blends the translucent facets of a bin in its order; `cells` hold the depth of the opaque samples.
     pub(super) fn blend<const G: usize>(
         &mut self,
         view: &View,
         bin: &Bin,
         window: Window,
         pattern: &Pattern<G>,
-        depth: &[[[f32; LANES]; G]],
+        cells: &[Cell<G>],
     ) {
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
             let paint = view.assembly.paints[facet.instance()];
             let corners = view.assembly.corners(&facet.corners);
-            rasterise(&corners, &window, pattern, |cell, g, covered, new| {
-                let seen = new.simd_gt(f32x4::from(depth[cell][g])) & covered;
+            rasterise(corners, &window, pattern, |cell, g, covered, new| {
+                let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
                 let mut lanes = seen.to_bitmask();
                 while lanes != 0 {
                     let lane = (cell * G + g) * LANES + lanes.trailing_zeros() as usize;

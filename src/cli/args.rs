@@ -1,0 +1,254 @@
+//! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Exact motion, checks and pictures of spatial mechanisms, from their equations, without a display.
+#[derive(Debug, Parser)]
+#[command(name = "mechanim", version, max_term_width = 100, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// When to colour messages; NO_COLOR is respected.
+    #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
+    pub color: ColourChoice,
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed; 2 bad usage or bad scene; 3 no usable graphics \
+adapter; 4 the mechanism could not be closed over the whole motion; 70 internal error; 130 interrupted.";
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Draw the motion into a GIF, a PNG still or a sequence of PNG frames.
+    Render(RenderArgs),
+    /// Solve the motion and write every coordinate with its proof (CSV or JSON).
+    Solve(SolveArgs),
+    /// Check that all loops close over the motion, or judge a pose that is offered.
+    Check(CheckArgs),
+    /// List the built-in scenes, or print one.
+    Scenes {
+        /// Name of the scene whose file is printed.
+        name: Option<String>,
+    },
+    /// Versions, graphics adapters and drivers, for bug reports.
+    Info {
+        /// Machine-readable.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print a completion script for a shell.
+    Completions {
+        /// bash, zsh, fish, elvish or powershell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Which scene, and what is changed in it.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// Name of a built-in scene, path of a scene file, or `-` for standard input.
+    pub scene: String,
+    /// Replace a parameter: NAME=FORMULA. May be repeated.
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub parameters: Vec<(String, String)>,
+    /// Replace the drive of an input: NAME=FORMULA, a number or a formula of `t`. May be repeated.
+    #[arg(long = "input", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub inputs: Vec<(String, String)>,
+    /// Replace the start value of an unknown, which chooses the assembly mode: NAME=VALUE. May be repeated.
+    #[arg(long = "guess", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub guess: Vec<(String, String)>,
+    /// Take the inputs from the rows of a CSV file; columns are found by the names of the inputs.
+    #[arg(long = "inputs", value_name = "TABLE.csv")]
+    pub table: Option<PathBuf>,
+}
+
+/// `mechanim render`
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// File to write: .gif, .png, a folder, or a pattern such as frame-%04d.png.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
+    pub size: [u32; 2],
+    /// Frames a second; the scene decides if absent.
+    #[arg(long, value_name = "RATE", value_parser = frame_rate)]
+    pub fps: Option<f64>,
+    /// Number of frames, spread evenly over the motion.
+    #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = frame_count)]
+    pub frames: Option<usize>,
+    /// Draw one picture at this time in seconds.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// Draw one picture: the frame with this number, counted from 0.
+    #[arg(long, value_name = "N", conflicts_with = "at")]
+    pub frame: Option<usize>,
+    /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = samples)]
+    pub samples: u32,
+    /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
+    #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
+    pub renderer: RendererArg,
+    /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Worker threads of the built-in renderer; all cores if absent. The pictures do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
+    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
+    pub progress: ProgressArg,
+    /// Print where the time went, stage by stage.
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// `mechanim solve`
+#[derive(Debug, Args)]
+pub struct SolveArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Table to write: .csv or .json; `-` for CSV on standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Number of samples, spread evenly over the motion; the scene's frames if absent.
+    #[arg(long, value_name = "N", value_parser = frame_count)]
+    pub samples: Option<usize>,
+    /// Solve at this time in seconds only (following the motion up to it).
+    #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
+    pub at: Option<f64>,
+    /// Add columns with the rates of the unknowns per second.
+    #[arg(long)]
+    pub rates: bool,
+    /// Format of the table if the file name does not tell.
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
+}
+
+/// `mechanim check`
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
+    #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = assignment)]
+    pub pose: Vec<(String, String)>,
+    /// Largest closure error that passes, relative to the mechanism's size.
+    #[arg(long, value_name = "E", default_value_t = 1e-9)]
+    pub tolerance: f64,
+    /// Number of samples, spread evenly over the motion; the scene's frames if absent.
+    #[arg(long, value_name = "N", value_parser = frame_count)]
+    pub samples: Option<usize>,
+    /// Write the report as JSON to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `--renderer`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum RendererArg {
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+/// `--progress`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ProgressArg {
+    Auto,
+    Plain,
+    None,
+}
+
+/// `--color`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ColourChoice {
+    Auto,
+    Always,
+    Never,
+}
+
+/// `--format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum TableFormat {
+    Csv,
+    Json,
+}
+
+/// Longest side of a picture: 16384 squared at 16 samples is already 20 GiB of samples in a naive renderer.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// Most pixels of a picture: 8K video has 33 million.
+pub const MAX_PIXELS: u64 = 64_000_000;
+
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("write NAME=VALUE".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "write WIDTHxHEIGHT, for example 640x480".to_owned();
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
+    let size = [
+        width.trim().parse::<u32>().map_err(|_| wrong())?,
+        height.trim().parse().map_err(|_| wrong())?,
+    ];
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    if size.contains(&0) {
+        return Err("a picture needs at least one pixel".to_owned());
+    }
+    if size.iter().any(|side| *side > MAX_SIDE) || pixels > MAX_PIXELS {
+        return Err(format!(
+            "at most {MAX_SIDE} pixels a side and {} million in all",
+            MAX_PIXELS / 1_000_000
+        ));
+    }
+    Ok(size)
+}
+
+fn frame_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if (0.01..=1000.0).contains(&rate) => Ok(rate),
+        _ => Err("a frame rate is between 0.01 and 1000".to_owned()),
+    }
+}
+
+fn frame_count(text: &str) -> Result<usize, String> {
+    let limit = crate::kinematics::sampling::MAX_SAMPLES;
+    match text.parse::<usize>() {
+        Ok(count) if (1..=limit).contains(&count) => Ok(count),
+        _ => Err(format!("between 1 and {limit}")),
+    }
+}
+
+fn samples(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(count) if [1, 2, 4, 8, 16].contains(&count) => Ok(count),
+        _ => Err("1, 2, 4, 8 or 16".to_owned()),
+    }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if (1..=256).contains(&count) => Ok(count),
+        _ => Err("between 1 and 256".to_owned()),
+    }
+}

@@ -1,0 +1,223 @@
+//! `mechanim check`: do all loops close over the motion; is an offered pose a closed one.
+
+use super::args::CheckArgs;
+use super::outcome::{Failure, Outcome};
+use super::term::Term;
+use super::{inputs_table, open_scene, report};
+use crate::diag::nearest;
+use crate::export::{Output, Stream, Target};
+use crate::kinematics::continuation::solve;
+use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
+use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::trajectory::Trajectory;
+use crate::model::mechanism::Mechanism;
+use crate::scene::Scene;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+
+/// Runs the verb.
+pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
+    if !(args.tolerance > 0.0 && args.tolerance.is_finite()) {
+        return Err(Failure::usage(
+            "the tolerance must be a positive number",
+            Vec::new(),
+        ));
+    }
+    let scene = open_scene::open(&args.scene, term)?;
+    let (text, document, outcome) = if args.pose.is_empty() {
+        motion(args, &scene, term)?
+    } else {
+        pose(args, &scene.mechanism)?
+    };
+    write_json(args, &document)?;
+    if args.json.as_deref() != Some(Path::new("-")) {
+        let mut out = std::io::stdout().lock();
+        out.write_all(text.as_bytes())?;
+        out.flush()?;
+    }
+    Ok(outcome)
+}
+
+type Report = (String, Value, Outcome);
+
+/// Closure over the whole motion.
+fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failure> {
+    let mechanism = &scene.mechanism;
+    let times = match args.samples {
+        Some(count) => even_times(mechanism, count),
+        None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
+        None => frame_times(mechanism, scene.view.fps),
+    };
+    let trajectory = solve(mechanism, &times)?;
+    let closed = report::events(mechanism, &trajectory, term)?;
+    let worst = trajectory.closure_error();
+    let outcome = match closed {
+        Outcome::Done if worst > args.tolerance => Outcome::CheckFailed,
+        other => other,
+    };
+    let sigma = trajectory
+        .poses()
+        .map(|p| p.sigma_min)
+        .fold(f64::INFINITY, f64::min);
+    let condition = trajectory.poses().map(|p| p.condition).fold(0.0, f64::max);
+    let branches = branches(&trajectory);
+    let verdict = verdict(outcome);
+    let text = format!(
+        "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  result           {verdict}\n",
+        mechanism.title,
+        trajectory.samples.len(),
+        trajectory.missing(),
+        args.tolerance,
+        mechanism.size,
+        mechanism.length_unit,
+        branches.join(" "),
+    );
+    let document = json!({
+        "schema": "mechanim-check/1",
+        "title": mechanism.title,
+        "samples": trajectory.samples.len(),
+        "missing": trajectory.missing(),
+        "closure_error": worst,
+        "tolerance": args.tolerance,
+        "size": mechanism.size,
+        "sigma_min": if sigma.is_finite() { json!(sigma) } else { Value::Null },
+        "condition": if condition.is_finite() { json!(condition) } else { Value::Null },
+        "branches": branches,
+        "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "result": verdict,
+    });
+    Ok((text, document, outcome))
+}
+
+/// The branch signatures met, in order.
+fn branches(trajectory: &Trajectory) -> Vec<String> {
+    let mut list: Vec<String> = trajectory.poses().map(|p| p.branch.clone()).collect();
+    list.dedup();
+    list
+}
+
+fn verdict(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Done => "passed",
+        Outcome::CheckFailed => "failed",
+        Outcome::NotClosed => "not closed over the whole motion",
+    }
+}
+
+/// Judges the pose given with `--pose`.
+fn pose(args: &CheckArgs, mechanism: &Mechanism) -> Result<Report, Failure> {
+    let coordinates = offered(args, mechanism)?;
+    let loops = judge(mechanism, &coordinates, args.tolerance);
+    let outcome = if loops.iter().all(|l| l.verdict == Verdict::Closed) {
+        Outcome::Done
+    } else {
+        Outcome::CheckFailed
+    };
+    let mut text = format!("{}\n", mechanism.title);
+    for item in &loops {
+        text.push_str(&format!(
+            "  loop {}: {}\n",
+            item.name,
+            sentence(item, mechanism)
+        ));
+    }
+    text.push_str(&format!("  result: {}\n", verdict(outcome)));
+    let list: Vec<Value> = loops.iter().map(|l| {
+        json!({ "loop": l.name, "angle": l.angle, "distance": l.distance, "verdict": word(l.verdict) })
+    }).collect();
+    let document = json!({
+        "schema": "mechanim-pose/1",
+        "title": mechanism.title,
+        "tolerance": args.tolerance,
+        "loops": list,
+        "result": verdict(outcome),
+    });
+    Ok((text, document, outcome))
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Closed => "closed",
+        Verdict::HalfTurn => "half-turn",
+        Verdict::Open => "open",
+    }
+}
+
+fn sentence(item: &OfferedLoop, mechanism: &Mechanism) -> String {
+    let gap = format!(
+        "{:.6} rad and {:.6} {}",
+        item.angle, item.distance, mechanism.length_unit
+    );
+    match item.verdict {
+        Verdict::Closed => format!(
+            "closed (off by {:.1e} rad and {:.1e} {})",
+            item.angle, item.distance, mechanism.length_unit
+        ),
+        Verdict::HalfTurn => format!(
+            "half-turn, not closed: the ends meet turned by π ({gap}); a residual of off-diagonal entries takes this for a solution"
+        ),
+        Verdict::Open => format!("open by {gap}"),
+    }
+}
+
+/// Coordinates of the offered pose: all unknowns from `--pose`, inputs at the start of the drive.
+fn offered(args: &CheckArgs, mechanism: &Mechanism) -> Result<Vec<f64>, Failure> {
+    let mut values = vec![None; mechanism.unknowns.len()];
+    for (name, text) in &args.pose {
+        let Some(index) = mechanism.unknowns.iter().position(|c| c.name == *name) else {
+            let names: Vec<&str> = mechanism.unknowns.iter().map(|c| c.name.as_str()).collect();
+            let mut hints = vec![format!("its unknowns are: {}", names.join(", "))];
+            hints.extend(
+                nearest(name, names.iter().copied()).map(|near| format!("did you mean `{near}`?")),
+            );
+            return Err(Failure::usage(
+                format!("the scene has no unknown `{name}`"),
+                hints,
+            ));
+        };
+        let value = text.parse::<f64>().ok().filter(|v| v.is_finite());
+        let value = value.ok_or_else(|| {
+            Failure::usage(format!("`{text}` is not a value for `{name}`"), Vec::new())
+        })?;
+        values[index] = Some(value / mechanism.file_units(mechanism.unknowns[index].kind));
+    }
+    let missing: Vec<&str> = mechanism
+        .unknowns
+        .iter()
+        .zip(&values)
+        .filter(|(_, v)| v.is_none())
+        .map(|(c, _)| c.name.as_str())
+        .collect();
+    if !missing.is_empty() {
+        return Err(Failure::usage(
+            format!("the pose lacks {}", missing.join(", ")),
+            Vec::new(),
+        ));
+    }
+    let mut coordinates: Vec<f64> = values.into_iter().flatten().collect();
+    coordinates.extend(mechanism.inputs_at(0.0));
+    Ok(coordinates)
+}
+
+fn write_json(args: &CheckArgs, document: &Value) -> Result<(), Failure> {
+    let Some(path) = &args.json else {
+        return Ok(());
+    };
+    let mut output: Box<dyn Output> = if path == Path::new("-") {
+        Box::new(Stream::new("standard output", std::io::stdout()))
+    } else {
+        if open_scene::is_scene_file(&args.scene, path) {
+            return Err(Failure::usage(
+                format!("{} is an input of this command", path.display()),
+                Vec::new(),
+            ));
+        }
+        Box::new(Target::create(path)?)
+    };
+    let written = output.write_all(format!("{document:#}\n").as_bytes());
+    written.map_err(|source| crate::export::ExportError::write(output.name(), source))?;
+    output.commit()?;
+    Ok(())
+}

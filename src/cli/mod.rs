@@ -1,0 +1,62 @@
+//! The command line: one file a verb, outcome to exit code. The only room that prints.
+
+pub mod args;
+mod check;
+mod completions;
+mod info;
+mod inputs_table;
+mod open_scene;
+mod outcome;
+mod progress;
+mod render;
+mod report;
+mod scenes;
+mod solve;
+mod term;
+
+use args::{Cli, Command};
+use clap::Parser;
+pub use outcome::{Failure, Outcome};
+use std::ffi::OsString;
+use std::sync::atomic::AtomicBool;
+use term::Term;
+
+/// Raised by Ctrl-C; everything that takes long looks at it.
+pub static CANCEL: AtomicBool = AtomicBool::new(false);
+
+/// Runs the program with the given arguments (the first is its own name) and returns its exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let term = Term::new(cli.color, cli.quiet);
+    let result = match cli.command {
+        Command::Render(args) => render::run(&args, &term),
+        Command::Solve(args) => solve::run(&args, &term),
+        Command::Check(args) => check::run(&args, &term),
+        Command::Scenes { name } => scenes::run(name.as_deref()),
+        Command::Info { json } => info::run(json),
+        Command::Completions { shell } => completions::run(shell),
+    };
+    match result {
+        Ok(outcome) => outcome.code(),
+        Err(failure) => {
+            if !failure.is_broken_pipe() {
+                term.failure(&failure);
+            }
+            failure.code()
+        }
+    }
+}
+
+/// Prints help, version or a usage error where it belongs.
+fn usage(error: &clap::Error) -> i32 {
+    // A reader that went away is no reason to fail.
+    let _ = error.print();
+    if error.use_stderr() {
+        outcome::BAD_USAGE
+    } else {
+        outcome::DONE
+    }
+}

@@ -1,0 +1,96 @@
+//! Progress on standard error: a bar with rate and remaining time on a terminal, a line per tenth elsewhere if
+//! asked for.
+
+use super::args::ProgressArg;
+use std::cell::Cell;
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// Redraws of the bar are this far apart at least: terminals are slow.
+const REDRAW: Duration = Duration::from_millis(80);
+
+/// Characters of the bar.
+const WIDTH: usize = 28;
+
+enum Style {
+    Bar,
+    Lines,
+    Silent,
+}
+
+/// Tells how far the frames are.
+pub struct Progress {
+    style: Style,
+    start: Instant,
+    last: Cell<Option<Instant>>,
+    tenth: Cell<usize>,
+}
+
+impl Progress {
+    /// Starts the clock.
+    pub fn new(choice: ProgressArg, quiet: bool) -> Self {
+        let style = match choice {
+            _ if quiet => Style::Silent,
+            ProgressArg::None => Style::Silent,
+            ProgressArg::Plain => Style::Lines,
+            ProgressArg::Auto if std::io::stderr().is_terminal() => Style::Bar,
+            ProgressArg::Auto => Style::Silent,
+        };
+        Self {
+            style,
+            start: Instant::now(),
+            last: Cell::new(None),
+            tenth: Cell::new(0),
+        }
+    }
+
+    /// `done` of `total` frames are written.
+    pub fn show(&self, done: usize, total: usize) {
+        match self.style {
+            Style::Silent => {}
+            Style::Lines => {
+                let tenth = 10 * done / total.max(1);
+                if tenth > self.tenth.replace(tenth) {
+                    let _ = writeln!(
+                        std::io::stderr(),
+                        "{done}/{total} frames, {}",
+                        self.rate(done, total)
+                    );
+                }
+            }
+            Style::Bar => {
+                let now = Instant::now();
+                if done < total && self.last.get().is_some_and(|last| now - last < REDRAW) {
+                    return;
+                }
+                self.last.set(Some(now));
+                let filled = WIDTH * done / total.max(1);
+                let bar = format!("{}{}", "█".repeat(filled), "░".repeat(WIDTH - filled));
+                let mut stderr = std::io::stderr().lock();
+                let _ = write!(
+                    stderr,
+                    "\r{bar} {done}/{total} frames, {}\x1b[K",
+                    self.rate(done, total)
+                );
+                let _ = stderr.flush();
+            }
+        }
+    }
+
+    /// Removes the bar.
+    pub fn end(&self) {
+        if matches!(self.style, Style::Bar) && self.last.get().is_some() {
+            let mut stderr = std::io::stderr().lock();
+            let _ = write!(stderr, "\r\x1b[K");
+            let _ = stderr.flush();
+        }
+    }
+
+    fn rate(&self, done: usize, total: usize) -> String {
+        let rate = done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
+        format!(
+            "{rate:.0} a second, {:.0} s left",
+            (total - done) as f64 / rate.max(1e-9)
+        )
+    }
+}

@@ -1,0 +1,106 @@
+//! Events of a trajectory in words, and the outcome they mean.
+
+use super::outcome::{Failure, Outcome};
+use super::term::Term;
+use crate::kinematics::trajectory::{Event, EventKind, Trajectory};
+use crate::model::mechanism::Mechanism;
+
+/// Most events that are printed one by one.
+const MAX_LINES: usize = 12;
+
+/// Says what happened; a motion without any pose is a failure.
+pub fn events(
+    mechanism: &Mechanism,
+    trajectory: &Trajectory,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    if trajectory.poses().next().is_none() {
+        return Err(never_closed(mechanism, trajectory));
+    }
+    for event in trajectory.events.iter().take(MAX_LINES) {
+        term.warning(&sentence(mechanism, event));
+    }
+    if trajectory.events.len() > MAX_LINES {
+        term.warning(&format!(
+            "and {} more events",
+            trajectory.events.len() - MAX_LINES
+        ));
+    }
+    let missing = trajectory.missing();
+    if missing == 0 {
+        return Ok(Outcome::Done);
+    }
+    term.warning(&format!(
+        "{missing} of {} samples have no pose",
+        trajectory.samples.len()
+    ));
+    Ok(Outcome::NotClosed)
+}
+
+/// One event as a sentence.
+pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
+    let at = format!(
+        "t = {:.9} s ({})",
+        event.time,
+        inputs(mechanism, &event.inputs)
+    );
+    match &event.kind {
+        EventKind::MotionEnds => format!("no pose exists beyond {at}"),
+        EventKind::MotionResumes { same_branch: true } => format!("the motion resumes before {at}"),
+        EventKind::MotionResumes { same_branch: false } => {
+            format!("the motion resumes before {at}, on another branch than before")
+        }
+        EventKind::SingularPosePassed => format!("singular pose near {at}, passed straight on"),
+        EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
+        EventKind::StartNotClosed {
+            name,
+            angle,
+            distance,
+        } => {
+            let unit = &mechanism.length_unit;
+            format!(
+                "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"
+            )
+        }
+        EventKind::OtherStart => format!(
+            "the start values lead to no pose at {at}; a perturbed start was used, which may be on another branch"
+        ),
+    }
+}
+
+/// `p = -17 mm, phi = 0.2 rad`.
+pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
+    use crate::model::mechanism::Kind;
+    let texts = mechanism.inputs.iter().zip(values).map(|(input, value)| {
+        let unit = match input.kind {
+            Kind::Angle => format!(" {}", mechanism.angle_unit.name),
+            Kind::Length => format!(" {}", mechanism.length_unit),
+            Kind::Number => String::new(),
+        };
+        format!(
+            "{} = {:.9}{unit}",
+            input.name,
+            value * mechanism.file_units(input.kind)
+        )
+    });
+    let list = texts.collect::<Vec<_>>().join(", ");
+    if list.is_empty() {
+        "no inputs".to_owned()
+    } else {
+        list
+    }
+}
+
+fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
+    let first = trajectory.events.first();
+    let message = first.map_or_else(
+        || "no pose was found".to_owned(),
+        |event| sentence(mechanism, event),
+    );
+    let hints = vec![
+        "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
+            .to_owned(),
+        "or change the inputs: the mechanism may not reach this far".to_owned(),
+    ];
+    Failure::NeverClosed { message, hints }
+}

@@ -1,0 +1,89 @@
+//! `mechanim solve`: the motion as a table.
+
+use super::args::{SolveArgs, TableFormat};
+use super::outcome::{Failure, Outcome};
+use super::term::Term;
+use super::{inputs_table, open_scene, report};
+use crate::export::table::{Columns, write_csv, write_json};
+use crate::export::{Output, Stream, Target};
+use crate::kinematics::continuation::solve;
+use crate::kinematics::sampling::{even_times, frame_times};
+use crate::scene::Scene;
+use std::path::Path;
+
+/// Runs the verb.
+pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
+    let to_stdout = args.out == Path::new("-");
+    let format = format(args)?;
+    if !to_stdout && open_scene::is_scene_file(&args.scene, &args.out) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", args.out.display()),
+            Vec::new(),
+        ));
+    }
+    let scene = open_scene::open(&args.scene, term)?;
+    let times = times(args, &scene)?;
+    let mut output: Box<dyn Output> = if to_stdout {
+        Box::new(Stream::new("standard output", std::io::stdout()))
+    } else {
+        Box::new(Target::create(&args.out)?)
+    };
+    let mut trajectory = solve(&scene.mechanism, &times)?;
+    if args.at.is_some() {
+        trajectory.samples.drain(..trajectory.samples.len() - 1);
+    }
+    let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let columns = Columns { rates: args.rates };
+    match format {
+        TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,
+        TableFormat::Json => write_json(&scene.mechanism, &trajectory, columns, output.as_mut())?,
+    }
+    output.commit()?;
+    Ok(outcome)
+}
+
+fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+    let mechanism = &scene.mechanism;
+    if let Some(at) = args.at {
+        let frames = frame_times(mechanism, scene.view.fps);
+        return up_to(at, mechanism.duration, &frames);
+    }
+    Ok(match args.samples {
+        Some(count) => even_times(mechanism, count),
+        None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
+        None if mechanism.drives.iter().all(|d| d.is_constant()) => vec![0.0],
+        None => frame_times(mechanism, scene.view.fps),
+    })
+}
+
+/// The frames before `at`, then `at` itself: the branch at `at` is the one that the motion reaches.
+pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure> {
+    if !(0.0..=duration).contains(&at) {
+        return Err(Failure::usage(
+            format!("the motion lasts from 0 to {duration} s, {at} is outside"),
+            Vec::new(),
+        ));
+    }
+    let mut times: Vec<f64> = frames.iter().copied().filter(|t| *t < at).collect();
+    times.push(at);
+    Ok(times)
+}
+
+fn format(args: &SolveArgs) -> Result<TableFormat, Failure> {
+    if let Some(format) = args.format {
+        return Ok(format);
+    }
+    let extension = args
+        .out
+        .extension()
+        .map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("json") => Ok(TableFormat::Json),
+        None if args.out == Path::new("-") => Ok(TableFormat::Csv),
+        _ => Err(Failure::usage(
+            format!("{}: unknown kind of table", args.out.display()),
+            vec!["known are .csv and .json; or say --format csv".to_owned()],
+        )),
+    }
+}

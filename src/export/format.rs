@@ -1,0 +1,197 @@
+//! Which kind of file a path asks for. Creates nothing.
+
+use super::error::ExportError;
+use std::path::{Path, PathBuf};
+
+/// File name pattern used inside a folder of frames.
+const FOLDER_PATTERN: &str = "frame-%04d.png";
+
+/// Widest zero padding a pattern may ask for; more is a typing error.
+const WIDEST_PADDING: usize = 12;
+
+/// A kind of picture file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// One animated GIF.
+    Gif,
+    /// One PNG picture.
+    Png,
+    /// One PNG file a frame.
+    PngSequence(FramePattern),
+}
+
+impl Format {
+    /// Reads the format off a path: `.gif`, `.png`, a pattern with `%d` or `%04d`, a folder (an existing one, or
+    /// any path that ends with a separator).
+    ///
+    /// Errors: no or an unknown extension, a faulty pattern.
+    pub fn from_path(path: &Path) -> Result<Self, ExportError> {
+        let text = path.to_string_lossy();
+        if path.is_dir() || text.ends_with(std::path::is_separator) {
+            return FramePattern::parse(&path.join(FOLDER_PATTERN)).map(Self::PngSequence);
+        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let name = path.file_name().map(|n| n.to_string_lossy());
+        let is_pattern = name.is_some_and(|n| n.contains(['%', '#']));
+        match extension.as_deref() {
+            Some("png") if is_pattern => FramePattern::parse(path).map(Self::PngSequence),
+            Some("gif" | "png") if !is_pattern => Ok(match extension.as_deref() {
+                Some("gif") => Self::Gif,
+                _ => Self::Png,
+            }),
+            Some("gif") => Err(unknown(
+                path,
+                "a GIF holds all frames, its name takes no frame number",
+            )),
+            Some(other) => Err(unknown(path, &format!("unknown extension .{other}"))),
+            None => Err(unknown(path, "the file name has no extension")),
+        }
+    }
+}
+
+/// The names of a sequence of files: `shots/frame-%04d.png`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FramePattern {
+    folder: PathBuf,
+    before: String,
+    digits: usize,
+    after: String,
+}
+
+impl FramePattern {
+    /// Parses a path whose file name holds exactly one `%d` or `%0Nd`; `%%` stands for a percent sign.
+    ///
+    /// Errors: another directive, none or several numbers, `#`, a number in a folder's name.
+    pub fn parse(path: &Path) -> Result<Self, ExportError> {
+        let refuse = |reason: &str| unknown(path, reason);
+        let name = path.file_name().ok_or_else(|| refuse("no file name"))?;
+        let name = name
+            .to_str()
+            .ok_or_else(|| refuse("the file name is not Unicode"))?;
+        if name.contains('#') {
+            return Err(refuse("write the frame number as %04d instead of #"));
+        }
+        let mut parts = vec![String::new()];
+        let mut digits = 0;
+        let mut rest = name;
+        while let Some((before, after)) = rest.split_once('%') {
+            let part = parts.last_mut().ok_or_else(|| refuse("no file name"))?;
+            part.push_str(before);
+            if let Some(after) = after.strip_prefix('%') {
+                part.push('%');
+                rest = after;
+                continue;
+            }
+            let (padding, after) = after
+                .split_once('d')
+                .ok_or_else(|| refuse("% must be followed by d, 04d or %"))?;
+            digits = parse_padding(padding)
+                .ok_or_else(|| refuse("the frame number is written %d or, zero-padded, %04d"))?;
+            parts.push(String::new());
+            rest = after;
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push_str(rest);
+        }
+        let folder = super::target::folder_of(path).to_owned();
+        match <[String; 2]>::try_from(parts) {
+            Ok([before, after]) => Ok(Self {
+                folder,
+                before,
+                digits,
+                after,
+            }),
+            Err(parts) if parts.len() < 2 => {
+                Err(refuse("the pattern has no frame number such as %04d"))
+            }
+            Err(_) => Err(refuse("the pattern has more than one frame number")),
+        }
+    }
+
+    /// The folder of the sequence.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Path of frame `index`.
+    pub fn path(&self, index: usize) -> PathBuf {
+        let (before, after, digits) = (&self.before, &self.after, self.digits);
+        self.folder.join(format!("{before}{index:0digits$}{after}"))
+    }
+}
+
+/// Width of a `%0Nd`: 0 for an empty text, `None` where it is not of that form.
+fn parse_padding(text: &str) -> Option<usize> {
+    if text.is_empty() {
+        return Some(0);
+    }
+    let digits = text.strip_prefix('0')?;
+    let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+    let width = digits.parse().ok().filter(|_| plain)?;
+    (1..=WIDEST_PADDING).contains(&width).then_some(width)
+}
+
+fn unknown(path: &Path, reason: &str) -> ExportError {
+    ExportError::UnknownFormat {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    fn pattern(text: &str) -> Result<FramePattern, ExportError> {
+        FramePattern::parse(Path::new(text))
+    }
+
+    #[test]
+    fn extensions_name_the_format_in_any_case() {
+        assert_eq!(
+            Format::from_path(Path::new("a/b.gif")).unwrap(),
+            Format::Gif
+        );
+        assert_eq!(Format::from_path(Path::new("b.PNG")).unwrap(), Format::Png);
+        for text in ["a.mp4", "a", "a.gif.bak", "frame-%04d.gif", "x-%d.jpg"] {
+            let message = Format::from_path(Path::new(text)).unwrap_err().to_string();
+            assert!(
+                message.contains(text) && message.contains(".gif, .png"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn folders_and_patterns_are_sequences() {
+        let path = |text: &str, k| match Format::from_path(Path::new(text)).unwrap() {
+            Format::PngSequence(p) => p.path(k).to_string_lossy().into_owned(),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(path("shots/", 7), "shots/frame-0007.png");
+        assert_eq!(path("a/f%03d.png", 12345), "a/f12345.png");
+        assert_eq!(path("%d.png", 3), "./3.png");
+        assert_eq!(path("100%%-%02d.png", 3), "./100%-03.png");
+        let folder = tempfile::tempdir().unwrap();
+        let inside = path(folder.path().to_str().unwrap(), 0);
+        assert!(inside.ends_with("frame-0000.png"), "{inside}");
+    }
+
+    #[test]
+    fn faulty_patterns_are_refused_with_a_reason() {
+        for (text, reason) in [
+            ("f####.png", "%04d instead of #"),
+            ("f%s.png", "followed by d"),
+            ("f%4d.png", "%d or"),
+            ("f%0d.png", "%d or"),
+            ("f%099d.png", "%d or"),
+            ("f%d-%d.png", "more than one"),
+            ("f%%.png", "no frame number"),
+            ("f%", "followed by d"),
+        ] {
+            let message = pattern(text).unwrap_err().to_string();
+            assert!(message.contains(reason), "{text}: {message}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Pixels to palette indices, remembering every colour met. One mapper a worker thread.
+
+use super::palette::Palette;
+use image::RgbaImage;
+use std::sync::Arc;
+
+/// Colours with the same upper four bits a channel share a page of this many entries, one page of memory:
+/// shaded surfaces touch few of them, and untouched pages cost nothing.
+const ENTRIES: usize = 1 << 24;
+
+/// Maps frames with one palette.
+pub struct Mapper {
+    palette: Arc<Palette>,
+    /// Index plus one by colour, 0 for not yet known; palettes have at most 255 colours.
+    known: Vec<u8>,
+}
+
+impl Mapper {
+    /// A mapper that knows no colour yet.
+    pub fn new(palette: Arc<Palette>) -> Self {
+        Self {
+            palette,
+            known: vec![0; ENTRIES],
+        }
+    }
+
+    /// Replaces `indices` by the palette indices of `frame`, row by row.
+    pub fn map(&mut self, frame: &RgbaImage, indices: &mut Vec<u8>) {
+        indices.clear();
+        indices.reserve(frame.as_raw().len() / 4);
+        let mut last = (u32::MAX, 0);
+        indices.extend(frame.as_raw().chunks_exact(4).map(|pixel| {
+            let colour = u32::from_le_bytes([pixel[0], pixel[1], pixel[2], 0]);
+            if colour != last.0 {
+                last = (colour, self.index([pixel[0], pixel[1], pixel[2]]));
+            }
+            last.1
+        }));
+    }
+
+    #[inline]
+    fn index(&mut self, rgb: [u8; 3]) -> u8 {
+        let entry = &mut self.known[place(rgb)];
+        if *entry == 0 {
+            *entry = self.palette.map(rgb).saturating_add(1);
+        }
+        *entry - 1
+    }
+}
+
+/// Place of a colour in the table: the bits of the three channels in groups of two, so that similar colours share
+/// cache lines (4x4x4 colours) and pages (16x16x16).
+#[inline]
+fn place(rgb: [u8; 3]) -> usize {
+    let [r, g, b] = rgb.map(usize::from);
+    let line = (r & 3) << 4 | (g & 3) << 2 | b & 3;
+    let page = (r >> 2 & 3) << 10 | (g >> 2 & 3) << 8 | (b >> 2 & 3) << 6;
+    (r >> 4) << 20 | (g >> 4) << 16 | (b >> 4) << 12 | page | line
+}

@@ -1,0 +1,96 @@
+//! One palette for a whole animation, from a few sampled frames.
+
+use super::histogram::Histogram;
+use super::kmeans::{self, Point};
+use super::nearest::Nearest;
+use super::oklab::Oklab;
+use image::RgbaImage;
+
+/// Most colours of a palette: 256 less the one that means "as before".
+pub const MOST_COLOURS: usize = 255;
+
+/// Rounds of k-means. The error falls by less than 1 % a round after these.
+const STEPS: usize = 8;
+
+/// Up to 255 colours and the rule that maps every colour to one of them. The rule depends on the colour alone,
+/// so a pixel that does not change never changes its index.
+#[derive(Clone)]
+pub struct Palette {
+    colours: Vec<[u8; 3]>,
+    exact: bool,
+    nearest: Nearest,
+}
+
+impl Palette {
+    /// Builds a palette of at most `limit` (1 to 255) colours from sampled frames.
+    ///
+    /// It is exact when the samples and `required` together have no more colours than that; else it is clustered
+    /// in Oklab. Each colour in `required` takes part even if no sample shows it.
+    pub fn from_samples<'a>(
+        samples: impl IntoIterator<Item = &'a RgbaImage>,
+        required: &[[u8; 3]],
+        limit: usize,
+    ) -> Self {
+        let limit = limit.clamp(1, MOST_COLOURS);
+        let mut histogram = Histogram::new(limit);
+        for frame in samples {
+            histogram.add(frame);
+        }
+        for &colour in required {
+            histogram.add_colour(colour, 1);
+        }
+        match histogram.distinct() {
+            Some(colours) => Self::new(colours.to_vec(), true),
+            None => Self::new(clustered(&histogram, limit), false),
+        }
+    }
+
+    fn new(colours: Vec<[u8; 3]>, exact: bool) -> Self {
+        let places: Vec<[f32; 3]> = colours.iter().map(|c| c.map(f32::from)).collect();
+        Self {
+            nearest: Nearest::new(&places),
+            colours,
+            exact,
+        }
+    }
+
+    /// The colours, sRGB.
+    pub fn colours(&self) -> &[[u8; 3]] {
+        &self.colours
+    }
+
+    /// True when every sampled colour is in the palette unchanged.
+    pub fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// Index of the nearest colour. Slow; [`super::mapping::Mapper`] remembers the answers.
+    pub fn map(&self, rgb: [u8; 3]) -> u8 {
+        self.nearest.find(rgb.map(f32::from))
+    }
+}
+
+/// Clusters the histogram's bins; each colour is the mean of its pixels.
+fn clustered(histogram: &Histogram, limit: usize) -> Vec<[u8; 3]> {
+    let bins = histogram.bins();
+    let lab = Oklab::new();
+    let points: Vec<Point> = bins
+        .iter()
+        .map(|bin| Point {
+            at: lab.from_srgb(bin.rgb),
+            weight: bin.count,
+        })
+        .collect();
+    let owners = kmeans::cluster(&points, limit, STEPS);
+    let mut sums = vec![[0.0f64; 4]; limit];
+    for (bin, owner) in bins.iter().zip(owners) {
+        let sum = &mut sums[usize::from(owner)];
+        for (s, c) in sum.iter_mut().zip(bin.rgb) {
+            *s += f64::from(c) * f64::from(bin.count);
+        }
+        sum[3] += f64::from(bin.count);
+    }
+    let used = sums.iter().filter(|s| s[3] > 0.0);
+    used.map(|s| [s[0], s[1], s[2]].map(|c| (c / s[3]).round() as u8))
+        .collect()
+}

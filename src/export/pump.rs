@@ -1,0 +1,419 @@
+//! Draws frames on several threads and hands them to a sink in order, in bounded memory.
+//!
+//! The bytes that come out do not depend on the number of workers or their speed: every step is a function of the
+//! frame's index, and only the writing is ordered.
+
+use super::error::ExportError;
+use super::{ExportSummary, FrameCoder, FrameSink};
+use image::RgbaImage;
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Frames in flight a worker: one drawn, one coded, one waiting for its turn.
+const WINDOW_PER_WORKER: usize = 3;
+
+/// How long the writing thread sleeps before it looks at the cancel flag again.
+const CANCEL_POLL: Duration = Duration::from_millis(50);
+
+/// Frames drawn for the palette, kept so that they are not drawn twice.
+pub type Samples = Vec<(usize, RgbaImage)>;
+
+/// Why no file came out.
+#[derive(Debug, thiserror::Error)]
+pub enum PumpError<E: std::error::Error + 'static> {
+    /// A frame could not be drawn.
+    #[error("frame {frame}: {source}")]
+    Draw {
+        /// Its index.
+        frame: usize,
+        /// The worker's error.
+        source: E,
+    },
+    /// The file could not be made.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The cancel flag was raised.
+    #[error("cancelled")]
+    Cancelled,
+    /// There is nobody to draw.
+    #[error("no worker was given to draw the frames")]
+    NoWorkers,
+}
+
+/// Draws the frames `indices` (pixels `size`) with all `workers` at once and returns them in the order of `indices`.
+///
+/// Errors: the first a worker reports, or the cancel flag.
+pub fn draw_samples<W, E>(
+    workers: &mut [W],
+    indices: &[usize],
+    size: [u32; 2],
+    cancel: &AtomicBool,
+) -> Result<Samples, PumpError<E>>
+where
+    W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+    E: std::error::Error + Send + 'static,
+{
+    let next = Mutex::new(indices.iter().copied().enumerate());
+    let results = Mutex::new((Vec::new(), None));
+    std::thread::scope(|scope| {
+        for draw in workers.iter_mut() {
+            let (next, results) = (&next, &results);
+            scope.spawn(move || {
+                loop {
+                    let Some((place, frame)) = lock(next).next() else {
+                        break;
+                    };
+                    if cancel.load(Ordering::Relaxed) || lock(results).1.is_some() {
+                        break;
+                    }
+                    let mut image = RgbaImage::new(size[0], size[1]);
+                    match draw(frame, &mut image) {
+                        Ok(()) => lock(results).0.push((place, frame, image)),
+                        Err(source) => lock(results).1 = Some(PumpError::Draw { frame, source }),
+                    }
+                }
+            });
+        }
+    });
+    let (mut drawn, failure) = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    if cancel.load(Ordering::Relaxed) {
+        return Err(PumpError::Cancelled);
+    }
+    drawn.sort_by_key(|d| d.0);
+    Ok(drawn
+        .into_iter()
+        .map(|(_, frame, image)| (frame, image))
+        .collect())
+}
+
+/// Draws frames 0 to `frame_count - 1` with `workers` (each on its own thread) and writes them with `sink`.
+///
+/// `samples` are frames already drawn; they are used instead of drawing them again. `progress` is called on this
+/// thread with (frames written, frames in all). Raising `cancel` stops after the frames being drawn.
+///
+/// Errors: a worker's, the sink's, or `Cancelled`; the sink is then dropped unfinished and nothing is left.
+pub fn pump<W, E>(
+    workers: Vec<W>,
+    frame_count: usize,
+    samples: Samples,
+    mut sink: Box<dyn FrameSink>,
+    progress: &dyn Fn(usize, usize),
+    cancel: &AtomicBool,
+) -> Result<ExportSummary, PumpError<E>>
+where
+    W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+    E: std::error::Error + Send + 'static,
+{
+    if workers.is_empty() {
+        return Err(PumpError::NoWorkers);
+    }
+    let shared = Shared {
+        frame_count,
+        window: WINDOW_PER_WORKER * workers.len(),
+        state: Mutex::new(State::new(samples)),
+        changed: Condvar::new(),
+    };
+    let [width, height] = sink.size();
+    std::thread::scope(|scope| {
+        // Workers wait for a window that only this thread moves: whatever ends it must also end them.
+        let _stop = StopOnDrop(&shared);
+        for draw in workers {
+            let (shared, coder) = (&shared, sink.coder());
+            let image = RgbaImage::new(width, height);
+            scope.spawn(move || {
+                let _stop = StopOnPanic(shared);
+                Worker {
+                    draw,
+                    coder,
+                    image,
+                    shared,
+                    cancel,
+                }
+                .run();
+            });
+        }
+        for index in 0..frame_count {
+            let coded = shared.wait_for(index, cancel)?;
+            sink.write(index, &coded)?;
+            shared.written(coded);
+            progress(index + 1, frame_count);
+        }
+        Ok::<(), PumpError<E>>(())
+    })?;
+    if cancel.load(Ordering::Relaxed) {
+        return Err(PumpError::Cancelled);
+    }
+    Ok(sink.finish()?)
+}
+
+/// A frame between drawing and writing.
+#[derive(Default)]
+struct Slot {
+    prepared: Option<Arc<Vec<u8>>>,
+    is_taken: bool,
+    coded: Option<Vec<u8>>,
+}
+
+struct State<E: std::error::Error + 'static> {
+    /// Slot 0 is frame `first`; that is the one before the next to write, whose prepared form is still needed.
+    slots: VecDeque<Slot>,
+    first: usize,
+    next_to_draw: usize,
+    written: usize,
+    samples: Samples,
+    spare: Vec<Vec<u8>>,
+    failure: Option<PumpError<E>>,
+    stop: bool,
+}
+
+impl<E: std::error::Error + 'static> State<E> {
+    fn new(samples: Samples) -> Self {
+        Self {
+            slots: VecDeque::new(),
+            first: 0,
+            next_to_draw: 0,
+            written: 0,
+            samples,
+            spare: Vec::new(),
+            failure: None,
+            stop: false,
+        }
+    }
+
+    fn slot(&mut self, index: usize) -> Option<&mut Slot> {
+        self.slots.get_mut(index.checked_sub(self.first)?)
+    }
+
+    fn recycle(&mut self, prepared: Option<Arc<Vec<u8>>>) {
+        self.spare.extend(prepared.and_then(Arc::into_inner));
+    }
+}
+
+struct Shared<E: std::error::Error + 'static> {
+    frame_count: usize,
+    window: usize,
+    state: Mutex<State<E>>,
+    changed: Condvar,
+}
+
+enum Task {
+    Draw {
+        index: usize,
+        sample: Option<RgbaImage>,
+        prepared: Vec<u8>,
+    },
+    Code {
+        index: usize,
+        previous: Option<Arc<Vec<u8>>>,
+        current: Arc<Vec<u8>>,
+        coded: Vec<u8>,
+    },
+}
+
+impl<E: std::error::Error + 'static> Shared<E> {
+    /// Waits until frame `index` is coded and takes the result.
+    fn wait_for(&self, index: usize, cancel: &AtomicBool) -> Result<Vec<u8>, PumpError<E>> {
+        let mut state = lock(&self.state);
+        loop {
+            if let Some(failure) = state.failure.take() {
+                return Err(failure);
+            }
+            if cancel.load(Ordering::Relaxed) || state.stop {
+                return Err(PumpError::Cancelled);
+            }
+            if let Some(coded) = state.slot(index).and_then(|s| s.coded.take()) {
+                return Ok(coded);
+            }
+            let waited = self.changed.wait_timeout(state, CANCEL_POLL);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Moves the window on by one frame.
+    fn written(&self, coded: Vec<u8>) {
+        let mut state = lock(&self.state);
+        state.spare.push(coded);
+        state.written += 1;
+        while state.first + 1 < state.written {
+            let done = state.slots.pop_front();
+            state.first += 1;
+            state.recycle(done.and_then(|s| s.prepared));
+        }
+        self.changed.notify_all();
+    }
+
+    /// The next thing to do, or `None` when all is done or stopped. Coding comes before drawing: it frees memory.
+    fn next_task(&self, cancel: &AtomicBool) -> Option<Task> {
+        let mut state = lock(&self.state);
+        loop {
+            if state.stop || cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            if let Some(task) = code_task(&mut state) {
+                return Some(task);
+            }
+            let index = state.next_to_draw;
+            if index < self.frame_count && index < state.written + self.window {
+                state.next_to_draw += 1;
+                state.slots.push_back(Slot::default());
+                let sample = state.samples.iter().position(|s| s.0 == index);
+                let sample = sample.map(|s| state.samples.swap_remove(s).1);
+                let prepared = state.spare.pop().unwrap_or_default();
+                return Some(Task::Draw {
+                    index,
+                    sample,
+                    prepared,
+                });
+            }
+            let is_drawn = index >= self.frame_count;
+            if is_drawn && state.slots.iter().all(|s| s.is_taken) {
+                return None;
+            }
+            state = self
+                .changed
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn fail(&self, failure: PumpError<E>) {
+        let mut state = lock(&self.state);
+        state.failure.get_or_insert(failure);
+        self.changed.notify_all();
+    }
+
+    fn stop(&self) {
+        lock(&self.state).stop = true;
+        self.changed.notify_all();
+    }
+}
+
+/// The first frame that is prepared, whose predecessor is too, and that nobody codes yet.
+fn code_task<E: std::error::Error + 'static>(state: &mut State<E>) -> Option<Task> {
+    let first = state.first;
+    let ready = (0..state.slots.len()).find(|&k| {
+        let slot = &state.slots[k];
+        let has_previous = first + k == 0 || (k > 0 && state.slots[k - 1].prepared.is_some());
+        !slot.is_taken && slot.prepared.is_some() && has_previous
+    })?;
+    let previous = ready
+        .checked_sub(1)
+        .and_then(|k| state.slots[k].prepared.clone());
+    let coded = state.spare.pop().unwrap_or_default();
+    let slot = &mut state.slots[ready];
+    slot.is_taken = true;
+    let current = slot.prepared.clone()?;
+    Some(Task::Code {
+        index: first + ready,
+        previous,
+        current,
+        coded,
+    })
+}
+
+struct Worker<'a, W, E: std::error::Error + 'static> {
+    draw: W,
+    coder: Box<dyn FrameCoder>,
+    image: RgbaImage,
+    shared: &'a Shared<E>,
+    cancel: &'a AtomicBool,
+}
+
+impl<W, E> Worker<'_, W, E>
+where
+    W: FnMut(usize, &mut RgbaImage) -> Result<(), E>,
+    E: std::error::Error + 'static,
+{
+    fn run(mut self) {
+        while let Some(task) = self.shared.next_task(self.cancel) {
+            let done = match task {
+                Task::Draw {
+                    index,
+                    sample,
+                    prepared,
+                } => self.draw(index, sample, prepared),
+                Task::Code {
+                    index,
+                    previous,
+                    current,
+                    coded,
+                } => self.code(index, previous, current, coded),
+            };
+            if let Err(failure) = done {
+                self.shared.fail(failure);
+                break;
+            }
+        }
+    }
+
+    fn draw(
+        &mut self,
+        index: usize,
+        sample: Option<RgbaImage>,
+        mut prepared: Vec<u8>,
+    ) -> Result<(), PumpError<E>> {
+        if let Some(sample) = &sample {
+            self.coder.prepare(sample, &mut prepared)?;
+        } else {
+            (self.draw)(index, &mut self.image).map_err(|source| PumpError::Draw {
+                frame: index,
+                source,
+            })?;
+            self.coder.prepare(&self.image, &mut prepared)?;
+        }
+        let mut state = lock(&self.shared.state);
+        if let Some(slot) = state.slot(index) {
+            slot.prepared = Some(Arc::new(prepared));
+        }
+        self.shared.changed.notify_all();
+        Ok(())
+    }
+
+    fn code(
+        &mut self,
+        index: usize,
+        previous: Option<Arc<Vec<u8>>>,
+        current: Arc<Vec<u8>>,
+        mut coded: Vec<u8>,
+    ) -> Result<(), PumpError<E>> {
+        let before = previous.as_ref().map(|p| p.as_slice());
+        self.coder.code(before, &current, &mut coded)?;
+        let mut state = lock(&self.shared.state);
+        state.recycle(previous);
+        if let Some(slot) = state.slot(index) {
+            slot.coded = Some(coded);
+        }
+        self.shared.changed.notify_all();
+        Ok(())
+    }
+}
+
+/// Ends the workers when the writing thread leaves, for whatever reason.
+struct StopOnDrop<'a, E: std::error::Error + 'static>(&'a Shared<E>);
+
+impl<E: std::error::Error + 'static> Drop for StopOnDrop<'_, E> {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
+/// Ends everything when a worker panics, so that the panic is passed on instead of waited for.
+struct StopOnPanic<'a, E: std::error::Error + 'static>(&'a Shared<E>);
+
+impl<E: std::error::Error + 'static> Drop for StopOnPanic<'_, E> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.stop();
+        }
+    }
+}
+
+/// A panicking worker leaves the state consistent: it is changed in single steps under the lock.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,248 @@
+//! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
+
+use super::error::ExportError;
+use super::target::Output;
+use crate::kinematics::trajectory::{Sample, Trajectory};
+use crate::model::mechanism::Mechanism;
+use serde_json::{Map, Value, json};
+
+/// Which optional columns are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Columns {
+    /// Rates of the unknowns per second, named `d(NAME)/dt`.
+    pub rates: bool,
+}
+
+/// A cell of the table.
+enum Cell {
+    Number(f64),
+    Whole(u64),
+    Text(String),
+    Empty,
+}
+
+/// Writes CSV. Angles are in the scene's unit; a sample without a pose has empty cells and the status `no-pose`.
+pub fn write_csv(
+    mechanism: &Mechanism,
+    trajectory: &Trajectory,
+    columns: Columns,
+    output: &mut dyn Output,
+) -> Result<(), ExportError> {
+    let mut line = header(mechanism, columns)
+        .iter()
+        .map(|name| quoted(name))
+        .collect::<Vec<_>>()
+        .join(",");
+    for sample in &trajectory.samples {
+        line.push('\n');
+        emit(&line, output)?;
+        line = cells(mechanism, sample, columns)
+            .iter()
+            .map(csv_cell)
+            .collect::<Vec<_>>()
+            .join(",");
+    }
+    line.push('\n');
+    emit(&line, output)
+}
+
+/// Writes one JSON object: schema, units, columns, samples as objects, events.
+pub fn write_json(
+    mechanism: &Mechanism,
+    trajectory: &Trajectory,
+    columns: Columns,
+    output: &mut dyn Output,
+) -> Result<(), ExportError> {
+    let names = header(mechanism, columns);
+    let samples: Vec<Value> = trajectory
+        .samples
+        .iter()
+        .map(|sample| {
+            let values = cells(mechanism, sample, columns).into_iter().map(json_cell);
+            Value::Object(names.iter().cloned().zip(values).collect::<Map<_, _>>())
+        })
+        .collect();
+    let document = json!({
+        "schema": "mechanim-trajectory/1",
+        "title": mechanism.title,
+        "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name, "time": "s" },
+        "size": mechanism.size,
+        "columns": names,
+        "missing": trajectory.missing(),
+        "samples": samples,
+        "events": trajectory.events.iter().map(|e| event(mechanism, e)).collect::<Vec<_>>(),
+    });
+    emit(&format!("{document:#}\n"), output)
+}
+
+fn event(mechanism: &Mechanism, event: &crate::kinematics::trajectory::Event) -> Value {
+    use crate::kinematics::trajectory::EventKind;
+    let kind = match &event.kind {
+        EventKind::MotionEnds => "motion-ends",
+        EventKind::MotionResumes { .. } => "motion-resumes",
+        EventKind::SingularPosePassed => "singular-pose-passed",
+        EventKind::InputUndefined { .. } => "input-undefined",
+        EventKind::StartNotClosed { .. } => "start-not-closed",
+        EventKind::OtherStart => "other-start",
+    };
+    let inputs: Map<String, Value> = mechanism
+        .inputs
+        .iter()
+        .zip(&event.inputs)
+        .map(|(input, v)| {
+            (
+                input.name.clone(),
+                json_cell(Cell::Number(v * mechanism.file_units(input.kind))),
+            )
+        })
+        .collect();
+    json!({ "kind": kind, "time": event.time, "inputs": inputs })
+}
+
+/// Names of the columns in their order.
+fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
+    let mut names = vec!["time".to_owned()];
+    names.extend(
+        mechanism
+            .inputs
+            .iter()
+            .chain(&mechanism.unknowns)
+            .map(|c| c.name.clone()),
+    );
+    names.extend(
+        mechanism
+            .traces
+            .iter()
+            .flat_map(|t| ["x", "y", "z"].map(|axis| format!("{}.{axis}", t.name))),
+    );
+    names.extend(mechanism.outputs.iter().map(|o| o.name.clone()));
+    if columns.rates {
+        names.extend(
+            mechanism
+                .unknowns
+                .iter()
+                .map(|c| format!("d({})/dt", c.name)),
+        );
+    }
+    let proof = [
+        "closure_error",
+        "sigma_min",
+        "condition",
+        "rank",
+        "branch",
+        "iterations",
+        "status",
+    ];
+    names.extend(proof.map(str::to_owned));
+    names
+}
+
+fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> {
+    let mut cells = vec![Cell::Number(sample.time)];
+    let inputs = mechanism.inputs.iter().zip(&sample.inputs);
+    cells.extend(inputs.map(|(c, v)| Cell::Number(v * mechanism.file_units(c.kind))));
+    let Some(pose) = &sample.pose else {
+        let missing = header(mechanism, columns).len() - cells.len() - 1;
+        cells.extend((0..missing).map(|_| Cell::Empty));
+        cells.push(Cell::Text("no-pose".to_owned()));
+        return cells;
+    };
+    let in_file = |values: &[f64]| -> Vec<Cell> {
+        let values = mechanism.unknowns.iter().zip(values);
+        values
+            .map(|(c, v)| Cell::Number(v * mechanism.file_units(c.kind)))
+            .collect()
+    };
+    cells.extend(in_file(&pose.unknowns));
+    cells.extend(
+        pose.traces
+            .iter()
+            .flat_map(|p| p.to_array())
+            .map(Cell::Number),
+    );
+    let outputs = mechanism.outputs.iter().zip(&pose.outputs);
+    cells.extend(outputs.map(|(o, v)| Cell::Number(v * mechanism.file_units(o.kind))));
+    if columns.rates {
+        cells.extend(in_file(&pose.rates));
+    }
+    cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));
+    cells.push(Cell::Whole(pose.rank as u64));
+    cells.push(Cell::Text(pose.branch.clone()));
+    cells.push(Cell::Whole(u64::from(pose.iterations)));
+    cells.push(Cell::Text("ok".to_owned()));
+    cells
+}
+
+fn csv_cell(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(value) => number(*value),
+        Cell::Whole(value) => value.to_string(),
+        Cell::Text(text) => quoted(text),
+        Cell::Empty => String::new(),
+    }
+}
+
+/// The shortest decimal that reads back as the same number.
+fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) && value.is_finite() {
+        format!("{value:e}")
+    } else {
+        format!("{value}")
+    }
+}
+
+/// Numbers that JSON cannot say become texts, so that an infinity is not mistaken for a missing value.
+fn json_cell(cell: Cell) -> Value {
+    match cell {
+        Cell::Number(value) if value.is_finite() => json!(value),
+        Cell::Number(value) => json!(value.to_string()),
+        Cell::Whole(value) => json!(value),
+        Cell::Text(text) => json!(text),
+        Cell::Empty => Value::Null,
+    }
+}
+
+/// A CSV cell, in quotes where a spreadsheet would misread it (a lone sign is taken for a formula).
+fn quoted(text: &str) -> String {
+    let plain = !text.contains([',', '"', '\n', '\r']) && !text.starts_with(['+', '-', '=', '@']);
+    if plain {
+        text.to_owned()
+    } else {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    }
+}
+
+fn emit(text: &str, output: &mut dyn Output) -> Result<(), ExportError> {
+    output
+        .write_all(text.as_bytes())
+        .map_err(|source| ExportError::write(output.name(), source))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_exactly() {
+        for value in [
+            0.0,
+            -0.1,
+            1e-17,
+            112.77081077023263,
+            6.02e23,
+            f64::MIN_POSITIVE,
+            -1.5e15,
+        ] {
+            assert_eq!(number(value).parse::<f64>().unwrap(), value);
+        }
+    }
+
+    #[test]
+    fn cells_that_need_quotes_get_them() {
+        assert_eq!(quoted("a,b"), "\"a,b\"");
+        assert_eq!(quoted("+-"), "\"+-\"");
+        assert_eq!(quoted("M.x"), "M.x");
+    }
+}

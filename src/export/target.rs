@@ -1,0 +1,208 @@
+//! Where bytes go: a file that appears only when complete, or a stream. Knows no format.
+
+use super::error::ExportError;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Bytes between two system calls; frames are tens of kilobytes.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// A destination that takes effect as a whole: what is dropped without `commit` was never there
+/// (as far as the destination can take bytes back; a pipe cannot).
+pub trait Output: Write + Send {
+    /// Name for messages.
+    fn name(&self) -> &str;
+
+    /// Makes what was written final. An error means nothing was replaced.
+    fn commit(self: Box<Self>) -> Result<(), ExportError>;
+}
+
+/// A file under construction beside its final place.
+pub struct Target {
+    name: String,
+    path: PathBuf,
+    body: Body,
+}
+
+enum Body {
+    /// An ordinary file: temporary until the rename.
+    Atomic(BufWriter<tempfile::NamedTempFile>),
+    /// A device or a pipe: renaming a file over `/dev/null` would replace the device.
+    Direct(BufWriter<fs::File>),
+}
+
+impl Target {
+    /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, a device or pipe is
+    /// written directly.
+    pub fn create(path: &Path) -> Result<Self, ExportError> {
+        let name = path.display().to_string();
+        let existing = fs::metadata(path).ok();
+        if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
+            return Err(ExportError::IsFolder(path.to_owned()));
+        }
+        if existing.as_ref().is_some_and(|m| !m.is_file()) {
+            let file = fs::OpenOptions::new().write(true).open(path);
+            let file = file.map_err(|e| ExportError::create(path, e))?;
+            let body = Body::Direct(BufWriter::with_capacity(BUFFER_BYTES, file));
+            return Ok(Self {
+                name,
+                path: path.to_owned(),
+                body,
+            });
+        }
+        if existing.is_some_and(|m| m.permissions().readonly()) {
+            return Err(ExportError::ReadOnly(path.to_owned()));
+        }
+        let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let file = temporary_beside(&place).map_err(|e| explain(path, &place, e))?;
+        let body = Body::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file));
+        Ok(Self {
+            name,
+            path: place,
+            body,
+        })
+    }
+
+    /// Flushes and moves the file to its place, over a file that may stand there.
+    pub fn commit(self) -> Result<(), ExportError> {
+        self.move_to_place(true)
+    }
+
+    /// As [`Self::commit`], without waiting for the disk: for the many files of a sequence.
+    pub(crate) fn commit_unsynced(self) -> Result<(), ExportError> {
+        self.move_to_place(false)
+    }
+
+    fn move_to_place(self, wait: bool) -> Result<(), ExportError> {
+        let fail = |e| ExportError::write(&self.name, e);
+        match self.body {
+            Body::Direct(mut file) => file.flush().map_err(fail),
+            Body::Atomic(file) => {
+                let file = file.into_inner().map_err(|e| fail(e.into_error()))?;
+                if wait {
+                    sync(file.as_file()).map_err(fail)?;
+                }
+                file.persist(&self.path).map_err(|e| fail(e.error))?;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Write for Target {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.body {
+            Body::Atomic(file) => file.write(bytes),
+            Body::Direct(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.body {
+            Body::Atomic(file) => file.flush(),
+            Body::Direct(file) => file.flush(),
+        }
+    }
+}
+
+impl Output for Target {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn commit(self: Box<Self>) -> Result<(), ExportError> {
+        Target::commit(*self)
+    }
+}
+
+/// Any writer as an output, for example standard output; what was written stays written.
+pub struct Stream<W: Write + Send> {
+    name: String,
+    writer: W,
+}
+
+impl<W: Write + Send> Stream<W> {
+    /// Wraps `writer`; `name` is used in messages.
+    pub fn new(name: &str, writer: W) -> Self {
+        Self {
+            name: name.to_owned(),
+            writer,
+        }
+    }
+}
+
+impl<W: Write + Send> Write for Stream<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+impl<W: Write + Send> Output for Stream<W> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn commit(mut self: Box<Self>) -> Result<(), ExportError> {
+        let result = self.writer.flush();
+        result.map_err(|e| ExportError::write(&self.name, e))
+    }
+}
+
+/// A new hidden file in the folder of `place`, with the permissions an ordinary new file would get.
+fn temporary_beside(place: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".mechanim-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // tempfile's own default is for secrets (0o600); the umask still applies to this.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder_of(place))
+}
+
+/// The folder that holds `path`: `.` for a bare name.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Names the cause of a failed creation as far as the file system tells it.
+fn explain(path: &Path, place: &Path, error: io::Error) -> ExportError {
+    let folder = folder_of(place);
+    if !folder.exists() {
+        return ExportError::MissingFolder {
+            path: path.to_owned(),
+            folder: folder.to_owned(),
+        };
+    }
+    // tempfile puts the temporary name into its text, which would point the reader at the wrong file.
+    let plain = match error.raw_os_error() {
+        Some(code) => io::Error::from_raw_os_error(code),
+        None => io::Error::from(error.kind()),
+    };
+    ExportError::create(path, plain)
+}
+
+/// Brings late write errors (quota, network disks) to light before the rename.
+fn sync(file: &fs::File) -> io::Result<()> {
+    match file.sync_all() {
+        // Some file systems have no sync; there is nothing to wait for then.
+        Err(e)
+            if matches!(
+                e.kind(),
+                io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported
+            ) =>
+        {
+            Ok(())
+        }
+        other => other,
+    }
+}

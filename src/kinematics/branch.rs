@@ -1,0 +1,121 @@
+//! On which side of its singular poses an assembly is: one determinant sign per block.
+//!
+//! Along a motion without singular poses no sign can change, so a change between two samples proves that a
+//! singular pose or a jump lies between them. Equal signs alone do not prove the same branch.
+
+use super::newton::Corrector;
+use super::qr::PivotedQr;
+use super::rank::Conditioning;
+use super::structure::Structure;
+use crate::model::mechanism::Mechanism;
+
+/// Keeps the row basis of over-determined blocks, so that signs at different poses can be compared.
+#[derive(Clone, Debug, Default)]
+pub struct BranchWatch {
+    rows: Vec<Vec<usize>>,
+    qr: PivotedQr,
+}
+
+/// State of an assembly at a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BranchState {
+    /// Determinant sign of every block; 0 at a singular pose.
+    pub signs: Vec<i8>,
+    /// Worst block.
+    pub sigma_min: f64,
+    /// Largest ratio of singular values.
+    pub condition: f64,
+    /// Total rank.
+    pub rank: usize,
+}
+
+impl BranchState {
+    /// `+-0`, one character a block.
+    pub fn signature(&self) -> String {
+        self.signs
+            .iter()
+            .map(|s| {
+                if *s > 0 {
+                    '+'
+                } else if *s < 0 {
+                    '-'
+                } else {
+                    '0'
+                }
+            })
+            .collect()
+    }
+}
+
+impl BranchWatch {
+    /// Signs and singular values at a closed pose. The first call fixes the row basis.
+    pub fn observe(
+        &mut self,
+        mechanism: &Mechanism,
+        structure: &Structure,
+        corrector: &mut Corrector,
+        coordinates: &[f64],
+    ) -> BranchState {
+        let mut state = BranchState {
+            signs: Vec::new(),
+            sigma_min: f64::INFINITY,
+            condition: 1.0,
+            rank: 0,
+        };
+        let (rows_of, qr) = (&mut self.rows, &mut self.qr);
+        corrector.conditions(
+            mechanism,
+            structure,
+            coordinates,
+            |index, jacobian, c: Conditioning| {
+                let (rows, columns) = (
+                    structure.blocks[index].rows(),
+                    structure.blocks[index].unknowns.len(),
+                );
+                if rows_of.len() == index {
+                    rows_of.push(row_basis(jacobian, rows, columns, qr));
+                }
+                state
+                    .signs
+                    .push(sign(jacobian, rows, columns, &rows_of[index], qr));
+                state.sigma_min = state.sigma_min.min(c.sigma_min);
+                state.condition = state.condition.max(if columns == 0 {
+                    1.0
+                } else {
+                    c.sigma_max / c.sigma_min
+                });
+                state.rank += c.rank;
+            },
+        );
+        state
+    }
+}
+
+/// Rows that are independent at this pose: pivots of the transposed matrix.
+fn row_basis(jacobian: &[f64], rows: usize, columns: usize, qr: &mut PivotedQr) -> Vec<usize> {
+    if rows == columns {
+        return (0..rows).collect();
+    }
+    let mut transposed = vec![0.0; rows * columns];
+    for j in 0..columns {
+        for i in 0..rows {
+            transposed[i * columns + j] = jacobian[j * rows + i];
+        }
+    }
+    qr.factor(&transposed, columns, rows, 0.0);
+    let mut basis: Vec<usize> = qr.column_order()[..columns.min(rows)].to_vec();
+    basis.sort_unstable();
+    basis
+}
+
+fn sign(jacobian: &[f64], rows: usize, columns: usize, basis: &[usize], qr: &mut PivotedQr) -> i8 {
+    if columns == 0 {
+        return 1;
+    }
+    let mut square = Vec::with_capacity(columns * columns);
+    for j in 0..columns {
+        square.extend(basis.iter().map(|i| jacobian[j * rows + i]));
+    }
+    qr.factor(&square, basis.len(), columns, super::rank::RANK_TOLERANCE);
+    qr.determinant_sign()
+}

@@ -1,0 +1,70 @@
+//! Poses of bodies, traced points and outputs from coordinates, and the closure as a plain product.
+//!
+//! The closure here is the proof beside every pose: it shares no code with the residual that Newton drives to
+//! zero but the elementary steps themselves.
+
+use crate::math::{Pose, rotation_log};
+use crate::model::chain::ArgumentValue;
+use crate::model::mechanism::{Loop, Mechanism};
+use glam::DVec3;
+
+/// Rotation angle (radians) and distance (scene's unit) by which a loop's product differs from the identity.
+pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
+    let product = item.chain.pose(arguments);
+    (
+        rotation_log(&product.rotation).length(),
+        product.translation.length(),
+    )
+}
+
+/// The largest gap over all loops and equations, relative to the mechanism's size; NaN if anything is not a number.
+pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
+    let arguments = mechanism.argument_values(coordinates);
+    let mut largest = 0.0_f64;
+    let mut note = |value: f64| {
+        if value.is_nan() || value > largest {
+            largest = value;
+        }
+    };
+    for item in &mechanism.loops {
+        let (angle, distance) = loop_gap(item, &arguments);
+        note(angle);
+        note(distance / mechanism.size);
+    }
+    for equation in &mechanism.equations {
+        let scale = mechanism.size.powf(-equation.length_exponent);
+        note((equation.expression.value(coordinates) * scale).abs());
+    }
+    largest
+}
+
+/// `world_from_body` of every body.
+pub fn body_poses(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<Pose> {
+    let arguments = mechanism.argument_values(coordinates);
+    mechanism
+        .bodies
+        .iter()
+        .map(|body| body.world_from_body.pose(&arguments))
+        .collect()
+}
+
+/// World positions of the traced points.
+pub fn trace_points(mechanism: &Mechanism, poses: &[Pose]) -> Vec<DVec3> {
+    mechanism
+        .traces
+        .iter()
+        .map(|trace| poses[trace.body].transform_point(trace.point))
+        .collect()
+}
+
+/// Values of the outputs, angles in radians.
+pub fn outputs(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> Vec<f64> {
+    let mut slots = coordinates.to_vec();
+    slots.extend(traces.iter().flat_map(|p| p.to_array()));
+    let mut values = Vec::new();
+    for output in &mechanism.outputs {
+        let value = output.expression.value_with(&slots, &mut values);
+        slots.push(value);
+    }
+    slots.split_off(coordinates.len() + 3 * traces.len())
+}

@@ -1,0 +1,16 @@
+//! Position kinematics: closes the loops at every instant of the drive, and says how well.
+//!
+//! A [`Trajectory`](trajectory::Trajectory) is complete before anything is drawn; nothing here draws or prints.
+
+pub mod assembly;
+pub mod branch;
+pub mod closure;
+pub mod continuation;
+pub mod forward;
+pub mod newton;
+pub mod offered;
+pub mod qr;
+pub mod rank;
+pub mod sampling;
+pub mod structure;
+pub mod trajectory;

@@ -1,0 +1,97 @@
+//! Singular values: how far a pose is from a singular one, and which coordinates are free.
+
+use nalgebra::DMatrix;
+
+/// Below this ratio to the largest singular value a direction counts as lost. The pose then has lost about ten
+/// of its sixteen digits, and the next Newton step along that direction is noise.
+pub const RANK_TOLERANCE: f64 = 1e-10;
+
+/// Singular values of a block's Jacobian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Smallest singular value: zero at a singular pose.
+    pub sigma_min: f64,
+    /// Largest singular value.
+    pub sigma_max: f64,
+    /// Number of singular values above the tolerance.
+    pub rank: usize,
+}
+
+/// Singular values of the column-major `rows` × `columns` matrix; `columns` zero gives the neutral value.
+pub fn conditioning(jacobian: &[f64], rows: usize, columns: usize) -> Conditioning {
+    if columns == 0 {
+        return Conditioning {
+            sigma_min: f64::INFINITY,
+            sigma_max: 0.0,
+            rank: 0,
+        };
+    }
+    let matrix = DMatrix::from_column_slice(rows, columns, &jacobian[..rows * columns]);
+    if !matrix.iter().all(|v| v.is_finite()) {
+        return Conditioning {
+            sigma_min: 0.0,
+            sigma_max: f64::INFINITY,
+            rank: 0,
+        };
+    }
+    let values = matrix.singular_values();
+    let sigma_max = values.max();
+    let rank = values
+        .iter()
+        .filter(|s| **s > RANK_TOLERANCE * sigma_max && **s > 0.0)
+        .count();
+    // With fewer rows than columns the missing singular values are zero.
+    let sigma_min = if rows < columns { 0.0 } else { values.min() };
+    Conditioning {
+        sigma_min,
+        sigma_max,
+        rank,
+    }
+}
+
+/// A column belongs to a free motion when its share of a null vector is above this.
+const SHARE_OF_NULL_VECTOR: f64 = 1e-6;
+
+/// Columns that take part in the null space of a matrix of the given rank, ascending.
+pub fn free_columns(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<usize> {
+    // Rows of zeros make the decomposition return all right singular vectors.
+    let tall = rows.max(columns);
+    let mut matrix = DMatrix::zeros(tall, columns);
+    for j in 0..columns {
+        for i in 0..rows {
+            matrix[(i, j)] = jacobian[j * rows + i];
+        }
+    }
+    let svd = matrix.svd(false, true);
+    let Some(v_t) = svd.v_t else {
+        return (0..columns).collect();
+    };
+    let mut by_size: Vec<usize> = (0..columns).collect();
+    by_size.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
+    let null = &by_size[rank.min(columns)..];
+    (0..columns)
+        .filter(|j| {
+            null.iter()
+                .any(|k| v_t[(*k, *j)].abs() > SHARE_OF_NULL_VECTOR)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn diagonal_matrices_show_their_entries() {
+        let c = conditioning(&[3.0, 0.0, 0.0, 0.5], 2, 2);
+        assert_eq!((c.sigma_max, c.sigma_min, c.rank), (3.0, 0.5, 2));
+        assert_eq!(conditioning(&[1.0, 0.0, 0.0, 0.0], 2, 2).rank, 1);
+    }
+
+    #[test]
+    fn free_columns_are_those_of_the_null_space() {
+        // x + y = 0 leaves (1, -1, 0); z is held.
+        let free = free_columns(&[1.0, 0.0, 1.0, 0.0, 0.0, 1.0], 2, 3, 2);
+        assert_eq!(free, vec![0, 1]);
+    }
+}

@@ -1,0 +1,59 @@
+//! At which times a drive is sampled. Times are computed from their index, never summed up.
+
+use crate::model::mechanism::{Kind, Mechanism};
+use std::f64::consts::TAU;
+
+/// Most samples in one run: ten thousand seconds at 100 frames a second.
+pub const MAX_SAMPLES: usize = 1_000_000;
+
+/// Inputs that agree within this (relative to the size, or radians) count as the same pose.
+const SAME_INPUT: f64 = 1e-9;
+
+/// Whether the drive ends where it began, angles up to whole turns: a loop of frames then needs no end frame.
+pub fn is_cyclic(mechanism: &Mechanism) -> bool {
+    let (start, end) = (
+        mechanism.inputs_at(0.0),
+        mechanism.inputs_at(mechanism.duration),
+    );
+    mechanism
+        .inputs
+        .iter()
+        .zip(start.iter().zip(&end))
+        .all(|(input, (a, b))| {
+            let difference = match input.kind {
+                Kind::Angle => (b - a) - TAU * ((b - a) / TAU).round(),
+                Kind::Length => (b - a) / mechanism.size,
+                Kind::Number => b - a,
+            };
+            difference.abs() <= SAME_INPUT
+        })
+}
+
+/// Times of frames at `fps` from 0 on: the end of the drive is a frame of its own unless the drive is cyclic.
+pub fn frame_times(mechanism: &Mechanism, fps: f64) -> Vec<f64> {
+    let intervals = (mechanism.duration * fps)
+        .round()
+        .max(1.0)
+        .min(MAX_SAMPLES as f64) as usize;
+    let count = if is_cyclic(mechanism) {
+        intervals
+    } else {
+        intervals + 1
+    };
+    (0..count)
+        .map(|k| (k as f64 / fps).min(mechanism.duration))
+        .collect()
+}
+
+/// `count` equal steps over the drive; both ends are included unless the drive is cyclic.
+pub fn even_times(mechanism: &Mechanism, count: usize) -> Vec<f64> {
+    let intervals = if is_cyclic(mechanism) {
+        count
+    } else {
+        count.saturating_sub(1)
+    }
+    .max(1);
+    (0..count)
+        .map(|k| mechanism.duration * (k as f64 / intervals as f64))
+        .collect()
+}

@@ -1,0 +1,109 @@
+//! The solved motion as values: samples with their proof, and the events between them.
+
+use crate::math::Pose;
+use glam::DVec3;
+
+/// A closed pose with its proof.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedPose {
+    /// Unknowns: radians, or the scene's length unit.
+    pub unknowns: Vec<f64>,
+    /// `world_from_body` of every body.
+    pub bodies: Vec<Pose>,
+    /// World positions of the traced points.
+    pub traces: Vec<DVec3>,
+    /// Values of the outputs; an output may be infinite or NaN where its own formula has no value.
+    pub outputs: Vec<f64>,
+    /// Rates of the unknowns per second, from the drive's rates.
+    pub rates: Vec<f64>,
+    /// Largest gap of any loop relative to the mechanism's size, from an independent product.
+    pub closure_error: f64,
+    /// Smallest singular value over the blocks of the Jacobian; unknowns and residuals scaled by the size.
+    pub sigma_min: f64,
+    /// Largest ratio of singular values of a block.
+    pub condition: f64,
+    /// Rank of the Jacobian; equal to the number of unknowns at a regular pose.
+    pub rank: usize,
+    /// One sign per block: the side of the singular poses on which the assembly is.
+    pub branch: String,
+    /// Newton iterations since the sample before.
+    pub iterations: u32,
+}
+
+/// One instant of the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Seconds.
+    pub time: f64,
+    /// Inputs: radians, or the scene's length unit.
+    pub inputs: Vec<f64>,
+    /// The pose, or `None` where the mechanism cannot be closed.
+    pub pose: Option<ClosedPose>,
+}
+
+/// Something between two samples that the user must know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Seconds: last time before the event at which there was a pose (or the first after it).
+    pub time: f64,
+    /// Inputs at that time.
+    pub inputs: Vec<f64>,
+    /// What happened.
+    pub kind: EventKind,
+}
+
+/// Kinds of events.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// No closed pose exists beyond: a fold or the end of the feasible range.
+    MotionEnds,
+    /// The drive has come back into the feasible range; the pose was assembled again from the last one.
+    MotionResumes {
+        /// The branch is the one before the gap.
+        same_branch: bool,
+    },
+    /// The pose is singular; the motion was continued straight through it.
+    SingularPosePassed,
+    /// An input has no value (division by zero in its formula, say).
+    InputUndefined {
+        /// Name of the input.
+        name: String,
+    },
+    /// No pose was found at the start of the drive from the start values.
+    StartNotClosed {
+        /// Loop with the largest gap.
+        name: String,
+        /// Smallest remaining rotation, radians.
+        angle: f64,
+        /// Smallest remaining distance.
+        distance: f64,
+    },
+    /// The start values did not lead to a pose; another start did, perhaps on another branch.
+    OtherStart,
+}
+
+/// The motion over the drive.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Trajectory {
+    /// Samples in the order of time.
+    pub samples: Vec<Sample>,
+    /// Events in the order of time.
+    pub events: Vec<Event>,
+}
+
+impl Trajectory {
+    /// Number of samples without a pose.
+    pub fn missing(&self) -> usize {
+        self.samples.iter().filter(|s| s.pose.is_none()).count()
+    }
+
+    /// The worst closure error of all poses.
+    pub fn closure_error(&self) -> f64 {
+        self.poses().map(|p| p.closure_error).fold(0.0, f64::max)
+    }
+
+    /// All poses there are.
+    pub fn poses(&self) -> impl Iterator<Item = &ClosedPose> {
+        self.samples.iter().filter_map(|s| s.pose.as_ref())
+    }
+}

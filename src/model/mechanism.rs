@@ -1,0 +1,176 @@
+//! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names only for people.
+
+use super::chain::{Argument, ArgumentValue, Chain};
+use super::drive::Drive;
+use super::expression::Expression;
+use super::shape::Shape;
+use glam::DVec3;
+
+/// What a coordinate or an output measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// In the scene's length unit.
+    Length,
+    /// In radians inside the program, in the scene's angle unit in files.
+    Angle,
+    /// A plain number.
+    Number,
+}
+
+impl Kind {
+    /// The word used in messages.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::Angle => "angle",
+            Self::Number => "number",
+        }
+    }
+}
+
+/// A joint coordinate: an unknown or an input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Name in the scene.
+    pub name: String,
+    /// Length or angle (or number, where only formulas use it).
+    pub kind: Kind,
+}
+
+/// A chain that must equal the identity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loop {
+    /// Name in the scene.
+    pub name: String,
+    /// The product.
+    pub chain: Chain,
+}
+
+/// A formula over the coordinates that must vanish.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equation {
+    /// Name in the scene.
+    pub name: String,
+    /// Slots are coordinates.
+    pub expression: Expression,
+    /// Power of length in its dimension: its natural scale is `size` to this power.
+    pub length_exponent: f64,
+}
+
+/// A link: where its frame is and what it looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name in the scene.
+    pub name: String,
+    /// The chain whose product is `world_from_body`.
+    pub world_from_body: Chain,
+    /// Solids fixed to it.
+    pub shapes: Vec<Shape>,
+}
+
+/// A point of a body whose path is kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Name in the scene.
+    pub name: String,
+    /// Index of the body.
+    pub body: usize,
+    /// The point in the body's frame.
+    pub point: DVec3,
+    /// sRGB colour of its path.
+    pub colour: [u8; 3],
+    /// Radius of the path as drawn, in the scene's unit; `None` lets the picture decide; zero hides it.
+    pub radius: Option<f64>,
+}
+
+/// A named scalar for tables and plots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Name in the scene.
+    pub name: String,
+    /// Slots: coordinates, then x, y, z of every trace, then earlier outputs.
+    pub expression: Expression,
+    /// What it measures.
+    pub kind: Kind,
+}
+
+/// Angle unit of a scene file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AngleUnit {
+    /// `rad` or `deg`.
+    pub name: String,
+    /// Radians in one unit.
+    pub radians: f64,
+}
+
+/// A mechanism ready to be solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mechanism {
+    /// Title of the scene.
+    pub title: String,
+    /// Name of the length unit (`mm`); lengths are never converted.
+    pub length_unit: String,
+    /// Unit of angles in files and tables.
+    pub angle_unit: AngleUnit,
+    /// What the loops determine.
+    pub unknowns: Vec<Coordinate>,
+    /// Start values of the unknowns.
+    pub guess: Vec<f64>,
+    /// What is driven.
+    pub inputs: Vec<Coordinate>,
+    /// Motion of each input.
+    pub drives: Vec<Drive>,
+    /// Arguments of all joints. Slots: unknowns, then inputs.
+    pub arguments: Vec<Argument>,
+    /// Chains that must be the identity.
+    pub loops: Vec<Loop>,
+    /// Scalar equations.
+    pub equations: Vec<Equation>,
+    /// Links.
+    pub bodies: Vec<Body>,
+    /// Traced points.
+    pub traces: Vec<Trace>,
+    /// Named scalars.
+    pub outputs: Vec<Output>,
+    /// Characteristic length: what residuals and unknown lengths are measured against.
+    pub size: f64,
+    /// Length of the drive in seconds.
+    pub duration: f64,
+}
+
+impl Mechanism {
+    /// Number of coordinates: unknowns and inputs.
+    pub fn coordinate_count(&self) -> usize {
+        self.unknowns.len() + self.inputs.len()
+    }
+
+    /// Values of the inputs at `time`.
+    pub fn inputs_at(&self, time: f64) -> Vec<f64> {
+        self.drives.iter().map(|drive| drive.value(time)).collect()
+    }
+
+    /// Values of all arguments at the given coordinates (unknowns, then inputs).
+    pub fn argument_values(&self, coordinates: &[f64]) -> Vec<ArgumentValue> {
+        let mut scratch = Vec::new();
+        self.arguments
+            .iter()
+            .map(|a| ArgumentValue::new(a.value(coordinates, &mut scratch)))
+            .collect()
+    }
+
+    /// Scale of unknown `index`: the mechanism's size for a length, one otherwise.
+    pub fn scale_of(&self, index: usize) -> f64 {
+        match self.unknowns[index].kind {
+            Kind::Length => self.size,
+            Kind::Angle | Kind::Number => 1.0,
+        }
+    }
+
+    /// Factor from internal values to the file's unit for a coordinate or output of `kind`.
+    pub fn file_units(&self, kind: Kind) -> f64 {
+        match kind {
+            Kind::Angle => 1.0 / self.angle_unit.radians,
+            Kind::Length | Kind::Number => 1.0,
+        }
+    }
+}

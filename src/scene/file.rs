@@ -1,0 +1,481 @@
+//! The scene file as typed: every section and key it may have, with places, before anything is looked up.
+
+use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
+use crate::diag::{Diagnostic, Diagnostics, Source, Span};
+use toml::de::{DeTable, DeValue};
+
+/// A name and its formula.
+pub type NamedFormula = (Spanned<String>, FormulaText);
+
+/// A scene file.
+#[derive(Clone, Debug, Default)]
+pub struct SceneFile {
+    /// `title`
+    pub title: Option<String>,
+    /// `description`: one line for lists.
+    pub description: Option<String>,
+    /// `units.length`
+    pub length_unit: Option<String>,
+    /// `units.angle`
+    pub angle_unit: Option<Spanned<String>>,
+    /// `duration` in seconds
+    pub duration: Option<FormulaText>,
+    /// `[parameters]`
+    pub parameters: Vec<NamedFormula>,
+    /// `[inputs]`
+    pub inputs: Vec<(Spanned<String>, InputFile)>,
+    /// `[chains]`
+    pub chains: Vec<NamedFormula>,
+    /// `[loops]`
+    pub loops: Vec<NamedFormula>,
+    /// `[equations]`
+    pub equations: Vec<NamedFormula>,
+    /// `[guess]`
+    pub guess: Vec<NamedFormula>,
+    /// `[[bodies]]`
+    pub bodies: Vec<BodyFile>,
+    /// `[[traces]]`
+    pub traces: Vec<TraceFile>,
+    /// `[outputs]`
+    pub outputs: Vec<NamedFormula>,
+    /// `[[labels]]`
+    pub labels: Vec<LabelFile>,
+    /// `[view]`
+    pub view: ViewFile,
+}
+
+/// One entry of `[inputs]`.
+#[derive(Clone, Debug)]
+pub enum InputFile {
+    /// A number or formula of `t`.
+    Formula(FormulaText),
+    /// `keys` and `ease`.
+    Keys {
+        /// Time and value of each key.
+        keys: Spanned<Vec<[FormulaText; 2]>>,
+        /// Name of the easing.
+        ease: Option<Spanned<String>>,
+    },
+}
+
+/// One entry of `[[bodies]]`.
+#[derive(Clone, Debug)]
+pub struct BodyFile {
+    /// `name`
+    pub name: Spanned<String>,
+    /// `frame`: the chain `world_from_body`; the world itself if absent.
+    pub frame: Option<FormulaText>,
+    /// `colour`
+    pub colour: Option<[u8; 3]>,
+    /// `opacity`
+    pub opacity: Option<FormulaText>,
+    /// `shapes`
+    pub shapes: Vec<ShapeFile>,
+}
+
+/// One shape of a body.
+#[derive(Clone, Debug)]
+pub struct ShapeFile {
+    /// The solid.
+    pub solid: SolidFile,
+    /// `frame`: a constant chain `body_from_shape`.
+    pub frame: Option<FormulaText>,
+    /// `colour`
+    pub colour: Option<[u8; 3]>,
+    /// `opacity`
+    pub opacity: Option<FormulaText>,
+    /// Where the shape stands.
+    pub span: Span,
+}
+
+/// Parameters of a solid as typed.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub enum SolidFile {
+    Sphere {
+        center: Option<[FormulaText; 3]>,
+        radius: FormulaText,
+    },
+    Capsule {
+        from: [FormulaText; 3],
+        to: [FormulaText; 3],
+        radius: FormulaText,
+    },
+    Cylinder {
+        from: [FormulaText; 3],
+        to: [FormulaText; 3],
+        radius: FormulaText,
+    },
+    Cone {
+        from: [FormulaText; 3],
+        to: [FormulaText; 3],
+        radius_from: FormulaText,
+        radius_to: FormulaText,
+    },
+    Box {
+        center: Option<[FormulaText; 3]>,
+        size: [FormulaText; 3],
+    },
+    Torus {
+        center: Option<[FormulaText; 3]>,
+        axis: Option<[FormulaText; 3]>,
+        ring: FormulaText,
+        tube: FormulaText,
+    },
+    Tube {
+        points: Spanned<Vec<[FormulaText; 3]>>,
+        radius: FormulaText,
+        closed: bool,
+    },
+    Stl {
+        file: Spanned<String>,
+        scale: Option<FormulaText>,
+    },
+}
+
+/// One entry of `[[traces]]`.
+#[derive(Clone, Debug)]
+pub struct TraceFile {
+    /// `name`
+    pub name: Spanned<String>,
+    /// `body`
+    pub body: Spanned<String>,
+    /// `point`; the origin of the body's frame if absent.
+    pub point: Option<[FormulaText; 3]>,
+    /// `colour`
+    pub colour: Option<[u8; 3]>,
+    /// `radius`
+    pub radius: Option<FormulaText>,
+}
+
+/// One entry of `[[labels]]`.
+#[derive(Clone, Debug)]
+pub struct LabelFile {
+    /// `text`
+    pub text: Spanned<String>,
+    /// `body`
+    pub body: Option<Spanned<String>>,
+    /// `point`
+    pub point: Option<[FormulaText; 3]>,
+    /// `trace`
+    pub trace: Option<Spanned<String>>,
+    /// `time`
+    pub time: Option<FormulaText>,
+    /// `colour`
+    pub colour: Option<[u8; 3]>,
+    /// `size`
+    pub size: Option<FormulaText>,
+    /// The whole entry.
+    pub span: Span,
+}
+
+/// `[view]`
+#[derive(Clone, Debug, Default)]
+#[allow(missing_docs)]
+pub struct ViewFile {
+    pub azimuth: Option<FormulaText>,
+    pub elevation: Option<FormulaText>,
+    pub up: Option<Spanned<String>>,
+    pub projection: Option<Spanned<String>>,
+    pub fov: Option<FormulaText>,
+    pub margin: Option<FormulaText>,
+    pub background: Option<[u8; 3]>,
+    pub ground: Option<FormulaText>,
+    pub fps: Option<FormulaText>,
+    pub captions: Option<bool>,
+}
+
+/// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
+pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
+    let (document, errors) = DeTable::parse_recoverable(&source.text);
+    for error in errors {
+        let message = format!("not valid TOML: {}", error.message());
+        let end = source.text.len();
+        let span = error.span().unwrap_or(end..end);
+        diagnostics.push(Diagnostic::error(message).at(span));
+    }
+    if diagnostics.has_errors() {
+        return SceneFile::default();
+    }
+    let table = document.get_ref();
+    read_table(
+        table,
+        &source.text,
+        0..source.text.len(),
+        "the scene".to_owned(),
+        diagnostics,
+        |r| scene(r, &source.text),
+    )
+}
+
+fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
+    let title = r.string("title").map(|s| s.value);
+    let description = r.string("description").map(|s| s.value);
+    r.string("source");
+    let units = r.table("units", |u| (u.string("length"), u.string("angle")));
+    let (length_unit, angle_unit) = units.unwrap_or_default();
+    SceneFile {
+        title,
+        description,
+        length_unit: length_unit.map(|s| s.value),
+        angle_unit,
+        duration: r.formula("duration"),
+        parameters: r.named_formulas("parameters"),
+        inputs: inputs(r, text),
+        chains: r.named_formulas("chains"),
+        loops: r.named_formulas("loops"),
+        equations: r.named_formulas("equations"),
+        guess: r.named_formulas("guess"),
+        bodies: r.tables("bodies", body).into_iter().flatten().collect(),
+        traces: r.tables("traces", trace).into_iter().flatten().collect(),
+        outputs: r.named_formulas("outputs"),
+        labels: r.tables("labels", label).into_iter().flatten().collect(),
+        view: r.table("view", view).unwrap_or_default(),
+    }
+}
+
+fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String>, InputFile)> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("inputs") {
+        let input = match value {
+            DeValue::Table(table) => read_table(
+                table,
+                text,
+                span,
+                format!("input `{}`", name.value),
+                r.diagnostics,
+                input_table,
+            ),
+            other => {
+                let formula = formula_of(other, span.clone(), text).map(InputFile::Formula);
+                if formula.is_none() {
+                    let message = format!(
+                        "input `{}` must be a number, a formula of `t` or a table",
+                        name.value
+                    );
+                    r.diagnostics.push(Diagnostic::error(message).at(span));
+                }
+                formula
+            }
+        };
+        list.extend(input.map(|input| (name, input)));
+    }
+    list
+}
+
+fn input_table(r: &mut TableReader) -> Option<InputFile> {
+    let formula = r.formula("formula");
+    let keys = r.rows::<2>("keys");
+    let ease = r.string("ease");
+    match (formula, keys) {
+        (Some(formula), None) => Some(InputFile::Formula(formula)),
+        (None, Some(keys)) => Some(InputFile::Keys { keys, ease }),
+        (None, None) => {
+            r.missing("keys` or `formula");
+            None
+        }
+        (Some(formula), Some(_)) => {
+            r.diagnostics.push(
+                Diagnostic::error("an input has either `keys` or a `formula`").at(formula.span),
+            );
+            None
+        }
+    }
+}
+
+fn body(r: &mut TableReader) -> Option<BodyFile> {
+    let name = required(r, "name", |r, key| r.string(key));
+    let frame = r.formula("frame");
+    let colour = r.colour("colour");
+    let opacity = r.formula("opacity");
+    let shapes = r.tables("shapes", shape).into_iter().flatten().collect();
+    Some(BodyFile {
+        name: name?,
+        frame,
+        colour,
+        opacity,
+        shapes,
+    })
+}
+
+/// The names of the solids, in the order in which they are tried.
+const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, stl";
+
+fn shape(r: &mut TableReader) -> Option<ShapeFile> {
+    let span = r.span.clone();
+    let solids: Vec<Option<SolidFile>> = [
+        r.table("sphere", |s| {
+            let center = s.vector("center");
+            Some(SolidFile::Sphere {
+                center,
+                radius: required(s, "radius", |s, k| s.formula(k))?,
+            })
+        }),
+        r.table("capsule", |s| {
+            let (from, to, radius) = rod(s);
+            Some(SolidFile::Capsule {
+                from: from?,
+                to: to?,
+                radius: radius?,
+            })
+        }),
+        r.table("cylinder", |s| {
+            let (from, to, radius) = rod(s);
+            Some(SolidFile::Cylinder {
+                from: from?,
+                to: to?,
+                radius: radius?,
+            })
+        }),
+        r.table("cone", cone),
+        r.table("box", |s| {
+            let center = s.vector("center");
+            Some(SolidFile::Box {
+                center,
+                size: required(s, "size", |s, k| s.vector(k))?,
+            })
+        }),
+        r.table("torus", torus),
+        r.table("tube", tube),
+        r.table("stl", |s| {
+            let scale = s.formula("scale");
+            Some(SolidFile::Stl {
+                file: required(s, "file", |s, k| s.string(k))?,
+                scale,
+            })
+        }),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let (frame, colour, opacity) = (r.formula("frame"), r.colour("colour"), r.formula("opacity"));
+    if solids.len() != 1 {
+        let message = if solids.is_empty() {
+            "a shape needs a solid"
+        } else {
+            "a shape has only one solid"
+        };
+        r.diagnostics.push(
+            Diagnostic::error(message)
+                .at(span)
+                .hint(format!("one of {SOLIDS}")),
+        );
+        return None;
+    }
+    let solid = solids.into_iter().flatten().next()?;
+    Some(ShapeFile {
+        solid,
+        frame,
+        colour,
+        opacity,
+        span,
+    })
+}
+
+type Rod = (
+    Option<[FormulaText; 3]>,
+    Option<[FormulaText; 3]>,
+    Option<FormulaText>,
+);
+
+fn rod(s: &mut TableReader) -> Rod {
+    let from = required(s, "from", |s, k| s.vector(k));
+    let to = required(s, "to", |s, k| s.vector(k));
+    (from, to, required(s, "radius", |s, k| s.formula(k)))
+}
+
+fn cone(s: &mut TableReader) -> Option<SolidFile> {
+    let from = required(s, "from", |s, k| s.vector(k));
+    let to = required(s, "to", |s, k| s.vector(k));
+    let radius_from = required(s, "radius_from", |s, k| s.formula(k));
+    let radius_to = required(s, "radius_to", |s, k| s.formula(k));
+    Some(SolidFile::Cone {
+        from: from?,
+        to: to?,
+        radius_from: radius_from?,
+        radius_to: radius_to?,
+    })
+}
+
+fn torus(s: &mut TableReader) -> Option<SolidFile> {
+    let (center, axis) = (s.vector("center"), s.vector("axis"));
+    let ring = required(s, "ring", |s, k| s.formula(k));
+    let tube = required(s, "tube", |s, k| s.formula(k));
+    Some(SolidFile::Torus {
+        center,
+        axis,
+        ring: ring?,
+        tube: tube?,
+    })
+}
+
+fn tube(s: &mut TableReader) -> Option<SolidFile> {
+    let points = required(s, "points", |s, k| s.rows::<3>(k));
+    let radius = required(s, "radius", |s, k| s.formula(k));
+    let closed = s.boolean("closed").unwrap_or(false);
+    Some(SolidFile::Tube {
+        points: points?,
+        radius: radius?,
+        closed,
+    })
+}
+
+fn trace(r: &mut TableReader) -> Option<TraceFile> {
+    let name = required(r, "name", |r, k| r.string(k));
+    let body = required(r, "body", |r, k| r.string(k));
+    let (point, colour, radius) = (r.vector("point"), r.colour("colour"), r.formula("radius"));
+    Some(TraceFile {
+        name: name?,
+        body: body?,
+        point,
+        colour,
+        radius,
+    })
+}
+
+fn label(r: &mut TableReader) -> Option<LabelFile> {
+    let span = r.span.clone();
+    let text = required(r, "text", |r, k| r.string(k));
+    let (body, point) = (r.string("body"), r.vector("point"));
+    let (trace, time) = (r.string("trace"), r.formula("time"));
+    let (colour, size) = (r.colour("colour"), r.formula("size"));
+    Some(LabelFile {
+        text: text?,
+        body,
+        point,
+        trace,
+        time,
+        colour,
+        size,
+        span,
+    })
+}
+
+fn view(r: &mut TableReader) -> ViewFile {
+    ViewFile {
+        azimuth: r.formula("azimuth"),
+        elevation: r.formula("elevation"),
+        up: r.string("up"),
+        projection: r.string("projection"),
+        fov: r.formula("fov"),
+        margin: r.formula("margin"),
+        background: r.colour("background"),
+        ground: r.formula("ground"),
+        fps: r.formula("fps"),
+        captions: r.boolean("captions"),
+    }
+}
+
+/// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).
+fn required<'t, 'd, T>(
+    r: &mut TableReader<'t, 'd>,
+    key: &'static str,
+    read: impl FnOnce(&mut TableReader<'t, 'd>, &'static str) -> Option<T>,
+) -> Option<T> {
+    let before = r.diagnostics.sorted().len();
+    let value = read(r, key);
+    if value.is_none() && r.diagnostics.sorted().len() == before {
+        r.missing(key);
+    }
+    value
+}

@@ -1,0 +1,360 @@
+//! Products of transforms as typed: `Tx(p) Rx(phi) T45 inv(T51)`, and their expansion to elementary motions.
+
+use super::expression::{Node, Parser};
+use super::lexer::{TokenKind, tokenize};
+use crate::diag::{Diagnostic, Span};
+use crate::model::chain::Motion;
+
+/// One factor as typed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// An elementary transform and its arguments.
+    Transform {
+        /// Which one.
+        transform: Transform,
+        /// As many as it takes.
+        arguments: Vec<Node>,
+        /// Where.
+        span: Span,
+    },
+    /// The name of another chain.
+    Reference(String, Span),
+    /// `inv(...)`.
+    Inverse(Vec<Item>),
+    /// `E`, the identity.
+    Identity,
+}
+
+/// The transforms of the notation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transform {
+    /// `Tx` … `Rz`.
+    Elementary(Motion, usize),
+    /// `T(x, y, z)`.
+    Translation,
+    /// `R(ux, uy, uz, angle)`: rotation about a constant axis.
+    AxisRotation,
+    /// `Hx(pitch, angle)` …: screw about a coordinate axis, pitch is the advance of one turn.
+    Screw(usize),
+}
+
+impl Transform {
+    const NAMES: [(&'static str, Self); 11] = [
+        ("Tx", Self::Elementary(Motion::Translation, 0)),
+        ("Ty", Self::Elementary(Motion::Translation, 1)),
+        ("Tz", Self::Elementary(Motion::Translation, 2)),
+        ("Rx", Self::Elementary(Motion::Rotation, 0)),
+        ("Ry", Self::Elementary(Motion::Rotation, 1)),
+        ("Rz", Self::Elementary(Motion::Rotation, 2)),
+        ("T", Self::Translation),
+        ("R", Self::AxisRotation),
+        ("Hx", Self::Screw(0)),
+        ("Hy", Self::Screw(1)),
+        ("Hz", Self::Screw(2)),
+    ];
+
+    fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES
+            .iter()
+            .find(|(n, _)| *n == name)
+            .map(|(_, t)| *t)
+    }
+
+    fn argument_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Elementary(Motion::Translation, _) => &["length"],
+            Self::Elementary(Motion::Rotation, _) => &["angle"],
+            Self::Translation => &["x", "y", "z"],
+            Self::AxisRotation => &["ux", "uy", "uz", "angle"],
+            Self::Screw(_) => &["pitch", "angle"],
+        }
+    }
+}
+
+/// Parses a chain that starts at byte `offset` of the file. Factors stand side by side or with `*` between.
+pub fn parse(text: &str, offset: usize) -> Result<Vec<Item>, Diagnostic> {
+    let tokens = tokenize(text, offset)?;
+    let mut parser = Parser::new(&tokens);
+    let items = product(&mut parser, 0)?;
+    parser.expect_end()?;
+    if items.is_empty() {
+        return Err(Diagnostic::error("empty chain")
+            .at(offset..offset + text.len())
+            .hint("write `E` for the identity"));
+    }
+    Ok(items)
+}
+
+/// Deepest nesting of `inv(inv(...))`.
+const MAX_NESTING: usize = 50;
+
+fn product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnostic> {
+    let mut items = Vec::new();
+    if depth > MAX_NESTING {
+        return Err(parser.unexpected("fewer nested inverses"));
+    }
+    while let TokenKind::Name(name) = &parser.peek().kind {
+        let span = parser.take().span.clone();
+        let called = parser.take_sign('(');
+        items.push(match (name.as_str(), called) {
+            ("inv", true) => {
+                let inner = product(parser, depth + 1)?;
+                parser.expect_sign(')')?;
+                Item::Inverse(inner)
+            }
+            ("E", false) => Item::Identity,
+            (_, true) => transform(parser, name, span)?,
+            (_, false) => Item::Reference(name.clone(), span),
+        });
+        if parser.take_sign('*') && !matches!(parser.peek().kind, TokenKind::Name(_)) {
+            return Err(parser.unexpected("a transform after `*`"));
+        }
+    }
+    Ok(items)
+}
+
+fn transform(parser: &mut Parser, name: &str, span: Span) -> Result<Item, Diagnostic> {
+    let Some(transform) = Transform::from_name(name) else {
+        return Err(Diagnostic::error(format!("unknown transform `{name}`"))
+            .at(span)
+            .suggest(name, Transform::NAMES.iter().map(|(n, _)| *n))
+            .hint("known: Tx Ty Tz Rx Ry Rz T(x,y,z) R(ux,uy,uz,angle) Hx Hy Hz(pitch,angle) inv(chain)"));
+    };
+    parser.restart_count();
+    let mut arguments = vec![parser.expression()?];
+    while parser.take_sign(',') {
+        arguments.push(parser.expression()?);
+    }
+    let span = span.start..parser.peek().span.end;
+    parser.expect_sign(')')?;
+    let wanted = transform.argument_names();
+    if arguments.len() != wanted.len() {
+        return Err(Diagnostic::error(format!(
+            "`{name}` takes ({}), found {} arguments",
+            wanted.join(", "),
+            arguments.len()
+        ))
+        .at(span));
+    }
+    Ok(Item::Transform {
+        transform,
+        arguments,
+        span,
+    })
+}
+
+/// An elementary motion after expansion.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Factor {
+    /// About or along a coordinate axis.
+    Elementary(Motion, usize, Node),
+    /// Turns z to the constant direction (or back): the frame of a general axis.
+    Direction([Node; 3], bool),
+}
+
+/// Longest chain after expansion; references that multiply each other would otherwise fill the memory.
+pub const MAX_FACTORS: usize = 20_000;
+
+/// Expands references and inverses. `find` gives the items of a named chain.
+pub fn expand<'a>(
+    items: &'a [Item],
+    find: &dyn Fn(&str) -> Option<&'a [Item]>,
+    names: &[&str],
+) -> Result<Vec<Factor>, Diagnostic> {
+    let mut expansion = Expansion {
+        find,
+        names,
+        open: Vec::new(),
+        factors: Vec::new(),
+    };
+    expansion.items(items, false)?;
+    Ok(expansion.factors)
+}
+
+struct Expansion<'a, 'b> {
+    find: &'b dyn Fn(&str) -> Option<&'a [Item]>,
+    names: &'b [&'b str],
+    open: Vec<&'a str>,
+    factors: Vec<Factor>,
+}
+
+impl<'a> Expansion<'a, '_> {
+    fn items(&mut self, items: &'a [Item], inverted: bool) -> Result<(), Diagnostic> {
+        if inverted {
+            items
+                .iter()
+                .rev()
+                .try_for_each(|item| self.item(item, true))
+        } else {
+            items.iter().try_for_each(|item| self.item(item, false))
+        }
+    }
+
+    fn item(&mut self, item: &'a Item, inverted: bool) -> Result<(), Diagnostic> {
+        match item {
+            Item::Identity => Ok(()),
+            Item::Inverse(inner) => self.items(inner, !inverted),
+            Item::Reference(name, span) => self.reference(name, span, inverted),
+            Item::Transform {
+                transform,
+                arguments,
+                span,
+            } => {
+                let mut factors = elementary(*transform, arguments);
+                if inverted {
+                    factors = factors.into_iter().rev().map(invert).collect();
+                }
+                self.factors.extend(factors);
+                if self.factors.len() > MAX_FACTORS {
+                    return Err(Diagnostic::error(format!(
+                        "chain has more than {MAX_FACTORS} transforms"
+                    ))
+                    .at(span.clone()));
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn reference(&mut self, name: &'a str, span: &Span, inverted: bool) -> Result<(), Diagnostic> {
+        let Some(items) = (self.find)(name) else {
+            return Err(Diagnostic::error(format!("there is no chain `{name}`"))
+                .at(span.clone())
+                .suggest(name, self.names.iter().copied())
+                .hint("a transform has parentheses: `Rx(phi)`; a name alone is a chain"));
+        };
+        if self.open.contains(&name) {
+            return Err(
+                Diagnostic::error(format!("chain `{name}` contains itself")).at(span.clone())
+            );
+        }
+        self.open.push(name);
+        self.items(items, inverted)?;
+        self.open.pop();
+        Ok(())
+    }
+}
+
+fn elementary(transform: Transform, arguments: &[Node]) -> Vec<Factor> {
+    let arg = |i: usize| arguments[i].clone();
+    match transform {
+        Transform::Elementary(motion, axis) => vec![Factor::Elementary(motion, axis, arg(0))],
+        Transform::Translation => (0..3)
+            .map(|axis| Factor::Elementary(Motion::Translation, axis, arg(axis)))
+            .collect(),
+        Transform::AxisRotation => {
+            let direction = [arg(0), arg(1), arg(2)];
+            vec![
+                Factor::Direction(direction.clone(), false),
+                Factor::Elementary(Motion::Rotation, 2, arg(3)),
+                Factor::Direction(direction, true),
+            ]
+        }
+        Transform::Screw(axis) => vec![
+            Factor::Elementary(Motion::Rotation, axis, arg(1)),
+            Factor::Elementary(Motion::Translation, axis, advance(arg(0), arg(1))),
+        ],
+    }
+}
+
+/// pitch·angle/2π.
+fn advance(pitch: Node, angle: Node) -> Node {
+    use super::expression::NodeKind::{Binary, Radians};
+    let span = pitch.span.start..angle.span.end;
+    let turn = Node {
+        kind: Radians(std::f64::consts::TAU),
+        span: span.clone(),
+    };
+    let turns = Node {
+        kind: Binary('/', Box::new(angle), Box::new(turn)),
+        span: span.clone(),
+    };
+    Node {
+        kind: Binary('*', Box::new(pitch), Box::new(turns)),
+        span,
+    }
+}
+
+fn invert(factor: Factor) -> Factor {
+    match factor {
+        Factor::Elementary(motion, axis, node) => Factor::Elementary(motion, axis, node.negated()),
+        Factor::Direction(direction, back) => Factor::Direction(direction, !back),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn expand_text(text: &str) -> Result<Vec<Factor>, Diagnostic> {
+        let chains = [
+            ("A", parse("Tx(1) Rz(a)", 0).unwrap()),
+            ("B", parse("A Ty(2)", 0).unwrap()),
+            ("C", parse("C A", 0).unwrap()),
+        ];
+        let items = parse(text, 0)?;
+        let find = |name: &str| {
+            chains
+                .iter()
+                .find(|(n, _)| *n == name)
+                .map(|(_, i)| i.as_slice())
+        };
+        expand(&items, &find, &["A", "B", "C"])
+    }
+
+    #[test]
+    fn inverse_reverses_and_negates() {
+        let factors = expand_text("inv(B)").unwrap();
+        let shapes: Vec<_> = factors
+            .iter()
+            .map(|f| match f {
+                Factor::Elementary(m, axis, node) => (*m, *axis, node.kind.clone()),
+                Factor::Direction(..) => unreachable!(),
+            })
+            .collect();
+        use super::super::expression::NodeKind;
+        assert_eq!(shapes[0], (Motion::Translation, 1, NodeKind::Number(-2.0)));
+        assert!(matches!(
+            shapes[1],
+            (Motion::Rotation, 2, NodeKind::Negate(_))
+        ));
+        assert_eq!(shapes[2], (Motion::Translation, 0, NodeKind::Number(-1.0)));
+        assert_eq!(expand_text("inv(inv(B))"), expand_text("B"));
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        assert!(
+            expand_text("D")
+                .unwrap_err()
+                .message
+                .contains("no chain `D`")
+        );
+        assert!(
+            expand_text("C")
+                .unwrap_err()
+                .message
+                .contains("contains itself")
+        );
+        assert!(
+            expand_text("Rq(1)")
+                .unwrap_err()
+                .message
+                .contains("unknown transform")
+        );
+        assert!(
+            expand_text("Tx(1, 2)")
+                .unwrap_err()
+                .message
+                .contains("takes (length)")
+        );
+        assert!(
+            expand_text("Tx(1) +")
+                .unwrap_err()
+                .message
+                .contains("expected the end")
+        );
+        assert!(expand_text("").unwrap_err().message.contains("empty chain"));
+    }
+}

@@ -1,0 +1,349 @@
+//! Expression trees as typed: numbers, names, operations, calls. No values and no kinds yet.
+
+use super::lexer::{Token, TokenKind, tokenize};
+use crate::diag::{Diagnostic, Span};
+use crate::model::expression::Function;
+
+/// A node and its place in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What it is.
+    pub kind: NodeKind,
+    /// Where it is.
+    pub span: Span,
+}
+
+/// The forms of a node.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NodeKind {
+    /// A literal.
+    Number(f64),
+    /// A literal with an explicit angle unit, already in radians.
+    Radians(f64),
+    /// A name, to be looked up.
+    Name(String),
+    /// Sign change.
+    Negate(Box<Node>),
+    /// One of `+ - * / ^`.
+    Binary(char, Box<Node>, Box<Node>),
+    /// A function and its arguments.
+    Call(Function, Vec<Node>),
+}
+
+impl Node {
+    /// A literal without a place of its own.
+    pub fn number(value: f64, span: Span) -> Self {
+        Self {
+            kind: NodeKind::Number(value),
+            span,
+        }
+    }
+
+    /// The negative of this node.
+    pub fn negated(self) -> Self {
+        let span = self.span.clone();
+        match self.kind {
+            NodeKind::Number(v) => Self {
+                kind: NodeKind::Number(-v),
+                span,
+            },
+            NodeKind::Negate(inner) => *inner,
+            kind => Self {
+                kind: NodeKind::Negate(Box::new(Self {
+                    kind,
+                    span: span.clone(),
+                })),
+                span,
+            },
+        }
+    }
+
+    /// Calls `visit` on every name below this node.
+    pub fn visit_names(&self, visit: &mut dyn FnMut(&str, &Span)) {
+        match &self.kind {
+            NodeKind::Number(_) | NodeKind::Radians(_) => {}
+            NodeKind::Name(name) => visit(name, &self.span),
+            NodeKind::Negate(inner) => inner.visit_names(visit),
+            NodeKind::Binary(_, a, b) => {
+                a.visit_names(visit);
+                b.visit_names(visit);
+            }
+            NodeKind::Call(_, args) => args.iter().for_each(|a| a.visit_names(visit)),
+        }
+    }
+}
+
+/// Parses a whole expression that starts at byte `offset` of the file.
+pub fn parse(text: &str, offset: usize) -> Result<Node, Diagnostic> {
+    let tokens = tokenize(text, offset)?;
+    let mut parser = Parser::new(&tokens);
+    let node = parser.expression()?;
+    parser.expect_end()?;
+    Ok(node)
+}
+
+/// Deepest nesting of parentheses and signs; keeps hostile input off the call stack.
+const MAX_DEPTH: usize = 100;
+
+/// Most operations in one expression. A long sum leans to the left as deep as it is long, and the walks over
+/// the tree are recursive.
+const MAX_OPERATIONS: usize = 2000;
+
+/// Reads tokens one after the other; shared with the chain parser.
+pub struct Parser<'a> {
+    tokens: &'a [Token],
+    next: usize,
+    depth: usize,
+    operations: usize,
+}
+
+impl<'a> Parser<'a> {
+    /// Starts at the first of `tokens`, which end with `End`.
+    pub fn new(tokens: &'a [Token]) -> Self {
+        Self {
+            tokens,
+            next: 0,
+            depth: 0,
+            operations: 0,
+        }
+    }
+
+    /// The token to be read next.
+    pub fn peek(&self) -> &'a Token {
+        &self.tokens[self.next.min(self.tokens.len() - 1)]
+    }
+
+    /// Reads one token.
+    pub fn take(&mut self) -> &'a Token {
+        let token = self.peek();
+        self.next += 1;
+        token
+    }
+
+    /// Reads `sign` if it comes next.
+    pub fn take_sign(&mut self, sign: char) -> bool {
+        let found = self.peek().kind == TokenKind::Sign(sign);
+        self.next += found as usize;
+        found
+    }
+
+    /// Reads `sign` or says that it is missing.
+    pub fn expect_sign(&mut self, sign: char) -> Result<(), Diagnostic> {
+        if self.take_sign(sign) {
+            Ok(())
+        } else {
+            Err(self.unexpected(&format!("`{sign}`")))
+        }
+    }
+
+    /// Says so if anything is left.
+    pub fn expect_end(&self) -> Result<(), Diagnostic> {
+        if self.peek().kind == TokenKind::End {
+            Ok(())
+        } else {
+            Err(self.unexpected("the end of the formula"))
+        }
+    }
+
+    /// The message that something else than `wanted` came.
+    pub fn unexpected(&self, wanted: &str) -> Diagnostic {
+        let token = self.peek();
+        let found = match &token.kind {
+            TokenKind::Number(v) => format!("the number {v}"),
+            TokenKind::Name(name) => format!("`{name}`"),
+            TokenKind::Sign(c) => format!("`{c}`"),
+            TokenKind::End => "the end of the formula".to_owned(),
+        };
+        Diagnostic::error(format!("expected {wanted}, found {found}")).at(token.span.clone())
+    }
+
+    /// Counts one level and one operation against the limits.
+    fn descend(&mut self) -> Result<(), Diagnostic> {
+        self.depth += 1;
+        self.operations += 1;
+        if self.depth > MAX_DEPTH || self.operations > MAX_OPERATIONS {
+            let what = if self.depth > MAX_DEPTH {
+                "nested too deeply"
+            } else {
+                "too long"
+            };
+            return Err(
+                Diagnostic::error(format!("formula is {what}")).at(self.peek().span.clone())
+            );
+        }
+        Ok(())
+    }
+
+    /// Starts a new expression's count of operations; a chain holds many short ones.
+    pub fn restart_count(&mut self) {
+        self.operations = 0;
+    }
+
+    /// sum := term (('+'|'-') term)*
+    pub fn expression(&mut self) -> Result<Node, Diagnostic> {
+        self.descend()?;
+        let mut left = self.term()?;
+        while let TokenKind::Sign(sign @ ('+' | '-')) = self.peek().kind {
+            self.take();
+            left = binary(sign, left, self.term()?);
+        }
+        self.depth -= 1;
+        Ok(left)
+    }
+
+    /// term := factor (('*'|'/') factor)*
+    fn term(&mut self) -> Result<Node, Diagnostic> {
+        let mut left = self.factor()?;
+        while let TokenKind::Sign(sign @ ('*' | '/')) = self.peek().kind {
+            self.take();
+            left = binary(sign, left, self.factor()?);
+        }
+        Ok(left)
+    }
+
+    /// factor := ('-'|'+') factor | atom ('^' factor)?
+    fn factor(&mut self) -> Result<Node, Diagnostic> {
+        self.descend()?;
+        let start = self.peek().span.start;
+        let node = if self.take_sign('-') {
+            let inner = self.factor()?;
+            let end = inner.span.end;
+            let mut node = inner.negated();
+            node.span = start..end;
+            node
+        } else if self.take_sign('+') {
+            self.factor()?
+        } else {
+            let base = self.atom()?;
+            if self.take_sign('^') {
+                binary('^', base, self.factor()?)
+            } else {
+                base
+            }
+        };
+        self.depth -= 1;
+        Ok(node)
+    }
+
+    fn atom(&mut self) -> Result<Node, Diagnostic> {
+        let token = self.peek();
+        match &token.kind {
+            TokenKind::Number(value) => {
+                self.take();
+                Ok(self.with_unit(*value, token.span.clone()))
+            }
+            TokenKind::Name(name) => {
+                self.take();
+                if self.take_sign('(') {
+                    self.call(name, token)
+                } else {
+                    Ok(named(name, token))
+                }
+            }
+            TokenKind::Sign('(') => {
+                self.take();
+                let inner = self.expression()?;
+                self.expect_sign(')')?;
+                Ok(inner)
+            }
+            _ => Err(self.unexpected("a number, a name or `(`")),
+        }
+    }
+
+    /// `30deg` and `0.5rad`: the unit belongs to the number when it follows at once.
+    fn with_unit(&mut self, value: f64, span: Span) -> Node {
+        let unit = self.peek();
+        let factor = match &unit.kind {
+            TokenKind::Name(name) if unit.span.start == span.end => match name.as_str() {
+                "deg" => Some(std::f64::consts::PI / 180.0),
+                "rad" => Some(1.0),
+                _ => None,
+            },
+            _ => None,
+        };
+        match factor {
+            Some(factor) => {
+                let end = self.take().span.end;
+                Node {
+                    kind: NodeKind::Radians(value * factor),
+                    span: span.start..end,
+                }
+            }
+            None => Node::number(value, span),
+        }
+    }
+
+    fn call(&mut self, name: &str, token: &Token) -> Result<Node, Diagnostic> {
+        let Some(function) = Function::from_name(name) else {
+            return Err(Diagnostic::error(format!("unknown function `{name}`"))
+                .at(token.span.clone())
+                .suggest(name, Function::ALL.iter().map(|f| f.name()))
+                .hint("a product is written with `*`: a name before `(` is always a function"));
+        };
+        let mut args = vec![self.expression()?];
+        while self.take_sign(',') {
+            args.push(self.expression()?);
+        }
+        let span = token.span.start..self.peek().span.end;
+        self.expect_sign(')')?;
+        if !function.accepts(args.len()) {
+            return Err(Diagnostic::error(format!(
+                "`{name}` takes {}, found {}",
+                function.arity_text(),
+                args.len()
+            ))
+            .at(span));
+        }
+        Ok(Node {
+            kind: NodeKind::Call(function, args),
+            span,
+        })
+    }
+}
+
+fn named(name: &str, token: &Token) -> Node {
+    let kind = if name == "pi" || name == "π" {
+        NodeKind::Radians(std::f64::consts::PI)
+    } else {
+        NodeKind::Name(name.to_owned())
+    };
+    Node {
+        kind,
+        span: token.span.clone(),
+    }
+}
+
+fn binary(sign: char, left: Node, right: Node) -> Node {
+    let span = left.span.start..right.span.end;
+    Node {
+        kind: NodeKind::Binary(sign, Box::new(left), Box::new(right)),
+        span,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn errors_point_at_the_place() {
+        for (text, place) in [
+            ("2*", 2..2),
+            ("(1+2", 4..4),
+            ("sin()", 4..5),
+            ("foo(1)", 0..3),
+            ("a b", 2..3),
+        ] {
+            assert_eq!(parse(text, 0).unwrap_err().span, Some(place), "{text}");
+        }
+    }
+
+    #[test]
+    fn hostile_nesting_is_refused() {
+        assert!(parse(&"(".repeat(50_000), 0).is_err());
+        assert!(parse(&"-".repeat(50_000), 0).is_err());
+        assert!(parse(&"2^".repeat(40_000), 0).is_err());
+        assert!(parse(&format!("1{}", "+1".repeat(40_000)), 0).is_err());
+    }
+}

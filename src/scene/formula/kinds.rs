@@ -1,0 +1,187 @@
+//! What a formula's parts measure, and the conversion of its numbers from the file's angle unit to radians.
+//!
+//! Rule: a part of a formula that stands where an angle is wanted and holds no angle itself (`Ry(180)`,
+//! `beta + 30`) is in the file's angle unit. In a file in radians nothing is converted.
+
+use super::expression::{Node, NodeKind};
+use crate::diag::Span;
+use crate::model::expression::Function;
+use crate::model::mechanism::Kind;
+
+/// Tells `note` the kind that each name below `node` must have, if the place wants `wanted`.
+pub fn infer(node: &Node, wanted: Option<Kind>, note: &mut dyn FnMut(&str, Kind, &Span)) {
+    match &node.kind {
+        NodeKind::Number(_) | NodeKind::Radians(_) => {}
+        NodeKind::Name(name) => {
+            if let Some(kind) = wanted {
+                note(name, kind, &node.span);
+            }
+        }
+        NodeKind::Negate(inner) => infer(inner, wanted, note),
+        NodeKind::Binary('+' | '-', a, b) => {
+            infer(a, wanted, note);
+            infer(b, wanted, note);
+        }
+        NodeKind::Binary(sign, a, b) => {
+            // A literal factor keeps the kind of the other side; any other product tells nothing.
+            let keeps_a = is_literal(b) && *sign != '^';
+            let keeps_b = is_literal(a) && *sign == '*';
+            infer(a, wanted.filter(|_| keeps_a), note);
+            infer(b, wanted.filter(|_| keeps_b), note);
+        }
+        NodeKind::Call(function, args) => {
+            let inner = argument_kind(*function, wanted);
+            args.iter().for_each(|arg| infer(arg, inner, note));
+        }
+    }
+}
+
+/// What a function wants of its arguments when its own place wants `wanted`.
+fn argument_kind(function: Function, wanted: Option<Kind>) -> Option<Kind> {
+    match function {
+        Function::Sin | Function::Cos | Function::Tan => Some(Kind::Angle),
+        Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => wanted,
+        _ => None,
+    }
+}
+
+fn is_literal(node: &Node) -> bool {
+    match &node.kind {
+        NodeKind::Number(_) => true,
+        NodeKind::Negate(inner) => is_literal(inner),
+        NodeKind::Binary(_, a, b) => is_literal(a) && is_literal(b),
+        _ => false,
+    }
+}
+
+/// Replaces file-unit angles by radians: `radians` is the size of one file unit, `is_angle` knows the names.
+pub fn to_radians(
+    node: Node,
+    wanted: Option<Kind>,
+    radians: f64,
+    is_angle: &dyn Fn(&str) -> bool,
+) -> Node {
+    if radians == 1.0 {
+        return node;
+    }
+    convert(node, wanted, radians, is_angle)
+}
+
+fn convert(
+    node: Node,
+    wanted: Option<Kind>,
+    radians: f64,
+    is_angle: &dyn Fn(&str) -> bool,
+) -> Node {
+    let recurse = |n: Box<Node>, kind: Option<Kind>| Box::new(convert(*n, kind, radians, is_angle));
+    let wants_angle = wanted == Some(Kind::Angle);
+    if wants_angle && !is_sum(&node.kind) && !holds_angle(&node, is_angle) {
+        let span = node.span.clone();
+        let factor = Box::new(Node::number(radians, span.clone()));
+        let inner = Box::new(convert(node, None, radians, is_angle));
+        return Node {
+            kind: NodeKind::Binary('*', inner, factor),
+            span,
+        };
+    }
+    let span = node.span;
+    let kind = match node.kind {
+        NodeKind::Negate(inner) => NodeKind::Negate(recurse(inner, wanted)),
+        NodeKind::Binary(sign @ ('+' | '-'), a, b) => {
+            NodeKind::Binary(sign, recurse(a, wanted), recurse(b, wanted))
+        }
+        NodeKind::Binary(sign, a, b) => NodeKind::Binary(sign, recurse(a, None), recurse(b, None)),
+        NodeKind::Call(function, args) => {
+            let inner = argument_kind(function, wanted);
+            NodeKind::Call(
+                function,
+                args.into_iter()
+                    .map(|a| convert(a, inner, radians, is_angle))
+                    .collect(),
+            )
+        }
+        leaf => leaf,
+    };
+    Node { kind, span }
+}
+
+/// Forms whose parts all have the kind of the whole.
+fn is_sum(kind: &NodeKind) -> bool {
+    match kind {
+        NodeKind::Negate(_) | NodeKind::Binary('+' | '-', ..) => true,
+        NodeKind::Call(function, _) => {
+            argument_kind(*function, Some(Kind::Length)) == Some(Kind::Length)
+        }
+        _ => false,
+    }
+}
+
+fn holds_angle(node: &Node, is_angle: &dyn Fn(&str) -> bool) -> bool {
+    match &node.kind {
+        NodeKind::Number(_) => false,
+        NodeKind::Radians(_) => true,
+        NodeKind::Name(name) => is_angle(name),
+        NodeKind::Negate(inner) => holds_angle(inner, is_angle),
+        NodeKind::Binary(_, a, b) => holds_angle(a, is_angle) || holds_angle(b, is_angle),
+        NodeKind::Call(function, args) => match function {
+            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => true,
+            Function::Sin | Function::Cos | Function::Tan => false,
+            _ => args.iter().any(|a| holds_angle(a, is_angle)),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::compile::{Value, compile};
+    use super::super::expression::parse;
+    use super::*;
+
+    /// Value of `text` in an angle place of a file in degrees, where `a` is an angle of 1 rad and `n` is 3.
+    fn in_degrees(text: &str) -> f64 {
+        let node = to_radians(
+            parse(text, 0).unwrap(),
+            Some(Kind::Angle),
+            std::f64::consts::PI / 180.0,
+            &|n| n == "a",
+        );
+        let lookup =
+            |name: &str, _: &Span| Ok(Value::Constant(if name == "a" { 1.0 } else { 3.0 }));
+        compile(&node, &lookup).unwrap().value(&[])
+    }
+
+    #[test]
+    fn numbers_in_angle_places_are_degrees_and_others_are_not() {
+        let degree = std::f64::consts::PI / 180.0;
+        for (text, radians) in [
+            ("90", 90.0 * degree),
+            ("180 - a", 180.0 * degree - 1.0),
+            ("2*a", 2.0),
+            ("n*15", 45.0 * degree),
+            ("pi/2", 90.0 * degree),
+            ("30rad", 30.0),
+            ("atan2(1, 1)", 45.0 * degree),
+            ("2*sin(30)", 2.0 * 0.5 * degree),
+            ("-(n + 10)", -13.0 * degree),
+        ] {
+            assert!(
+                (in_degrees(text) - radians).abs() < 1e-12,
+                "{text}: {} {radians}",
+                in_degrees(text)
+            );
+        }
+    }
+
+    #[test]
+    fn kinds_follow_from_places() {
+        let mut seen = Vec::new();
+        infer(
+            &parse("a + 2*b - c*d + sin(e)", 0).unwrap(),
+            Some(Kind::Length),
+            &mut |n, k, _| seen.push((n.to_owned(), k)),
+        );
+        let want = [("a", Kind::Length), ("b", Kind::Length), ("e", Kind::Angle)];
+        assert_eq!(seen, want.map(|(n, k)| (n.to_owned(), k)));
+    }
+}

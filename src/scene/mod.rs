@@ -1,0 +1,62 @@
+//! From the text of a scene to a mechanism and its view. After this nothing is looked up by name.
+
+pub mod builtin;
+pub mod file;
+pub mod formula;
+pub mod reader;
+pub mod resolve;
+
+use crate::diag::{Diagnostics, SceneError, Source};
+use crate::model::mechanism::Mechanism;
+use crate::model::view::View;
+use std::path::PathBuf;
+
+/// A scene ready to be solved and drawn.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// One line for lists.
+    pub description: String,
+    /// The mechanism.
+    pub mechanism: Mechanism,
+    /// How it wants to be seen.
+    pub view: View,
+    /// What is odd but usable.
+    pub warnings: Diagnostics,
+}
+
+/// Values given on the command line instead of the file's.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// `--param NAME=FORMULA`
+    pub parameters: Vec<(String, String)>,
+    /// `--input NAME=FORMULA`
+    pub inputs: Vec<(String, String)>,
+    /// `--guess NAME=FORMULA`
+    pub guess: Vec<(String, String)>,
+    /// Folder that relative file names in the scene start from.
+    pub folder: PathBuf,
+}
+
+/// Reads and resolves `source`; all mistakes found are in the error.
+pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
+    let mut diagnostics = Diagnostics::default();
+    let mut file = file::read(source, &mut diagnostics);
+    if diagnostics.has_errors() {
+        return Err(SceneError {
+            source_text: source.clone(),
+            diagnostics,
+        });
+    }
+    resolve::apply_overrides(&mut file, overrides, &mut diagnostics);
+    let scene = resolve::resolve(&file, &overrides.folder, &mut diagnostics);
+    match scene {
+        Some(mut scene) if !diagnostics.has_errors() => {
+            scene.warnings = diagnostics;
+            Ok(scene)
+        }
+        _ => Err(SceneError {
+            source_text: source.clone(),
+            diagnostics,
+        }),
+    }
+}

@@ -1,0 +1,397 @@
+//! Typed reading of TOML tables: every value with its place, every mistake noted, reading goes on.
+
+use crate::diag::{Diagnostic, Diagnostics, Span};
+use toml::de::{DeTable, DeValue};
+
+/// A value and its place in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spanned<T> {
+    /// The value.
+    pub value: T,
+    /// Its place.
+    pub span: Span,
+}
+
+/// A number or formula as typed, to be parsed later.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormulaText {
+    /// The text without quotes.
+    pub text: String,
+    /// Byte in the file where the text starts.
+    pub offset: usize,
+    /// The whole value with its quotes.
+    pub span: Span,
+}
+
+/// One table being read; knows which keys were asked for, so that the others can be refused.
+pub struct TableReader<'t, 'd> {
+    table: &'t DeTable<'t>,
+    text: &'t str,
+    place: String,
+    asked: Vec<&'static str>,
+    /// Where mistakes go.
+    pub diagnostics: &'d mut Diagnostics,
+    /// The table's place.
+    pub span: Span,
+}
+
+impl<'t, 'd> TableReader<'t, 'd> {
+    /// Reads `table` of the file `text`; `place` names it in messages.
+    pub fn new(
+        table: &'t DeTable<'t>,
+        text: &'t str,
+        span: Span,
+        place: impl Into<String>,
+        diagnostics: &'d mut Diagnostics,
+    ) -> Self {
+        Self {
+            table,
+            text,
+            place: place.into(),
+            asked: Vec::new(),
+            diagnostics,
+            span,
+        }
+    }
+
+    fn get(&mut self, key: &'static str) -> Option<(&'t DeValue<'t>, Span)> {
+        self.asked.push(key);
+        let (_, value) = self
+            .table
+            .iter()
+            .find(|(k, _)| k.get_ref().as_ref() == key)?;
+        Some((value.get_ref(), value.span()))
+    }
+
+    fn wrong(&mut self, key: &str, wanted: &str, value: &DeValue, span: Span) {
+        let found = kind_of(value);
+        self.diagnostics
+            .push(Diagnostic::error(format!("`{key}` must be {wanted}, found {found}")).at(span));
+    }
+
+    /// A text.
+    pub fn string(&mut self, key: &'static str) -> Option<Spanned<String>> {
+        let (value, span) = self.get(key)?;
+        match value {
+            DeValue::String(s) => Some(Spanned {
+                value: s.to_string(),
+                span,
+            }),
+            other => {
+                self.wrong(key, "a text", other, span);
+                None
+            }
+        }
+    }
+
+    /// `true` or `false`.
+    pub fn boolean(&mut self, key: &'static str) -> Option<bool> {
+        let (value, span) = self.get(key)?;
+        match value {
+            DeValue::Boolean(b) => Some(*b),
+            other => {
+                self.wrong(key, "true or false", other, span);
+                None
+            }
+        }
+    }
+
+    /// A number or a formula in quotes.
+    pub fn formula(&mut self, key: &'static str) -> Option<FormulaText> {
+        let (value, span) = self.get(key)?;
+        let formula = formula_of(value, span.clone(), self.text);
+        if formula.is_none() {
+            self.wrong(key, "a number or a formula in quotes", value, span);
+        }
+        formula
+    }
+
+    /// A list of numbers or formulas.
+    pub fn formulas(&mut self, key: &'static str) -> Option<Spanned<Vec<FormulaText>>> {
+        let (value, span) = self.get(key)?;
+        let list = formulas_of(value, self.text);
+        match list {
+            Some(value) => Some(Spanned { value, span }),
+            None => {
+                self.wrong(key, "a list of numbers or formulas", value, span);
+                None
+            }
+        }
+    }
+
+    /// Exactly `N` numbers or formulas.
+    pub fn vector<const N: usize>(&mut self, key: &'static str) -> Option<[FormulaText; N]> {
+        let list = self.formulas(key)?;
+        let found = list.value.len();
+        match <[FormulaText; N]>::try_from(list.value) {
+            Ok(vector) => Some(vector),
+            Err(_) => {
+                self.diagnostics.push(
+                    Diagnostic::error(format!("`{key}` must have {N} components, found {found}"))
+                        .at(list.span),
+                );
+                None
+            }
+        }
+    }
+
+    /// A list of lists of numbers or formulas, each of length `N`.
+    pub fn rows<const N: usize>(
+        &mut self,
+        key: &'static str,
+    ) -> Option<Spanned<Vec<[FormulaText; N]>>> {
+        let (value, span) = self.get(key)?;
+        let rows = value.as_array().and_then(|rows| {
+            rows.iter()
+                .map(|row| {
+                    formulas_of(row.get_ref(), self.text)
+                        .and_then(|r| <[FormulaText; N]>::try_from(r).ok())
+                })
+                .collect::<Option<Vec<_>>>()
+        });
+        match rows {
+            Some(value) => Some(Spanned { value, span }),
+            None => {
+                self.wrong(
+                    key,
+                    &format!("a list of lists of {N} numbers or formulas"),
+                    value,
+                    span,
+                );
+                None
+            }
+        }
+    }
+
+    /// A list of texts.
+    pub fn strings(&mut self, key: &'static str) -> Option<Vec<Spanned<String>>> {
+        let (value, span) = self.get(key)?;
+        let list = value.as_array().and_then(|items| {
+            items
+                .iter()
+                .map(|i| {
+                    i.get_ref().as_str().map(|s| Spanned {
+                        value: s.to_owned(),
+                        span: i.span(),
+                    })
+                })
+                .collect::<Option<Vec<_>>>()
+        });
+        if list.is_none() {
+            self.wrong(key, "a list of texts", value, span);
+        }
+        list
+    }
+
+    /// `#rrggbb`.
+    pub fn colour(&mut self, key: &'static str) -> Option<[u8; 3]> {
+        let text = self.string(key)?;
+        let colour = parse_colour(&text.value);
+        if colour.is_none() {
+            self.diagnostics.push(
+                Diagnostic::error(format!("`{}` is not a colour", text.value))
+                    .at(text.span)
+                    .hint("write `#rrggbb`, for example `#c2452d`"),
+            );
+        }
+        colour
+    }
+
+    /// A table whose keys are names of the user's choice, in the order of the file.
+    pub fn named(&mut self, key: &'static str) -> Vec<(Spanned<String>, &'t DeValue<'t>, Span)> {
+        let Some((value, span)) = self.get(key) else {
+            return Vec::new();
+        };
+        let Some(table) = value.as_table() else {
+            self.wrong(key, "a table", value, span);
+            return Vec::new();
+        };
+        let mut entries: Vec<_> = table
+            .iter()
+            .map(|(k, v)| {
+                (
+                    Spanned {
+                        value: k.get_ref().to_string(),
+                        span: k.span(),
+                    },
+                    v.get_ref(),
+                    v.span(),
+                )
+            })
+            .collect();
+        entries.sort_by_key(|(k, _, _)| k.span.start);
+        entries
+    }
+
+    /// A table of names to formulas.
+    pub fn named_formulas(&mut self, key: &'static str) -> Vec<(Spanned<String>, FormulaText)> {
+        let mut list = Vec::new();
+        for (name, value, span) in self.named(key) {
+            match formula_of(value, span.clone(), self.text) {
+                Some(formula) => list.push((name, formula)),
+                None => {
+                    let key = name.value.clone();
+                    self.wrong(&key, "a number or a formula in quotes", value, span);
+                }
+            }
+        }
+        list
+    }
+
+    /// Reads an inner table with `read`; `None` if it is absent.
+    pub fn table<T>(
+        &mut self,
+        key: &'static str,
+        read: impl FnOnce(&mut TableReader<'t, '_>) -> T,
+    ) -> Option<T> {
+        let (value, span) = self.get(key)?;
+        let Some(table) = value.as_table() else {
+            self.wrong(key, "a table", value, span);
+            return None;
+        };
+        Some(read_table(
+            table,
+            self.text,
+            span,
+            format!("[{key}]"),
+            self.diagnostics,
+            read,
+        ))
+    }
+
+    /// Reads a list of tables with `read`.
+    pub fn tables<T>(
+        &mut self,
+        key: &'static str,
+        mut read: impl FnMut(&mut TableReader<'t, '_>) -> T,
+    ) -> Vec<T> {
+        let Some((value, span)) = self.get(key) else {
+            return Vec::new();
+        };
+        let Some(items) = value.as_array() else {
+            self.wrong(key, "a list of tables", value, span);
+            return Vec::new();
+        };
+        let mut list = Vec::new();
+        for item in items.iter() {
+            match item.get_ref().as_table() {
+                Some(table) => {
+                    let place = format!("[[{key}]]");
+                    list.push(read_table(
+                        table,
+                        self.text,
+                        item.span(),
+                        place,
+                        self.diagnostics,
+                        &mut read,
+                    ));
+                }
+                None => self.wrong(key, "a list of tables", item.get_ref(), item.span()),
+            }
+        }
+        list
+    }
+
+    /// Says that a key is missing.
+    pub fn missing(&mut self, key: &str) {
+        let message = format!("{} needs `{key}`", self.place);
+        let span = first_line(self.text, self.span.clone());
+        self.diagnostics.push(Diagnostic::error(message).at(span));
+    }
+
+    /// Refuses every key that was not asked for.
+    fn finish(self) {
+        for (key, _) in self.table.iter() {
+            let name = key.get_ref().as_ref();
+            if !self.asked.contains(&name) {
+                self.diagnostics.push(
+                    Diagnostic::error(format!("unknown key `{name}` in {}", self.place))
+                        .at(key.span())
+                        .suggest(name, self.asked.iter().copied())
+                        .hint(format!("known: {}", self.asked.join(", "))),
+                );
+            }
+        }
+    }
+}
+
+/// Reads a table that is at hand (the value of a named entry, say).
+pub fn read_table<'t, T>(
+    table: &'t DeTable<'t>,
+    text: &'t str,
+    span: Span,
+    place: String,
+    diagnostics: &mut Diagnostics,
+    read: impl FnOnce(&mut TableReader<'t, '_>) -> T,
+) -> T {
+    let mut reader = TableReader::new(table, text, span, place, diagnostics);
+    let value = read(&mut reader);
+    reader.finish();
+    value
+}
+
+/// The part of `span` on its first line.
+fn first_line(text: &str, span: Span) -> Span {
+    let end = text[span.clone()]
+        .find('\n')
+        .map_or(span.end, |n| span.start + n);
+    span.start..end
+}
+
+fn formulas_of(value: &DeValue, text: &str) -> Option<Vec<FormulaText>> {
+    value
+        .as_array()?
+        .iter()
+        .map(|item| formula_of(item.get_ref(), item.span(), text))
+        .collect()
+}
+
+/// The text of a number or string value, with the place where it starts.
+pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText> {
+    match value {
+        DeValue::Integer(_) | DeValue::Float(_) => {
+            // Underscores are TOML's; signs and exponents are the same in both notations.
+            let literal = text[span.clone()].replace('_', "");
+            Some(FormulaText {
+                text: literal,
+                offset: span.start,
+                span,
+            })
+        }
+        DeValue::String(s) => {
+            // Escapes would shift the places; then every message points at the whole text.
+            let raw = &text[span.clone()];
+            let offset = raw
+                .find(s.as_ref())
+                .filter(|o| *o > 0 && !s.is_empty())
+                .map_or(span.start, |o| span.start + o);
+            Some(FormulaText {
+                text: s.to_string(),
+                offset,
+                span,
+            })
+        }
+        _ => None,
+    }
+}
+
+/// A colour written `#rrggbb`.
+pub fn parse_colour(text: &str) -> Option<[u8; 3]> {
+    let hex = text
+        .strip_prefix('#')
+        .filter(|h| h.len() == 6 && h.is_ascii())?;
+    let channel = |i: usize| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).ok();
+    Some([channel(0)?, channel(1)?, channel(2)?])
+}
+
+fn kind_of(value: &DeValue) -> &'static str {
+    match value {
+        DeValue::String(_) => "a text",
+        DeValue::Integer(_) => "an integer",
+        DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}

@@ -1,0 +1,177 @@
+//! Drives of the inputs, start values of the unknowns, and the duration of the motion.
+
+use super::super::file::{InputFile, SceneFile};
+use super::super::formula::compile::{Value, compile, constant};
+use super::super::formula::expression::Node;
+use super::super::formula::kinds::to_radians;
+use super::names::{Meaning, Names, TIME};
+use super::parsed::{Parsed, ParsedInput, expression};
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::drive::{Drive, Ease};
+use crate::model::mechanism::{AngleUnit, Kind};
+
+/// What moves and from where.
+pub struct Coordinates {
+    pub guess: Vec<f64>,
+    pub drives: Vec<Drive>,
+    pub duration: f64,
+}
+
+/// Longest motion accepted, in seconds: a year is certainly a slip.
+const MAX_DURATION: f64 = 3.2e7;
+
+/// Resolves inputs, guesses and duration.
+pub fn resolve(
+    file: &SceneFile,
+    parsed: &Parsed,
+    names: &Names,
+    unit: &AngleUnit,
+    diagnostics: &mut Diagnostics,
+) -> Option<Coordinates> {
+    let mut drives = Vec::new();
+    for (index, coordinate) in names.inputs.iter().enumerate() {
+        let input = parsed
+            .inputs
+            .iter()
+            .find(|(n, _)| n.value == coordinate.name)
+            .map(|(_, input)| input)?;
+        let wanted = Some(coordinate.kind);
+        match drive(input, &file.inputs[index].1, names, unit, wanted) {
+            Ok(drive) => drives.push(drive),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    let guess = guess(parsed, names, unit, diagnostics);
+    let duration = duration(file, names, &drives, diagnostics)?;
+    Some(Coordinates {
+        guess,
+        drives,
+        duration,
+    })
+}
+
+fn drive(
+    input: &ParsedInput,
+    file: &InputFile,
+    names: &Names,
+    unit: &AngleUnit,
+    wanted: Option<Kind>,
+) -> Result<Drive, Diagnostic> {
+    let radians =
+        |node: &Node| to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
+    match (input, file) {
+        (ParsedInput::Keys(keys), InputFile::Keys { keys: place, ease }) => {
+            let ease = match ease {
+                None => Ease::Smooth,
+                Some(word) => {
+                    let known = Ease::NAMES.iter().find(|(name, _)| *name == word.value);
+                    known.map(|(_, ease)| *ease).ok_or_else(|| {
+                        Diagnostic::error(format!("unknown easing `{}`", word.value))
+                            .at(word.span.clone())
+                            .hint(format!(
+                                "one of {}",
+                                Ease::NAMES.map(|(name, _)| name).join(", ")
+                            ))
+                    })?
+                }
+            };
+            let (mut times, mut values) = (Vec::new(), Vec::new());
+            for [time, value] in keys {
+                let at = constant(time, &|n, s| names.constant(n, s))?;
+                if times.last().is_some_and(|last| at <= *last) {
+                    return Err(Diagnostic::error("the times of the keys must ascend")
+                        .at(time.span.clone()));
+                }
+                times.push(at);
+                values.push(constant(&radians(value), &|n, s| names.constant(n, s))?);
+            }
+            if times.is_empty() {
+                return Err(
+                    Diagnostic::error("an input needs at least one key").at(place.span.clone())
+                );
+            }
+            Ok(Drive::Keys {
+                times,
+                values,
+                ease,
+            })
+        }
+        (ParsedInput::Formula(node), _) => {
+            let lookup = |name: &str, span: &_| match name {
+                TIME => Ok(Value::Slot(0)),
+                _ => names.constant(name, span),
+            };
+            Ok(Drive::Formula(compile(&radians(node), &lookup)?))
+        }
+        (ParsedInput::Keys(_), InputFile::Formula(text)) => {
+            Err(Diagnostic::error("expected a formula").at(text.span.clone()))
+        }
+    }
+}
+
+fn guess(
+    parsed: &Parsed,
+    names: &Names,
+    unit: &AngleUnit,
+    diagnostics: &mut Diagnostics,
+) -> Vec<f64> {
+    let mut guess = vec![0.0; names.unknowns.len()];
+    for (name, node) in &parsed.guess {
+        let Some(Meaning::Unknown(index)) = names.meaning(&name.value) else {
+            let unknowns = names.unknowns.iter().map(|c| c.name.as_str());
+            diagnostics.push(
+                Diagnostic::error(format!(
+                    "start value for `{}`, which is not an unknown of any loop",
+                    name.value
+                ))
+                .at(name.span.clone())
+                .suggest(&name.value, unknowns),
+            );
+            continue;
+        };
+        let wanted = Some(names.unknowns[index].kind);
+        let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
+        match constant(&node, &|n, s| names.constant(n, s)) {
+            Ok(value) => guess[index] = value,
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    guess
+}
+
+/// The `duration` key, else the time of the last keyframe, else one second (nothing moves).
+fn duration(
+    file: &SceneFile,
+    names: &Names,
+    drives: &[Drive],
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
+    let Some(text) = &file.duration else {
+        let last = drives
+            .iter()
+            .filter_map(Drive::last_key)
+            .fold(0.0, f64::max);
+        let moving = drives.iter().any(|d| !d.is_constant());
+        if last == 0.0 && moving && !diagnostics.has_errors() {
+            diagnostics.push(
+                Diagnostic::error("how long does the motion last?")
+                    .hint("add `duration = 2.0` (seconds)"),
+            );
+        }
+        return Some(if last > 0.0 { last } else { 1.0 });
+    };
+    let node = expression(text, diagnostics)?;
+    match constant(&node, &|n, s| names.constant(n, s)) {
+        Ok(value) if value > 0.0 && value <= MAX_DURATION => Some(value),
+        Ok(value) => {
+            let message =
+                format!("duration must be between 0 and {MAX_DURATION:e} s, found {value}");
+            diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+            None
+        }
+        Err(diagnostic) => {
+            diagnostics.push(diagnostic);
+            None
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Chains of factors to chains of steps: constants folded to poses, arguments shared.
+
+use super::super::formula::chain::Factor;
+use super::super::formula::compile::{compile, constant};
+use super::super::formula::expression::{Node, NodeKind};
+use super::super::formula::kinds::to_radians;
+use super::names::{Names, kind_of_motion};
+use super::parsed::Parsed;
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::math::Pose;
+use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::expression::{Affine, Function};
+use crate::model::mechanism::{AngleUnit, Equation, Kind, Loop};
+use glam::DVec3;
+
+/// Compiles chains and keeps the list of their arguments.
+pub struct Joints<'a> {
+    names: &'a Names,
+    unit: &'a AngleUnit,
+    /// Every different argument once.
+    pub arguments: Vec<Argument>,
+}
+
+impl<'a> Joints<'a> {
+    /// Starts without arguments.
+    pub fn new(names: &'a Names, unit: &'a AngleUnit) -> Self {
+        Self {
+            names,
+            unit,
+            arguments: Vec::new(),
+        }
+    }
+
+    /// The loops of the file.
+    pub fn loops(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Vec<Loop> {
+        let mut loops = Vec::new();
+        for (name, factors) in &parsed.loops {
+            if let Some(chain) = self.chain(factors, diagnostics) {
+                loops.push(Loop {
+                    name: name.value.clone(),
+                    chain,
+                });
+            }
+        }
+        loops
+    }
+
+    /// The scalar equations of the file.
+    pub fn equations(&self, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Vec<Equation> {
+        let mut equations = Vec::new();
+        for (name, node) in &parsed.equations {
+            let node = to_radians(node.clone(), None, self.unit.radians, &|n| {
+                self.names.is_angle(n)
+            });
+            match compile(&node, &|n, s| self.names.coordinate(n, s)) {
+                Ok(expression) => equations.push(Equation {
+                    name: name.value.clone(),
+                    expression,
+                    length_exponent: self.length_exponent(&node),
+                }),
+                Err(diagnostic) => diagnostics.push(diagnostic),
+            }
+        }
+        equations
+    }
+
+    /// Power of length in the dimension of a formula, as far as the kinds of its names tell.
+    fn length_exponent(&self, node: &Node) -> f64 {
+        match &node.kind {
+            NodeKind::Number(_) | NodeKind::Radians(_) => 0.0,
+            NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
+            NodeKind::Negate(inner) => self.length_exponent(inner),
+            NodeKind::Binary(sign, a, b) => {
+                let (x, y) = (self.length_exponent(a), self.length_exponent(b));
+                match (sign, &b.kind) {
+                    ('*', _) => x + y,
+                    ('/', _) => x - y,
+                    ('^', NodeKind::Number(power)) => x * power,
+                    _ => x.max(y),
+                }
+            }
+            NodeKind::Call(function, args) => {
+                let largest = args
+                    .iter()
+                    .map(|a| self.length_exponent(a))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                match function {
+                    Function::Abs
+                    | Function::Min
+                    | Function::Max
+                    | Function::Hypot
+                    | Function::Mod => largest,
+                    Function::Sqrt => 0.5 * largest,
+                    _ => 0.0,
+                }
+            }
+        }
+    }
+
+    /// Compiles one chain; `None` if something in it is wrong (and said).
+    pub fn chain(&mut self, factors: &[Factor], diagnostics: &mut Diagnostics) -> Option<Chain> {
+        let mut steps: Vec<Step> = Vec::new();
+        let mut fine = true;
+        for factor in factors {
+            match self.step(factor) {
+                Ok(step) => push_folded(&mut steps, step),
+                Err(diagnostic) => {
+                    if !diagnostics.sorted().contains(&&diagnostic) {
+                        diagnostics.push(diagnostic);
+                    }
+                    fine = false;
+                }
+            }
+        }
+        fine.then_some(Chain { steps })
+    }
+
+    /// A chain that may hold parameters only, as a pose.
+    pub fn constant_pose(
+        &mut self,
+        factors: &[Factor],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Pose> {
+        let before = self.arguments.len();
+        let chain = self.chain(factors, diagnostics)?;
+        let moving = self.arguments.len() > before
+            || chain.steps.iter().any(|s| matches!(s, Step::Joint { .. }));
+        self.arguments.truncate(before);
+        if moving {
+            diagnostics.push(
+                Diagnostic::error("a shape's frame must be constant")
+                    .hint("put what moves into the body's frame"),
+            );
+            return None;
+        }
+        Some(chain.pose(&[]))
+    }
+
+    fn step(&mut self, factor: &Factor) -> Result<Step, Diagnostic> {
+        match factor {
+            Factor::Direction(nodes, back) => self.direction(nodes, *back).map(Step::Fixed),
+            Factor::Elementary(motion, axis, node) => self.elementary(*motion, *axis, node),
+        }
+    }
+
+    fn direction(&self, nodes: &[Node; 3], back: bool) -> Result<Pose, Diagnostic> {
+        let mut direction = DVec3::ZERO;
+        for (k, node) in nodes.iter().enumerate() {
+            direction[k] = constant(node, &|n, s| self.names.constant(n, s))?;
+        }
+        if direction.try_normalize().is_none() {
+            let span = nodes[0].span.start..nodes[2].span.end;
+            return Err(Diagnostic::error("the axis of a rotation has no direction").at(span));
+        }
+        let pose = Pose::from_z_axis(direction);
+        Ok(if back { pose.inverse() } else { pose })
+    }
+
+    fn elementary(&mut self, motion: Motion, axis: usize, node: &Node) -> Result<Step, Diagnostic> {
+        let wanted = Some(kind_of_motion(motion));
+        let converted = to_radians(node.clone(), wanted, self.unit.radians, &|n| {
+            self.names.is_angle(n)
+        });
+        let expression = compile(&converted, &|n, s| self.names.coordinate(n, s))?;
+        match expression.affine() {
+            Some(affine) if affine.terms.is_empty() => {
+                let value = affine.constant;
+                if !value.is_finite() {
+                    return Err(
+                        Diagnostic::error(format!("this formula has the value {value}"))
+                            .at(node.span.clone()),
+                    );
+                }
+                Ok(Step::Fixed(match motion {
+                    Motion::Translation => Pose::from_translation(DVec3::AXES[axis] * value),
+                    Motion::Rotation => Pose::from_axis_rotation(axis, value),
+                }))
+            }
+            Some(affine) => Ok(self.joint(motion, axis, affine)),
+            None => {
+                let argument = self.share(Argument::Formula(expression));
+                Ok(Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign: 1.0,
+                })
+            }
+        }
+    }
+
+    /// Takes a leading minus out of the argument, so that a motion and its inverse share sine and cosine.
+    fn joint(&mut self, motion: Motion, axis: usize, mut affine: Affine) -> Step {
+        let sign = if affine.terms[0].1 < 0.0 { -1.0 } else { 1.0 };
+        affine.constant *= sign;
+        affine.terms.iter_mut().for_each(|(_, c)| *c *= sign);
+        let argument = self.share(Argument::Affine(affine));
+        Step::Joint {
+            motion,
+            axis,
+            argument,
+            sign,
+        }
+    }
+
+    fn share(&mut self, argument: Argument) -> usize {
+        match self.arguments.iter().position(|known| *known == argument) {
+            Some(index) => index,
+            None => {
+                self.arguments.push(argument);
+                self.arguments.len() - 1
+            }
+        }
+    }
+}
+
+fn push_folded(steps: &mut Vec<Step>, step: Step) {
+    match (steps.last_mut(), step) {
+        (Some(Step::Fixed(last)), Step::Fixed(pose)) => *last = *last * pose,
+        _ => steps.push(step),
+    }
+}

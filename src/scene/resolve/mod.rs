@@ -1,0 +1,195 @@
+//! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
+
+mod bodies;
+mod coordinates;
+mod joints;
+mod names;
+mod outputs;
+mod parsed;
+mod view;
+
+use super::file::{InputFile, SceneFile};
+use super::reader::{FormulaText, Spanned};
+use super::{Overrides, Scene};
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use names::Names;
+use parsed::Parsed;
+use std::path::Path;
+
+/// Offset given to formulas that are not in the file, so that their places are never shown.
+const OUTSIDE: usize = usize::MAX / 2;
+
+/// Puts the command line's values in place of the file's.
+pub fn apply_overrides(file: &mut SceneFile, overrides: &Overrides, diagnostics: &mut Diagnostics) {
+    let mut unknown = |what: &str, name: &str, known: Vec<&str>| {
+        diagnostics.push(
+            Diagnostic::error(format!("the scene has no {what} `{name}`"))
+                .suggest(name, known.iter().copied())
+                .hint(if known.is_empty() {
+                    format!("it has no {what} at all")
+                } else {
+                    format!("it has: {}", known.join(", "))
+                }),
+        );
+    };
+    for (name, text) in &overrides.parameters {
+        match file.parameters.iter_mut().find(|(n, _)| n.value == *name) {
+            Some((_, formula)) => *formula = outside(text),
+            None => unknown(
+                "parameter",
+                name,
+                file.parameters
+                    .iter()
+                    .map(|(n, _)| n.value.as_str())
+                    .collect(),
+            ),
+        }
+    }
+    for (name, text) in &overrides.inputs {
+        match file.inputs.iter_mut().find(|(n, _)| n.value == *name) {
+            Some((_, input)) => *input = InputFile::Formula(outside(text)),
+            None => unknown(
+                "input",
+                name,
+                file.inputs.iter().map(|(n, _)| n.value.as_str()).collect(),
+            ),
+        }
+    }
+    for (name, text) in &overrides.guess {
+        file.guess.retain(|(n, _)| n.value != *name);
+        file.guess.push((
+            Spanned {
+                value: name.clone(),
+                span: OUTSIDE..OUTSIDE,
+            },
+            outside(text),
+        ));
+    }
+}
+
+fn outside(text: &str) -> FormulaText {
+    FormulaText {
+        text: text.to_owned(),
+        offset: OUTSIDE,
+        span: OUTSIDE..OUTSIDE + text.len(),
+    }
+}
+
+/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`.
+pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -> Option<Scene> {
+    let angle_unit = angle_unit(file, diagnostics);
+    let parsed = Parsed::new(file, diagnostics);
+    let mut names = Names::collect(file, &parsed, diagnostics);
+    names.infer_kinds(&parsed, diagnostics);
+    names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
+    if diagnostics.has_errors() {
+        return None;
+    }
+    let mut joints = joints::Joints::new(&names, &angle_unit);
+    let loops = joints.loops(&parsed, diagnostics);
+    let equations = joints.equations(&parsed, diagnostics);
+    let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
+    let traces = bodies::traces(file, &parsed, &names, &bodies, diagnostics);
+    let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
+    let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics)?;
+    let view = view::resolve(file, &parsed, &names, &bodies, &traces, diagnostics);
+    if loops.is_empty()
+        && equations.is_empty()
+        && !names.unknowns.is_empty()
+        && !diagnostics.has_errors()
+    {
+        diagnostics.push(
+            Diagnostic::error("the scene has unknowns but no loop and no equation")
+                .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
+        );
+    }
+    if diagnostics.has_errors() {
+        return None;
+    }
+    let arguments = joints.arguments;
+    let mut mechanism = Mechanism {
+        title: file
+            .title
+            .clone()
+            .unwrap_or_else(|| "untitled mechanism".to_owned()),
+        length_unit: file.length_unit.clone().unwrap_or_else(|| "m".to_owned()),
+        angle_unit,
+        unknowns: names.unknowns.clone(),
+        guess: coordinates.guess,
+        inputs: names.inputs.clone(),
+        drives: coordinates.drives,
+        arguments,
+        loops,
+        equations,
+        bodies,
+        traces,
+        outputs,
+        size: 1.0,
+        duration: coordinates.duration,
+    };
+    mechanism.size = size(&mechanism, &names);
+    let description = file.description.clone().unwrap_or_default();
+    Some(Scene {
+        description,
+        mechanism,
+        view,
+        warnings: Diagnostics::default(),
+    })
+}
+
+fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
+    let unit = file.angle_unit.as_ref();
+    match unit.map_or("rad", |s| s.value.as_str()) {
+        "rad" => AngleUnit {
+            name: "rad".to_owned(),
+            radians: 1.0,
+        },
+        name => {
+            if name != "deg" {
+                let span = unit.map_or(0..0, |s| s.span.clone());
+                diagnostics.push(
+                    Diagnostic::error(format!("unknown angle unit `{name}`"))
+                        .at(span)
+                        .hint("rad or deg"),
+                );
+            }
+            AngleUnit {
+                name: "deg".to_owned(),
+                radians: std::f64::consts::PI / 180.0,
+            }
+        }
+    }
+}
+
+/// The mechanism's own length: the longest fixed offset between two joints of its chains, else its longest
+/// length parameter or driven length, else one.
+fn size(mechanism: &Mechanism, names: &Names) -> f64 {
+    use crate::model::chain::Step;
+    let fixed = mechanism
+        .loops
+        .iter()
+        .flat_map(|l| &l.chain.steps)
+        .filter_map(|step| match step {
+            Step::Fixed(pose) => Some(pose.translation.length()),
+            Step::Joint { .. } => None,
+        });
+    let longest = fixed.fold(0.0, f64::max);
+    if longest > 0.0 {
+        return longest;
+    }
+    let parameters = names
+        .parameters
+        .iter()
+        .filter(|p| p.kind == Some(Kind::Length))
+        .map(|p| p.value.abs());
+    let start = mechanism.inputs_at(0.0);
+    let inputs = mechanism
+        .inputs
+        .iter()
+        .zip(&start)
+        .filter(|(c, _)| c.kind == Kind::Length)
+        .map(|(_, v)| v.abs());
+    let longest = parameters.chain(inputs).fold(0.0, f64::max);
+    if longest > 0.0 { longest } else { 1.0 }
+}

@@ -1,0 +1,366 @@
+//! What every name of a scene stands for, what it measures, and the values of the parameters.
+
+use super::super::file::SceneFile;
+use super::super::formula::chain::Factor;
+use super::super::formula::compile::{Value, constant};
+use super::super::formula::expression::Node;
+use super::super::formula::kinds::{infer, to_radians};
+use super::parsed::{Parsed, ParsedInput};
+use crate::diag::{Diagnostic, Diagnostics, Span};
+use crate::model::chain::Motion;
+use crate::model::expression::Function;
+use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
+use std::collections::BTreeMap;
+
+/// The name of the time in the formulas of drives.
+pub const TIME: &str = "t";
+
+/// A parameter, its kind as far as known, and its value (radians for angles).
+pub struct Parameter {
+    pub name: String,
+    pub kind: Option<Kind>,
+    pub value: f64,
+}
+
+/// The names of a scene.
+pub struct Names {
+    pub parameters: Vec<Parameter>,
+    pub inputs: Vec<Coordinate>,
+    pub unknowns: Vec<Coordinate>,
+    /// Where each unknown stands first.
+    pub unknown_places: Vec<Span>,
+    kinds: BTreeMap<String, (Kind, Span)>,
+}
+
+/// What a name in a formula of coordinates refers to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Meaning {
+    Parameter(usize),
+    Input(usize),
+    Unknown(usize),
+}
+
+impl Names {
+    /// Finds all names: parameters and inputs are defined, everything else in a loop is an unknown.
+    pub fn collect(file: &SceneFile, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Self {
+        refuse_double_and_reserved(file, diagnostics);
+        let coordinate = |name: &str| Coordinate {
+            name: name.to_owned(),
+            kind: Kind::Number,
+        };
+        let mut names = Self {
+            parameters: file
+                .parameters
+                .iter()
+                .map(|(name, _)| Parameter {
+                    name: name.value.clone(),
+                    kind: None,
+                    value: 0.0,
+                })
+                .collect(),
+            inputs: file
+                .inputs
+                .iter()
+                .map(|(name, _)| coordinate(&name.value))
+                .collect(),
+            unknowns: Vec::new(),
+            unknown_places: Vec::new(),
+            kinds: BTreeMap::new(),
+        };
+        let mut found: Vec<(String, Span)> = Vec::new();
+        let mut gather = |name: &str, span: &Span| {
+            if names.meaning(name).is_none() && !found.iter().any(|(n, _)| n == name) {
+                found.push((name.to_owned(), span.clone()));
+            }
+        };
+        parsed
+            .loops
+            .iter()
+            .flat_map(|(_, f)| f)
+            .for_each(|f| visit_factor(f, &mut gather));
+        parsed
+            .equations
+            .iter()
+            .for_each(|(_, node)| node.visit_names(&mut gather));
+        names.unknowns = found.iter().map(|(name, _)| coordinate(name)).collect();
+        names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
+        names.refuse_undefined_in_frames(parsed, diagnostics);
+        names
+    }
+
+    /// A name in a body's frame that no loop determines is most likely a misspelling.
+    fn refuse_undefined_in_frames(&self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
+        for factor in parsed.frames.iter().flatten() {
+            visit_factor(factor, &mut |name, span| {
+                if self.meaning(name).is_none() {
+                    diagnostics.push(self.undefined(name, span));
+                }
+            });
+        }
+    }
+
+    /// What `name` refers to in a formula of coordinates.
+    pub fn meaning(&self, name: &str) -> Option<Meaning> {
+        let position = |list: &[Coordinate]| list.iter().position(|c| c.name == name);
+        let parameter = self
+            .parameters
+            .iter()
+            .position(|p| p.name == name)
+            .map(Meaning::Parameter);
+        parameter
+            .or_else(|| position(&self.inputs).map(Meaning::Input))
+            .or_else(|| position(&self.unknowns).map(Meaning::Unknown))
+    }
+
+    /// Every defined name, for suggestions.
+    pub fn all(&self) -> impl Iterator<Item = &str> {
+        let coordinates = self
+            .inputs
+            .iter()
+            .chain(&self.unknowns)
+            .map(|c| c.name.as_str());
+        self.parameters
+            .iter()
+            .map(|p| p.name.as_str())
+            .chain(coordinates)
+    }
+
+    /// The message that `name` is defined nowhere.
+    pub fn undefined(&self, name: &str, span: &Span) -> Diagnostic {
+        Diagnostic::error(format!("`{name}` is not defined"))
+            .at(span.clone())
+            .label("no parameter, no input, and no loop determines it")
+            .suggest(name, self.all())
+    }
+
+    /// Looks up a constant: parameters only.
+    pub fn constant(&self, name: &str, span: &Span) -> Result<Value, Diagnostic> {
+        match self.meaning(name) {
+            Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
+            Some(_) => Err(Diagnostic::error(format!(
+                "`{name}` moves, but a constant is wanted here"
+            ))
+            .at(span.clone())),
+            None => Err(self.undefined(name, span)),
+        }
+    }
+
+    /// Looks up a coordinate or parameter; slots are unknowns, then inputs.
+    pub fn coordinate(&self, name: &str, span: &Span) -> Result<Value, Diagnostic> {
+        match self.meaning(name) {
+            Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
+            Some(Meaning::Unknown(i)) => Ok(Value::Slot(i)),
+            Some(Meaning::Input(i)) => Ok(Value::Slot(self.unknowns.len() + i)),
+            None => Err(self.undefined(name, span)),
+        }
+    }
+
+    /// Whether `name` is an angle.
+    pub fn is_angle(&self, name: &str) -> bool {
+        self.kind(name) == Some(Kind::Angle)
+    }
+
+    /// The kind of `name` as far as known.
+    pub fn kind(&self, name: &str) -> Option<Kind> {
+        self.kinds.get(name).map(|(kind, _)| *kind)
+    }
+
+    /// Finds what every name measures from where it stands; a contradiction is an error.
+    pub fn infer_kinds(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
+        let mut sites: Vec<(&Node, Option<Kind>)> = Vec::new();
+        for factor in parsed
+            .loops
+            .iter()
+            .flat_map(|(_, f)| f)
+            .chain(parsed.frames.iter().flatten())
+        {
+            if let Factor::Elementary(motion, _, node) = factor {
+                sites.push((node, Some(kind_of_motion(*motion))));
+            }
+        }
+        sites.extend(
+            parsed
+                .equations
+                .iter()
+                .chain(&parsed.outputs)
+                .map(|(_, node)| (node, None)),
+        );
+        for (node, wanted) in sites {
+            self.note(node, wanted, diagnostics);
+        }
+        for (name, input) in &parsed.inputs {
+            let wanted = self.kind(&name.value);
+            match input {
+                ParsedInput::Formula(node) => self.note(node, wanted, diagnostics),
+                ParsedInput::Keys(keys) => keys
+                    .iter()
+                    .for_each(|[_, value]| self.note(value, wanted, diagnostics)),
+            }
+        }
+        for (name, node) in &parsed.guess {
+            self.note(node, self.kind(&name.value), diagnostics);
+        }
+        // A parameter is used only below its definition, so the way up meets every use before the definition.
+        for (name, node) in parsed.parameters.iter().rev() {
+            self.note(node, self.kind(&name.value), diagnostics);
+        }
+        self.store_kinds();
+    }
+
+    fn note(&mut self, node: &Node, wanted: Option<Kind>, diagnostics: &mut Diagnostics) {
+        let kinds = &mut self.kinds;
+        infer(
+            node,
+            wanted,
+            &mut |name, kind, span| match kinds.get(name) {
+                // The time of a drive is a number of seconds wherever it stands.
+                _ if name == TIME => {}
+                None => {
+                    kinds.insert(name.to_owned(), (kind, span.clone()));
+                }
+                Some((known, _)) if *known == kind => {}
+                Some((known, first)) => diagnostics.push(
+                    Diagnostic::error(format!(
+                        "`{name}` is used both as {} {} and as {} {}",
+                        article(*known),
+                        known.word(),
+                        article(kind),
+                        kind.word()
+                    ))
+                    .at(span.clone())
+                    .label(format!("here as {} {}", article(kind), kind.word()))
+                    .related(
+                        first.clone(),
+                        format!("here as {} {}", article(*known), known.word()),
+                    ),
+                ),
+            },
+        );
+    }
+
+    fn store_kinds(&mut self) {
+        let kinds = &self.kinds;
+        let kind = |name: &str| kinds.get(name).map(|(kind, _)| *kind);
+        for parameter in &mut self.parameters {
+            parameter.kind = kind(&parameter.name);
+        }
+        for coordinate in self.inputs.iter_mut().chain(&mut self.unknowns) {
+            coordinate.kind = kind(&coordinate.name).unwrap_or(Kind::Number);
+        }
+    }
+
+    /// Computes the parameters from the top down.
+    pub fn evaluate_parameters(
+        &mut self,
+        parsed: &Parsed,
+        unit: &AngleUnit,
+        diagnostics: &mut Diagnostics,
+    ) {
+        let order: Vec<String> = self.parameters.iter().map(|p| p.name.clone()).collect();
+        let mut failed: Vec<&str> = Vec::new();
+        for (name, node) in &parsed.parameters {
+            let Some(own) = order.iter().position(|n| *n == name.value) else {
+                continue;
+            };
+            let node = to_radians(
+                node.clone(),
+                self.parameters[own].kind,
+                unit.radians,
+                &|n| self.is_angle(n),
+            );
+            let lookup = |used: &str, span: &Span| match order.iter().position(|n| n == used) {
+                Some(i) if i < own => Ok(Value::Constant(self.parameters[i].value)),
+                Some(_) => Err(
+                    Diagnostic::error(format!("`{used}` is defined further down"))
+                        .at(span.clone())
+                        .hint("a parameter may use only earlier ones: move the definition up"),
+                ),
+                None => Err(Diagnostic::error(format!("`{used}` is not a parameter"))
+                    .at(span.clone())
+                    .suggest(used, order[..own].iter().map(String::as_str))),
+            };
+            match constant(&node, &lookup) {
+                Ok(value) => self.parameters[own].value = value,
+                Err(diagnostic) => {
+                    // What follows from a faulty parameter is not the user's mistake.
+                    let mut inherited = false;
+                    node.visit_names(&mut |n, _| inherited |= failed.contains(&n));
+                    if !inherited {
+                        diagnostics.push(diagnostic);
+                    }
+                    failed.push(&name.value);
+                    self.parameters[own].value = f64::NAN;
+                }
+            }
+        }
+    }
+}
+
+/// The kind of a joint's argument.
+pub fn kind_of_motion(motion: Motion) -> Kind {
+    match motion {
+        Motion::Translation => Kind::Length,
+        Motion::Rotation => Kind::Angle,
+    }
+}
+
+fn article(kind: Kind) -> &'static str {
+    if kind == Kind::Angle { "an" } else { "a" }
+}
+
+fn visit_factor(factor: &Factor, visit: &mut dyn FnMut(&str, &Span)) {
+    match factor {
+        Factor::Elementary(_, _, node) => node.visit_names(visit),
+        Factor::Direction(nodes, _) => nodes.iter().for_each(|node| node.visit_names(visit)),
+    }
+}
+
+fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
+    let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();
+    let sections = [
+        (
+            "parameter",
+            file.parameters.iter().map(|(n, _)| n).collect::<Vec<_>>(),
+        ),
+        ("input", file.inputs.iter().map(|(n, _)| n).collect()),
+        ("chain", file.chains.iter().map(|(n, _)| n).collect()),
+        ("output", file.outputs.iter().map(|(n, _)| n).collect()),
+        ("trace", file.traces.iter().map(|t| &t.name).collect()),
+    ];
+    for (section, list) in sections {
+        for name in list {
+            let word = name.value.as_str();
+            if let Some((other, span)) = seen.get(word) {
+                diagnostics.push(
+                    Diagnostic::error(format!(
+                        "`{word}` is defined twice: as {other} and as {section}"
+                    ))
+                    .at(name.span.clone())
+                    .related(span.clone(), "first here"),
+                );
+                continue;
+            }
+            seen.insert(word, (section, name.span.clone()));
+            let reserved = [TIME, "pi", "π", "E", "inv"].contains(&word)
+                || Function::from_name(word).is_some();
+            if reserved || !is_identifier(word) {
+                let why = if reserved {
+                    "has a fixed meaning in formulas"
+                } else {
+                    "cannot be written in a formula"
+                };
+                diagnostics.push(
+                    Diagnostic::error(format!("`{word}` {why}"))
+                        .at(name.span.clone())
+                        .hint("names start with a letter and hold letters, digits and `_`"),
+                );
+            }
+        }
+    }
+}
+
+fn is_identifier(word: &str) -> bool {
+    let mut chars = word.chars();
+    chars.next().is_some_and(|c| c.is_alphabetic() || c == '_')
+        && chars.all(|c| c.is_alphanumeric() || c == '_' || c == '\'')
+}

@@ -1,0 +1,91 @@
+//! Named scalars: formulas over coordinates, traced points and earlier outputs.
+
+use super::super::formula::compile::{Value, compile};
+use super::super::formula::expression::{Node, NodeKind};
+use super::super::formula::kinds::to_radians;
+use super::names::Names;
+use super::parsed::Parsed;
+use crate::diag::{Diagnostics, Span};
+use crate::model::expression::Function;
+use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
+
+/// Resolves the outputs in the order of the file.
+pub fn resolve(
+    parsed: &Parsed,
+    names: &Names,
+    traces: &[Trace],
+    unit: &AngleUnit,
+    diagnostics: &mut Diagnostics,
+) -> Vec<Output> {
+    let coordinates = names.unknowns.len() + names.inputs.len();
+    let mut outputs: Vec<Output> = Vec::new();
+    for (name, node) in &parsed.outputs {
+        let known = |used: &str| outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+        let kind = kind_of(node, names, &known);
+        let is_angle = |n: &str| names.is_angle(n) || known(n) == Some(Kind::Angle);
+        let node = to_radians(node.clone(), Some(kind), unit.radians, &is_angle);
+        let lookup = |used: &str, span: &Span| {
+            if let Some(slot) = trace_slot(used, traces) {
+                return Ok(Value::Slot(coordinates + slot));
+            }
+            if let Some(earlier) = outputs.iter().position(|o| o.name == used) {
+                return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
+            }
+            names.coordinate(used, span).map_err(|d| {
+                let points: Vec<String> = traces
+                    .iter()
+                    .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
+                    .collect();
+                d.suggest(used, points.iter().map(String::as_str))
+                    .label("no parameter, input, unknown, traced point or earlier output")
+            })
+        };
+        match compile(&node, &lookup) {
+            Ok(expression) => outputs.push(Output {
+                name: name.value.clone(),
+                expression,
+                kind,
+            }),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    outputs
+}
+
+/// `M.x` to 3·index + component.
+fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
+    let (trace, component) = name.rsplit_once('.')?;
+    let component = ["x", "y", "z"].iter().position(|c| *c == component)?;
+    let index = traces.iter().position(|t| t.name == trace)?;
+    Some(3 * index + component)
+}
+
+/// What a formula measures, from the bottom up.
+fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
+    match &node.kind {
+        NodeKind::Number(_) => Kind::Number,
+        NodeKind::Radians(_) => Kind::Angle,
+        NodeKind::Name(name) if name.contains('.') => Kind::Length,
+        NodeKind::Name(name) => names
+            .kind(name)
+            .or_else(|| output(name))
+            .unwrap_or(Kind::Number),
+        NodeKind::Negate(inner) => kind_of(inner, names, output),
+        NodeKind::Binary(sign, a, b) => {
+            let (x, y) = (kind_of(a, names, output), kind_of(b, names, output));
+            match (sign, x, y) {
+                ('+' | '-' | '*', Kind::Number, other)
+                | ('+' | '-' | '*' | '/', other, Kind::Number) => other,
+                ('+' | '-', x, _) => x,
+                _ => Kind::Number,
+            }
+        }
+        NodeKind::Call(function, args) => match function {
+            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => Kind::Angle,
+            Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
+                kind_of(&args[0], names, output)
+            }
+            _ => Kind::Number,
+        },
+    }
+}

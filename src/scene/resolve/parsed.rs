@@ -1,0 +1,179 @@
+//! All formulas and chains of a file, parsed. No names are looked up here.
+
+use super::super::file::{InputFile, SceneFile};
+use super::super::formula::chain::{Factor, Item, expand, parse as parse_chain};
+use super::super::formula::expression::{Node, parse as parse_expression};
+use super::super::reader::{FormulaText, Spanned};
+use crate::diag::{Diagnostic, Diagnostics};
+
+/// A name and what was parsed for it.
+pub type Named<T> = (Spanned<String>, T);
+
+/// The parsed formulas of a file.
+pub struct Parsed {
+    pub parameters: Vec<Named<Node>>,
+    pub inputs: Vec<Named<ParsedInput>>,
+    pub loops: Vec<Named<Vec<Factor>>>,
+    pub equations: Vec<Named<Node>>,
+    pub guess: Vec<Named<Node>>,
+    pub outputs: Vec<Named<Node>>,
+    /// One per body of the file; empty for a body that stands in the world.
+    pub frames: Vec<Vec<Factor>>,
+    /// Named chains, for placing shapes.
+    pub chains: Vec<Named<Vec<Item>>>,
+}
+
+/// The drive of an input.
+pub enum ParsedInput {
+    Formula(Node),
+    Keys(Vec<[Node; 2]>),
+}
+
+impl Parsed {
+    /// Parses everything; what fails is reported and left out.
+    pub fn new(file: &SceneFile, diagnostics: &mut Diagnostics) -> Self {
+        let chains: Vec<Named<Vec<Item>>> = file
+            .chains
+            .iter()
+            .filter_map(|(name, text)| {
+                Some((
+                    name.clone(),
+                    note(parse_chain(&text.text, text.offset), text, diagnostics)?,
+                ))
+            })
+            .collect();
+        let loops = file
+            .loops
+            .iter()
+            .filter_map(|(name, text)| Some((name.clone(), expanded(text, &chains, diagnostics)?)))
+            .collect();
+        let frames = file
+            .bodies
+            .iter()
+            .map(|body| {
+                body.frame
+                    .as_ref()
+                    .and_then(|text| expanded(text, &chains, diagnostics))
+                    .unwrap_or_default()
+            })
+            .collect();
+        let mut named = |list: &[(Spanned<String>, FormulaText)]| -> Vec<Named<Node>> {
+            list.iter()
+                .filter_map(|(name, text)| Some((name.clone(), expression(text, diagnostics)?)))
+                .collect()
+        };
+        let (parameters, equations) = (named(&file.parameters), named(&file.equations));
+        let (guess, outputs) = (named(&file.guess), named(&file.outputs));
+        let inputs = file
+            .inputs
+            .iter()
+            .filter_map(|(name, input)| Some((name.clone(), parse_input(input, diagnostics)?)))
+            .collect();
+        // A chain that nothing refers to may still hold mistakes.
+        for (name, _) in &chains {
+            let items = [Item::Reference(name.value.clone(), name.span.clone())];
+            let _ = expand_items(&items, &chains, diagnostics);
+        }
+        Self {
+            parameters,
+            inputs,
+            loops,
+            equations,
+            guess,
+            outputs,
+            frames,
+            chains,
+        }
+    }
+
+    /// Parses and expands a chain that stands outside the `[chains]` section.
+    pub fn factors(
+        &self,
+        text: &FormulaText,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<Factor>> {
+        expanded(text, &self.chains, diagnostics)
+    }
+}
+
+/// Parses an expression, noting what is wrong with it.
+pub fn expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<Node> {
+    note(parse_expression(&text.text, text.offset), text, diagnostics)
+}
+
+fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<ParsedInput> {
+    match input {
+        InputFile::Formula(text) => Some(ParsedInput::Formula(expression(text, diagnostics)?)),
+        InputFile::Keys { keys, .. } => {
+            let mut nodes = Vec::with_capacity(keys.value.len());
+            for [time, value] in &keys.value {
+                nodes.push([
+                    expression(time, diagnostics)?,
+                    expression(value, diagnostics)?,
+                ]);
+            }
+            Some(ParsedInput::Keys(nodes))
+        }
+    }
+}
+
+fn expanded(
+    text: &FormulaText,
+    chains: &[Named<Vec<Item>>],
+    diagnostics: &mut Diagnostics,
+) -> Option<Vec<Factor>> {
+    let items = note(parse_chain(&text.text, text.offset), text, diagnostics)?;
+    expand_items(&items, chains, diagnostics)
+}
+
+fn expand_items(
+    items: &[Item],
+    chains: &[Named<Vec<Item>>],
+    diagnostics: &mut Diagnostics,
+) -> Option<Vec<Factor>> {
+    let names: Vec<&str> = chains.iter().map(|(name, _)| name.value.as_str()).collect();
+    let find = |wanted: &str| {
+        chains
+            .iter()
+            .find(|(name, _)| name.value == wanted)
+            .map(|(_, items)| items.as_slice())
+    };
+    match expand(items, &find, &names) {
+        Ok(factors) => Some(factors),
+        Err(diagnostic) => {
+            // A faulty chain is met once for each reference to it; one message is enough.
+            if !diagnostics.sorted().contains(&&diagnostic) {
+                diagnostics.push(diagnostic);
+            }
+            None
+        }
+    }
+}
+
+/// Keeps the value, or the message with its place inside the file.
+fn note<T>(
+    result: Result<T, Diagnostic>,
+    text: &FormulaText,
+    diagnostics: &mut Diagnostics,
+) -> Option<T> {
+    match result {
+        Ok(value) => Some(value),
+        Err(mut diagnostic) => {
+            // A text with escapes has no byte-for-byte place; the message then covers the whole value.
+            if text.offset == text.span.start
+                && text.offset < super::OUTSIDE
+                && text.span.len() != text.text.len()
+            {
+                diagnostic.span = Some(text.span.clone());
+            }
+            if text.offset >= super::OUTSIDE {
+                diagnostic.message = format!(
+                    "in `{}` from the command line: {}",
+                    text.text, diagnostic.message
+                );
+            }
+            diagnostics.push(diagnostic);
+            None
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! The `[view]` section and the labels.
+
+use super::super::file::{LabelFile, SceneFile};
+use super::super::reader::{FormulaText, Spanned};
+use super::bodies::{Constants, body_index};
+use super::names::Names;
+use super::parsed::Parsed;
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::mechanism::{Body, Trace};
+use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
+use glam::DVec3;
+
+const DEFAULT_AZIMUTH_DEG: f64 = -60.0;
+const DEFAULT_ELEVATION_DEG: f64 = 22.0;
+const DEFAULT_FOV_DEG: f64 = 24.0;
+const DEFAULT_MARGIN: f64 = 0.06;
+const DEFAULT_FPS: f64 = 20.0;
+const DEFAULT_BACKGROUND: [u8; 3] = [0xf5, 0xf6, 0xf8];
+const LABEL_COLOUR: [u8; 3] = [0x2b, 0x2f, 0x36];
+/// Fraction of the picture's height: readable in a 480-line picture.
+const DEFAULT_LABEL_SIZE: f64 = 0.035;
+
+/// Resolves the view; angles of the view are always in degrees.
+pub fn resolve(
+    file: &SceneFile,
+    _parsed: &Parsed,
+    names: &Names,
+    bodies: &[Body],
+    traces: &[Trace],
+    diagnostics: &mut Diagnostics,
+) -> View {
+    let constants = Constants { names };
+    let view = &file.view;
+    let mut number = |text: &Option<FormulaText>, default: f64, low: f64, high: f64, what: &str| {
+        let Some(text) = text else { return default };
+        let Some(value) = constants.value(text, diagnostics) else {
+            return default;
+        };
+        if (low..=high).contains(&value) {
+            return value;
+        }
+        let message = format!("{what} must be between {low} and {high}, found {value}");
+        diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+        default
+    };
+    let azimuth = number(&view.azimuth, DEFAULT_AZIMUTH_DEG, -720.0, 720.0, "azimuth").to_radians();
+    let elevation = number(
+        &view.elevation,
+        DEFAULT_ELEVATION_DEG,
+        -90.0,
+        90.0,
+        "elevation",
+    )
+    .to_radians();
+    let fov_y = number(&view.fov, DEFAULT_FOV_DEG, 1.0, 120.0, "fov").to_radians();
+    let margin = number(&view.margin, DEFAULT_MARGIN, 0.0, 0.4, "margin");
+    let fps = number(&view.fps, DEFAULT_FPS, 0.01, 1000.0, "fps");
+    let up = choice(
+        &view.up,
+        &[("z", UpAxis::Z), ("y", UpAxis::Y), ("x", UpAxis::X)],
+        "up axis",
+        diagnostics,
+    );
+    let projections = [
+        ("perspective", ViewProjection::Perspective { fov_y }),
+        ("orthographic", ViewProjection::Orthographic),
+    ];
+    let projection = choice(&view.projection, &projections, "projection", diagnostics);
+    let ground = match &view.ground {
+        None => GroundPlace::Auto,
+        Some(text) if text.text == "auto" => GroundPlace::Auto,
+        Some(text) if text.text == "none" => GroundPlace::None,
+        Some(text) => constants
+            .value(text, diagnostics)
+            .map_or(GroundPlace::Auto, GroundPlace::At),
+    };
+    let labels = file
+        .labels
+        .iter()
+        .filter_map(|l| label(l, &constants, bodies, traces, diagnostics))
+        .collect();
+    View {
+        azimuth,
+        elevation,
+        up,
+        projection,
+        margin,
+        background: view.background.unwrap_or(DEFAULT_BACKGROUND),
+        ground,
+        fps,
+        captions: view.captions.unwrap_or(true),
+        labels,
+    }
+}
+
+/// One of the named values; the first is the default.
+fn choice<T: Copy>(
+    word: &Option<Spanned<String>>,
+    known: &[(&str, T)],
+    what: &str,
+    diagnostics: &mut Diagnostics,
+) -> T {
+    let Some(word) = word else { return known[0].1 };
+    match known.iter().find(|(name, _)| *name == word.value) {
+        Some((_, value)) => *value,
+        None => {
+            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+            diagnostics.push(
+                Diagnostic::error(format!("unknown {what} `{}`", word.value))
+                    .at(word.span.clone())
+                    .hint(format!("one of {}", names.join(", "))),
+            );
+            known[0].1
+        }
+    }
+}
+
+fn label(
+    label: &LabelFile,
+    constants: &Constants,
+    bodies: &[Body],
+    traces: &[Trace],
+    diagnostics: &mut Diagnostics,
+) -> Option<SceneLabel> {
+    let point = constants.vector_or_zero(&label.point, diagnostics)?;
+    let place = match (&label.body, &label.trace) {
+        (Some(body), None) => LabelPlace::OnBody {
+            body: body_index(&body.value, &body.span, bodies, diagnostics)?,
+            point,
+        },
+        (None, Some(trace)) => on_trace(trace, label, point, constants, traces, diagnostics)?,
+        _ => {
+            diagnostics.push(
+                Diagnostic::error("a label stands on a `body` or on a `trace`")
+                    .at(label.text.span.clone())
+                    .hint("write body = \"…\" with point = […], or trace = \"…\" with time = …"),
+            );
+            return None;
+        }
+    };
+    let size = label.size.as_ref().map_or(Some(DEFAULT_LABEL_SIZE), |s| {
+        constants.value(s, diagnostics)
+    })?;
+    Some(SceneLabel {
+        text: label.text.value.clone(),
+        place,
+        colour: label.colour.unwrap_or(LABEL_COLOUR),
+        size,
+    })
+}
+
+fn on_trace(
+    trace: &Spanned<String>,
+    label: &LabelFile,
+    offset: DVec3,
+    constants: &Constants,
+    traces: &[Trace],
+    diagnostics: &mut Diagnostics,
+) -> Option<LabelPlace> {
+    let Some(index) = traces.iter().position(|t| t.name == trace.value) else {
+        diagnostics.push(
+            Diagnostic::error(format!("there is no trace `{}`", trace.value))
+                .at(trace.span.clone())
+                .suggest(&trace.value, traces.iter().map(|t| t.name.as_str())),
+        );
+        return None;
+    };
+    let time = label
+        .time
+        .as_ref()
+        .map_or(Some(0.0), |t| constants.value(t, diagnostics))?;
+    Some(LabelPlace::OnTrace {
+        trace: index,
+        time,
+        offset,
+    })
+}

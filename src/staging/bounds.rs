@@ -1,0 +1,53 @@
+//! The room a motion takes: points that the camera must hold.
+
+use crate::geometry::mesh_of;
+use crate::kinematics::trajectory::Trajectory;
+use crate::model::mechanism::Mechanism;
+use glam::DVec3;
+
+/// Samples looked at: more do not widen the bounds visibly.
+const MAX_SAMPLES: usize = 64;
+
+/// Facet error of the bounding meshes over the mechanism's size: a coarse hull is enough, the margin covers it.
+const COARSE: f64 = 0.02;
+
+/// Points of coarse meshes of all bodies over the motion, and all traced points.
+pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
+    let hulls: Vec<(usize, Vec<DVec3>)> = mechanism
+        .bodies
+        .iter()
+        .enumerate()
+        .flat_map(|(body, b)| b.shapes.iter().map(move |shape| (body, shape)))
+        .map(|(body, shape)| {
+            let mesh = mesh_of(&shape.solid, COARSE * mechanism.size);
+            (
+                body,
+                mesh.positions
+                    .iter()
+                    .map(|p| shape.body_from_shape.transform_point(*p))
+                    .collect(),
+            )
+        })
+        .collect();
+    let poses: Vec<_> = trajectory.poses().collect();
+    let stride = poses.len().div_ceil(MAX_SAMPLES).max(1);
+    let mut points = Vec::new();
+    for pose in poses.iter().step_by(stride) {
+        for (body, hull) in &hulls {
+            points.extend(hull.iter().map(|p| pose.bodies[*body].transform_point(*p)));
+        }
+    }
+    points.extend(poses.iter().flat_map(|pose| pose.traces.iter().copied()));
+    points.retain(|p| p.is_finite());
+    points
+}
+
+/// Smallest axis-parallel box around the points.
+pub fn box_of(points: &[DVec3]) -> Option<[DVec3; 2]> {
+    let first = *points.first()?;
+    Some(
+        points
+            .iter()
+            .fold([first, first], |[low, high], p| [low.min(*p), high.max(*p)]),
+    )
+}

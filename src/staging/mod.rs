@@ -1,0 +1,225 @@
+//! From a solved scene to what a renderer draws: meshes, camera and ground once, then a draw list per sample.
+//!
+//! A frame is a function of the trajectory and a sample's index only. No pixels here.
+
+mod bounds;
+mod captions;
+mod parts;
+
+use crate::kinematics::trajectory::{ClosedPose, Trajectory};
+use crate::model::view::{GroundPlace, UpAxis, View, ViewProjection};
+use crate::render::camera::{ViewDirection, fit};
+use crate::render::{Frame, Ground, Instance, Label, Projection, Stage};
+use crate::scene::Scene;
+use glam::DVec3;
+use parts::{Part, TracePart};
+use std::sync::Arc;
+
+/// Size and sampling of the pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel.
+    pub samples: u32,
+}
+
+/// Everything needed to list the contents of any frame.
+pub struct Staging<'a> {
+    /// What stays the same; shared by all renderers.
+    pub stage: Arc<Stage>,
+    scene: &'a Scene,
+    trajectory: &'a Trajectory,
+    parts: Vec<Part>,
+    traces: Vec<TracePart>,
+    /// For every sample the sample whose pose is drawn: itself, or the nearest one that has a pose.
+    shown: Vec<Option<usize>>,
+}
+
+/// How far below the lowest point the ground lies, as a share of the motion's extent: nothing touches it.
+const GROUND_GAP: f64 = 0.01;
+
+/// Radius of the ground over half the extent of the motion.
+const GROUND_REACH: f64 = 1.9;
+
+/// Grid lines across the extent of the motion, about.
+const GRID_LINES: f64 = 9.0;
+
+impl<'a> Staging<'a> {
+    /// Prepares the stage for all samples of `trajectory`.
+    pub fn new(scene: &'a Scene, trajectory: &'a Trajectory, options: PictureOptions) -> Self {
+        let bounds = bounds::moving_points(&scene.mechanism, trajectory);
+        let view = &scene.view;
+        let up = up_axis(view.up);
+        let projection = match view.projection {
+            ViewProjection::Perspective { fov_y } => Projection::Perspective { fov_y },
+            ViewProjection::Orthographic => Projection::Orthographic { height: 1.0 },
+        };
+        let direction = ViewDirection {
+            azimuth: view.azimuth,
+            elevation: view.elevation,
+            up,
+        };
+        let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
+        let camera = fit(
+            bounds.iter().copied(),
+            &direction,
+            projection,
+            aspect,
+            2.0 * view.margin,
+        );
+        let ground = ground(view, &bounds, up);
+        let mut meshes = Vec::new();
+        let pixel = parts::pixel_size(&camera, options.size, &bounds);
+        let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
+        let traces = parts::of_traces(&scene.mechanism, trajectory, pixel, &mut meshes);
+        let stage = Stage {
+            meshes,
+            size: options.size,
+            samples: options.samples,
+            camera,
+            background: view.background,
+            ground,
+        };
+        Self {
+            stage: Arc::new(stage),
+            scene,
+            trajectory,
+            parts,
+            traces,
+            shown: shown(trajectory),
+        }
+    }
+
+    /// Number of frames: one per sample.
+    pub fn frame_count(&self) -> usize {
+        self.trajectory.samples.len()
+    }
+
+    /// Colours that appear as they are, whatever the light: a palette should hold them exactly.
+    pub fn flat_colours(&self) -> Vec<[u8; 3]> {
+        let traces = self.scene.mechanism.traces.iter().map(|trace| trace.colour);
+        std::iter::once(self.stage.background)
+            .chain(traces)
+            .collect()
+    }
+
+    /// What is drawn for sample `index`.
+    pub fn frame(&self, index: usize) -> Frame {
+        let sample = &self.trajectory.samples[index];
+        let mut frame = Frame {
+            no_pose: sample.pose.is_none(),
+            ..Frame::default()
+        };
+        if let Some(pose) = self.shown[index].and_then(|k| self.trajectory.samples[k].pose.as_ref())
+        {
+            frame.instances = self.instances(index, pose);
+            frame.labels = self.labels(pose);
+        }
+        if self.scene.view.captions {
+            frame.labels.extend(captions::of_sample(
+                self.scene,
+                self.trajectory,
+                index,
+                self.stage.size,
+            ));
+        }
+        frame
+    }
+
+    fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
+        let solids = self
+            .parts
+            .iter()
+            .map(|part| part.instance(pose, &self.stage.meshes));
+        let traces = self.traces.iter().map(|trace| trace.instance(index));
+        solids.chain(traces).collect()
+    }
+
+    fn labels(&self, pose: &ClosedPose) -> Vec<Label> {
+        let height = f64::from(self.stage.size[1]);
+        let labels = &self.scene.view.labels;
+        labels
+            .iter()
+            .filter_map(|label| captions::in_world(label, self.trajectory, pose, height))
+            .collect()
+    }
+}
+
+/// The sample drawn in place of each sample: the last one with a pose, or the first one before there is any.
+fn shown(trajectory: &Trajectory) -> Vec<Option<usize>> {
+    let first = trajectory.samples.iter().position(|s| s.pose.is_some());
+    let mut last = first;
+    let samples = trajectory.samples.iter().enumerate();
+    samples
+        .map(|(index, sample)| {
+            if sample.pose.is_some() {
+                last = Some(index);
+            }
+            last
+        })
+        .collect()
+}
+
+fn up_axis(up: UpAxis) -> DVec3 {
+    match up {
+        UpAxis::X => DVec3::X,
+        UpAxis::Y => DVec3::Y,
+        UpAxis::Z => DVec3::Z,
+    }
+}
+
+/// The ground under the motion, or none.
+fn ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
+    let [low, high] = bounds::box_of(points)?;
+    let extent = (high - low).length();
+    let lowest = points
+        .iter()
+        .map(|p| p.dot(up))
+        .fold(f64::INFINITY, f64::min);
+    let height = match view.ground {
+        GroundPlace::None => return None,
+        GroundPlace::Auto => lowest - GROUND_GAP * extent,
+        GroundPlace::At(height) => height,
+    };
+    let middle = (low + high) * 0.5;
+    let center = middle + up * (height - middle.dot(up));
+    let radius = GROUND_REACH * 0.5 * extent;
+    Some(Ground {
+        center,
+        normal: up,
+        radius,
+        grid: round_step(extent / GRID_LINES),
+    })
+}
+
+/// The nearest of 1, 2, 5 times a power of ten.
+fn round_step(step: f64) -> f64 {
+    if !(step.is_finite() && step > 0.0) {
+        return 0.0;
+    }
+    let power = 10f64.powf(step.log10().floor());
+    let mantissa = step / power;
+    let rounded = [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| {
+        let far = |x: &f64| (x / mantissa).ln().abs();
+        far(a).total_cmp(&far(b))
+    });
+    power * rounded.unwrap_or(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grid_steps_are_round() {
+        for (step, round) in [(97.0, 100.0), (3.0, 2.0), (0.06, 0.05), (8.0, 10.0)] {
+            assert!(
+                (round_step(step) - round).abs() < 1e-12 * round,
+                "{step} {}",
+                round_step(step)
+            );
+        }
+        assert_eq!(round_step(0.0), 0.0);
+    }
+}
