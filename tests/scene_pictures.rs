@@ -16,16 +16,24 @@ use mechanim::staging::{PictureOptions, Staging};
 use snapshot::{EXACT, assert_snapshot};
 use std::sync::Arc;
 
-const SMALL: PictureOptions = PictureOptions { size: [192, 144], samples: 4 };
+const SMALL: PictureOptions = PictureOptions {
+    size: [192, 144],
+    samples: 4,
+};
 
 fn solved(name: &str) -> (Scene, Trajectory) {
     let source = builtin::find(name).unwrap();
-    let scene = load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    let trajectory = solve(&scene.mechanism, &frame_times(&scene.mechanism, scene.view.fps)).unwrap();
+    let scene =
+        load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let trajectory = solve(
+        &scene.mechanism,
+        &frame_times(&scene.mechanism, scene.view.fps),
+    )
+    .unwrap();
     (scene, trajectory)
 }
 
-fn draw(staging: &Staging, renderer: &mut CpuRenderer, index: usize) -> RgbaImage {
+fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaImage {
     let [width, height] = staging.stage.size;
     let mut image = RgbaImage::new(width, height);
     let frame = staging.frame(index);
@@ -34,14 +42,86 @@ fn draw(staging: &Staging, renderer: &mut CpuRenderer, index: usize) -> RgbaImag
     image
 }
 
+/// A frame of every built-in scene that shows what matters in it.
+const VIEWS: [(&str, usize); 4] = [
+    ("gearshift", 100),
+    ("gearshift-optimised", 100),
+    ("slider-crank", 30),
+    ("seven-r", 80),
+];
+
 #[test]
 fn scenes_look_as_they_should() {
-    for (name, frame) in [("gearshift", 100), ("gearshift-optimised", 100), ("slider-crank", 30), ("seven-r", 80)] {
+    for (name, frame) in VIEWS {
         let (scene, trajectory) = solved(name);
         let staging = Staging::new(&scene, &trajectory, SMALL);
         let mut renderer = CpuRenderer::new(Arc::clone(&staging.stage)).unwrap();
-        assert_snapshot(&format!("{name}-{frame}"), &draw(&staging, &mut renderer, frame), EXACT);
+        assert_snapshot(
+            &format!("{name}-{frame}"),
+            &draw(&staging, &mut renderer, frame),
+            EXACT,
+        );
     }
+}
+
+/// The adapter's picture against the same goldens: what is seen (24 levels) may differ in one pixel of a thousand,
+/// at edges where the two sort a sample's surfaces differently.
+#[cfg(feature = "gpu")]
+#[test]
+#[ignore = "needs a graphics adapter, a software one will do: run with --include-ignored"]
+fn scenes_look_the_same_on_a_graphics_adapter() {
+    use mechanim::compare::compare;
+    use mechanim::render::adapter::AdapterChoice;
+    use mechanim::render::gpu::GpuRenderer;
+    for (name, frame) in VIEWS {
+        let (scene, trajectory) = solved(name);
+        let staging = Staging::new(&scene, &trajectory, SMALL);
+        let mut cpu = CpuRenderer::new(Arc::clone(&staging.stage)).unwrap();
+        let mut gpu = GpuRenderer::open(Arc::clone(&staging.stage), AdapterChoice::Any).unwrap();
+        let drawn = draw(&staging, &mut gpu, frame);
+        let likeness = compare(&draw(&staging, &mut cpu, frame), &drawn, 24);
+        println!("{name}: {:.1} dB on {}", likeness.psnr, gpu.name());
+        assert!(likeness.psnr >= 35.0, "{name}: {:.1} dB", likeness.psnr);
+        assert_snapshot(
+            &format!("{name}-{frame}"),
+            &drawn,
+            snapshot::Allowed {
+                tolerance: 24,
+                pixels: 27,
+            },
+        );
+    }
+}
+
+#[test]
+fn gif_bytes_do_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |threads: &str| {
+        let out = folder.path().join(format!("{threads}.gif"));
+        let status = std::process::Command::new(env!("CARGO_BIN_EXE_mechanim"))
+            .args([
+                "render",
+                "gearshift",
+                "--renderer",
+                "cpu",
+                "--size",
+                "160x120",
+                "--frames",
+                "30",
+                "--quiet",
+            ])
+            .args(["--threads", threads, "--out"])
+            .arg(&out)
+            .status()
+            .unwrap();
+        assert!(status.success());
+        std::fs::read(out).unwrap()
+    };
+    let one = file("1");
+    assert!(one.starts_with(b"GIF89a"));
+    assert_eq!(one, file("2"));
+    assert_eq!(one, file("3"));
+    assert_eq!(one, file("1"), "run to run");
 }
 
 #[test]
@@ -53,7 +133,10 @@ fn a_frame_does_not_depend_on_the_frames_before_it() {
     for index in (0..60).step_by(7) {
         draw(&staging, &mut used, index);
     }
-    assert_eq!(draw(&staging, &mut fresh, 60), draw(&staging, &mut used, 60));
+    assert_eq!(
+        draw(&staging, &mut fresh, 60),
+        draw(&staging, &mut used, 60)
+    );
 }
 
 #[test]
@@ -68,7 +151,10 @@ fn every_body_is_seen_and_the_camera_holds_the_whole_motion() {
                     let world = instance.world_from_mesh.transform_point(*point);
                     let [x, y, _] = staging.stage.camera.project(world, SMALL.size).unwrap();
                     let inside = (0.0..=192.0).contains(&x) && (0.0..=144.0).contains(&y);
-                    assert!(inside, "{name} frame {index}: a point is drawn at {x:.1}, {y:.1}");
+                    assert!(
+                        inside,
+                        "{name} frame {index}: a point is drawn at {x:.1}, {y:.1}"
+                    );
                 }
             }
         }
@@ -81,8 +167,13 @@ fn trace_grows_frame_by_frame_and_is_whole_at_the_end() {
     let staging = Staging::new(&scene, &trajectory, SMALL);
     let drawn = |index: usize| staging.frame(index).instances.last().unwrap().triangles.end;
     assert_eq!(drawn(0), 0);
-    let steps: Vec<u32> = (1..staging.frame_count()).map(|k| drawn(k) - drawn(k - 1)).collect();
+    let steps: Vec<u32> = (1..staging.frame_count())
+        .map(|k| drawn(k) - drawn(k - 1))
+        .collect();
     assert!(steps.iter().all(|s| *s == steps[0] && *s > 0));
     let trace = staging.frame(0).instances.last().unwrap().mesh;
-    assert_eq!(drawn(staging.frame_count() - 1) as usize, staging.stage.meshes[trace].triangles.len());
+    assert_eq!(
+        drawn(staging.frame_count() - 1) as usize,
+        staging.stage.meshes[trace].triangles.len()
+    );
 }

@@ -157,7 +157,12 @@ impl<'a> Pictures<'a> {
             RendererArg::Cpu => RendererChoice::Cpu,
         };
         let stage = Arc::clone(&self.staging.stage);
-        let renderers = open(choice, adapter(args), stage, args.threads.unwrap_or(cores))?;
+        let renderers = open(
+            choice,
+            adapter(args, choice),
+            stage,
+            args.threads.unwrap_or(cores),
+        )?;
         if let (RendererChoice::Gpu, Some(renderer)) = (choice, renderers.first()) {
             term.note(&format!("drawing on {}", renderer.name()));
         }
@@ -179,17 +184,17 @@ impl<'a> Pictures<'a> {
     }
 }
 
-fn adapter(args: &RenderArgs) -> AdapterChoice {
-    let named = args.adapter.clone().or_else(|| {
+/// The adapter asked for with `--adapter` or MECHANIM_ADAPTER, else the one that suits the renderer.
+fn adapter(args: &RenderArgs, choice: RendererChoice) -> AdapterChoice {
+    let from_environment = || {
         std::env::var("MECHANIM_ADAPTER")
             .ok()
-            .filter(|n| !n.is_empty())
-    });
-    match (named, args.renderer) {
-        (Some(name), _) if name == "software" => AdapterChoice::Software,
-        (Some(name), _) => AdapterChoice::Name(name),
-        (None, RendererArg::Gpu) => AdapterChoice::Any,
-        (None, _) => AdapterChoice::Hardware,
+            .filter(|name| !name.is_empty())
+    };
+    match args.adapter.clone().or_else(from_environment) {
+        Some(name) if name == "software" => AdapterChoice::Software,
+        Some(name) => AdapterChoice::Name(name),
+        None => choice.default_adapter(),
     }
 }
 

@@ -1,10 +1,17 @@
 //! Singular values: how far a pose is from a singular one, and which coordinates are free.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVD};
 
 /// Below this ratio to the largest singular value a direction counts as lost. The pose then has lost about ten
 /// of its sixteen digits, and the next Newton step along that direction is noise.
 pub const RANK_TOLERANCE: f64 = 1e-10;
+
+/// Off-diagonal entries below this share of their neighbours end the decomposition.
+const SVD_CONVERGENCE: f64 = f64::EPSILON;
+
+/// Bound on the sweeps of the decomposition: a hundred times what matrices of our sizes need. Entries near the
+/// limits of f64 can keep it from converging at all.
+const SVD_SWEEPS: usize = 10_000;
 
 /// Singular values of a block's Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +41,15 @@ pub fn conditioning(jacobian: &[f64], rows: usize, columns: usize) -> Conditioni
             rank: 0,
         };
     }
-    let values = matrix.singular_values();
+    let Some(values) = SVD::try_new(matrix, false, false, SVD_CONVERGENCE, SVD_SWEEPS)
+        .map(|svd| svd.singular_values)
+    else {
+        return Conditioning {
+            sigma_min: 0.0,
+            sigma_max: f64::INFINITY,
+            rank: 0,
+        };
+    };
     let sigma_max = values.max();
     let rank = values
         .iter()
@@ -62,7 +77,9 @@ pub fn free_columns(jacobian: &[f64], rows: usize, columns: usize, rank: usize) 
             matrix[(i, j)] = jacobian[j * rows + i];
         }
     }
-    let svd = matrix.svd(false, true);
+    let Some(svd) = SVD::try_new(matrix, false, true, SVD_CONVERGENCE, SVD_SWEEPS) else {
+        return (0..columns).collect();
+    };
     let Some(v_t) = svd.v_t else {
         return (0..columns).collect();
     };
