@@ -1,7 +1,8 @@
 //! Cost and quality of the GIF encoder on 120 frames of 640x480: CPU milliseconds a stage, bytes, PSNR.
 //!
 //! The frames are drawn here (smooth shaded moving discs with antialiased edges), or read from the PNG files of the
-//! folder in `ENCODE_FRAMES`, for example frames of another program that are to be compared on.
+//! folder in `ENCODE_FRAMES`, for example frames of another program that are to be compared on. `ENCODE_QUALITY`
+//! picks one quality, `ENCODE_OUT` is a folder that keeps the files.
 
 use image::RgbaImage;
 use mechanim::export::gif::{GifSettings, GifSink, Quality, sample_indices};
@@ -27,7 +28,13 @@ fn main() {
         frames[0].height()
     );
     println!("quality    palette   map  code  total ms   bytes      PSNR dB");
-    for quality in [100, 90, 75, 50, 25] {
+    let only: Option<u8> = std::env::var("ENCODE_QUALITY")
+        .ok()
+        .and_then(|q| q.parse().ok());
+    for quality in [100, 90, 75, 50, 25]
+        .into_iter()
+        .filter(|q| only.is_none_or(|o| o == *q))
+    {
         let mut best: Option<Run> = None;
         for _ in 0..REPEATS {
             let run = encode(&frames, quality).expect("encoding into memory");

@@ -12,16 +12,24 @@ const SYMBOLS: usize = 256;
 /// No node: the root codes come first, so 0 is never a child.
 pub(super) const NONE: u16 = 0;
 
+/// A node's place among its siblings and its own symbol, together because they are read together.
+#[derive(Clone, Copy)]
+struct Link {
+    sibling: u16,
+    symbol: u8,
+}
+
 /// The strings an encoder has told its decoder about, as a tree. Node numbers are codes.
 pub(super) struct Dictionary {
     first_child: Box<[u16; CODES]>,
-    sibling: Box<[u16; CODES]>,
-    symbol: Box<[u8; CODES]>,
+    links: Box<[Link; CODES]>,
     parent: Box<[u16; CODES]>,
     /// Children of the one-symbol strings by both symbols: there are too many for a list.
     pairs: Box<[[u16; SYMBOLS]; SYMBOLS]>,
     /// The child for the symbol that continues the longest runs, of every node.
     run_child: Box<[u16; CODES]>,
+    /// The strings of the run symbol alone, by length less one.
+    runs: Vec<u16>,
     run_symbol: u8,
     root_bits: u8,
     next: u16,
@@ -33,11 +41,16 @@ impl Dictionary {
     pub(super) fn new(root_bits: u8, run_symbol: u8) -> Self {
         let mut dictionary = Self {
             first_child: Box::new([NONE; CODES]),
-            sibling: Box::new([NONE; CODES]),
-            symbol: Box::new([0; CODES]),
+            links: Box::new(
+                [Link {
+                    sibling: NONE,
+                    symbol: 0,
+                }; CODES],
+            ),
             parent: Box::new([0; CODES]),
             pairs: Box::new([[NONE; SYMBOLS]; SYMBOLS]),
             run_child: Box::new([NONE; CODES]),
+            runs: Vec::new(),
             run_symbol,
             root_bits,
             next: 0,
@@ -52,11 +65,14 @@ impl Dictionary {
         let first = usize::from(self.end_code()) + 1;
         for node in first..usize::from(self.next) {
             if self.is_root(self.parent[node]) {
-                self.pairs[usize::from(self.parent[node])][usize::from(self.symbol[node])] = NONE;
+                self.pairs[usize::from(self.parent[node])][usize::from(self.links[node].symbol)] =
+                    NONE;
             }
         }
         self.first_child.fill(NONE);
         self.run_child.fill(NONE);
+        self.runs.clear();
+        self.runs.push(u16::from(self.run_symbol));
         self.next = first as u16;
         self.width = self.root_bits + 1;
     }
@@ -104,15 +120,20 @@ impl Dictionary {
             return;
         }
         let (node, above) = (usize::from(self.next), usize::from(parent) % CODES);
-        self.symbol[node] = symbol;
+        self.links[node] = Link {
+            sibling: self.first_child[above],
+            symbol,
+        };
         self.parent[node] = parent;
-        self.sibling[node] = self.first_child[above];
         self.first_child[above] = self.next;
         if self.is_root(parent) {
             self.pairs[above % SYMBOLS][usize::from(symbol)] = self.next;
         }
         if symbol == self.run_symbol {
             self.run_child[above] = self.next;
+            if self.runs.last() == Some(&parent) {
+                self.runs.push(self.next);
+            }
         }
         // The decoder is one string behind, so the width grows when the number is given, not when it is used.
         if self.next == 1 << self.width {
@@ -130,14 +151,22 @@ impl Dictionary {
     /// The child after `node` of the same parent, or `NONE`, and the symbol of `node`.
     #[inline]
     pub(super) fn sibling(&self, node: u16) -> (u16, u8) {
-        let node = usize::from(node) % CODES;
-        (self.sibling[node], self.symbol[node])
+        let link = self.links[usize::from(node) % CODES];
+        (link.sibling, link.symbol)
     }
 
     /// The child of `node` for the run symbol, or `NONE`.
     #[inline]
     pub(super) fn run_child(&self, node: u16) -> u16 {
         self.run_child[usize::from(node) % CODES]
+    }
+
+    /// The longest string of the run symbol alone with at most `length` of it, and how many it has; `length` is 1
+    /// or more.
+    #[inline]
+    pub(super) fn run(&self, length: usize) -> (u16, usize) {
+        let length = length.clamp(1, self.runs.len());
+        (self.runs[length - 1], length)
     }
 
     /// The child of the root `node` for `symbol`, or `NONE`.
@@ -153,7 +182,7 @@ impl Dictionary {
                 *symbol = node as u8;
                 return;
             }
-            *symbol = self.symbol[usize::from(node) % CODES];
+            *symbol = self.links[usize::from(node) % CODES].symbol;
             node = self.parent[usize::from(node) % CODES];
         }
     }

@@ -60,17 +60,69 @@ struct Candidate {
     error: i32,
 }
 
+/// The cheapest candidates, cheapest first; of equals, those that came first.
+struct Beam {
+    items: [Candidate; BEAM],
+    length: usize,
+}
+
+impl Beam {
+    fn new() -> Self {
+        let none = Candidate {
+            node: 0,
+            first: 0,
+            error: NEVER,
+        };
+        Self {
+            items: [none; BEAM],
+            length: 0,
+        }
+    }
+
+    fn clear(&mut self) {
+        self.length = 0;
+    }
+
+    fn items(&self) -> &[Candidate] {
+        &self.items[..self.length]
+    }
+
+    #[inline]
+    fn push(&mut self, candidate: Candidate) {
+        if self.length == BEAM {
+            if self.items[BEAM - 1].error <= candidate.error {
+                return;
+            }
+            self.length -= 1;
+        }
+        let mut place = self.length;
+        while place > 0 && self.items[place - 1].error > candidate.error {
+            self.items[place] = self.items[place - 1];
+            place -= 1;
+        }
+        self.items[place] = candidate;
+        self.length += 1;
+    }
+}
+
 /// What the indices cost at one pixel.
 struct Offer {
     colour: [i32; 3],
     /// Squared error of the nearest colour.
     least: i32,
-    nearest: u8,
     /// Added error of leaving the pixel, or `NEVER`.
     leave: i32,
     /// The only index but the transparent one, if the pixel must not change.
     fixed: Option<u8>,
-    is_stretch: bool,
+    /// Palette indices that may be sent with their added errors, the first `fitting` of them.
+    fits: [(u8, i32); NEIGHBOURS],
+    fitting: usize,
+}
+
+impl Offer {
+    fn fits(&self) -> &[(u8, i32)] {
+        &self.fits[..self.fitting]
+    }
 }
 
 /// Encoder of one palette, with scratch memory.
@@ -81,8 +133,8 @@ pub(super) struct Matcher {
     neighbours: Vec<Vec<(u8, i32)>>,
     transparent: u8,
     loss: Loss,
-    front: Vec<Candidate>,
-    back: Vec<Candidate>,
+    front: Beam,
+    back: Beam,
 }
 
 impl Matcher {
@@ -99,8 +151,8 @@ impl Matcher {
             colours,
             transparent,
             loss,
-            front: Vec::new(),
-            back: Vec::new(),
+            front: Beam::new(),
+            back: Beam::new(),
         }
     }
 
@@ -141,53 +193,113 @@ impl Matcher {
 
     /// The string to send for the start of `pixels`, and its length; `last` is the string sent before.
     fn best_string(&mut self, pixels: &[Pixel], last: Option<u16>) -> (Candidate, usize) {
-        let offer = self.offer(&pixels[0]);
-        self.start(&offer);
-        let mut best = (cheapest(&self.front), 1);
-        for (covered, pixel) in pixels.iter().enumerate().skip(1) {
+        let mut covered = self.start(pixels);
+        let mut best = (self.front.items[0], covered);
+        while let Some(pixel) = pixels.get(covered) {
             if pixel.change == Change::Stretch {
                 self.advance_stretch(last);
             } else {
                 let offer = self.offer(pixel);
                 self.advance(&offer, last);
             }
-            if self.back.is_empty() {
+            if self.back.length == 0 {
                 break;
             }
             std::mem::swap(&mut self.front, &mut self.back);
-            let candidate = cheapest(&self.front);
-            let gain = (covered + 1 - best.1) as i32;
+            covered += 1;
+            let candidate = self.front.items[0];
+            let gain = (covered - best.1) as i32;
             if candidate.error - best.0.error <= self.loss.price.saturating_mul(gain) {
-                best = (candidate, covered + 1);
+                best = (candidate, covered);
             }
         }
         best
     }
 
+    /// Puts the strings to begin with into `front`, at least one, and returns how many pixels they cover.
+    fn start(&mut self, pixels: &[Pixel]) -> usize {
+        self.front.clear();
+        let Some(pixel) = pixels.first() else {
+            return 0;
+        };
+        if pixel.change == Change::Stretch {
+            // Nothing but the transparent index fits: as many as the dictionary has in one string.
+            let length = pixels
+                .iter()
+                .take_while(|p| p.change == Change::Stretch)
+                .count();
+            let (node, length) = self.dictionary.run(length);
+            self.front.push(Candidate {
+                node,
+                first: self.transparent,
+                error: 0,
+            });
+            return length;
+        }
+        let offer = self.offer(pixel);
+        let mut push = |first: u8, error: i32| {
+            self.front.push(Candidate {
+                node: u16::from(first),
+                first,
+                error,
+            });
+        };
+        if offer.leave != NEVER {
+            push(self.transparent, offer.leave);
+        }
+        offer
+            .fits()
+            .iter()
+            .for_each(|&(index, error)| push(index, error));
+        1
+    }
+
     fn offer(&self, pixel: &Pixel) -> Offer {
         let [r, g, b, nearest] = pixel.wanted;
         let colour = [r, g, b].map(i32::from);
-        let least = self.squared_error(colour, nearest);
-        let is_same = pixel.change != Change::Changed;
-        let leave = if is_same {
-            0
-        } else if pixel.shown == self.transparent {
+        let mut offer = Offer {
+            colour,
+            least: 0,
+            leave: 0,
+            fixed: None,
+            fits: [(pixel.shown, 0); NEIGHBOURS],
+            fitting: 1,
+        };
+        if pixel.change != Change::Changed {
+            offer.fixed = Some(pixel.shown);
+            return offer;
+        }
+        offer.least = self.squared_error(colour, nearest);
+        offer.leave = if pixel.shown == self.transparent {
             NEVER
         } else {
-            let added = self.squared_error(colour, pixel.shown) - least;
-            if added <= self.loss.limit {
-                added
-            } else {
-                NEVER
-            }
+            self.added(&offer, pixel.shown)
         };
-        Offer {
-            colour,
-            least,
-            nearest,
-            leave,
-            fixed: is_same.then_some(pixel.shown),
-            is_stretch: pixel.change == Change::Stretch,
+        offer.fits[0].0 = nearest;
+        // An index within reach of the wanted colour is within twice that reach of its nearest colour.
+        let reach = 4 * (offer.least + self.loss.limit);
+        let near = self
+            .neighbours
+            .get(usize::from(nearest))
+            .map_or(&[][..], Vec::as_slice);
+        for &(index, _) in near.iter().take_while(|n| n.1 <= reach) {
+            let error = self.added(&offer, index);
+            if error != NEVER && index != nearest && offer.fitting < NEIGHBOURS {
+                offer.fits[offer.fitting] = (index, error);
+                offer.fitting += 1;
+            }
+        }
+        offer
+    }
+
+    /// Error that the palette colour `index` adds over the nearest one, or `NEVER`.
+    #[inline]
+    fn added(&self, offer: &Offer, index: u8) -> i32 {
+        let added = self.squared_error(offer.colour, index) - offer.least;
+        if added <= self.loss.limit {
+            added
+        } else {
+            NEVER
         }
     }
 
@@ -210,60 +322,14 @@ impl Matcher {
         match offer.fixed {
             Some(shown) if shown == index => 0,
             Some(_) => NEVER,
-            None => {
-                let added = self.squared_error(offer.colour, index) - offer.least;
-                if added <= self.loss.limit {
-                    added
-                } else {
-                    NEVER
-                }
-            }
+            None => self.added(offer, index),
         }
-    }
-
-    /// Puts the one-symbol strings that fit into `front`, cheapest first, at least one.
-    fn start(&mut self, offer: &Offer) {
-        let mut front = std::mem::take(&mut self.front);
-        front.clear();
-        let mut push = |first: u8, error: i32| {
-            front.push(Candidate {
-                node: u16::from(first),
-                first,
-                error,
-            });
-        };
-        if offer.leave != NEVER {
-            push(self.transparent, offer.leave);
-        }
-        match offer.fixed {
-            Some(_) if offer.is_stretch => {}
-            Some(shown) => push(shown, 0),
-            None => self
-                .indices(offer)
-                .for_each(|(index, error)| push(index, error)),
-        }
-        trim(&mut front);
-        self.front = front;
-    }
-
-    /// Palette indices that may stand for a changed pixel with their added errors.
-    fn indices(&self, offer: &Offer) -> impl Iterator<Item = (u8, i32)> {
-        let (colour, least, limit) = (offer.colour, offer.least, self.loss.limit);
-        // An index within reach of the wanted colour is within twice that reach of its nearest colour.
-        let reach = 4 * (least + limit);
-        let near = self
-            .neighbours
-            .get(usize::from(offer.nearest))
-            .map_or(&[][..], Vec::as_slice);
-        let near = near.iter().take_while(move |n| n.1 <= reach);
-        near.map(move |&(index, _)| (index, self.squared_error(colour, index) - least))
-            .filter(move |&(_, added)| added <= limit)
     }
 
     /// Extends the strings of `front` by the transparent index into `back`.
     fn advance_stretch(&mut self, last: Option<u16>) {
         self.back.clear();
-        for item in &self.front {
+        for item in self.front.items() {
             let child = self.dictionary.run_child(item.node);
             if child != NONE {
                 self.back.push(Candidate {
@@ -284,9 +350,9 @@ impl Matcher {
 
     /// Extends the strings of `front` by every index that fits into `back`.
     fn advance(&mut self, offer: &Offer, last: Option<u16>) {
-        let mut back = std::mem::take(&mut self.back);
+        let mut back = std::mem::replace(&mut self.back, Beam::new());
         back.clear();
-        for item in &self.front {
+        for item in self.front.items() {
             let mut push = |node: u16, error: i32| {
                 let error = item.error.saturating_add(error);
                 back.push(Candidate {
@@ -308,7 +374,6 @@ impl Matcher {
                 }
             }
         }
-        trim(&mut back);
         self.back = back;
     }
 
@@ -324,12 +389,10 @@ impl Matcher {
         if offer.leave != NEVER {
             look_up(self.transparent, offer.leave);
         }
-        match offer.fixed {
-            Some(shown) => look_up(shown, 0),
-            None => self
-                .indices(offer)
-                .for_each(|(index, error)| look_up(index, error)),
-        }
+        offer
+            .fits()
+            .iter()
+            .for_each(|&(index, error)| look_up(index, error));
     }
 
     /// Children of a longer string: a short list, gone through.
@@ -362,26 +425,4 @@ fn neighbours(colour: [i32; 3], colours: &[[i32; 3]], count: usize) -> Vec<(u8, 
 fn squared_distance(a: [i32; 3], b: [i32; 3]) -> i32 {
     let d: [i32; 3] = std::array::from_fn(|i| a[i] - b[i]);
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-}
-
-/// Keeps the cheapest `BEAM`. The sort is stable: the outcome does not depend on its implementation.
-#[inline]
-fn trim(candidates: &mut Vec<Candidate>) {
-    if candidates.len() > BEAM {
-        candidates.sort_by_key(|c| c.error);
-        candidates.truncate(BEAM);
-    }
-}
-
-/// The cheapest, the first of equals.
-#[inline]
-fn cheapest(candidates: &[Candidate]) -> Candidate {
-    let none = Candidate {
-        node: 0,
-        first: 0,
-        error: NEVER,
-    };
-    candidates
-        .iter()
-        .fold(none, |best, c| if c.error < best.error { *c } else { best })
 }
