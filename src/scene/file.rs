@@ -42,13 +42,31 @@ pub struct SceneFile {
     pub labels: Vec<LabelFile>,
     /// `[view]`
     pub view: ViewFile,
+    /// Whole sections could not be read: what refers to them cannot be judged.
+    pub lacks_sections: bool,
 }
+
+/// The keys of a scene that are tables or lists of tables.
+const SECTIONS: [&str; 10] = [
+    "parameters",
+    "inputs",
+    "chains",
+    "loops",
+    "equations",
+    "guess",
+    "bodies",
+    "traces",
+    "outputs",
+    "labels",
+];
 
 /// One entry of `[inputs]`.
 #[derive(Clone, Debug)]
 pub enum InputFile {
     /// A number or formula of `t`.
     Formula(FormulaText),
+    /// Could not be read, which is said already; its name is kept.
+    Unread,
     /// `keys` and `ease`.
     Keys {
         /// Time and value of each key.
@@ -195,7 +213,10 @@ pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
         diagnostics.push(Diagnostic::error(message).at(span));
     }
     if diagnostics.has_errors() {
-        return SceneFile::default();
+        return SceneFile {
+            lacks_sections: true,
+            ..SceneFile::default()
+        };
     }
     let table = document.get_ref();
     read_table(
@@ -231,6 +252,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
+        lacks_sections: r.lacks_sections(&SECTIONS),
     }
 }
 
@@ -258,12 +280,13 @@ fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String
                 formula
             }
         };
-        list.extend(input.map(|input| (name, input)));
+        list.push((name, input.unwrap_or(InputFile::Unread)));
     }
     list
 }
 
 fn input_table(r: &mut TableReader) -> Option<InputFile> {
+    let before = r.diagnostics.count();
     let formula = r.formula("formula");
     let keys = r.rows::<2>("keys");
     let ease = r.string("ease");
@@ -271,7 +294,9 @@ fn input_table(r: &mut TableReader) -> Option<InputFile> {
         (Some(formula), None) => Some(InputFile::Formula(formula)),
         (None, Some(keys)) => Some(InputFile::Keys { keys, ease }),
         (None, None) => {
-            r.missing("keys` or `formula");
+            if r.diagnostics.count() == before {
+                r.missing("keys` or `formula");
+            }
             None
         }
         (Some(formula), Some(_)) => {
@@ -472,9 +497,9 @@ fn required<'t, 'd, T>(
     key: &'static str,
     read: impl FnOnce(&mut TableReader<'t, 'd>, &'static str) -> Option<T>,
 ) -> Option<T> {
-    let before = r.diagnostics.sorted().len();
+    let before = r.diagnostics.count();
     let value = read(r, key);
-    if value.is_none() && r.diagnostics.sorted().len() == before {
+    if value.is_none() && r.diagnostics.count() == before {
         r.missing(key);
     }
     value

@@ -41,7 +41,8 @@ pub struct Overrides {
 pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
     let mut diagnostics = Diagnostics::default();
     let mut file = file::read(source, &mut diagnostics);
-    if diagnostics.has_errors() {
+    // All other mistakes leave enough to go on with, so that one run names everything that is wrong.
+    if file.lacks_sections {
         return Err(SceneError {
             source_text: source.clone(),
             diagnostics,

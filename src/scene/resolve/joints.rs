@@ -6,7 +6,7 @@ use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::names::{Names, kind_of_motion};
 use super::parsed::Parsed;
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
@@ -105,7 +105,7 @@ impl<'a> Joints<'a> {
             match self.step(factor) {
                 Ok(step) => push_folded(&mut steps, step),
                 Err(diagnostic) => {
-                    if !diagnostics.sorted().contains(&&diagnostic) {
+                    if !diagnostics.contains(&diagnostic) {
                         diagnostics.push(diagnostic);
                     }
                     fine = false;
@@ -119,6 +119,7 @@ impl<'a> Joints<'a> {
     pub fn constant_pose(
         &mut self,
         factors: &[Factor],
+        place: &Span,
         diagnostics: &mut Diagnostics,
     ) -> Option<Pose> {
         let before = self.arguments.len();
@@ -129,6 +130,7 @@ impl<'a> Joints<'a> {
         if moving {
             diagnostics.push(
                 Diagnostic::error("a shape's frame must be constant")
+                    .at(place.clone())
                     .hint("put what moves into the body's frame"),
             );
             return None;
