@@ -63,7 +63,7 @@ impl Constants<'_> {
     }
 
     /// A value that must be positive.
-    fn positive(
+    pub fn positive(
         &self,
         what: &str,
         text: &FormulaText,

@@ -140,7 +140,7 @@ fn label(
         }
     };
     let size = label.size.as_ref().map_or(Some(DEFAULT_LABEL_SIZE), |s| {
-        constants.value(s, diagnostics)
+        constants.positive("the size of a label", s, diagnostics)
     })?;
     Some(SceneLabel {
         text: label.text.value.clone(),
