@@ -44,7 +44,7 @@ const WALLS: [Wall; 6] = [
 ];
 
 /// Most lines of a file.
-const MOST_LINES: usize = 500;
+const MOST_LINES: usize = 450;
 
 /// The code of a file: without comments, and without the test module, which ends every file.
 fn code(text: &str) -> String {

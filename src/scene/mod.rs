@@ -5,6 +5,7 @@ pub mod file;
 pub mod formula;
 pub mod reader;
 pub mod resolve;
+pub mod shapes;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::mechanism::Mechanism;

@@ -1,8 +1,9 @@
 //! Links, their solids and their traced points.
 
-use super::super::file::{SceneFile, ShapeFile, SolidFile};
+use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::reader::FormulaText;
+use super::super::shapes::{ShapeFile, SolidFile};
 use super::joints::Joints;
 use super::names::Names;
 use super::parsed::{Parsed, expression};
