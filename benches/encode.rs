@@ -4,8 +4,8 @@
 //! folder in `ENCODE_FRAMES`, for example frames of another program that are to be compared on.
 
 use image::RgbaImage;
-use mechanim::export::gif::{GifSettings, GifSink, sample_indices};
-use mechanim::export::palette::Palette;
+use mechanim::export::gif::{GifSettings, GifSink, Quality, sample_indices};
+use mechanim::export::palette::{MOST_COLOURS, Palette};
 use mechanim::export::timing::{FrameTimes, Schedule};
 use mechanim::export::{ExportError, FrameSink, Stream};
 use std::sync::{Arc, Mutex};
@@ -26,11 +26,11 @@ fn main() {
         frames[0].width(),
         frames[0].height()
     );
-    println!("setting    palette   map  code  total ms   bytes      PSNR dB");
-    for (name, colours) in [("255", 255), ("128", 128), ("64", 64)] {
+    println!("quality    palette   map  code  total ms   bytes      PSNR dB");
+    for quality in [100, 90, 75, 50, 25] {
         let mut best: Option<Run> = None;
         for _ in 0..REPEATS {
-            let run = encode(&frames, colours).expect("encoding into memory");
+            let run = encode(&frames, quality).expect("encoding into memory");
             if best.as_ref().is_none_or(|b| run.total() < b.total()) {
                 best = Some(run);
             }
@@ -38,7 +38,7 @@ fn main() {
         let run = best.expect("at least one run");
         let psnr = psnr(&frames, &run.bytes);
         println!(
-            "{name:10} {:7.1} {:6.1} {:5.1} {:8.1} {:9} {psnr:9.2}",
+            "{quality:7}    {:7.1} {:6.1} {:5.1} {:8.1} {:9} {psnr:9.2}",
             run.palette_ms,
             run.map_ms,
             run.code_ms,
@@ -47,7 +47,7 @@ fn main() {
         );
         if let Some(folder) = std::env::var_os("ENCODE_OUT") {
             std::fs::write(
-                std::path::Path::new(&folder).join(format!("{name}.gif")),
+                std::path::Path::new(&folder).join(format!("q{quality}.gif")),
                 &run.bytes,
             )
             .expect("write");
@@ -69,10 +69,10 @@ impl Run {
 }
 
 /// One thread, so that wall time is CPU time on an idle core.
-fn encode(frames: &[RgbaImage], colours: usize) -> Result<Run, ExportError> {
+fn encode(frames: &[RgbaImage], quality: u8) -> Result<Run, ExportError> {
     let start = Instant::now();
     let samples = sample_indices(frames.len());
-    let palette = Palette::from_samples(samples.iter().map(|&i| &frames[i]), &[], colours);
+    let palette = Palette::from_samples(samples.iter().map(|&i| &frames[i]), &[], MOST_COLOURS);
     let palette_ms = start.elapsed().as_secs_f64() * 1e3;
     let sink = Shared::default();
     let settings = GifSettings {
@@ -85,25 +85,20 @@ fn encode(frames: &[RgbaImage], colours: usize) -> Result<Run, ExportError> {
             0.0,
         )?,
         repeat: true,
+        quality: Quality::new(quality).unwrap_or(Quality::BEST),
     };
     let output = Box::new(Stream::new("memory", sink.clone()));
     let mut gif = Box::new(GifSink::new(output, settings, Arc::new(palette))?);
     let mut coder = gif.coder();
     let (mut map_ms, mut code_ms) = (0.0, 0.0);
-    let (mut previous, mut current, mut coded) = (Vec::new(), Vec::new(), Vec::new());
+    let mut coded = Vec::new();
     for (index, frame) in frames.iter().enumerate() {
         let start = Instant::now();
-        coder.prepare(frame, &mut current)?;
+        coder.code(frame, &mut coded)?;
         map_ms += start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
-        coder.code(
-            (index > 0).then_some(previous.as_slice()),
-            &current,
-            &mut coded,
-        )?;
         gif.write(index, &coded)?;
         code_ms += start.elapsed().as_secs_f64() * 1e3;
-        std::mem::swap(&mut previous, &mut current);
     }
     gif.finish()?;
     let bytes = std::mem::take(&mut *sink.0.lock().expect("one thread"));

@@ -1,16 +1,34 @@
 // The ground: one triangle over the whole picture whose depth is the plane's, so that bodies cut it exactly.
+//
+// The part of the ground in front of the near plane would be clipped. A second instance of the triangle, in the near
+// plane itself, shows it: nothing else is drawn there.
+
+struct GroundVertex {
+    @builtin(position) clip: vec4<f32>,
+    // The plane's depth, above 1 in front of the near plane.
+    @location(0) depth: f32,
+    @location(1) @interpolate(flat) in_near_plane: u32,
+}
 
 @vertex
-fn ground_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+fn ground_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> GroundVertex {
     let corner = vec2<f32>(select(-1.0, 3.0, index == 1u), select(-1.0, 3.0, index == 2u));
-    let depth = globals.ground_depth.x * corner.x + globals.ground_depth.y * corner.y + globals.ground_depth.z;
-    return vec4<f32>(corner, depth, 1.0);
+    var out: GroundVertex;
+    out.depth = globals.ground_depth.x * corner.x + globals.ground_depth.y * corner.y + globals.ground_depth.z;
+    out.clip = vec4<f32>(corner, select(out.depth, 1.0, instance == 1u), 1.0);
+    out.in_near_plane = instance;
+    return out;
 }
 
 @fragment
-fn ground_fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
+fn ground_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
+    // A pixel more than the part in front, since the other instance ends within pixels.
+    let nearest = in.depth + fwidth(in.depth);
+    if (in.in_near_plane == 1u && nearest <= 1.0) {
+        discard;
+    }
     // The centre of the pixel, also where samples are shaded one by one.
-    let at = vec3<f32>(floor(pixel.xy) + 0.5, 1.0);
+    let at = vec3<f32>(floor(in.clip.xy) + 0.5, 1.0);
     let w = dot(globals.ground_w.xyz, at);
     if (w <= 0.0) {
         discard;

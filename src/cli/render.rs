@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::solve::up_to;
 use super::term::Term;
 use super::{CANCEL, inputs_table, open_scene, report};
-use crate::export::gif::{GifSettings, GifSink, sample_indices};
+use crate::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use crate::export::palette::Palette;
 use crate::export::png::{SequenceSink, StillSink};
 use crate::export::pump::{PumpError, Samples, draw_samples, pump};
@@ -265,6 +265,7 @@ fn sink(
                 size,
                 schedule: Schedule::new(times, 0.0)?,
                 repeat: true,
+                quality: Quality::BEST,
             };
             Ok((
                 Box::new(GifSink::new(output, settings, Arc::new(palette))?),

@@ -1,4 +1,4 @@
-//! What changed between two frames of palette indices.
+//! What changed between two frames.
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ impl Area {
 
     /// The smallest rectangle outside which `before` and `after`, `width` pixels a row, are equal; `None` if they
     /// are equal everywhere.
-    pub(super) fn changed(before: &[u8], after: &[u8], width: usize) -> Option<Self> {
+    pub(super) fn changed<P: PartialEq>(before: &[P], after: &[P], width: usize) -> Option<Self> {
         let rows = || before.chunks_exact(width).zip(after.chunks_exact(width));
         let top = rows().position(|(a, b)| a != b)?;
         let bottom = rows().rposition(|(a, b)| a != b)?;
@@ -44,11 +44,15 @@ impl Area {
         })
     }
 
-    /// Appends the pixels of this rectangle of `picture`, `width` pixels a row.
-    pub(super) fn cut(&self, picture: &[u8], width: usize, out: &mut Vec<u8>) {
-        for row in picture.chunks_exact(width).skip(self.top).take(self.height) {
-            out.extend_from_slice(&row[self.left..self.left + self.width]);
-        }
+    /// The rows of this rectangle in a picture of `width` pixels a row.
+    pub(super) fn rows<'a, P>(
+        &self,
+        picture: &'a [P],
+        width: usize,
+    ) -> impl Iterator<Item = &'a [P]> {
+        let (from, to) = (self.left, self.left + self.width);
+        let rows = picture.chunks_exact(width).skip(self.top).take(self.height);
+        rows.map(move |row| &row[from..to])
     }
 }
 

@@ -1,10 +1,12 @@
-//! Animated GIF: one palette, changed rectangles, absolute times. Holds the block layout; LZW and colour live next door.
+//! Animated GIF: one palette, changed rectangles, absolute times. Byte layout, LZW and colour live next door.
 
 use super::delta::Area;
 use super::error::ExportError;
-use super::lzw::{self, Dictionary};
+use super::gif_blocks as blocks;
 use super::mapping::Mapper;
+use super::matching::{Change, Loss, Matcher, Pixel};
 use super::palette::Palette;
+use super::screen::Screen;
 use super::target::Output;
 use super::timing::Schedule;
 use super::{ExportSummary, FrameCoder, FrameSink};
@@ -30,6 +32,35 @@ pub fn sample_indices(frame_count: usize) -> Vec<usize> {
         .collect()
 }
 
+/// How closely the frames are followed, against the size of the file: 1 (small) to 100.
+///
+/// Below 100, and a little at 100, a pixel may show a palette colour other than its nearest where that shortens
+/// the file. Animations of at most 255 colours are exact at any quality.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Quality(u8);
+
+impl Quality {
+    /// No visible difference to the best a GIF can do.
+    pub const BEST: Self = Self(100);
+    /// For mail and web pages.
+    pub const SMALL: Self = Self(50);
+
+    /// A quality of 1 to 100; `None` outside.
+    pub fn new(value: u8) -> Option<Self> {
+        (1..=100).contains(&value).then_some(Self(value))
+    }
+
+    /// The price doubles every 12.5 steps, from 2 squared levels at 100.
+    fn loss(self) -> Loss {
+        let steps = f64::from(100 - self.0.min(100));
+        let price = 2.0 * libm::exp2(steps / 12.5);
+        Loss {
+            price: price.round() as i32,
+            limit: (6.0 * price).round() as i32,
+        }
+    }
+}
+
 /// What a GIF should be like.
 #[derive(Clone, Debug)]
 pub struct GifSettings {
@@ -39,13 +70,19 @@ pub struct GifSettings {
     pub schedule: Schedule,
     /// Repeats forever; else plays once.
     pub repeat: bool,
+    /// Fidelity against size.
+    pub quality: Quality,
 }
 
-/// Writes a GIF frame by frame.
+/// Writes a GIF frame by frame. Memory does not grow with the number of frames.
 pub struct GifSink {
     output: Box<dyn Output>,
     settings: GifSettings,
     palette: Arc<Palette>,
+    transparent: u8,
+    screen: Screen,
+    matcher: Matcher,
+    sent: Vec<u8>,
     /// The frame waiting for its delay: equal frames that follow lengthen it.
     pending: Vec<u8>,
     delay: u32,
@@ -73,40 +110,40 @@ impl GifSink {
                 limit: LONGEST_SIDE,
             });
         }
-        if settings.schedule.count() == 0 {
+        let frames = settings.schedule.count();
+        if frames == 0 {
             return Err(ExportError::FrameCount {
                 format: "a GIF",
                 needed: "one frame or more",
                 got: 0,
             });
         }
+        let colours = palette.colours();
+        // The first index after the colours means "as before"; there is always room for it.
+        let transparent = colours.len().min(255) as u8;
+        let bits = ((colours.len() + 1).next_power_of_two().trailing_zeros() as u8).clamp(1, 8);
+        let loss = if palette.is_exact() {
+            Loss::NONE
+        } else {
+            settings.quality.loss()
+        };
+        let size = settings.size.map(|s| s as u16);
+        let header = blocks::header(size, colours, bits, settings.repeat && frames > 1);
         let mut sink = Self {
             output,
+            transparent,
+            screen: Screen::new(settings.size.map(|s| s as usize), transparent),
+            // LZW needs two bits even where one would do.
+            matcher: Matcher::new(colours, transparent, bits.max(2), loss),
             settings,
             palette,
+            sent: Vec::new(),
             pending: Vec::new(),
             delay: 0,
             summary: ExportSummary::default(),
         };
-        sink.put(&sink.header())?;
+        sink.put(&header)?;
         Ok(sink)
-    }
-
-    /// Signature, screen, global colours, and the loop extension that browsers know by Netscape's name.
-    fn header(&self) -> Vec<u8> {
-        let [width, height] = self.settings.size.map(|s| (s as u16).to_le_bytes());
-        let bits = table_bits(&self.palette);
-        let mut bytes = b"GIF89a".to_vec();
-        bytes.extend(width);
-        bytes.extend(height);
-        bytes.extend([0xf0 | (bits - 1), 0, 0]);
-        let colours = self.palette.colours();
-        bytes.extend(colours.iter().flatten());
-        bytes.resize(bytes.len() + 3 * ((1 << bits) - colours.len()), 0);
-        if self.settings.repeat && self.settings.schedule.count() > 1 {
-            bytes.extend(b"\x21\xff\x0bNETSCAPE2.0\x03\x01\0\0\0");
-        }
-        bytes
     }
 
     fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
@@ -116,26 +153,40 @@ impl GifSink {
         Ok(())
     }
 
-    /// Writes the waiting frame with all its delay; what exceeds the longest delay goes to frames that change nothing.
+    /// Writes the waiting frame with all its delay; what exceeds the longest delay goes to frames that change
+    /// nothing.
     fn flush_pending(&mut self) -> Result<(), ExportError> {
-        if self.pending.is_empty() {
-            return Ok(());
-        }
-        let mut frame = std::mem::take(&mut self.pending);
         while self.delay > 0 {
-            // A remainder below the shortest delay would be shown too long: leave enough for the next frame.
             let mut delay = self.delay.min(LONGEST_DELAY);
+            // One hundredth left over would be shown for too long: leave two.
             if self.delay - delay == 1 {
                 delay -= 1;
             }
-            self.put(&control_block(delay as u16, transparent(&self.palette)))?;
+            self.put(&blocks::control(delay as u16, self.transparent))?;
+            let frame = std::mem::take(&mut self.pending);
             self.put(&frame)?;
             self.delay -= delay;
             if self.delay > 0 {
-                frame = unchanged_frame(&self.palette);
+                self.pending = self.unchanged_frame();
+            } else {
+                self.pending = frame;
+                self.pending.clear();
             }
         }
         Ok(())
+    }
+
+    /// A frame of one transparent pixel.
+    fn unchanged_frame(&mut self) -> Vec<u8> {
+        let mut frame = blocks::descriptor(&Area::whole([1, 1])).to_vec();
+        let shown = self.transparent;
+        let pixel = Pixel {
+            wanted: [0; 4],
+            shown,
+            change: Change::Stretch,
+        };
+        self.matcher.encode(&[pixel], &mut self.sent, &mut frame);
+        frame
     }
 }
 
@@ -145,20 +196,28 @@ impl FrameSink for GifSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
+        let mapper = Mapper::new(Arc::clone(&self.palette));
         Box::new(GifCoder {
             size: self.settings.size,
-            bits: table_bits(&self.palette),
-            mapper: Mapper::new(Arc::clone(&self.palette)),
-            dictionary: Dictionary::new(),
-            pixels: Vec::new(),
+            mapper,
         })
     }
 
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {
-        if !coded.is_empty() {
+        let (pixels, _) = coded.as_chunks::<4>();
+        // Whether there is anything to send decides if the waiting frame is complete.
+        let area = match self.screen.changes(pixels) {
+            None => None,
+            Some((area, pixels)) => {
+                let mut frame = blocks::descriptor(&area).to_vec();
+                self.matcher.encode(pixels, &mut self.sent, &mut frame);
+                Some((area, frame))
+            }
+        };
+        if let Some((area, frame)) = area {
+            self.screen.show(&area, &self.sent);
             self.flush_pending()?;
-            self.pending.clear();
-            self.pending.extend_from_slice(coded);
+            self.pending = frame;
         }
         let delay = self.settings.schedule.delay(index);
         self.delay = self.delay.saturating_add(delay);
@@ -169,92 +228,22 @@ impl FrameSink for GifSink {
 
     fn finish(mut self: Box<Self>) -> Result<ExportSummary, ExportError> {
         self.flush_pending()?;
-        self.put(&[0x3b])?;
+        self.put(&blocks::TRAILER)?;
         self.output.commit()?;
         Ok(self.summary)
     }
 }
 
-/// Bits of an index: enough for the colours and the one that means "as before".
-fn table_bits(palette: &Palette) -> u8 {
-    let entries = palette.colours().len() + 1;
-    (entries.next_power_of_two().trailing_zeros() as u8).clamp(1, 8)
-}
-
-/// The index that means "as before": the first after the colours.
-fn transparent(palette: &Palette) -> u8 {
-    palette.colours().len().min(255) as u8
-}
-
-/// Graphic control extension: keep the picture, `delay` hundredths, one transparent index.
-fn control_block(delay: u16, transparent: u8) -> [u8; 8] {
-    let [low, high] = delay.to_le_bytes();
-    [0x21, 0xf9, 4, 0b0000_0101, low, high, transparent, 0]
-}
-
-fn push_descriptor(area: &Area, out: &mut Vec<u8>) {
-    out.push(0x2c);
-    for value in [area.left, area.top, area.width, area.height] {
-        out.extend((value as u16).to_le_bytes());
-    }
-    out.push(0);
-}
-
-/// A frame of one transparent pixel.
-fn unchanged_frame(palette: &Palette) -> Vec<u8> {
-    let mut frame = Vec::new();
-    push_descriptor(&Area::whole([1, 1]), &mut frame);
-    let bits = table_bits(palette).max(2);
-    lzw::encode(
-        &mut Dictionary::new(),
-        bits,
-        &[transparent(palette)],
-        &mut frame,
-    );
-    frame
-}
-
-/// Maps frames to indices and codes what changed.
+/// Maps frames to indices.
 struct GifCoder {
     size: [u32; 2],
-    bits: u8,
     mapper: Mapper,
-    dictionary: Dictionary,
-    pixels: Vec<u8>,
 }
 
 impl FrameCoder for GifCoder {
-    fn prepare(&mut self, frame: &RgbaImage, prepared: &mut Vec<u8>) -> Result<(), ExportError> {
-        let got = [frame.width(), frame.height()];
-        if got != self.size {
-            return Err(ExportError::FrameSize {
-                expected: self.size,
-                got,
-            });
-        }
-        self.mapper.map(frame, prepared);
-        Ok(())
-    }
-
-    fn code(
-        &mut self,
-        previous: Option<&[u8]>,
-        current: &[u8],
-        coded: &mut Vec<u8>,
-    ) -> Result<(), ExportError> {
-        coded.clear();
-        let size = self.size.map(|s| s as usize);
-        let area = match previous {
-            None => Area::whole(size),
-            Some(previous) => match Area::changed(previous, current, size[0]) {
-                Some(area) => area,
-                None => return Ok(()),
-            },
-        };
-        self.pixels.clear();
-        area.cut(current, size[0], &mut self.pixels);
-        push_descriptor(&area, coded);
-        lzw::encode(&mut self.dictionary, self.bits.max(2), &self.pixels, coded);
+    fn code(&mut self, frame: &RgbaImage, coded: &mut Vec<u8>) -> Result<(), ExportError> {
+        super::check_frame(frame, self.size)?;
+        self.mapper.map(frame, coded);
         Ok(())
     }
 }

@@ -2,8 +2,8 @@
 
 use image::RgbaImage;
 
-/// Bits a channel of a bin. 6 bits give a few thousand occupied bins for a rendered animation.
-const BITS: u32 = 6;
+/// Bits a channel of a bin: 7 gives some twenty thousand occupied bins for a rendered animation; 6 costs 0.2 dB.
+const BITS: u32 = 7;
 
 /// A colour that stands for the pixels of one bin.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,13 @@
-//! LZW as GIF wants it: the dictionary, the bit stream, and the plain encoder.
+//! LZW as GIF wants it: the dictionary and the bit stream. Which strings to send is [`super::matching`]'s part.
 //!
-//! Written here because choosing among several admissible pixel values (see [`super::matching`]) needs the
-//! dictionary itself, which encoder crates keep to themselves.
+//! Written here because choosing among several admissible pixel values needs the dictionary itself, which encoder
+//! crates keep to themselves.
 
 /// Codes a dictionary can hold.
 const CODES: usize = 4096;
+
+/// Symbols of at most 8 bits.
+const SYMBOLS: usize = 256;
 
 /// No node: the root codes come first, so 0 is never a child.
 pub(super) const NONE: u16 = 0;
@@ -14,29 +17,53 @@ pub(super) struct Dictionary {
     first_child: Box<[u16; CODES]>,
     sibling: Box<[u16; CODES]>,
     symbol: Box<[u8; CODES]>,
+    parent: Box<[u16; CODES]>,
+    /// Children of the one-symbol strings by both symbols: there are too many for a list.
+    pairs: Box<[[u16; SYMBOLS]; SYMBOLS]>,
+    /// The child for the symbol that continues the longest runs, of every node.
+    run_child: Box<[u16; CODES]>,
+    run_symbol: u8,
     root_bits: u8,
     next: u16,
     width: u8,
 }
 
 impl Dictionary {
-    pub(super) fn new() -> Self {
-        Self {
+    /// An empty dictionary for symbols of `root_bits` bits (2 to 8).
+    pub(super) fn new(root_bits: u8, run_symbol: u8) -> Self {
+        let mut dictionary = Self {
             first_child: Box::new([NONE; CODES]),
             sibling: Box::new([NONE; CODES]),
             symbol: Box::new([0; CODES]),
-            root_bits: 8,
+            parent: Box::new([0; CODES]),
+            pairs: Box::new([[NONE; SYMBOLS]; SYMBOLS]),
+            run_child: Box::new([NONE; CODES]),
+            run_symbol,
+            root_bits,
             next: 0,
             width: 0,
-        }
+        };
+        dictionary.reset();
+        dictionary
     }
 
-    /// Empties the dictionary down to the symbols of `root_bits` bits.
-    pub(super) fn reset(&mut self, root_bits: u8) {
+    /// Forgets all strings of more than one symbol.
+    pub(super) fn reset(&mut self) {
+        let first = usize::from(self.end_code()) + 1;
+        for node in first..usize::from(self.next) {
+            if self.is_root(self.parent[node]) {
+                self.pairs[usize::from(self.parent[node])][usize::from(self.symbol[node])] = NONE;
+            }
+        }
         self.first_child.fill(NONE);
-        self.root_bits = root_bits;
-        self.next = (1 << root_bits) + 2;
-        self.width = root_bits + 1;
+        self.run_child.fill(NONE);
+        self.next = first as u16;
+        self.width = self.root_bits + 1;
+    }
+
+    /// Size in bits of the symbols.
+    pub(super) fn root_bits(&self) -> u8 {
+        self.root_bits
     }
 
     /// The code that empties the dictionary.
@@ -59,20 +86,35 @@ impl Dictionary {
         self.next
     }
 
+    /// True when no string can be added.
     pub(super) fn is_full(&self) -> bool {
         usize::from(self.next) >= CODES
     }
 
-    /// Adds the string of `parent` followed by `symbol`; does nothing when full.
+    /// True for a string of one symbol.
+    #[inline]
+    pub(super) fn is_root(&self, node: u16) -> bool {
+        node < self.clear_code()
+    }
+
+    /// Adds the string of `parent` followed by `symbol`; does nothing when full. Strings may come twice; either serves.
     #[inline]
     pub(super) fn add(&mut self, parent: u16, symbol: u8) {
         if self.is_full() {
             return;
         }
-        let node = usize::from(self.next);
+        let (node, above) = (usize::from(self.next), usize::from(parent) % CODES);
         self.symbol[node] = symbol;
-        self.sibling[node] = self.first_child[usize::from(parent) % CODES];
-        self.first_child[usize::from(parent) % CODES] = self.next;
+        self.parent[node] = parent;
+        self.sibling[node] = self.first_child[above];
+        self.first_child[above] = self.next;
+        if self.is_root(parent) {
+            self.pairs[above % SYMBOLS][usize::from(symbol)] = self.next;
+        }
+        if symbol == self.run_symbol {
+            self.run_child[above] = self.next;
+        }
+        // The decoder is one string behind, so the width grows when the number is given, not when it is used.
         if self.next == 1 << self.width {
             self.width += 1;
         }
@@ -92,18 +134,28 @@ impl Dictionary {
         (self.sibling[node], self.symbol[node])
     }
 
-    /// The child of `node` for `symbol`, or `NONE`.
+    /// The child of `node` for the run symbol, or `NONE`.
     #[inline]
-    pub(super) fn child(&self, node: u16, symbol: u8) -> u16 {
-        let mut child = self.children(node);
-        while child != NONE {
-            let (next, found) = self.sibling(child);
-            if found == symbol {
-                break;
+    pub(super) fn run_child(&self, node: u16) -> u16 {
+        self.run_child[usize::from(node) % CODES]
+    }
+
+    /// The child of the root `node` for `symbol`, or `NONE`.
+    #[inline]
+    pub(super) fn pair(&self, node: u16, symbol: u8) -> u16 {
+        self.pairs[usize::from(node) % SYMBOLS][usize::from(symbol)]
+    }
+
+    /// Writes the symbols of the string `node` to the end of `symbols`, last symbol last.
+    pub(super) fn spell(&self, mut node: u16, symbols: &mut [u8]) {
+        for symbol in symbols.iter_mut().rev() {
+            if self.is_root(node) {
+                *symbol = node as u8;
+                return;
             }
-            child = next;
+            *symbol = self.symbol[usize::from(node) % CODES];
+            node = self.parent[usize::from(node) % CODES];
         }
-        child
     }
 }
 
@@ -162,36 +214,4 @@ impl<'a> BitWriter<'a> {
             self.out.push(0);
         }
     }
-}
-
-/// Appends to `out` the LZW code size byte and the coded `pixels`, all of them below `2^root_bits`.
-pub(super) fn encode(dictionary: &mut Dictionary, root_bits: u8, pixels: &[u8], out: &mut Vec<u8>) {
-    out.push(root_bits);
-    let mut bits = BitWriter::new(out);
-    dictionary.reset(root_bits);
-    bits.put(dictionary.clear_code(), dictionary.width());
-    let mut pixels = pixels.iter().copied();
-    if let Some(first) = pixels.next() {
-        let mut node = u16::from(first);
-        for pixel in pixels {
-            let child = dictionary.child(node, pixel);
-            if child != NONE {
-                node = child;
-                continue;
-            }
-            bits.put(node, dictionary.width());
-            if dictionary.is_full() {
-                bits.put(dictionary.clear_code(), dictionary.width());
-                dictionary.reset(root_bits);
-            } else {
-                dictionary.add(node, pixel);
-            }
-            node = u16::from(pixel);
-        }
-        bits.put(node, dictionary.width());
-        // The decoder adds an entry here as well, which may widen the end code.
-        dictionary.add(node, 0);
-    }
-    bits.put(dictionary.end_code(), dictionary.width());
-    bits.finish();
 }

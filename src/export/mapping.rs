@@ -24,18 +24,18 @@ impl Mapper {
         }
     }
 
-    /// Replaces `indices` by the palette indices of `frame`, row by row.
-    pub fn map(&mut self, frame: &RgbaImage, indices: &mut Vec<u8>) {
-        indices.clear();
-        indices.reserve(frame.as_raw().len() / 4);
-        let mut last = (u32::MAX, 0);
-        indices.extend(frame.as_raw().chunks_exact(4).map(|pixel| {
-            let colour = u32::from_le_bytes([pixel[0], pixel[1], pixel[2], 0]);
-            if colour != last.0 {
-                last = (colour, self.index([pixel[0], pixel[1], pixel[2]]));
+    /// Replaces `indexed` by the pixels of `frame` with the palette index of each in the place of its alpha.
+    pub fn map(&mut self, frame: &RgbaImage, indexed: &mut Vec<u8>) {
+        indexed.clear();
+        indexed.extend_from_slice(frame.as_raw());
+        let mut last = ([0; 3], self.index([0; 3]));
+        for pixel in indexed.chunks_exact_mut(4) {
+            let rgb = [pixel[0], pixel[1], pixel[2]];
+            if rgb != last.0 {
+                last = (rgb, self.index(rgb));
             }
-            last.1
-        }));
+            pixel[3] = last.1;
+        }
     }
 
     #[inline]

@@ -15,15 +15,17 @@ mod delta;
 pub mod error;
 pub mod format;
 pub mod gif;
+mod gif_blocks;
 mod histogram;
 mod kmeans;
 mod lzw;
 pub mod mapping;
+mod matching;
 mod nearest;
-mod oklab;
 pub mod palette;
 pub mod png;
 pub mod pump;
+mod screen;
 pub mod table;
 pub mod target;
 pub mod timing;
@@ -45,16 +47,16 @@ pub struct ExportSummary {
 
 /// Takes the frames of one file or one sequence, in order.
 ///
-/// The work on a frame is in three steps, so that all but the last run on many threads: `prepare` looks at one
-/// frame alone, `code` also at the prepared frame before it, `write` runs in order on one thread.
+/// The work on a frame is in two steps: a coder looks at one frame alone and runs on many threads; `write` gets what
+/// it made of frame 0, 1, 2 … and runs on one.
 pub trait FrameSink: Send {
     /// Size every frame must have, in pixels.
     fn size(&self) -> [u32; 2];
 
-    /// A coder for one worker thread. All coders of a sink give the same bytes for the same frames.
+    /// A coder for one worker thread. All coders of a sink make the same of the same frame.
     fn coder(&self) -> Box<dyn FrameCoder>;
 
-    /// Writes what the coder made of frame `index`; called for 0, 1, 2 …
+    /// Writes what a coder made of frame `index`; called for 0, 1, 2 …
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError>;
 
     /// Completes the file. A sink dropped without this leaves nothing behind.
@@ -63,14 +65,17 @@ pub trait FrameSink: Send {
 
 /// The part of a sink that runs on worker threads, with its own scratch memory.
 pub trait FrameCoder: Send {
-    /// Reduces a frame to the sink's own form, replacing the contents of `prepared`.
-    fn prepare(&mut self, frame: &RgbaImage, prepared: &mut Vec<u8>) -> Result<(), ExportError>;
+    /// Reduces a frame to the sink's own form, replacing the contents of `coded`.
+    ///
+    /// Errors: a frame of another size than announced.
+    fn code(&mut self, frame: &RgbaImage, coded: &mut Vec<u8>) -> Result<(), ExportError>;
+}
 
-    /// Codes a prepared frame given the one before it (`None` for the first), replacing the contents of `coded`.
-    fn code(
-        &mut self,
-        previous: Option<&[u8]>,
-        current: &[u8],
-        coded: &mut Vec<u8>,
-    ) -> Result<(), ExportError>;
+/// The error for a frame that is not `expected` pixels wide and high.
+fn check_frame(frame: &RgbaImage, expected: [u32; 2]) -> Result<(), ExportError> {
+    let got = [frame.width(), frame.height()];
+    if got == expected {
+        return Ok(());
+    }
+    Err(ExportError::FrameSize { expected, got })
 }

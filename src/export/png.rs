@@ -79,29 +79,25 @@ fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {
 struct PngCoder {
     size: [u32; 2],
     effort: Effort,
+    rgb: Vec<u8>,
+}
+
+impl PngCoder {
+    fn boxed(size: [u32; 2], effort: Effort) -> Box<dyn FrameCoder> {
+        Box::new(Self {
+            size,
+            effort,
+            rgb: Vec::new(),
+        })
+    }
 }
 
 impl FrameCoder for PngCoder {
-    fn prepare(&mut self, frame: &RgbaImage, prepared: &mut Vec<u8>) -> Result<(), ExportError> {
-        let got = [frame.width(), frame.height()];
-        if got != self.size {
-            return Err(ExportError::FrameSize {
-                expected: self.size,
-                got,
-            });
-        }
-        drop_alpha(frame, prepared);
-        Ok(())
-    }
-
-    fn code(
-        &mut self,
-        _: Option<&[u8]>,
-        current: &[u8],
-        coded: &mut Vec<u8>,
-    ) -> Result<(), ExportError> {
+    fn code(&mut self, frame: &RgbaImage, coded: &mut Vec<u8>) -> Result<(), ExportError> {
+        super::check_frame(frame, self.size)?;
+        drop_alpha(frame, &mut self.rgb);
         coded.clear();
-        encode_rgb(current, self.size, self.effort, coded)
+        encode_rgb(&self.rgb, self.size, self.effort, coded)
     }
 }
 
@@ -132,10 +128,7 @@ impl FrameSink for StillSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
-        Box::new(PngCoder {
-            size: self.size,
-            effort: Effort::Balanced,
-        })
+        PngCoder::boxed(self.size, Effort::Balanced)
     }
 
     fn write(&mut self, _index: usize, coded: &[u8]) -> Result<(), ExportError> {
@@ -208,10 +201,7 @@ impl FrameSink for SequenceSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
-        Box::new(PngCoder {
-            size: self.size,
-            effort: Effort::Fast,
-        })
+        PngCoder::boxed(self.size, Effort::Fast)
     }
 
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {

@@ -8,10 +8,10 @@ use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Frames in flight a worker: one drawn, one coded, one waiting for its turn.
+/// Frames in flight a worker: one being drawn, two waiting for their turn.
 const WINDOW_PER_WORKER: usize = 3;
 
 /// How long the writing thread sleeps before it looks at the cancel flag again.
@@ -138,7 +138,7 @@ where
             });
         }
         for index in 0..frame_count {
-            let coded = shared.wait_for(index, cancel)?;
+            let coded = shared.next_coded(cancel)?;
             sink.write(index, &coded)?;
             shared.written(coded);
             progress(index + 1, frame_count);
@@ -151,21 +151,12 @@ where
     Ok(sink.finish()?)
 }
 
-/// A frame between drawing and writing.
-#[derive(Default)]
-struct Slot {
-    prepared: Option<Arc<Vec<u8>>>,
-    is_taken: bool,
-    coded: Option<Vec<u8>>,
-}
-
 struct State<E: std::error::Error + 'static> {
-    /// Slot 0 is frame `first`; that is the one before the next to write, whose prepared form is still needed.
-    slots: VecDeque<Slot>,
-    first: usize,
-    next_to_draw: usize,
+    /// Coded frames from frame `written` on; `None` while in work.
+    slots: VecDeque<Option<Vec<u8>>>,
     written: usize,
     samples: Samples,
+    /// Buffers to use again.
     spare: Vec<Vec<u8>>,
     failure: Option<PumpError<E>>,
     stop: bool,
@@ -175,22 +166,12 @@ impl<E: std::error::Error + 'static> State<E> {
     fn new(samples: Samples) -> Self {
         Self {
             slots: VecDeque::new(),
-            first: 0,
-            next_to_draw: 0,
             written: 0,
             samples,
             spare: Vec::new(),
             failure: None,
             stop: false,
         }
-    }
-
-    fn slot(&mut self, index: usize) -> Option<&mut Slot> {
-        self.slots.get_mut(index.checked_sub(self.first)?)
-    }
-
-    fn recycle(&mut self, prepared: Option<Arc<Vec<u8>>>) {
-        self.spare.extend(prepared.and_then(Arc::into_inner));
     }
 }
 
@@ -201,23 +182,16 @@ struct Shared<E: std::error::Error + 'static> {
     changed: Condvar,
 }
 
-enum Task {
-    Draw {
-        index: usize,
-        sample: Option<RgbaImage>,
-        prepared: Vec<u8>,
-    },
-    Code {
-        index: usize,
-        previous: Option<Arc<Vec<u8>>>,
-        current: Arc<Vec<u8>>,
-        coded: Vec<u8>,
-    },
+/// A frame to draw: its index, its picture if it was drawn before, and a buffer.
+struct Task {
+    index: usize,
+    sample: Option<RgbaImage>,
+    coded: Vec<u8>,
 }
 
 impl<E: std::error::Error + 'static> Shared<E> {
-    /// Waits until frame `index` is coded and takes the result.
-    fn wait_for(&self, index: usize, cancel: &AtomicBool) -> Result<Vec<u8>, PumpError<E>> {
+    /// Waits until the next frame is coded and takes it.
+    fn next_coded(&self, cancel: &AtomicBool) -> Result<Vec<u8>, PumpError<E>> {
         let mut state = lock(&self.state);
         loop {
             if let Some(failure) = state.failure.take() {
@@ -226,7 +200,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
             if cancel.load(Ordering::Relaxed) || state.stop {
                 return Err(PumpError::Cancelled);
             }
-            if let Some(coded) = state.slot(index).and_then(|s| s.coded.take()) {
+            if let Some(coded) = state.slots.front_mut().and_then(Option::take) {
                 return Ok(coded);
             }
             let waited = self.changed.wait_timeout(state, CANCEL_POLL);
@@ -238,47 +212,44 @@ impl<E: std::error::Error + 'static> Shared<E> {
     fn written(&self, coded: Vec<u8>) {
         let mut state = lock(&self.state);
         state.spare.push(coded);
+        state.slots.pop_front();
         state.written += 1;
-        while state.first + 1 < state.written {
-            let done = state.slots.pop_front();
-            state.first += 1;
-            state.recycle(done.and_then(|s| s.prepared));
-        }
         self.changed.notify_all();
     }
 
-    /// The next thing to do, or `None` when all is done or stopped. Coding comes before drawing: it frees memory.
+    /// The next frame to draw, or `None` when all are given out or the work is stopped.
     fn next_task(&self, cancel: &AtomicBool) -> Option<Task> {
         let mut state = lock(&self.state);
         loop {
-            if state.stop || cancel.load(Ordering::Relaxed) {
+            let index = state.written + state.slots.len();
+            if state.stop || cancel.load(Ordering::Relaxed) || index >= self.frame_count {
                 return None;
             }
-            if let Some(task) = code_task(&mut state) {
-                return Some(task);
-            }
-            let index = state.next_to_draw;
-            if index < self.frame_count && index < state.written + self.window {
-                state.next_to_draw += 1;
-                state.slots.push_back(Slot::default());
+            if state.slots.len() < self.window {
+                state.slots.push_back(None);
                 let sample = state.samples.iter().position(|s| s.0 == index);
                 let sample = sample.map(|s| state.samples.swap_remove(s).1);
-                let prepared = state.spare.pop().unwrap_or_default();
-                return Some(Task::Draw {
+                let coded = state.spare.pop().unwrap_or_default();
+                return Some(Task {
                     index,
                     sample,
-                    prepared,
+                    coded,
                 });
-            }
-            let is_drawn = index >= self.frame_count;
-            if is_drawn && state.slots.iter().all(|s| s.is_taken) {
-                return None;
             }
             state = self
                 .changed
                 .wait(state)
                 .unwrap_or_else(PoisonError::into_inner);
         }
+    }
+
+    fn deliver(&self, index: usize, coded: Vec<u8>) {
+        let mut state = lock(&self.state);
+        let place = index.checked_sub(state.written);
+        if let Some(slot) = place.and_then(|place| state.slots.get_mut(place)) {
+            *slot = Some(coded);
+        }
+        self.changed.notify_all();
     }
 
     fn fail(&self, failure: PumpError<E>) {
@@ -291,29 +262,6 @@ impl<E: std::error::Error + 'static> Shared<E> {
         lock(&self.state).stop = true;
         self.changed.notify_all();
     }
-}
-
-/// The first frame that is prepared, whose predecessor is too, and that nobody codes yet.
-fn code_task<E: std::error::Error + 'static>(state: &mut State<E>) -> Option<Task> {
-    let first = state.first;
-    let ready = (0..state.slots.len()).find(|&k| {
-        let slot = &state.slots[k];
-        let has_previous = first + k == 0 || (k > 0 && state.slots[k - 1].prepared.is_some());
-        !slot.is_taken && slot.prepared.is_some() && has_previous
-    })?;
-    let previous = ready
-        .checked_sub(1)
-        .and_then(|k| state.slots[k].prepared.clone());
-    let coded = state.spare.pop().unwrap_or_default();
-    let slot = &mut state.slots[ready];
-    slot.is_taken = true;
-    let current = slot.prepared.clone()?;
-    Some(Task::Code {
-        index: first + ready,
-        previous,
-        current,
-        coded,
-    })
 }
 
 struct Worker<'a, W, E: std::error::Error + 'static> {
@@ -331,64 +279,29 @@ where
 {
     fn run(mut self) {
         while let Some(task) = self.shared.next_task(self.cancel) {
-            let done = match task {
-                Task::Draw {
-                    index,
-                    sample,
-                    prepared,
-                } => self.draw(index, sample, prepared),
-                Task::Code {
-                    index,
-                    previous,
-                    current,
-                    coded,
-                } => self.code(index, previous, current, coded),
-            };
-            if let Err(failure) = done {
+            if let Err(failure) = self.frame(task) {
                 self.shared.fail(failure);
                 break;
             }
         }
     }
 
-    fn draw(
-        &mut self,
-        index: usize,
-        sample: Option<RgbaImage>,
-        mut prepared: Vec<u8>,
-    ) -> Result<(), PumpError<E>> {
-        if let Some(sample) = &sample {
-            self.coder.prepare(sample, &mut prepared)?;
-        } else {
-            (self.draw)(index, &mut self.image).map_err(|source| PumpError::Draw {
+    fn frame(&mut self, task: Task) -> Result<(), PumpError<E>> {
+        let Task {
+            index,
+            sample,
+            mut coded,
+        } = task;
+        if sample.is_none() {
+            let drawn = (self.draw)(index, &mut self.image);
+            drawn.map_err(|source| PumpError::Draw {
                 frame: index,
                 source,
             })?;
-            self.coder.prepare(&self.image, &mut prepared)?;
         }
-        let mut state = lock(&self.shared.state);
-        if let Some(slot) = state.slot(index) {
-            slot.prepared = Some(Arc::new(prepared));
-        }
-        self.shared.changed.notify_all();
-        Ok(())
-    }
-
-    fn code(
-        &mut self,
-        index: usize,
-        previous: Option<Arc<Vec<u8>>>,
-        current: Arc<Vec<u8>>,
-        mut coded: Vec<u8>,
-    ) -> Result<(), PumpError<E>> {
-        let before = previous.as_ref().map(|p| p.as_slice());
-        self.coder.code(before, &current, &mut coded)?;
-        let mut state = lock(&self.shared.state);
-        state.recycle(previous);
-        if let Some(slot) = state.slot(index) {
-            slot.coded = Some(coded);
-        }
-        self.shared.changed.notify_all();
+        self.coder
+            .code(sample.as_ref().unwrap_or(&self.image), &mut coded)?;
+        self.shared.deliver(index, coded);
         Ok(())
     }
 }

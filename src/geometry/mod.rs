@@ -154,7 +154,7 @@ pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
 /// that the extreme points along the axes are vertices.
 fn segments(radius: f64, tolerance: f64) -> u32 {
     let share = tolerance / radius;
-    if !(share > 0.0) {
+    if !positive(share) {
         return MAX_SEGMENTS;
     }
     let half_angle = libm::acos((1.0 - share).max(0.0));
@@ -162,6 +162,11 @@ fn segments(radius: f64, tolerance: f64) -> u32 {
     (count.ceil() as u32)
         .next_multiple_of(4)
         .clamp(MIN_SEGMENTS, MAX_SEGMENTS)
+}
+
+/// Whether a length is one: above zero and not "not a number".
+fn positive(length: f64) -> bool {
+    length > 0.0
 }
 
 /// A unit vector with the bits removed in which platforms differ.

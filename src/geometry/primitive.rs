@@ -3,7 +3,7 @@
 //! parry gives which corners make triangles and where they sit on the unit shape; here they are put on the
 //! true surface, so that the result does not depend on the platform's sine.
 
-use super::{Mesh, crease, segments, settle, upright};
+use super::{Mesh, crease, positive, segments, settle, upright};
 use glam::{DMat3, DVec3};
 use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};
 
@@ -22,7 +22,7 @@ fn ball_segments(radius: f64, tolerance: f64) -> [u32; 2] {
 }
 
 pub(super) fn ball(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
-    if !(radius > 0.0) {
+    if !positive(radius) {
         return Mesh::default();
     }
     let [around, down] = ball_segments(radius, tolerance);
@@ -40,7 +40,7 @@ pub(super) fn ball(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
 }
 
 pub(super) fn capsule(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Mesh {
-    if !(from.distance(to) > NO_LENGTH * radius) {
+    if !positive(from.distance(to) - NO_LENGTH * radius) {
         return ball(from, radius, tolerance);
     }
     let [around, down] = ball_segments(radius, tolerance);
@@ -116,7 +116,7 @@ pub(super) fn frustum(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) -> Mesh
 }
 
 pub(super) fn cuboid(center: DVec3, size: DVec3) -> Mesh {
-    if !(size.min_element() > 0.0) {
+    if !positive(size.min_element()) {
         return Mesh::default();
     }
     let (corners, triangles) = Cuboid::new(size * 0.5).to_trimesh();

@@ -1,6 +1,6 @@
 //! Round tubes along polylines: rings carried along without twist, balls at the corners, round ends.
 
-use super::{Mesh, primitive, segments};
+use super::{Mesh, positive, primitive, segments};
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -15,7 +15,7 @@ const STRAIGHT: f64 = 1e-12;
 /// At a corner the ring turns about the corner point, so that its outer half sweeps the ball that joins
 /// the two straight parts and its inner half stays inside the tube: no pinching at any angle.
 pub(super) fn tube(points: &[DVec3], radius: f64, closed: bool, tolerance: f64) -> Mesh {
-    if !(radius > 0.0) {
+    if !positive(radius) {
         return Mesh::default();
     }
     let points = distinct(points, radius, closed);
@@ -131,8 +131,8 @@ impl Sweep {
                 frame,
             });
         }
-        for leg in 1..legs {
-            frame = self.corner(points[leg], frame, direction(leg), &mut rings);
+        for (leg, point) in points.iter().enumerate().take(legs).skip(1) {
+            frame = self.corner(*point, frame, direction(leg), &mut rings);
         }
         if closed {
             frame = self.corner(points[0], frame, direction(0), &mut rings);

@@ -1,7 +1,7 @@
 //! Finding a first closed pose from start values that may be far off: Levenberg-Marquardt, then Newton.
 
 use super::closure::{BlockWorkspace, Want};
-use super::newton::Corrector;
+use super::newton::{Corrector, Pace};
 use super::qr::PivotedQr;
 use super::structure::{Block, Structure};
 use crate::model::chain::{Argument, Motion, Step};
@@ -120,7 +120,8 @@ fn close(
     for (index, block) in structure.blocks.iter().enumerate() {
         *iterations += descent.minimise(mechanism, block, coordinates);
         let before = coordinates.to_vec();
-        let correction = corrector.correct_block(mechanism, structure, index, coordinates);
+        let correction =
+            corrector.correct_block(mechanism, structure, index, coordinates, Pace::Patient);
         *iterations += correction.iterations;
         if !correction.converged {
             coordinates.copy_from_slice(&before);

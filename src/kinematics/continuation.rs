@@ -5,7 +5,7 @@
 use super::assembly::{NotClosed, assemble};
 use super::branch::{BranchState, BranchWatch};
 use super::forward;
-use super::newton::Corrector;
+use super::newton::{Correction, Corrector, Pace};
 use super::structure::{Structure, StructureError};
 use super::trajectory::{ClosedPose, Event, EventKind, Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -27,6 +27,13 @@ const CORRECTION_FLOOR: f64 = 1e-9;
 /// A step across a singular pose starts from the last pose whose smallest singular value is above this fraction
 /// of the best seen; nearer to the singular pose the tangent is noise.
 const TRUSTED_SIGMA: f64 = 1e-4;
+
+/// Below this fraction of the best smallest singular value no tangent is taken from a pose: it has lost its last
+/// digits. Folds are approached to the square of it.
+const USABLE_SIGMA: f64 = 1e-6;
+
+/// A sample this close to the end of the steps, in intervals between samples, is the singular pose itself.
+const BESIDE: f64 = 1e-6;
 
 /// Longest stretch, in intervals between samples, over which a singular pose is crossed.
 const LONGEST_CROSSING: f64 = 1.0;
@@ -168,7 +175,8 @@ impl<'m> Follower<'m> {
                 if !self.trajectory.samples.is_empty() {
                     self.event(time, EventKind::MotionResumes { same_branch: true });
                 }
-                Ok(self.stand(time, found.coordinates))
+                let stand = self.stand(time, found.coordinates);
+                Ok(self.keep(stand))
             }
             Err(NotClosed {
                 name,
@@ -209,7 +217,7 @@ impl<'m> Follower<'m> {
                 let stand = self.stand(time, found.coordinates);
                 let same_branch = stand.branch.signs == last.branch.signs;
                 self.event(time, EventKind::MotionResumes { same_branch });
-                Ok(stand)
+                Ok(self.keep(stand))
             }
             Err(_) => Err(None),
         }
@@ -225,10 +233,16 @@ impl<'m> Follower<'m> {
                     self.undefined(time, index);
                     return Err(Some(stand));
                 }
-                Err(Stop::Ends(stand)) => match self.cross(&stand, time) {
+                Err(Stop::Ends(stand)) => match self
+                    .settle(&stand, time)
+                    .or_else(|| self.cross(&stand, time))
+                {
+                    Some(beyond) if beyond.time == time && !self.is_usable(&beyond.branch) => {
+                        return Ok(beyond);
+                    }
                     Some(beyond) => {
                         self.event(stand.time, EventKind::SingularPosePassed);
-                        here = beyond;
+                        here = self.keep(beyond);
                     }
                     None => {
                         self.event(stand.time, EventKind::MotionEnds);
@@ -252,7 +266,7 @@ impl<'m> Follower<'m> {
             match self.step(&here, next) {
                 Ok(Some(stand)) => {
                     step = (2.0 * (next - here.time)).max(smallest);
-                    here = stand;
+                    here = self.keep(stand);
                 }
                 Ok(None) => step = 0.5 * (next - here.time),
                 Err(index) => return Err(Stop::Undefined(index, here)),
@@ -265,13 +279,18 @@ impl<'m> Follower<'m> {
     }
 
     /// One predictor-corrector step; `Ok(None)` where it cannot be trusted.
+    ///
+    /// From a singular pose no tangent is usable; the prediction then starts from the last trusted pose,
+    /// which leads straight through, and the determinant may change its sign.
     fn step(&mut self, here: &Stand, time: f64) -> Result<Option<Stand>, usize> {
         let inputs = self.inputs(time)?;
-        let (mut coordinates, length) = self.predict(here, &inputs);
-        let correction = self
-            .corrector
-            .correct(self.mechanism, self.structure, &mut coordinates);
-        self.iterations += correction.iterations;
+        let usable = self.is_usable(&here.branch);
+        let base = match &self.anchor {
+            Some(anchor) if !usable => anchor.clone(),
+            _ => here.clone(),
+        };
+        let (mut coordinates, length) = self.predict(&base, &inputs);
+        let correction = self.correct(&mut coordinates, Pace::Brisk);
         let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
         if !correction.converged || correction.first_step > allowed {
             return Ok(None);
@@ -281,9 +300,32 @@ impl<'m> Follower<'m> {
             .branch
             .signs
             .iter()
-            .zip(&here.branch.signs)
-            .all(|(a, b)| a == b || *b == 0);
-        Ok(same.then_some(stand))
+            .zip(&base.branch.signs)
+            .all(|(a, b)| a == b);
+        let fine = same || !usable || !self.is_usable(&stand.branch);
+        // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
+        if fine && !usable && !same && self.is_usable(&stand.branch) {
+            self.event(here.time, EventKind::SingularPosePassed);
+        }
+        Ok(fine.then_some(stand))
+    }
+
+    /// Whether the tangent of a pose is worth anything.
+    fn is_usable(&self, branch: &BranchState) -> bool {
+        branch.sigma_min >= USABLE_SIGMA * self.best_sigma
+    }
+
+    /// Whether a pose is far enough from singular ones to predict from across one.
+    fn is_trusted(&self, branch: &BranchState) -> bool {
+        branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
+    }
+
+    fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
+        let correction = self
+            .corrector
+            .correct(self.mechanism, self.structure, coordinates, pace);
+        self.iterations += correction.iterations;
+        correction
     }
 
     /// Tangent prediction to new inputs, and the length of the step in scaled unknowns.
@@ -313,6 +355,19 @@ impl<'m> Follower<'m> {
         (coordinates, length)
     }
 
+    /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
+    fn settle(&mut self, end: &Stand, time: f64) -> Option<Stand> {
+        if time - end.time > BESIDE * self.interval {
+            return None;
+        }
+        let inputs = self.inputs(time).ok()?;
+        let n = self.mechanism.unknowns.len();
+        let mut coordinates = [&end.coordinates[..n], &inputs].concat();
+        let correction = self.correct(&mut coordinates, Pace::Patient);
+        (correction.converged && correction.first_step <= MAX_CORRECTION)
+            .then(|| self.stand(time, coordinates))
+    }
+
     /// Tries to go straight through a singular pose next to `end`: along the tangent of the last trusted pose, to
     /// a pose beyond that lies where the tangent says.
     fn cross(&mut self, end: &Stand, time: f64) -> Option<Stand> {
@@ -323,10 +378,7 @@ impl<'m> Follower<'m> {
             let beyond = (anchor.time + reach).min(time);
             let inputs = self.inputs(beyond).ok()?;
             let (mut coordinates, length) = self.predict(&anchor, &inputs);
-            let correction =
-                self.corrector
-                    .correct(self.mechanism, self.structure, &mut coordinates);
-            self.iterations += correction.iterations;
+            let correction = self.correct(&mut coordinates, Pace::Brisk);
             let allowed = (CORRECTION_OF_STEP * length).min(MAX_CORRECTION);
             if correction.converged && correction.first_step <= allowed && beyond > end.time {
                 return Some(self.stand(beyond, coordinates));
@@ -340,7 +392,7 @@ impl<'m> Follower<'m> {
         None
     }
 
-    /// Observes a closed pose and remembers it as an anchor if it is regular.
+    /// Observes a closed pose.
     fn stand(&mut self, time: f64, coordinates: Vec<f64>) -> Stand {
         let branch = self.watch.observe(
             self.mechanism,
@@ -348,15 +400,19 @@ impl<'m> Follower<'m> {
             &mut self.corrector,
             &coordinates,
         );
-        let stand = Stand {
+        if branch.sigma_min.is_finite() {
+            self.best_sigma = self.best_sigma.max(branch.sigma_min);
+        }
+        Stand {
             time,
             coordinates,
             branch,
-        };
-        if stand.branch.sigma_min.is_finite() {
-            self.best_sigma = self.best_sigma.max(stand.branch.sigma_min);
         }
-        if stand.branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma {
+    }
+
+    /// Remembers an accepted pose as an anchor if it is well away from singular ones.
+    fn keep(&mut self, stand: Stand) -> Stand {
+        if self.is_trusted(&stand.branch) {
             self.anchor = Some(stand.clone());
         }
         stand

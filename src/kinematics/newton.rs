@@ -12,6 +12,21 @@ const MAX_ITERATIONS: u32 = 12;
 /// A correction that shrinks less than this from one iteration to the next is not converging quadratically.
 const CONTRACTION: f64 = 0.5;
 
+/// Most iterations of a patient correction: next to a singular pose every step only halves the error.
+const PATIENT_ITERATIONS: u32 = 80;
+
+/// Slowest shrinking of a patient correction.
+const PATIENT_CONTRACTION: f64 = 0.9;
+
+/// How long a correction may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Quadratic convergence or nothing: what a good prediction deserves.
+    Brisk,
+    /// Linear convergence is accepted: singular poses are reached no faster.
+    Patient,
+}
+
 /// Residuals are sums of a few dozen products of order one, so they cannot be made smaller than about this.
 const ROUNDING_FLOOR: f64 = 4e-15;
 
@@ -62,6 +77,7 @@ impl Corrector {
         mechanism: &Mechanism,
         structure: &Structure,
         coordinates: &mut [f64],
+        pace: Pace,
     ) -> Correction {
         let mut total = Correction {
             converged: true,
@@ -70,7 +86,7 @@ impl Corrector {
             residual: 0.0,
         };
         for index in 0..structure.blocks.len() {
-            let part = self.correct_block(mechanism, structure, index, coordinates);
+            let part = self.correct_block(mechanism, structure, index, coordinates, pace);
             total.iterations += part.iterations;
             total.first_step = total.first_step.max(part.first_step);
             total.residual = total.residual.max(part.residual);
@@ -91,14 +107,19 @@ impl Corrector {
         structure: &Structure,
         index: usize,
         coordinates: &mut [f64],
+        pace: Pace,
     ) -> Correction {
         let block = &structure.blocks[index];
         let buffers = &mut self.blocks[index];
+        let (most, contraction) = match pace {
+            Pace::Brisk => (MAX_ITERATIONS, CONTRACTION),
+            Pace::Patient => (PATIENT_ITERATIONS, PATIENT_CONTRACTION),
+        };
         let mut first_step = 0.0;
         let mut last_step = f64::INFINITY;
         let mut done = false;
         let mut iterations = 0;
-        while !done && iterations < MAX_ITERATIONS && !block.unknowns.is_empty() {
+        while !done && iterations < most && !block.unknowns.is_empty() {
             iterations += 1;
             buffers
                 .workspace
@@ -108,7 +129,7 @@ impl Corrector {
             if iterations == 1 {
                 first_step = size;
             }
-            let shrinking = size <= CONTRACTION * last_step || at_floor;
+            let shrinking = size <= contraction * last_step || at_floor;
             if !size.is_finite() || !shrinking {
                 return Correction {
                     converged: false,

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use super::look::{LUMINANCE, Rgb};
 use image::RgbaImage;
 
-/// Cells of the first guess when encoding. Above 255 · 12.92 (the steepest part of the curve has one code
+/// Cells of the first guess when encoding, a power of two. Above 255 · 12.92 (the steepest part of the curve has one code
 /// per 1/3295), so that no cell holds two thresholds and one comparison settles the code.
 const GUESS_CELLS: usize = 4096;
 
@@ -15,17 +15,12 @@ const GUESS_CELLS: usize = 4096;
 const NO_POSE_GREY: u32 = 208;
 /// Share of the way to the background that a picture without a pose goes, in 256ths.
 const NO_POSE_FADE: u32 = 112;
-/// Width of the hatched margin in pixels for each 480 pixels of the picture's shorter side, at least 4.
-const HATCH_MARGIN: u32 = 14;
-/// Pitch of the hatching in pixels.
-const HATCH_PITCH: u32 = 12;
-
 /// Tables of the sRGB transfer curve.
 pub struct Curve {
     linear: [f32; 256],
     /// `thresholds[k]` is the least linear value whose code is k + 1; the last is above 1.
     thresholds: [f32; 256],
-    guess: Vec<u8>,
+    guess: Box<[u8; 2 * GUESS_CELLS]>,
 }
 
 static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
@@ -45,10 +40,11 @@ impl Curve {
                 thresholds[code] = decode_exact((code as f64 + 0.5) / 255.0) as f32;
             }
         }
-        let mut guess = vec![0u8; GUESS_CELLS + 1];
+        let mut guess = Box::new([0u8; 2 * GUESS_CELLS]);
         let mut code = 0;
         for (cell, entry) in guess.iter_mut().enumerate() {
-            let start = cell as f32 / GUESS_CELLS as f32;
+            // A cell is around its number, as values are rounded to the nearest.
+            let start = (cell as f32 - 0.5) / GUESS_CELLS as f32;
             while code < 255 && thresholds[code] <= start {
                 code += 1;
             }
@@ -77,8 +73,9 @@ impl Curve {
     #[inline]
     pub fn encode(&self, value: f32) -> u8 {
         let value = super::look::saturate(value);
-        let cell = (value * GUESS_CELLS as f32) as usize;
-        let guess = self.guess[cell.min(GUESS_CELLS)];
+        // At 2^23 the last bit of a number is worth 1: the low bits are the rounded value.
+        let cell = (value * GUESS_CELLS as f32 + 8_388_608.0).to_bits() as usize;
+        let guess = self.guess[cell % (2 * GUESS_CELLS)];
         guess + u8::from(value >= self.thresholds[guess as usize])
     }
 }
@@ -104,26 +101,18 @@ fn fifth_root(value: f64) -> f64 {
     root
 }
 
-/// Greys a finished picture and hatches its margin: there is no pose at this time.
+/// Greys a finished picture: there is no pose at this time.
 ///
-/// Works on the sRGB codes with integers, so both renderers give the same bytes. Labels are drawn later.
+/// Works on the sRGB codes with integers, so both renderers give the same bytes. Border and labels are laid
+/// over it later.
 pub fn mark_no_pose(image: &mut RgbaImage, background: [u8; 3]) {
-    let (width, height) = image.dimensions();
-    let margin = (width.min(height) * HATCH_MARGIN / 480).max(4);
     let weights = LUMINANCE.map(|w| (w * 256.0 + 0.5) as u32);
-    for (x, y, pixel) in image.enumerate_pixels_mut() {
+    for pixel in image.pixels_mut() {
         let [r, g, b, _] = pixel.0.map(u32::from);
         let grey = (weights[0] * r + weights[1] * g + weights[2] * b + 128) >> 8;
-        let inside = x >= margin && y >= margin && x + margin < width && y + margin < height;
-        let dark = !inside && (x + y) % HATCH_PITCH < HATCH_PITCH / 2;
-        for c in 0..3 {
-            let own = u32::from(pixel.0[c]);
-            let faded = blend(
-                blend(own, grey, NO_POSE_GREY),
-                u32::from(background[c]),
-                NO_POSE_FADE,
-            );
-            pixel.0[c] = if dark { faded * 3 / 4 } else { faded } as u8;
+        for (code, below) in pixel.0.iter_mut().zip(background) {
+            let faded = blend(u32::from(*code), grey, NO_POSE_GREY);
+            *code = blend(faded, u32::from(below), NO_POSE_FADE) as u8;
         }
     }
 }
@@ -170,5 +159,18 @@ mod tests {
         assert_eq!(curve.encode(f32::NAN), 0);
         assert_eq!(curve.encode(-3.0), 0);
         assert_eq!(curve.encode(7.0), 255);
+    }
+
+    #[test]
+    fn a_picture_without_pose_is_grey_and_pale() {
+        let background = [245, 246, 248];
+        let mut image = RgbaImage::from_pixel(1, 1, image::Rgba([200, 40, 40, 255]));
+        mark_no_pose(&mut image, background);
+        let [r, g, b, a] = image.get_pixel(0, 0).0;
+        assert!(r - g < 40 && r > g && g.abs_diff(b) < 4 && a == 255);
+        let mut empty = RgbaImage::from_pixel(1, 1, image::Rgba([245, 246, 248, 255]));
+        mark_no_pose(&mut empty, background);
+        let kept = empty.get_pixel(0, 0).0;
+        assert!((0..3).all(|k| kept[k].abs_diff(background[k]) <= 2));
     }
 }

@@ -13,11 +13,13 @@ use glam::DMat3;
 pub const SHADOW_SIZE: u32 = 128;
 /// Height above which a body darkens nothing, in radii: of the narrow shadow close to a contact, and of
 /// the wide one.
-const REACH: [f32; 2] = [0.10, 0.55];
+const REACH: [f32; 2] = [0.12, 0.60];
 /// Darkness right at the ground.
-const DEPTH: [f32; 2] = [0.62, 0.50];
+const DEPTH: [f32; 2] = [0.70, 0.50];
 /// Half width of the averaging window in texels; it is passed twice along each axis.
 const BLUR: [usize; 2] = [1, 4];
+/// The largest of them.
+const MOST_BLUR: usize = 4;
 
 /// Darkness over the square that circumscribes the ground's disc.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +32,50 @@ pub struct ContactShadow {
     pub dark: Option<[[u32; 2]; 2]>,
 }
 
+/// A place on the map found once and looked up in many frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TexelPlace {
+    /// Index of the nearest texel to the upper left.
+    index: u16,
+    /// Shares of the next column and the next row in 256ths.
+    share: [u8; 2],
+}
+
+impl TexelPlace {
+    /// The place of a point of the ground in a map of [`SHADOW_SIZE`]; coordinates as of
+    /// [`ContactShadow::sample`].
+    pub fn new(u: f32, v: f32) -> Self {
+        let fixed = |c: f32| {
+            let texel = (0.5 + 0.5 * c) * SHADOW_SIZE as f32 - 0.5;
+            let last = (SHADOW_SIZE - 1) * 256 - 1;
+            ((larger(texel, 0.0) * 256.0) as u32).min(last)
+        };
+        let (x, y) = (fixed(u), fixed(v));
+        Self {
+            index: ((y >> 8) * SHADOW_SIZE + (x >> 8)) as u16,
+            share: [x as u8, y as u8],
+        }
+    }
+}
+
 impl ContactShadow {
+    /// Darkness 0..=1 at a place; the same as [`sample`](Self::sample) to a 256th of a texel.
+    #[inline(always)]
+    pub fn at(&self, place: TexelPlace) -> f32 {
+        const WIDTH: usize = SHADOW_SIZE as usize;
+        let index = place.index as usize;
+        let Some(texels) = self.texels.get(index..index + WIDTH + 2) else {
+            return 0.0;
+        };
+        let [a, b, c, d] = [texels[0], texels[1], texels[WIDTH], texels[WIDTH + 1]].map(u32::from);
+        if a | b | c | d == 0 {
+            return 0.0;
+        }
+        let [x, y] = place.share.map(u32::from);
+        let (top, bottom) = (a * (256 - x) + b * x, c * (256 - x) + d * x);
+        (top * (256 - y) + bottom * y) as f32 * (1.0 / (65_536.0 * 255.0))
+    }
+
     /// Darkness 0..=1 at a point of the ground, bilinear between texel centres.
     ///
     /// `u` and `v` are the coordinates along the ground's two axes divided by its radius, -1..=1. A GPU
@@ -159,21 +204,25 @@ impl ShadowCaster {
                 *dark = DEPTH[k] * near * near;
             }
             for _ in 0..2 {
-                blur_rows(layer, &mut self.scratch, BLUR[k], size);
-                blur_columns(&self.scratch, layer, BLUR[k], size);
+                blur_rows(layer, &mut self.scratch, BLUR[k]);
+                blur_columns(&self.scratch, layer, BLUR[k]);
             }
         }
+        let [near, wide] = &self.layers;
+        for ((texel, near), wide) in self.shadow.texels.iter_mut().zip(near).zip(wide) {
+            let light = (1.0 - near) * (1.0 - wide);
+            // Adding 2^23 rounds to the nearest integer in the low bits.
+            *texel = ((1.0 - light) * 255.0 + 8_388_608.0).to_bits() as u8;
+        }
         let mut dark: Option<[[u32; 2]; 2]> = None;
-        let [narrow, wide] = &self.layers;
-        for (k, texel) in self.shadow.texels.iter_mut().enumerate() {
-            let light = (1.0 - narrow[k]) * (1.0 - wide[k]);
-            *texel = ((1.0 - light) * 255.0 + 0.5) as u8;
-            if *texel > 0 {
-                let (x, y) = ((k % size) as u32, (k / size) as u32);
-                let [columns, rows] = dark.unwrap_or([[x, x], [y, y]]);
+        for (y, row) in (0..).zip(self.shadow.texels.chunks_exact(size)) {
+            let first = row.iter().position(|t| *t > 0);
+            let last = row.iter().rposition(|t| *t > 0);
+            if let (Some(first), Some(last)) = (first, last) {
+                let [columns, rows] = dark.unwrap_or([[first as u32, last as u32], [y, y]]);
                 dark = Some([
-                    [columns[0].min(x), columns[1].max(x)],
-                    [rows[0].min(y), rows[1].max(y)],
+                    [columns[0].min(first as u32), columns[1].max(last as u32)],
+                    [rows[0], y],
                 ]);
             }
         }
@@ -270,27 +319,42 @@ impl HeightMap<'_> {
     }
 }
 
-/// Running mean over `2 half + 1` texels along each row; zero beyond the map.
-fn blur_rows(from: &[f32], to: &mut [f32], half: usize, size: usize) {
-    for (source, target) in from.chunks_exact(size).zip(to.chunks_exact_mut(size)) {
-        let share = 1.0 / (2 * half + 1) as f32;
-        for (k, texel) in target.iter_mut().enumerate() {
-            let window = &source[k.saturating_sub(half)..(k + half + 1).min(size)];
-            *texel = window.iter().sum::<f32>() * share;
+/// Mean over `2 half + 1` texels along each row; zero beyond the map.
+fn blur_rows(from: &[f32], to: &mut [f32], half: usize) {
+    const WIDTH: usize = SHADOW_SIZE as usize;
+    let share = 1.0 / (2 * half + 1) as f32;
+    let mut padded = [0.0; WIDTH + 2 * MOST_BLUR];
+    for (source, target) in from
+        .as_chunks::<WIDTH>()
+        .0
+        .iter()
+        .zip(to.as_chunks_mut::<WIDTH>().0)
+    {
+        padded[half..half + WIDTH].copy_from_slice(source);
+        padded[half + WIDTH..].fill(0.0);
+        target.fill(0.0);
+        for shift in 0..=2 * half {
+            for (texel, value) in target.iter_mut().zip(&padded[shift..]) {
+                *texel += value * share;
+            }
         }
     }
 }
 
 /// The same along each column.
-fn blur_columns(from: &[f32], to: &mut [f32], half: usize, size: usize) {
+fn blur_columns(from: &[f32], to: &mut [f32], half: usize) {
+    const WIDTH: usize = SHADOW_SIZE as usize;
     let share = 1.0 / (2 * half + 1) as f32;
-    for (k, target) in to.chunks_exact_mut(size).enumerate() {
+    let rows = from.as_chunks::<WIDTH>().0;
+    for (k, target) in to.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
         target.fill(0.0);
-        for row in k.saturating_sub(half)..(k + half + 1).min(size) {
-            let source = &from[row * size..(row + 1) * size];
+        for source in &rows[k.saturating_sub(half)..(k + half + 1).min(WIDTH)] {
             for (texel, value) in target.iter_mut().zip(source) {
                 *texel += value * share;
             }
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -160,7 +160,7 @@ impl GroundView {
         }
         let (u, v) = (form(&self.u, x, y) / w, form(&self.v, x, y) / w);
         let share = u * u + v * v;
-        if !(share < 1.0) {
+        if share.is_nan() || share >= 1.0 {
             return None;
         }
         let lines = if self.pitch > 0.0 {

@@ -12,17 +12,17 @@ pub type Rgb = [f32; 3];
 /// so that the length is 1 without rounding a table of digits.
 pub const KEY_DIRECTION: [f32; 3] = [-4.0 / 9.0, 7.0 / 9.0, 4.0 / 9.0];
 /// Irradiance of the key light, faintly warm.
-pub const KEY_COLOUR: Rgb = [0.80, 0.785, 0.76];
+pub const KEY_COLOUR: Rgb = [0.71, 0.70, 0.68];
 /// How far the key light reaches around the terminator: 0 is Lambert, 1 reaches the far pole.
 pub const KEY_WRAP: f32 = 0.25;
 /// Unit direction towards the fill light: from the right, a little above the horizon.
 pub const FILL_DIRECTION: [f32; 3] = [6.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0];
 /// Irradiance of the fill light, faintly cool.
-pub const FILL_COLOUR: Rgb = [0.15, 0.16, 0.18];
+pub const FILL_COLOUR: Rgb = [0.16, 0.17, 0.19];
 /// Irradiance on a surface that faces up.
-pub const SKY_COLOUR: Rgb = [0.40, 0.41, 0.43];
+pub const SKY_COLOUR: Rgb = [0.45, 0.46, 0.48];
 /// Irradiance on a surface that faces down: light that the ground sends back.
-pub const GROUND_COLOUR: Rgb = [0.21, 0.20, 0.19];
+pub const GROUND_COLOUR: Rgb = [0.28, 0.27, 0.26];
 /// Strength of the wide sheen, `(n·h)^8`.
 pub const SHEEN: f32 = 0.045;
 /// Strength of the small highlight, `(n·h)^64`.
@@ -45,7 +45,7 @@ pub const GRID_MAX_FOOTPRINT: f32 = 0.25;
 /// Square of the share of the ground's radius within which it does not fade.
 pub const FADE_START_SQUARED: f32 = 0.20;
 /// How much the darkest contact shadow takes away, in linear light.
-pub const SHADOW_DARKNESS: f32 = 0.62;
+pub const SHADOW_DARKNESS: f32 = 0.74;
 
 /// Weights of linear red, green and blue in luminance (ITU-R BT.709).
 pub const LUMINANCE: Rgb = [0.2126, 0.7152, 0.0722];

@@ -18,10 +18,21 @@ pub enum RendererChoice {
     Cpu,
 }
 
+impl RendererChoice {
+    /// The adapter to ask for where none is named: `Auto` takes hardware only, `Gpu` also a software adapter.
+    pub fn default_adapter(self) -> AdapterChoice {
+        match self {
+            Self::Gpu => AdapterChoice::Any,
+            Self::Auto | Self::Cpu => AdapterChoice::Hardware,
+        }
+    }
+}
+
 /// Opens renderers of a stage: `workers` (at least one) of the built-in kind, or one on an adapter.
 ///
-/// Errors: no adapter for [`RendererChoice::Gpu`]; a device that fails; a picture beyond the adapter's limits.
-/// `Auto` falls back to the built-in renderer in all these cases.
+/// Errors: no adapter of the kind asked for; a device that fails; a picture that the renderer cannot draw. `Auto`
+/// with [`AdapterChoice::Hardware`] falls back to the built-in renderer instead; any other adapter was asked for by
+/// somebody, who is told.
 pub fn open(
     choice: RendererChoice,
     adapter: AdapterChoice,
@@ -31,10 +42,14 @@ pub fn open(
     match choice {
         RendererChoice::Cpu => open_cpu(&stage, workers),
         RendererChoice::Gpu => Ok(vec![open_gpu(stage, adapter)?]),
-        RendererChoice::Auto => match open_gpu(Arc::clone(&stage), adapter) {
-            Ok(renderer) => Ok(vec![renderer]),
-            Err(_) => open_cpu(&stage, workers),
-        },
+        RendererChoice::Auto => {
+            let fall_back = adapter == AdapterChoice::Hardware;
+            match open_gpu(Arc::clone(&stage), adapter) {
+                Ok(renderer) => Ok(vec![renderer]),
+                Err(_) if fall_back => open_cpu(&stage, workers),
+                Err(error) => Err(error),
+            }
+        }
     }
 }
 
@@ -67,4 +82,57 @@ fn open_gpu(_: Arc<Stage>, adapter: AdapterChoice) -> Result<Box<dyn Renderer>, 
          `--renderer cpu`",
         adapter.wanted()
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::math::Pose;
+    use crate::render::{Camera, Frame, Projection};
+    use image::RgbaImage;
+
+    fn stage() -> Arc<Stage> {
+        Arc::new(Stage {
+            meshes: Vec::new(),
+            size: [9, 7],
+            samples: 4,
+            camera: Camera {
+                world_from_camera: Pose::IDENTITY,
+                projection: Projection::Perspective { fov_y: 0.5 },
+                near: 0.1,
+                far: 10.0,
+            },
+            background: [1, 2, 3],
+            ground: None,
+        })
+    }
+
+    #[test]
+    fn the_built_in_renderer_comes_in_the_asked_number() {
+        for (workers, expected) in [(0, 1), (1, 1), (3, 3)] {
+            let adapter = RendererChoice::Cpu.default_adapter();
+            let renderers = open(RendererChoice::Cpu, adapter, stage(), workers).unwrap();
+            assert_eq!(renderers.len(), expected);
+            assert!(renderers.iter().all(|r| r.name() == "cpu"));
+        }
+    }
+
+    #[test]
+    fn auto_always_draws() {
+        let adapter = RendererChoice::Auto.default_adapter();
+        let mut renderers = open(RendererChoice::Auto, adapter, stage(), 2).unwrap();
+        let mut image = RgbaImage::new(9, 7);
+        renderers[0].draw(&Frame::default(), &mut image).unwrap();
+        assert!(image.pixels().all(|p| p.0 == [1, 2, 3, 255]));
+    }
+
+    #[test]
+    fn an_adapter_asked_for_by_name_is_not_replaced() {
+        for choice in [RendererChoice::Auto, RendererChoice::Gpu] {
+            let adapter = AdapterChoice::Name("no adapter has this name".to_owned());
+            let opened = open(choice, adapter, stage(), 1);
+            assert!(matches!(opened, Err(RenderError::NoAdapter(_))));
+        }
+    }
 }

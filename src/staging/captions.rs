@@ -14,8 +14,11 @@ const WARNING_COLOUR: [u8; 3] = [0xb4, 0x53, 0x09];
 const TITLE_SIZE: f64 = 0.036;
 const VALUE_SIZE: f64 = 0.030;
 
-/// Distance of the captions from the border, as fractions of width and height.
-const INSET: [f64; 2] = [0.02, 0.02];
+/// Distance of the captions from the border, as a fraction of the height.
+const INSET: f64 = 0.02;
+
+/// The same where the border carries the hatching of a missing pose.
+const INSET_IN_HATCHING: f64 = 0.05;
 
 /// Smallest height in pixels at which captions can be read; smaller pictures go without.
 const SMALLEST_READABLE: f64 = 7.0;
@@ -31,17 +34,23 @@ pub fn of_sample(
     if VALUE_SIZE * height < SMALLEST_READABLE {
         return Vec::new();
     }
+    let sample = &trajectory.samples[index];
+    let inset = if sample.pose.is_some() {
+        INSET
+    } else {
+        INSET_IN_HATCHING
+    };
+    let left = inset * height / f64::from(size[0]);
     let line = |text: String, y: f64, size: f64, colour| Label {
         text,
-        anchor: Anchor::Screen([INSET[0], y]),
+        anchor: Anchor::Screen([left, y]),
         size: size * height,
         colour,
         plate: false,
     };
-    let sample = &trajectory.samples[index];
     let mut labels = vec![line(
         scene.mechanism.title.clone(),
-        INSET[1],
+        inset,
         TITLE_SIZE,
         TITLE_COLOUR,
     )];
@@ -49,7 +58,7 @@ pub fn of_sample(
     if !values.is_empty() {
         labels.push(line(
             values.clone(),
-            1.0 - INSET[1] - 1.6 * VALUE_SIZE,
+            1.0 - inset - 1.6 * VALUE_SIZE,
             VALUE_SIZE,
             VALUE_COLOUR,
         ));
@@ -58,7 +67,7 @@ pub fn of_sample(
         let text = format!("no pose exists here: {values}");
         labels.push(line(
             text,
-            INSET[1] + 1.8 * TITLE_SIZE,
+            inset + 1.8 * TITLE_SIZE,
             VALUE_SIZE,
             WARNING_COLOUR,
         ));
@@ -118,6 +127,6 @@ pub fn in_world(
         anchor: Anchor::World(point),
         size: label.size * height,
         colour: label.colour,
-        plate: true,
+        plate: false,
     })
 }

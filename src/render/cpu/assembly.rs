@@ -2,7 +2,7 @@
 
 use super::clip::{Corner, clip};
 use super::lens::{Lens, OUTSIDE, Vertex};
-use super::samples::{Pattern, SUBPIXEL_BITS, SUBPIXELS};
+use super::samples::Pattern;
 use super::solid::Solid;
 use super::tile::TILE;
 use crate::math::narrow_pose;
@@ -54,8 +54,6 @@ pub(super) struct Bin {
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     pub(super) vertices: Vec<Vertex>,
-    /// Camera-space unit normals of the vertices.
-    pub(super) normals: Vec<[f32; 3]>,
     pub(super) facets: Vec<Facet>,
     pub(super) paints: Vec<Paint>,
     pub(super) bins: Vec<Bin>,
@@ -85,18 +83,28 @@ impl Assembly {
         }
     }
 
+    /// The vertices of a facet.
+    #[inline(always)]
+    pub(super) fn corners(&self, [a, b, c]: &[u32; 3]) -> [&Vertex; 3] {
+        [
+            &self.vertices[*a as usize],
+            &self.vertices[*b as usize],
+            &self.vertices[*c as usize],
+        ]
+    }
+
     /// Top left pixel of a tile.
     pub(super) fn origin(&self, tile: usize) -> [i32; 2] {
         [tile % self.columns, tile / self.columns].map(|k| (k * TILE) as i32)
     }
 
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
-    pub(super) fn assemble<const S: usize>(
+    pub(super) fn assemble<const G: usize>(
         &mut self,
         frame: &Frame,
         solids: &[Solid],
         lens: &Lens,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
     ) {
         self.clear();
         for instance in &frame.instances {
@@ -139,7 +147,6 @@ impl Assembly {
 
     fn clear(&mut self) {
         self.vertices.clear();
-        self.normals.clear();
         self.facets.clear();
         self.paints.clear();
         self.first_vertex.clear();
@@ -162,27 +169,22 @@ impl Assembly {
         let Some(solid) = solid else { return };
         let [x, y, z] = narrow_pose(&(lens.camera_from_world * instance.world_from_mesh));
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
-        self.vertices.extend(
-            solid
-                .positions
-                .iter()
-                .map(|p| lens.project([row(x, *p) + x[3], row(y, *p) + y[3], row(z, *p) + z[3]])),
-        );
-        self.normals.extend(
-            solid
-                .normals
-                .iter()
-                .map(|n| [row(x, *n), row(y, *n), row(z, *n)]),
-        );
+        let points = solid.positions.iter().zip(&solid.normals);
+        self.vertices.extend(points.map(|(p, n)| {
+            lens.project(
+                [row(x, *p) + x[3], row(y, *p) + y[3], row(z, *p) + z[3]],
+                [row(x, *n), row(y, *n), row(z, *n)],
+            )
+        }));
     }
 
-    fn sweep<const S: usize>(
+    fn sweep<const G: usize>(
         &mut self,
         index: usize,
         instance: &Instance,
         solid: &Solid,
         lens: &Lens,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
         faces: Faces,
     ) {
         let base = self.first_vertex[index];
@@ -190,12 +192,13 @@ impl Assembly {
         let start = (instance.triangles.start as usize).min(count);
         let end = (instance.triangles.end as usize).clamp(start, count);
         for (offset, triangle) in solid.triangles[start..end].iter().enumerate() {
-            let corners = triangle.map(|i| i + base);
-            let [a, b, c] = corners.map(|i| self.vertices[i as usize]);
+            let corners = [triangle[0] + base, triangle[1] + base, triangle[2] + base];
+            let [a, b, c] = self.corners(&corners);
             if a.x == OUTSIDE || b.x == OUTSIDE || c.x == OUTSIDE {
                 self.clipped(index, instance, solid, lens, pattern, faces, start + offset);
             } else {
-                self.facet(corners, [a, b, c], index, pattern, faces);
+                let places = [[a.x, a.y], [b.x, b.y], [c.x, c.y]];
+                self.facet(corners, places, index, pattern, faces);
             }
         }
     }
@@ -203,29 +206,29 @@ impl Assembly {
     /// Adds a triangle whose corners are all on the screen's plane, if its side is asked for and it can
     /// hold a sample.
     #[inline(always)]
-    fn facet<const S: usize>(
+    fn facet<const G: usize>(
         &mut self,
         [i, j, k]: [u32; 3],
-        [a, b, c]: [Vertex; 3],
+        [a, b, c]: [[i32; 2]; 3],
         index: usize,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
         faces: Faces,
     ) {
         let product = |p: i32, q: i32| i64::from(p) * i64::from(q);
-        let area = product(c.x - a.x, b.y - a.y) - product(b.x - a.x, c.y - a.y);
+        let area = product(c[0] - a[0], b[1] - a[1]) - product(b[0] - a[0], c[1] - a[1]);
         let front = area > 0;
         if area == 0 || (faces == Faces::Front && !front) || (faces == Faces::Back && front) {
             return;
         }
-        let [left, right] = [a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)];
-        let [top, bottom] = [a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y)];
+        let [left, right] = [a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0])];
+        let [top, bottom] = [a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1])];
         if !(pattern.meets(left, right) && pattern.meets(top, bottom)) {
             return;
         }
-        let first = |low: i32| (low - pattern.greatest + SUBPIXELS - 1) >> SUBPIXEL_BITS;
-        let last = |high: i32| (high - pattern.least) >> SUBPIXEL_BITS;
-        let [x0, x1] = [first(left).max(0), last(right).min(self.size[0] - 1)];
-        let [y0, y1] = [first(top).max(0), last(bottom).min(self.size[1] - 1)];
+        let [x0, x1] = pattern.pixels(left, right);
+        let [y0, y1] = pattern.pixels(top, bottom);
+        let [x0, x1] = [x0.max(0), x1.min(self.size[0] - 1)];
+        let [y0, y1] = [y0.max(0), y1.min(self.size[1] - 1)];
         if x0 > x1 || y0 > y1 {
             return;
         }
@@ -251,13 +254,13 @@ impl Assembly {
     /// The part of a triangle that can be projected, as a fan of new vertices.
     #[cold]
     #[allow(clippy::too_many_arguments)]
-    fn clipped<const S: usize>(
+    fn clipped<const G: usize>(
         &mut self,
         index: usize,
         instance: &Instance,
         solid: &Solid,
         lens: &Lens,
-        pattern: &Pattern<S>,
+        pattern: &Pattern<G>,
         faces: Faces,
         triangle: usize,
     ) {
@@ -274,14 +277,14 @@ impl Assembly {
         let polygon = polygon.corners();
         let first = self.vertices.len() as u32;
         for corner in polygon {
-            self.vertices.push(lens.project(corner.position));
-            self.normals.push(corner.normal);
+            self.vertices
+                .push(lens.project(corner.position, corner.normal));
         }
         for k in 2..polygon.len() as u32 {
             let fan = [first, first + k - 1, first + k];
-            let vertices = fan.map(|i| self.vertices[i as usize]);
-            if vertices.iter().all(|v| v.x != OUTSIDE) {
-                self.facet(fan, vertices, index, pattern, faces);
+            let places = fan.map(|i| &self.vertices[i as usize]).map(|v| [v.x, v.y]);
+            if places.iter().all(|p| p[0] != OUTSIDE) {
+                self.facet(fan, places, index, pattern, faces);
             }
         }
     }

@@ -5,7 +5,7 @@
 use super::tile::TILE;
 use crate::render::Stage;
 use crate::render::colour::Curve;
-use crate::render::contact_shadow::ContactShadow;
+use crate::render::contact_shadow::{ContactShadow, TexelPlace};
 use crate::render::ground::GroundView;
 use crate::render::look::{self, Rgb};
 
@@ -14,10 +14,10 @@ use crate::render::look::{self, Rgb};
 struct Spot {
     /// Factor on the background without shadow.
     factor: f32,
-    /// Coordinates on the ground in units of its radius.
-    at: [f32; 2],
-    /// Presence of the ground; 0 where there is none.
-    fade: f32,
+    /// How much the darkest shadow would take away; 0 where there is no ground.
+    shadow: f32,
+    /// Where the shadow is looked up.
+    place: TexelPlace,
 }
 
 /// The picture without bodies.
@@ -77,8 +77,8 @@ impl Backdrop {
                 let [u, v] = point.at;
                 self.spots[y * width + x] = Spot {
                     factor,
-                    at: point.at,
-                    fade: point.fade,
+                    shadow: point.fade * look::SHADOW_DARKNESS,
+                    place: TexelPlace::new(u, v),
                 };
                 let code = self.background.map(|c| curve.encode(c * factor));
                 self.codes[y * width + x] = [code[0], code[1], code[2], 255];
@@ -111,17 +111,15 @@ impl Backdrop {
     }
 
     /// Linear colour of a pixel, with the shadow where there is one, and whether the shadow changes it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn linear(&self, x: usize, y: usize, shadow: Option<&ContactShadow>) -> (Rgb, bool) {
         let Some(spot) = self.spots.get(y * self.size[0] + x) else {
             return (self.background, false);
         };
-        let darkness = match shadow {
-            Some(shadow) if spot.fade > 0.0 => shadow.sample(spot.at[0], spot.at[1]),
-            _ => 0.0,
-        };
-        let factor = spot.factor * (1.0 - spot.fade * look::SHADOW_DARKNESS * darkness);
-        (self.background.map(|c| c * factor), darkness > 0.0)
+        let darkness = shadow.map_or(0.0, |shadow| shadow.at(spot.place)) * spot.shadow;
+        let factor = spot.factor * (1.0 - darkness);
+        let [r, g, b] = self.background;
+        ([r * factor, g * factor, b * factor], darkness > 0.0)
     }
 
     /// Nearness of the ground at a place in the picture (pixels), as vertices measure it; minus infinity

@@ -21,6 +21,8 @@ pub(super) struct Vertex {
     pub(super) y: i32,
     /// Nearness, affine over the screen: inverse distance in a perspective, else minus the distance.
     pub(super) depth: f32,
+    /// Camera-space unit normal.
+    pub(super) normal: [f32; 3],
 }
 
 /// A camera's projection in f32.
@@ -49,9 +51,9 @@ impl Lens {
         }
     }
 
-    /// Screen place of a point of camera space; `x` is [`OUTSIDE`] where it must be clipped first.
+    /// Screen place of a point of camera space with its normal; `x` is [`OUTSIDE`] where it must be clipped first.
     #[inline(always)]
-    pub(super) fn project(&self, point: [f32; 3]) -> Vertex {
+    pub(super) fn project(&self, point: [f32; 3], normal: [f32; 3]) -> Vertex {
         let distance = -point[2];
         let inverse = 1.0 / distance;
         let (scale, depth) = if self.perspective {
@@ -68,6 +70,7 @@ impl Lens {
             x: if inside { round(x) } else { OUTSIDE },
             y: round(y),
             depth,
+            normal,
         }
     }
 
@@ -97,7 +100,7 @@ impl Lens {
 
     /// Direction from what a pixel shows to the eye, in camera space, not normalised.
     #[inline(always)]
-    pub(super) fn to_viewer(&self, x: f32, y: f32) -> [f32; 3] {
+    pub(super) fn viewer_from(&self, x: f32, y: f32) -> [f32; 3] {
         if self.perspective {
             [
                 (self.center[0] - x) * self.slope,

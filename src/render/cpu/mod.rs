@@ -7,6 +7,7 @@
 
 mod assembly;
 mod backdrop;
+mod blocks;
 mod clip;
 mod lens;
 mod raster;
@@ -44,14 +45,12 @@ pub struct CpuRenderer {
     up: [f32; 3],
 }
 
-/// A tile's samples, by their number.
+/// A tile's samples, by the number of vectors that a pixel's fill.
 #[derive(Debug)]
 enum AnyTile {
     One(Tile<1>),
     Two(Tile<2>),
     Four(Tile<4>),
-    Eight(Tile<8>),
-    Sixteen(Tile<16>),
 }
 
 impl CpuRenderer {
@@ -74,11 +73,9 @@ impl CpuRenderer {
             None => glam::DVec3::Y,
         };
         let tile = match stage.samples {
-            1 => AnyTile::One(Tile::new()),
-            2 => AnyTile::Two(Tile::new()),
-            8 => AnyTile::Eight(Tile::new()),
-            16 => AnyTile::Sixteen(Tile::new()),
-            _ => AnyTile::Four(Tile::new()),
+            16 => AnyTile::Four(Tile::new(16)),
+            8 => AnyTile::Two(Tile::new(8)),
+            fewer => AnyTile::One(Tile::new(fewer)),
         };
         let caster = ShadowCaster::new(&stage).filter(|_| backdrop.view.is_some());
         Ok(Self {
@@ -142,8 +139,6 @@ impl Renderer for CpuRenderer {
             AnyTile::One(tile) => scene.draw(assembly, tile, image),
             AnyTile::Two(tile) => scene.draw(assembly, tile, image),
             AnyTile::Four(tile) => scene.draw(assembly, tile, image),
-            AnyTile::Eight(tile) => scene.draw(assembly, tile, image),
-            AnyTile::Sixteen(tile) => scene.draw(assembly, tile, image),
         }
         if frame.no_pose {
             colour::mark_no_pose(image, self.stage.background);
@@ -165,10 +160,10 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn draw<const S: usize>(
+    fn draw<const G: usize>(
         &self,
         assembly: &mut Assembly,
-        tile: &mut Tile<S>,
+        tile: &mut Tile<G>,
         image: &mut RgbaImage,
     ) {
         assembly.assemble(self.frame, self.solids, self.lens, &tile.pattern);
@@ -194,3 +189,6 @@ impl Scene<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,151 +2,234 @@
 //!
 //! A sample on an edge that two triangles share belongs to exactly one of them. Holds no colours.
 
+use super::blocks::by_blocks;
 use super::lens::Vertex;
 use super::samples::{Pattern, SUBPIXEL_BITS, SUBPIXELS};
+use super::tile::TILE;
+use wide::{f32x4, i32x4};
 
-/// Triangles whose box is smaller than this many screen units are drawn with 32-bit edge functions:
-/// products of two such lengths, doubled, stay below 2^31.
-const SMALL: i32 = 1 << 14;
-
-/// Pixels of the picture, first included, last included.
+/// A triangle whose part in the tile has at most this many rows or columns is visited cell by cell; in
+/// a larger one the range of cells is computed for each row.
+const DIRECT: i32 = 12;
+/// Longest side in screen units of a triangle that is visited cell by cell: products of two such lengths,
+/// doubled, stay below 2^31.
+const DIRECT_REACH: i32 = 1 << 14;
+/// Pixels of the picture, first included, last included. The first is the tile's own first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub(super) x: [i32; 2],
     pub(super) y: [i32; 2],
 }
 
-/// An integer wide enough for the edge functions of a triangle.
-trait Edge: Copy + std::ops::Add<Output = Self> + std::ops::BitOr<Output = Self> {
-    fn of(value: i64) -> Self;
-    /// All ones for a negative number, else zero.
-    fn sign(self) -> i32;
-}
+/// What a triangle does in one vector of a cell: index of the cell in its tile, number of the vector, all
+/// ones in the lanes that are covered, depths of all lanes.
+pub(super) trait Visit: FnMut(usize, usize, f32x4, f32x4) {}
+impl<F: FnMut(usize, usize, f32x4, f32x4)> Visit for F {}
 
-impl Edge for i32 {
-    #[inline(always)]
-    fn of(value: i64) -> Self {
-        value as i32
-    }
-    #[inline(always)]
-    fn sign(self) -> i32 {
-        self >> 31
-    }
-}
-
-impl Edge for i64 {
-    #[inline(always)]
-    fn of(value: i64) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn sign(self) -> i32 {
-        (self >> 63) as i32
-    }
-}
-
-/// Calls `visit` for the pixels of `window` that the triangle may cover, with a mask a sample (all ones
-/// where covered) and the depth of each sample. The corners are counter-clockwise on the screen.
+/// Calls `visit` for every vector of samples of which the triangle covers any. The corners are
+/// counter-clockwise on the screen.
 #[inline(always)]
-pub(super) fn rasterise<const S: usize>(
-    corners: [Vertex; 3],
-    window: Window,
-    pattern: &Pattern<S>,
-    visit: impl FnMut(i32, i32, &[i32; S], &[f32; S]),
+pub(super) fn rasterise<const G: usize>(
+    corners: [&Vertex; 3],
+    window: &Window,
+    pattern: &Pattern<G>,
+    visit: impl Visit,
 ) {
     let [a, b, c] = corners;
     let [left, right] = [a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)];
     let [top, bottom] = [a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y)];
-    let first = |low: i32| (low - pattern.greatest + SUBPIXELS - 1) >> SUBPIXEL_BITS;
-    let last = |high: i32| (high - pattern.least) >> SUBPIXEL_BITS;
-    let window = Window {
-        x: [first(left).max(window.x[0]), last(right).min(window.x[1])],
-        y: [first(top).max(window.y[0]), last(bottom).min(window.y[1])],
+    let (x, y) = (pattern.pixels(left, right), pattern.pixels(top, bottom));
+    let area = Window {
+        x: [x[0].max(window.x[0]), x[1].min(window.x[1])],
+        y: [y[0].max(window.y[0]), y[1].min(window.y[1])],
     };
-    if window.x[0] > window.x[1] || window.y[0] > window.y[1] {
+    if area.x[0] > area.x[1] || area.y[0] > area.y[1] {
         return;
     }
-    if right - left < SMALL && bottom - top < SMALL {
-        scan::<i32, S>(corners, window, pattern, visit);
+    let small = area.x[1] - area.x[0] < DIRECT && area.y[1] - area.y[0] < DIRECT;
+    if small && right - left < DIRECT_REACH && bottom - top < DIRECT_REACH {
+        direct(corners, window, &area, pattern, visit);
     } else {
-        scan::<i64, S>(corners, window, pattern, visit);
+        by_blocks(corners, window, &area, pattern, visit);
     }
 }
 
-/// One edge: its value grows by `x` a screen unit to the right and by `y` a unit down.
+/// Depth over the screen: at a point, and its growth a screen unit to the right and down.
 #[derive(Clone, Copy)]
-struct Side {
-    x: i64,
-    y: i64,
-    /// At the window's first pixel corner, less one where points on the edge do not belong.
-    start: i64,
+pub(super) struct Plane {
+    from: [i32; 2],
+    depth: f32,
+    x: f32,
+    y: f32,
 }
 
-impl Side {
+impl Plane {
+    /// Through the corners; `ca` and `ab` are the steps of the edges opposite b and c.
     #[inline(always)]
-    fn new(from: Vertex, to: Vertex, origin: [i32; 2]) -> Self {
-        let x = i64::from(to.y - from.y);
-        let y = i64::from(from.x - to.x);
-        let belongs = x > 0 || (x == 0 && y > 0);
-        let start = x * i64::from(origin[0] - from.x) + y * i64::from(origin[1] - from.y);
+    pub(super) fn new([a, b, c]: [&Vertex; 3], ab: [f32; 2], ca: [f32; 2], area: f32) -> Self {
+        let inverse = 1.0 / area;
+        let (to_b, to_c) = ((b.depth - a.depth) * inverse, (c.depth - a.depth) * inverse);
         Self {
-            x,
-            y,
-            start: start - i64::from(!belongs),
+            from: [a.x, a.y],
+            depth: a.depth,
+            x: to_b * ca[0] + to_c * ab[0],
+            y: to_b * ca[1] + to_c * ab[1],
         }
     }
+
+    /// At the corner of a pixel.
+    #[inline(always)]
+    pub(super) fn at(&self, x: i32, y: i32) -> f32 {
+        let (dx, dy) = (
+            (x << SUBPIXEL_BITS) - self.from[0],
+            (y << SUBPIXEL_BITS) - self.from[1],
+        );
+        self.depth + self.x * dx as f32 + self.y * dy as f32
+    }
+
+    #[inline(always)]
+    pub(super) fn offsets<const G: usize>(&self, pattern: &Pattern<G>) -> [f32x4; G] {
+        std::array::from_fn(|g| {
+            let (x, y) = (
+                pattern.x[g].map(|v| v as f32),
+                pattern.y[g].map(|v| v as f32),
+            );
+            f32x4::from(x) * f32x4::splat(self.x) + f32x4::from(y) * f32x4::splat(self.y)
+        })
+    }
 }
 
+/// Edge functions at the lanes of a first cell, with their steps from cell to cell and from row to row.
+pub(super) struct Edges<const G: usize> {
+    pub(super) at: [[i32x4; G]; 3],
+    pub(super) step_x: [i32x4; 3],
+    pub(super) step_y: [i32x4; 3],
+}
+
+/// Cells of a tile: first and last column, first and last row.
+pub(super) struct Cells {
+    pub(super) x: [i32; 2],
+    pub(super) y: [i32; 2],
+}
+
+impl Cells {
+    #[inline(always)]
+    pub(super) fn new<const G: usize>(
+        area: &Window,
+        window: &Window,
+        pattern: &Pattern<G>,
+    ) -> Self {
+        let column = |x: i32| (x - window.x[0]) >> pattern.cell_bits;
+        Self {
+            x: [column(area.x[0]), column(area.x[1])],
+            y: [area.y[0] - window.y[0], area.y[1] - window.y[0]],
+        }
+    }
+
+    /// First pixel of the first cell.
+    #[inline(always)]
+    fn origin<const G: usize>(&self, window: &Window, pattern: &Pattern<G>) -> [i32; 2] {
+        [
+            window.x[0] + (self.x[0] << pattern.cell_bits),
+            window.y[0] + self.y[0],
+        ]
+    }
+}
+
+/// Visits the cells, knowing the edge functions and the depth at the first one.
+// One index through several arrays of vectors.
+#[allow(clippy::needless_range_loop)]
 #[inline(always)]
-fn scan<E: Edge, const S: usize>(
-    [a, b, c]: [Vertex; 3],
-    window: Window,
-    pattern: &Pattern<S>,
-    mut visit: impl FnMut(i32, i32, &[i32; S], &[f32; S]),
+pub(super) fn scan<const G: usize>(
+    mut edges: Edges<G>,
+    cells: &Cells,
+    plane: &Plane,
+    origin: [i32; 2],
+    pattern: &Pattern<G>,
+    visit: &mut impl Visit,
 ) {
-    let origin = [window.x[0] * SUBPIXELS, window.y[0] * SUBPIXELS];
-    let sides = [
-        Side::new(a, b, origin),
-        Side::new(b, c, origin),
-        Side::new(c, a, origin),
-    ];
-    // The depth over the screen is a plane: weights of b and c are the edges opposite to them.
-    let area = sides[0].x * i64::from(c.x - a.x) + sides[0].y * i64::from(c.y - a.y);
-    let inverse = 1.0 / area as f32;
-    let (to_b, to_c) = ((b.depth - a.depth) * inverse, (c.depth - a.depth) * inverse);
-    let slope_x = to_b * sides[2].x as f32 + to_c * sides[0].x as f32;
-    let slope_y = to_b * sides[2].y as f32 + to_c * sides[0].y as f32;
-    let depth_at =
-        |x: i32, y: i32| a.depth + slope_x * (x - a.x) as f32 + slope_y * (y - a.y) as f32;
-    let offsets: [[E; S]; 3] = sides.map(|side| {
-        std::array::from_fn(|s| {
-            E::of(side.x * i64::from(pattern.x[s]) + side.y * i64::from(pattern.y[s]))
-        })
-    });
-    let depth_offsets: [f32; S] =
-        std::array::from_fn(|s| slope_x * pattern.x[s] as f32 + slope_y * pattern.y[s] as f32);
-    let step_x: [E; 3] = sides.map(|side| E::of(side.x << SUBPIXEL_BITS));
-    let step_y: [E; 3] = sides.map(|side| E::of(side.y << SUBPIXEL_BITS));
-    let mut row: [E; 3] = sides.map(|side| E::of(side.start));
-    for y in window.y[0]..=window.y[1] {
-        let mut at = row;
-        for x in window.x[0]..=window.x[1] {
-            let depth = depth_at(x << SUBPIXEL_BITS, y << SUBPIXEL_BITS);
-            let mut covered = [0i32; S];
-            let mut depths = [0f32; S];
-            for s in 0..S {
-                let outside =
-                    (at[0] + offsets[0][s]) | (at[1] + offsets[1][s]) | (at[2] + offsets[2][s]);
-                covered[s] = !outside.sign();
-                depths[s] = depth + depth_offsets[s];
+    let offsets = plane.offsets(pattern);
+    let step = plane.x * (SUBPIXELS << pattern.cell_bits) as f32;
+    let columns = TILE as i32 >> pattern.cell_bits;
+    for row in cells.y[0]..=cells.y[1] {
+        let mut at = edges.at;
+        let start = plane.at(origin[0], origin[1] + row - cells.y[0]);
+        let mut along = 0.0;
+        for column in cells.x[0]..=cells.x[1] {
+            for g in 0..G {
+                let outside: i32x4 = at[0][g] | at[1][g] | at[2][g];
+                let outside = f32x4::from_bits((outside >> 31u32).cast_unsigned());
+                if outside.to_bitmask() != 0b1111 {
+                    let depth = f32x4::splat(start + step * along) + offsets[g];
+                    visit((row * columns + column) as usize, g, !outside, depth);
+                }
+                for k in 0..3 {
+                    at[k][g] += edges.step_x[k];
+                }
             }
-            visit(x, y, &covered, &depths);
-            for k in 0..3 {
-                at[k] = at[k] + step_x[k];
-            }
+            along += 1.0;
         }
         for k in 0..3 {
-            row[k] = row[k] + step_y[k];
+            for g in 0..G {
+                edges.at[k][g] += edges.step_y[k];
+            }
         }
     }
+}
+
+/// One edge: its value grows by `x` a screen unit to the right and by `y` a unit down, and is at least
+/// zero on the points that belong to the triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Side<T> {
+    pub(super) x: T,
+    pub(super) y: T,
+    /// At the first cell's corner.
+    pub(super) start: T,
+}
+
+/// A small triangle, all in 32 bits.
+#[inline(always)]
+fn direct<const G: usize>(
+    corners: [&Vertex; 3],
+    window: &Window,
+    area: &Window,
+    pattern: &Pattern<G>,
+    mut visit: impl Visit,
+) {
+    let cells = Cells::new(area, window, pattern);
+    let origin = cells.origin(window, pattern);
+    let side = |from: &Vertex, to: &Vertex| {
+        let (x, y) = (to.y - from.y, from.x - to.x);
+        // Without short cuts: a branch here would be a coin toss for the processor.
+        let belongs = (x > 0) | ((x == 0) & (y > 0));
+        let (dx, dy) = (
+            (origin[0] << SUBPIXEL_BITS) - from.x,
+            (origin[1] << SUBPIXEL_BITS) - from.y,
+        );
+        Side {
+            x,
+            y,
+            start: x * dx + y * dy - i32::from(!belongs),
+        }
+    };
+    let [a, b, c] = corners;
+    let sides = [side(a, b), side(b, c), side(c, a)];
+    let double = sides[0].x * (c.x - a.x) + sides[0].y * (c.y - a.y);
+    let slope = |s: &Side<i32>| [s.x as f32, s.y as f32];
+    let plane = Plane::new(corners, slope(&sides[0]), slope(&sides[2]), double as f32);
+    // A place times a step is below 2^24, where f32 is exact and its vector product is one instruction.
+    let lanes = |side: &Side<i32>| -> [i32x4; G] {
+        std::array::from_fn(|g| {
+            let offset = pattern.places_x[g] * f32x4::splat(side.x as f32)
+                + pattern.places_y[g] * f32x4::splat(side.y as f32);
+            offset.fast_trunc_int() + i32x4::splat(side.start)
+        })
+    };
+    let cell = SUBPIXELS << pattern.cell_bits;
+    let edges = Edges {
+        at: [lanes(&sides[0]), lanes(&sides[1]), lanes(&sides[2])],
+        step_x: [0, 1, 2].map(|k| i32x4::splat(sides[k].x * cell)),
+        step_y: [0, 1, 2].map(|k| i32x4::splat(sides[k].y * SUBPIXELS)),
+    };
+    scan(edges, &cells, &plane, origin, pattern, &mut visit);
 }

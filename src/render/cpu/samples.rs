@@ -3,6 +3,7 @@
 //! The same places as a GPU's, so that both renderers' edges fall on the same pixels.
 
 use super::RenderError;
+use wide::f32x4;
 
 /// Bits of a pixel's fraction in screen coordinates, as graphics interfaces ask for.
 pub(super) const SUBPIXEL_BITS: u32 = 8;
@@ -42,38 +43,61 @@ const SIXTEEN: [[i32; 2]; 16] = [
     [1, 0],
 ];
 
-/// The sample places of a pixel in screen units, for a number of samples fixed at compile time.
+/// Lanes of a vector.
+pub(super) const LANES: usize = 4;
+
+/// The sample places of a cell: the pixels whose samples fill `G` vectors of four lanes.
+///
+/// With four samples or more a cell is one pixel; with two it is two and with one four pixels of a row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pattern<const S: usize> {
-    pub(super) x: [i32; S],
-    pub(super) y: [i32; S],
-    /// Least and greatest place along either axis: samples fill both axes alike.
+pub(super) struct Pattern<const G: usize> {
+    /// Samples of a pixel.
+    pub(super) samples: usize,
+    /// Places of the lanes from the cell's top left corner in screen units.
+    pub(super) x: [[i32; LANES]; G],
+    pub(super) y: [[i32; LANES]; G],
+    /// The same as numbers to multiply with.
+    pub(super) places_x: [f32x4; G],
+    pub(super) places_y: [f32x4; G],
+    /// The pixels of a cell are 2 to this power.
+    pub(super) cell_bits: u32,
+    /// Least and greatest place along either axis of a pixel: samples fill both axes alike.
     pub(super) least: i32,
     pub(super) greatest: i32,
-    /// Distance of neighbouring places along an axis.
+    /// Distance of neighbouring places along an axis, as a power of two.
     pub(super) pitch_bits: u32,
 }
 
-impl<const S: usize> Pattern<S> {
-    /// The pattern of `S` samples; `S` other than 1, 2, 4, 8 and 16 repeats the pixel's middle.
-    pub(super) fn new() -> Self {
-        let places: &[[i32; 2]] = match S {
+impl<const G: usize> Pattern<G> {
+    /// The pattern of `samples` a pixel, which must fill `G` vectors or divide one.
+    pub(super) fn new(samples: u32) -> Self {
+        let places: &[[i32; 2]] = match samples {
             2 => &TWO,
             4 => &FOUR,
             8 => &EIGHT,
             16 => &SIXTEEN,
             _ => &ONE,
         };
-        let along = |axis: usize| -> [i32; S] {
-            std::array::from_fn(|s| places[s % places.len()][axis] * (SUBPIXELS / 16))
+        let unit = SUBPIXELS / 16;
+        let lane = |axis: usize, lane: usize| {
+            let pixel = (lane / places.len()) as i32 * SUBPIXELS;
+            places[lane % places.len()][axis] * unit + if axis == 0 { pixel } else { 0 }
         };
-        let x = along(0);
+        let along = |axis: usize| -> [[i32; LANES]; G] {
+            std::array::from_fn(|g| std::array::from_fn(|k| lane(axis, g * LANES + k)))
+        };
+        let column = places.iter().map(|place| place[0] * unit);
+        let numbers = |places: [[i32; LANES]; G]| places.map(|p| f32x4::from(p.map(|v| v as f32)));
         Self {
-            x,
+            samples: places.len(),
+            x: along(0),
             y: along(1),
-            least: x.iter().copied().min().unwrap_or(0),
-            greatest: x.iter().copied().max().unwrap_or(0),
-            pitch_bits: SUBPIXEL_BITS - S.ilog2(),
+            places_x: numbers(along(0)),
+            places_y: numbers(along(1)),
+            cell_bits: (G * LANES / places.len()).ilog2(),
+            least: column.clone().min().unwrap_or(0),
+            greatest: column.max().unwrap_or(0),
+            pitch_bits: SUBPIXEL_BITS - places.len().ilog2(),
         }
     }
 
@@ -82,6 +106,15 @@ impl<const S: usize> Pattern<S> {
     pub(super) fn meets(&self, low: i32, high: i32) -> bool {
         let cell = |place: i32| (place - self.least) >> self.pitch_bits;
         cell(low - 1) != cell(high)
+    }
+
+    /// First and last pixel that can have a sample within `low..=high` screen units.
+    #[inline(always)]
+    pub(super) fn pixels(&self, low: i32, high: i32) -> [i32; 2] {
+        [
+            (low - self.greatest + SUBPIXELS - 1) >> SUBPIXEL_BITS,
+            (high - self.least) >> SUBPIXEL_BITS,
+        ]
     }
 }
 
@@ -100,33 +133,35 @@ mod tests {
     use super::*;
 
     /// Each pattern has one sample in each row and each column of its own fine grid.
-    fn is_latin<const S: usize>() {
-        let pattern = Pattern::<S>::new();
-        for places in [pattern.x, pattern.y] {
-            let mut sorted = places;
+    fn is_latin<const G: usize>(samples: usize) {
+        let pattern = Pattern::<G>::new(samples as u32);
+        assert_eq!(pattern.samples, samples);
+        assert_eq!(samples << pattern.cell_bits, G * LANES);
+        for places in [&pattern.x, &pattern.y] {
+            let mut sorted = places.as_flattened()[..samples].to_vec();
             sorted.sort_unstable();
             for (k, place) in sorted.iter().enumerate() {
                 assert_eq!(*place, pattern.least + ((k as i32) << pattern.pitch_bits));
             }
-            assert_eq!(sorted[S - 1], pattern.greatest);
+            assert_eq!(sorted[samples - 1], pattern.greatest);
         }
     }
 
     #[test]
     fn patterns_fill_rows_and_columns_evenly() {
-        is_latin::<1>();
-        is_latin::<2>();
-        is_latin::<4>();
-        is_latin::<8>();
-        is_latin::<16>();
+        is_latin::<1>(1);
+        is_latin::<1>(2);
+        is_latin::<1>(4);
+        is_latin::<2>(8);
+        is_latin::<4>(16);
     }
 
     #[test]
     fn meets_finds_exactly_the_sample_columns() {
-        let pattern = Pattern::<4>::new();
+        let pattern = Pattern::<1>::new(4);
         for low in -300..300 {
             for high in low..low + 90 {
-                let truth = (low..=high).any(|x: i32| pattern.x.contains(&x.rem_euclid(256)));
+                let truth = (low..=high).any(|x: i32| pattern.x[0].contains(&x.rem_euclid(256)));
                 assert_eq!(pattern.meets(low, high), truth, "{low} {high}");
             }
         }

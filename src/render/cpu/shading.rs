@@ -63,6 +63,8 @@ impl Batch {
     }
 
     /// Lights all items, adds them to their pixels by weight and empties the batch.
+    // One index through many arrays is what becomes vector code.
+    #[allow(clippy::needless_range_loop)]
     pub(super) fn flush(&mut self, up: [f32; 3], pixels: &mut [[f32; 3]]) {
         let mut colour = [[0.0; BATCH]; 3];
         for i in 0..BATCH {
@@ -119,8 +121,7 @@ pub(super) fn normal_at(
     x: i32,
     y: i32,
 ) -> [f32; 3] {
-    let [i, j, k] = facet.corners.map(|i| i as usize);
-    let [a, b, c] = [i, j, k].map(|i| assembly.vertices[i]);
+    let [a, b, c] = assembly.corners(&facet.corners);
     let (px, py) = (x * SUBPIXELS + SUBPIXELS / 2, y * SUBPIXELS + SUBPIXELS / 2);
     let edge = |from: &super::lens::Vertex, to: &super::lens::Vertex| {
         let value = (to.y - from.y) as f32 * (px - from.x) as f32
@@ -129,16 +130,14 @@ pub(super) fn normal_at(
     };
     let depth = |v: &super::lens::Vertex| if lens.perspective { v.depth } else { 1.0 };
     let weights = [
-        edge(&b, &c) * depth(&a),
-        edge(&c, &a) * depth(&b),
-        edge(&a, &b) * depth(&c),
+        edge(b, c) * depth(a),
+        edge(c, a) * depth(b),
+        edge(a, b) * depth(c),
     ];
-    let normals = [i, j, k].map(|i| assembly.normals[i]);
     let side = facet.side();
     // The weights' sum is of the size of the area; scaled to keep the squares within range.
     let scale = side / look::larger(weights[0] + weights[1] + weights[2], 1e-30);
     std::array::from_fn(|n| {
-        (weights[0] * normals[0][n] + weights[1] * normals[1][n] + weights[2] * normals[2][n])
-            * scale
+        (weights[0] * a.normal[n] + weights[1] * b.normal[n] + weights[2] * c.normal[n]) * scale
     })
 }

@@ -4,11 +4,12 @@ use super::assembly::{Assembly, Bin};
 use super::backdrop::Backdrop;
 use super::lens::Lens;
 use super::raster::{Window, rasterise};
-use super::samples::{Pattern, SUBPIXELS};
+use super::samples::{LANES, Pattern, SUBPIXELS};
 use super::shading::{Batch, normal_at};
 use super::translucent::Layers;
 use crate::render::colour::Curve;
 use crate::render::contact_shadow::ContactShadow;
+use wide::{f32x4, i32x4};
 
 /// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
 /// cache holds.
@@ -16,7 +17,11 @@ pub(super) const TILE: usize = 32;
 /// Pixels of a tile.
 pub(super) const AREA: usize = TILE * TILE;
 /// No facet: the backdrop is seen.
-pub(super) const NOTHING: u32 = u32::MAX;
+pub(super) const NOTHING: i32 = -1;
+/// Marks the colour of a pixel in which no facet is seen.
+const BARE: [f32; 3] = [-1.0; 3];
+/// Most samples of a pixel.
+const MOST_SAMPLES: usize = 16;
 
 /// What is the same for all tiles of a frame.
 #[derive(Clone, Copy)]
@@ -30,31 +35,130 @@ pub(super) struct View<'a> {
     pub(super) below_ground: bool,
 }
 
-/// The samples of one tile, reused for all.
-#[derive(Debug)]
-pub(super) struct Tile<const S: usize> {
-    pub(super) pattern: Pattern<S>,
-    pub(super) depth: Vec<[f32; S]>,
-    pub(super) facet: Vec<[u32; S]>,
-    colour: Vec<[f32; 3]>,
-    batch: Batch,
-    layers: Layers<S>,
+/// The samples of one cell, `G` vectors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell<const G: usize> {
+    pub(super) depth: [[f32; LANES]; G],
+    facet: [[i32; LANES]; G],
 }
 
-impl<const S: usize> Tile<S> {
-    pub(super) fn new() -> Self {
+impl<const G: usize> Cell<G> {
+    const BARE: Self = Self {
+        depth: [[f32::NEG_INFINITY; LANES]; G],
+        facet: [[NOTHING; LANES]; G],
+    };
+}
+
+/// Facets of the `S` samples of a pixel of a tile.
+#[inline(always)]
+fn facets_of<const S: usize, const G: usize>(cells: &[Cell<G>], pixel: usize) -> [i32; S] {
+    let lane = pixel * S;
+    let cell = &cells[lane / (LANES * G)];
+    let lanes = cell.facet.as_flattened();
+    std::array::from_fn(|s| lanes[(lane + s) % (LANES * G)])
+}
+
+/// The samples of one tile, reused for all, row by row.
+#[derive(Debug)]
+pub(super) struct Tile<const G: usize> {
+    pub(super) pattern: Pattern<G>,
+    cells: Vec<Cell<G>>,
+    /// Linear colours of the pixels.
+    colour: Vec<[f32; 3]>,
+    batch: Batch,
+    layers: Layers,
+}
+
+/// Facets seen in a pixel, with the number of samples of each.
+struct Seen {
+    facets: [(i32, u32); MOST_SAMPLES],
+    count: usize,
+}
+
+impl Seen {
+    #[inline(always)]
+    fn of(samples: &[i32]) -> Self {
+        let mut seen = Self {
+            facets: [(NOTHING, 0); MOST_SAMPLES],
+            count: 0,
+        };
+        for facet in samples {
+            let known = seen.facets[..seen.count]
+                .iter_mut()
+                .find(|(f, _)| f == facet);
+            match known {
+                Some((_, count)) => *count += 1,
+                None => {
+                    seen.facets[seen.count % MOST_SAMPLES] = (*facet, 1);
+                    seen.count += 1;
+                }
+            }
+        }
+        seen
+    }
+
+    /// Makes facets of one smooth surface into one, the one with most samples: the light on either is the
+    /// same but for the curvature within a pixel.
+    #[inline(always)]
+    fn merge(&mut self, assembly: &Assembly) {
+        let mut i = 0;
+        while i + 1 < self.count {
+            let (first, mut sum) = self.facets[i];
+            let mut most = self.facets[i];
+            let mut j = i + 1;
+            while j < self.count {
+                let other = self.facets[j];
+                if first != NOTHING && other.0 != NOTHING && smooth(assembly, first, other.0) {
+                    sum += other.1;
+                    if other.1 > most.1 {
+                        most = other;
+                    }
+                    self.count -= 1;
+                    self.facets[j] = self.facets[self.count];
+                } else {
+                    j += 1;
+                }
+            }
+            self.facets[i] = (most.0, sum);
+            i += 1;
+        }
+    }
+}
+
+/// Whether two facets have a vertex, and so its normal, in common.
+#[inline(always)]
+fn smooth(assembly: &Assembly, first: i32, second: i32) -> bool {
+    let [a, b, c] = assembly.facets[first as usize].corners;
+    let other = &assembly.facets[second as usize].corners;
+    let shared = |v: u32| (v == other[0]) | (v == other[1]) | (v == other[2]);
+    shared(a) | shared(b) | shared(c)
+}
+
+/// Whether all samples of a pixel show facets that are the first one or smooth with it.
+#[inline(always)]
+fn one_surface<const S: usize>(assembly: &Assembly, samples: &[i32; S]) -> bool {
+    let first = samples[0];
+    samples[1..].iter().all(|facet| {
+        *facet == first
+            || (first != NOTHING && *facet != NOTHING && smooth(assembly, first, *facet))
+    })
+}
+
+impl<const G: usize> Tile<G> {
+    pub(super) fn new(samples: u32) -> Self {
+        let pattern = Pattern::new(samples);
+        let cells = AREA >> pattern.cell_bits;
         Self {
-            pattern: Pattern::new(),
-            depth: vec![[f32::NEG_INFINITY; S]; AREA],
-            facet: vec![[NOTHING; S]; AREA],
+            pattern,
+            cells: vec![Cell::BARE; cells],
             colour: vec![[0.0; 3]; AREA],
             batch: Batch::new(),
             layers: Layers::default(),
         }
     }
 
-    /// Draws tile number `number`, of which `window` is in the picture. `rows` are the picture's bytes
-    /// from the tile's first row on, `stride` bytes a row.
+    /// Draws tile number `number`, of which `window` is in the picture. `bytes` are the picture's from the
+    /// tile's first row on, `stride` bytes a row.
     pub(super) fn draw(
         &mut self,
         view: &View,
@@ -77,112 +181,164 @@ impl<const S: usize> Tile<S> {
         if bin.translucent.is_empty() {
             self.light(&view, window);
         } else {
-            self.layers.begin(&view, window, &self.facet);
+            let samples = self.pattern.samples;
+            self.begin_layers(&view, window);
             self.layers
-                .blend(&view, bin, window, &self.pattern, &self.depth);
-            self.layers.resolve(&mut self.colour);
+                .blend(&view, bin, window, &self.pattern, &self.cells);
+            self.layers.resolve(samples, &mut self.colour);
         }
-        self.write(&view, bin.translucent.is_empty(), window, bytes, stride);
+        self.write(&view, window, bytes, stride);
     }
 
     fn clear(&mut self, view: &View, window: Window) {
-        self.facet.fill([NOTHING; S]);
-        self.depth.fill([f32::NEG_INFINITY; S]);
+        self.cells.fill(Cell::BARE);
         if !view.below_ground {
             return;
         }
+        let samples = self.pattern.samples;
         for_pixels(window, |pixel, x, y| {
-            let samples = self.depth[pixel].iter_mut().enumerate();
-            for (s, depth) in samples {
-                let place =
-                    |p: i32, offset: i32| f64::from(p) + f64::from(offset) / f64::from(SUBPIXELS);
-                let (x, y) = (place(x, self.pattern.x[s]), place(y, self.pattern.y[s]));
-                *depth = view.backdrop.depth(x, y, view.lens.perspective);
+            for s in 0..samples {
+                let place = |p: i32, offset: &[[i32; LANES]; G]| {
+                    f64::from(p) + f64::from(offset.as_flattened()[s]) / f64::from(SUBPIXELS)
+                };
+                let (x, y) = (place(x, &self.pattern.x), place(y, &self.pattern.y));
+                let lane = pixel * samples + s;
+                let cell = &mut self.cells[lane / (LANES * G)];
+                cell.depth.as_flattened_mut()[lane % (LANES * G)] =
+                    view.backdrop.depth(x, y, view.lens.perspective);
             }
         });
     }
 
+    /// Hands the opaque facets on to be drawn over.
+    fn begin_layers(&mut self, view: &View, window: Window) {
+        let (layers, cells) = (&mut self.layers, self.cells.as_slice());
+        match self.pattern.samples {
+            1 => layers.begin(view, window, |pixel| facets_of::<1, G>(cells, pixel)),
+            2 => layers.begin(view, window, |pixel| facets_of::<2, G>(cells, pixel)),
+            4 => layers.begin(view, window, |pixel| facets_of::<4, G>(cells, pixel)),
+            8 => layers.begin(view, window, |pixel| facets_of::<8, G>(cells, pixel)),
+            _ => layers.begin(view, window, |pixel| facets_of::<16, G>(cells, pixel)),
+        }
+    }
+
     /// Finds the nearest opaque facet of every sample; of equally near ones the first.
+    #[inline(never)]
     fn cover(&mut self, view: &View, bin: &Bin, window: Window) {
         for number in &bin.opaque {
             let facet = &view.assembly.facets[*number as usize];
-            let corners = facet.corners.map(|i| view.assembly.vertices[i as usize]);
-            let (depth, nearest) = (&mut self.depth, &mut self.facet);
-            rasterise(corners, window, &self.pattern, |x, y, covered, depths| {
-                let pixel = (y - window.y[0]) as usize * TILE + (x - window.x[0]) as usize;
-                let (depth, nearest) = (&mut depth[pixel], &mut nearest[pixel]);
-                for s in 0..S {
-                    let wins = covered[s] != 0 && depths[s] > depth[s];
-                    depth[s] = if wins { depths[s] } else { depth[s] };
-                    nearest[s] = if wins { *number } else { nearest[s] };
-                }
+            let corners = view.assembly.corners(&facet.corners);
+            let own = i32x4::splat(*number as i32);
+            let cells = self.cells.as_mut_slice();
+            rasterise(corners, &window, &self.pattern, |cell, g, covered, new| {
+                let cell = &mut cells[cell];
+                let old = f32x4::from(cell.depth[g]);
+                let wins = new.simd_gt(old) & covered;
+                cell.depth[g] = wins.bitselect(new, old).to_array();
+                let mask = wins.to_bits().cast_signed();
+                cell.facet[g] = mask.bitselect(own, i32x4::from(cell.facet[g])).to_array();
             });
         }
     }
 
-    /// Lights each facet once in each pixel where it is seen, weighted by its samples.
+    /// Lights each smooth surface once in each pixel where it is seen, weighted by its samples.
     fn light(&mut self, view: &View, window: Window) {
-        let share = 1.0 / S as f32;
-        for_pixels(window, |pixel, x, y| {
-            let samples = &self.facet[pixel];
-            self.colour[pixel] = [0.0; 3];
-            let mut done = 0u32;
-            for s in 0..S {
-                if done >> s & 1 != 0 {
-                    continue;
-                }
-                let number = samples[s];
-                let mut count = 0;
-                for t in s..S {
-                    if samples[t] == number {
-                        done |= 1 << t;
-                        count += 1;
-                    }
-                }
-                let weight = share * count as f32;
-                if number == NOTHING {
-                    if count < S {
-                        let (rgb, _) = view.backdrop.linear(x as usize, y as usize, view.shadow);
-                        for k in 0..3 {
-                            self.colour[pixel][k] += rgb[k] * weight;
-                        }
-                    }
-                    continue;
-                }
-                let facet = &view.assembly.facets[number as usize];
-                let paint = &view.assembly.paints[facet.instance()];
-                let normal = normal_at(view.assembly, facet, view.lens, x, y);
-                let to_viewer = view.lens.to_viewer(x as f32 + 0.5, y as f32 + 0.5);
-                self.batch.push(
-                    normal,
-                    to_viewer,
-                    paint.albedo,
-                    paint.flat,
-                    weight,
-                    pixel as u32,
-                );
-                if self.batch.is_full() {
-                    self.batch.flush(view.up, &mut self.colour);
-                }
-            }
-        });
-        self.batch.flush(view.up, &mut self.colour);
+        match self.pattern.samples {
+            1 => self.light_samples::<1>(view, window),
+            2 => self.light_samples::<2>(view, window),
+            4 => self.light_samples::<4>(view, window),
+            8 => self.light_samples::<8>(view, window),
+            _ => self.light_samples::<16>(view, window),
+        }
     }
 
-    fn write(&self, view: &View, skip_bare: bool, window: Window, bytes: &mut [u8], stride: usize) {
-        let curve = Curve::shared();
+    #[inline(never)]
+    fn light_samples<const S: usize>(&mut self, view: &View, window: Window) {
+        let cells = self.cells.as_slice();
+        let colour = self.colour.as_mut_slice();
         for_pixels(window, |pixel, x, y| {
-            let at = (y - window.y[0]) as usize * stride + x as usize * 4;
-            let Some(target) = bytes.get_mut(at..at + 4) else {
-                return;
-            };
-            if skip_bare && self.facet[pixel] == [NOTHING; S] {
-                bare_pixel(view, x as usize, y as usize, target);
+            let own = &facets_of::<S, G>(cells, pixel);
+            let first = own[0];
+            if *own == [NOTHING; S] {
+                colour[pixel] = BARE;
                 return;
             }
-            let [r, g, b] = self.colour[pixel].map(|c| curve.encode(c));
-            target.copy_from_slice(&[r, g, b, 255]);
+            colour[pixel] = [0.0; 3];
+            if one_surface(view.assembly, own) {
+                self.batch.add(view, first, x, y, 1.0, pixel, colour);
+                return;
+            }
+            let mut seen = Seen::of(own);
+            seen.merge(view.assembly);
+            for (facet, count) in &seen.facets[..seen.count] {
+                let weight = *count as f32 / S as f32;
+                if *facet == NOTHING {
+                    let (rgb, _) = view.backdrop.linear(x as usize, y as usize, view.shadow);
+                    for k in 0..3 {
+                        colour[pixel][k] += rgb[k] * weight;
+                    }
+                } else {
+                    self.batch.add(view, *facet, x, y, weight, pixel, colour);
+                }
+            }
         });
+        self.batch.flush(view.up, colour);
+    }
+
+    #[inline(never)]
+    fn write(&self, view: &View, window: Window, bytes: &mut [u8], stride: usize) {
+        let curve = Curve::shared();
+        for y in window.y[0]..=window.y[1] {
+            let row = (y - window.y[0]) as usize;
+            let first = window.x[0] as usize;
+            let count = (window.x[1] - window.x[0] + 1) as usize;
+            let start = row * stride + first * 4;
+            let Some(target) = bytes.get_mut(start..start + count * 4) else {
+                continue;
+            };
+            let colours = &self.colour[row * TILE..row * TILE + count];
+            let targets = target.as_chunks_mut::<4>().0;
+            for (k, (target, colour)) in targets.iter_mut().zip(colours).enumerate() {
+                let [r, g, b] = *colour;
+                *target = if r < 0.0 {
+                    bare_pixel(view, first + k, y as usize)
+                } else {
+                    [curve.encode(r), curve.encode(g), curve.encode(b), 255]
+                };
+            }
+        }
+    }
+}
+
+impl Batch {
+    /// Adds a facet in a pixel, lighting the batch when it is full.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn add(
+        &mut self,
+        view: &View,
+        number: i32,
+        x: i32,
+        y: i32,
+        weight: f32,
+        pixel: usize,
+        colour: &mut [[f32; 3]],
+    ) {
+        let facet = &view.assembly.facets[number as usize];
+        let paint = &view.assembly.paints[facet.instance()];
+        let normal = normal_at(view.assembly, facet, view.lens, x, y);
+        let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
+        self.push(
+            normal,
+            to_viewer,
+            paint.albedo,
+            paint.flat,
+            weight,
+            pixel as u32,
+        );
+        if self.is_full() {
+            self.flush(view.up, colour);
+        }
     }
 }
 
@@ -198,16 +354,20 @@ pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32))
 }
 
 #[inline(always)]
-fn bare_pixel(view: &View, x: usize, y: usize, target: &mut [u8]) {
+fn bare_pixel(view: &View, x: usize, y: usize) -> [u8; 4] {
     if view.shadow.is_some() {
         let (rgb, changed) = view.backdrop.linear(x, y, view.shadow);
         if changed {
-            let [r, g, b] = rgb.map(|c| Curve::shared().encode(c));
-            target.copy_from_slice(&[r, g, b, 255]);
-            return;
+            let curve = Curve::shared();
+            return [
+                curve.encode(rgb[0]),
+                curve.encode(rgb[1]),
+                curve.encode(rgb[2]),
+                255,
+            ];
         }
     }
-    target.copy_from_slice(&view.backdrop.codes(x, y, 1)[0]);
+    view.backdrop.codes(x, y, 1)[0]
 }
 
 /// A tile that no facet touches.
@@ -222,8 +382,8 @@ fn bare(view: &View, window: Window, bytes: &mut [u8], stride: usize) {
             continue;
         };
         if view.shadow.is_some() {
-            for (k, target) in row.chunks_exact_mut(4).enumerate() {
-                bare_pixel(view, first + k, y as usize, target);
+            for (k, target) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                *target = bare_pixel(view, first + k, y as usize);
             }
         } else {
             row.copy_from_slice(view.backdrop.codes(first, y as usize, count).as_flattened());

@@ -2,80 +2,90 @@
 
 use super::assembly::Bin;
 use super::raster::{Window, rasterise};
-use super::samples::Pattern;
+use super::samples::{LANES, Pattern};
 use super::shading::{light, normal_at, unit};
-use super::tile::{AREA, NOTHING, TILE, View, for_pixels};
+use super::tile::{AREA, Cell, NOTHING, TILE, View, for_pixels};
 use crate::render::look::{self, Rgb};
+use wide::f32x4;
 
-/// Linear colours of the samples of one tile.
+/// Linear colours of the samples of one tile, pixel by pixel.
 #[derive(Debug, Default)]
-pub(super) struct Layers<const S: usize> {
-    colour: Vec<[Rgb; S]>,
+pub(super) struct Layers {
+    colour: Vec<Rgb>,
 }
 
 /// Light on a facet in a pixel, and the cosine between its normal and the line of sight.
-fn lit(view: &View, number: u32, x: i32, y: i32) -> (Rgb, f32) {
-    let facet = &view.assembly.facets[number as usize];
+fn lit(view: &View, number: usize, x: i32, y: i32) -> (Rgb, f32) {
+    let facet = &view.assembly.facets[number];
     let paint = &view.assembly.paints[facet.instance()];
     let normal = normal_at(view.assembly, facet, view.lens, x, y);
-    let to_viewer = view.lens.to_viewer(x as f32 + 0.5, y as f32 + 0.5);
+    let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
     let cosine = look::saturate(look::dot(unit(normal), unit(to_viewer)));
     let rgb = light(normal, to_viewer, view.up, paint.albedo, paint.flat);
     (rgb, cosine)
 }
 
-impl<const S: usize> Layers<S> {
-    /// Takes over the opaque facets of a tile.
-    pub(super) fn begin(&mut self, view: &View, window: Window, facets: &[[u32; S]]) {
-        self.colour.resize(AREA, [[0.0; 3]; S]);
+impl Layers {
+    /// Takes over the opaque facets of a tile, `S` for each pixel.
+    pub(super) fn begin<const S: usize>(
+        &mut self,
+        view: &View,
+        window: Window,
+        facets: impl Fn(usize) -> [i32; S],
+    ) {
+        self.colour.resize(AREA * S, [0.0; 3]);
         for_pixels(window, |pixel, x, y| {
-            let samples = &facets[pixel];
-            let mut last = (NOTHING, [0.0; 3], false);
-            for s in 0..S {
-                if last.0 != samples[s] || !last.2 {
-                    let rgb = if samples[s] == NOTHING {
+            let own = self.colour[pixel * S..(pixel + 1) * S].iter_mut();
+            let mut last: Option<(i32, Rgb)> = None;
+            for (colour, facet) in own.zip(&facets(pixel)) {
+                let rgb = match last {
+                    Some((known, rgb)) if known == *facet => rgb,
+                    _ if *facet == NOTHING => {
                         view.backdrop.linear(x as usize, y as usize, view.shadow).0
-                    } else {
-                        lit(view, samples[s], x, y).0
-                    };
-                    last = (samples[s], rgb, true);
-                }
-                self.colour[pixel][s] = last.1;
+                    }
+                    _ => lit(view, *facet as usize, x, y).0,
+                };
+                last = Some((*facet, rgb));
+                *colour = rgb;
             }
         });
     }
 
-    /// Blends the translucent facets of a bin in its order; `depth` is that of the opaque samples.
-    pub(super) fn blend(
+    /// Blends the translucent facets of a bin in its order; `cells` hold the depth of the opaque samples.
+    pub(super) fn blend<const G: usize>(
         &mut self,
         view: &View,
         bin: &Bin,
         window: Window,
-        pattern: &Pattern<S>,
-        depth: &[[f32; S]],
+        pattern: &Pattern<G>,
+        cells: &[Cell<G>],
     ) {
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
-            let paint = &view.assembly.paints[facet.instance()];
-            let corners = facet.corners.map(|i| view.assembly.vertices[i as usize]);
-            rasterise(corners, window, pattern, |x, y, covered, depths| {
-                let pixel = (y - window.y[0]) as usize * TILE + (x - window.x[0]) as usize;
-                let seen: [bool; S] =
-                    std::array::from_fn(|s| covered[s] != 0 && depths[s] > depth[pixel][s]);
-                if !seen.contains(&true) {
-                    return;
-                }
-                let (rgb, cosine) = lit(view, *number, x, y);
-                let opacity = look::mix(
-                    look::edge_opacity(paint.opacity, cosine),
-                    paint.opacity,
-                    paint.flat,
-                );
-                for s in 0..S {
-                    if seen[s] {
-                        let below = self.colour[pixel][s];
-                        self.colour[pixel][s] =
-                            std::array::from_fn(|k| look::mix(below[k], rgb[k], opacity));
+            let paint = view.assembly.paints[facet.instance()];
+            let corners = view.assembly.corners(&facet.corners);
+            rasterise(corners, &window, pattern, |cell, g, covered, new| {
+                let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
+                let mut lanes = seen.to_bitmask();
+                while lanes != 0 {
+                    let lane = (cell * G + g) * LANES + lanes.trailing_zeros() as usize;
+                    let pixel = lane / pattern.samples;
+                    // The lanes of one pixel are neighbours and share its light.
+                    let last = (pixel + 1) * pattern.samples;
+                    let x = window.x[0] + (pixel % TILE) as i32;
+                    let y = window.y[0] + (pixel / TILE) as i32;
+                    let (rgb, cosine) = lit(view, *number as usize, x, y);
+                    let curved = look::edge_opacity(paint.opacity, cosine);
+                    let opacity = look::mix(curved, paint.opacity, paint.flat);
+                    while lanes != 0 {
+                        let bit = lanes.trailing_zeros();
+                        let sample = (cell * G + g) * LANES + bit as usize;
+                        if sample >= last {
+                            break;
+                        }
+                        lanes &= lanes - 1;
+                        let below = &mut self.colour[sample];
+                        *below = [0, 1, 2].map(|k| look::mix(below[k], rgb[k], opacity));
                     }
                 }
             });
@@ -83,12 +93,12 @@ impl<const S: usize> Layers<S> {
     }
 
     /// Mean colour of each pixel's samples.
-    pub(super) fn resolve(&self, pixels: &mut [Rgb]) {
-        for (pixel, samples) in pixels.iter_mut().zip(&self.colour) {
-            let sum = samples.iter().fold([0.0; 3], |sum: Rgb, c| {
+    pub(super) fn resolve(&self, samples: usize, pixels: &mut [Rgb]) {
+        for (pixel, own) in pixels.iter_mut().zip(self.colour.chunks_exact(samples)) {
+            let sum = own.iter().fold([0.0; 3], |sum: Rgb, c| {
                 [sum[0] + c[0], sum[1] + c[1], sum[2] + c[2]]
             });
-            *pixel = sum.map(|c| c / S as f32);
+            *pixel = sum.map(|c| c / samples as f32);
         }
     }
 }

@@ -113,6 +113,18 @@ impl Globals {
     }
 }
 
+impl Globals {
+    /// How often the ground's triangle is drawn: twice where a part of the ground lies in front of the near plane.
+    pub fn ground_layers(&self) -> u32 {
+        let [x, y, constant, _] = self.ground_depth;
+        if x.abs() + y.abs() + constant > 1.0 {
+            2
+        } else {
+            1
+        }
+    }
+}
+
 /// Up in camera space: the ground's normal, or the picture's own upward direction where there is no ground.
 fn up_in_camera(stage: &Stage) -> DVec3 {
     let camera_from_world = stage.camera.world_from_camera.rotation.transpose();

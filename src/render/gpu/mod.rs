@@ -145,7 +145,7 @@ impl GpuRenderer {
         }
         if self.caster.is_some() {
             pass.set_pipeline(&self.pipelines.ground);
-            pass.draw(0..3, 0..1);
+            pass.draw(0..3, 0..self.globals.ground_layers());
         }
         for draw in &plan.translucent {
             run(&mut pass, &self.pipelines.translucent_back, draw);

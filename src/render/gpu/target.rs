@@ -155,7 +155,7 @@ fn check_size(size: [u32; 2], limits: &wgpu::Limits) -> Result<(), RenderError> 
     if width > largest || height > largest || bytes > limits.max_buffer_size {
         return Err(RenderError::Size(format!(
             "a picture of {width} x {height} pixels is larger than this adapter draws: {largest} pixels a side, {} MiB \
-             in all; the cpu renderer has no such limit",
+             in all",
             limits.max_buffer_size >> 20
         )));
     }

@@ -4,7 +4,7 @@ use super::super::file::{InputFile, SceneFile};
 use super::super::formula::compile::{Value, compile, constant};
 use super::super::formula::expression::Node;
 use super::super::formula::kinds::to_radians;
-use super::names::{Meaning, Names};
+use super::names::{Meaning, Names, TIME};
 use super::parsed::{Parsed, ParsedInput, expression};
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::drive::{Drive, Ease};
@@ -100,7 +100,7 @@ fn drive(
         }
         (ParsedInput::Formula(node), _) => {
             let lookup = |name: &str, span: &_| match name {
-                "t" => Ok(Value::Slot(0)),
+                TIME => Ok(Value::Slot(0)),
                 _ => names.constant(name, span),
             };
             Ok(Drive::Formula(compile(&radians(node), &lookup)?))

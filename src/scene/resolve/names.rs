@@ -12,6 +12,9 @@ use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The name of the time in the formulas of drives.
+pub const TIME: &str = "t";
+
 /// A parameter, its kind as far as known, and its value (radians for angles).
 pub struct Parameter {
     pub name: String,
@@ -235,6 +238,8 @@ impl Names {
             node,
             wanted,
             &mut |name, kind, span| match kinds.get(name) {
+                // The time of a drive is a number of seconds wherever it stands.
+                _ if name == TIME => {}
                 None => {
                     kinds.insert(name.to_owned(), (kind, span.clone()));
                 }
@@ -347,7 +352,7 @@ fn broken(file: &SceneFile, parsed: &Parsed) -> BTreeSet<String> {
 }
 
 /// Words of the formula language besides its functions.
-const RESERVED: [&str; 7] = ["t", "pi", "π", "E", "inv", "nan", "inf"];
+const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
 fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
     let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();

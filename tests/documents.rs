@@ -1,0 +1,113 @@
+//! The documents say what the program does: every scene key, every exit code, every verb.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeSet;
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// Keys that the scene reader asks for: the first text argument of its reading functions.
+fn keys_of_the_reader() -> BTreeSet<String> {
+    let source = read("src/scene/file.rs");
+    let readers = [
+        "string",
+        "strings",
+        "formula",
+        "formulas",
+        "boolean",
+        "colour",
+        "vector",
+        "rows",
+        "rows::<3>",
+        "rows::<2>",
+        "table",
+        "tables",
+        "named",
+        "named_formulas",
+    ];
+    let mut keys = BTreeSet::new();
+    for reader in readers {
+        for part in source.split(&format!(".{reader}(")).skip(1) {
+            if let Some(rest) = part.trim_start().strip_prefix('"') {
+                keys.insert(rest.split('"').next().unwrap().to_owned());
+            }
+        }
+    }
+    for part in source.split("required(").skip(1) {
+        if let Some(key) = part.split('"').nth(1).filter(|_| !part.starts_with('\n')) {
+            keys.insert(key.to_owned());
+        }
+    }
+    keys
+}
+
+#[test]
+fn every_scene_key_is_documented() {
+    let document = read("docs/scene-format.md");
+    let keys = keys_of_the_reader();
+    assert!(keys.len() > 40, "the search found too few keys: {keys:?}");
+    let missing: Vec<_> = keys
+        .iter()
+        .filter(|key| {
+            !["`{}`", "`[{}]`", "`[[{}]]`", "{} ="]
+                .iter()
+                .any(|form| document.contains(&form.replace("{}", key)))
+        })
+        .collect();
+    assert!(
+        missing.is_empty(),
+        "not in docs/scene-format.md: {missing:?}"
+    );
+}
+
+#[test]
+fn every_exit_code_is_in_the_readme() {
+    let readme = read("README.md");
+    for code in ["0", "1", "2", "3", "4", "70", "130"] {
+        assert!(readme.contains(&format!("| {code} |")), "exit code {code}");
+    }
+}
+
+#[test]
+fn the_scene_of_the_readme_works() {
+    let readme = read("README.md");
+    let text = readme
+        .split("```toml\n")
+        .nth(1)
+        .unwrap()
+        .split("```")
+        .next()
+        .unwrap();
+    let source = mechanim::diag::Source {
+        name: "README".into(),
+        text: text.into(),
+    };
+    let scene = mechanim::scene::load(&source, &Default::default())
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let trajectory =
+        mechanim::kinematics::continuation::solve(&scene.mechanism, &[0.0, 1.0]).unwrap();
+    assert_eq!(trajectory.missing(), 0);
+}
+
+#[test]
+fn pictures_in_the_documents_exist() {
+    for document in ["README.md", "docs/performance.md", "ARCHITECTURE.md"] {
+        for link in read(document).split("](").skip(1) {
+            let target = link.split(')').next().unwrap();
+            if target.starts_with("http") {
+                continue;
+            }
+            let base = if document.starts_with("docs/") {
+                "docs/"
+            } else {
+                ""
+            };
+            let path = format!("{}/{base}{target}", env!("CARGO_MANIFEST_DIR"));
+            assert!(
+                std::path::Path::new(&path).exists(),
+                "{document} links to {target}"
+            );
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Reads the reference tables of `tests/data`.
+
+/// A CSV table with a header row and no quoted cells.
+pub struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads `tests/data/NAME.csv`.
+    pub fn read(name: &str) -> Self {
+        let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+        let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+        let mut lines = text.lines();
+        let header = cells(lines.next().expect("a header"));
+        let rows: Vec<_> = lines.map(cells).collect();
+        assert!(
+            !rows.is_empty() && rows.iter().all(|r| r.len() == header.len()),
+            "{path} is not a full table"
+        );
+        Self { header, rows }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// A cell as text.
+    pub fn text(&self, row: usize, column: &str) -> &str {
+        let index = self
+            .header
+            .iter()
+            .position(|h| h == column)
+            .unwrap_or_else(|| panic!("no column {column}"));
+        &self.rows[row][index]
+    }
+
+    /// A cell as a number.
+    pub fn value(&self, row: usize, column: &str) -> f64 {
+        self.text(row, column)
+            .parse()
+            .unwrap_or_else(|_| panic!("{column} row {row} is not a number"))
+    }
+
+    /// A column of numbers.
+    pub fn column(&self, column: &str) -> Vec<f64> {
+        (0..self.len()).map(|row| self.value(row, column)).collect()
+    }
+}
