@@ -29,6 +29,8 @@ pub struct Diagnostic {
     pub related: Vec<(Span, String)>,
     /// How to mend it.
     pub hints: Vec<String>,
+    /// Only follows from another mistake, which is reported: never kept.
+    pub inherited: bool,
 }
 
 impl Diagnostic {
@@ -41,6 +43,15 @@ impl Diagnostic {
             label: String::new(),
             related: Vec::new(),
             hints: Vec::new(),
+            inherited: false,
+        }
+    }
+
+    /// Stands for a mistake that only follows from another one. It stops what cannot go on, and is not shown.
+    pub fn inherited() -> Self {
+        Self {
+            inherited: true,
+            ..Self::error("follows from another mistake")
         }
     }
 
@@ -103,6 +114,16 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .map(|(_, name)| name)
 }
 
+/// A number as messages show it: in full while that is short.
+pub fn shown(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() || (1e-6..1e9).contains(&size) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}
+
 /// Messages in the order they were found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
@@ -110,9 +131,21 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Adds one.
+    /// Adds one, unless it only follows from another.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        self.items.push(diagnostic);
+        if !diagnostic.inherited {
+            self.items.push(diagnostic);
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.items.len()
+    }
+
+    /// True if this very message is there already.
+    pub fn contains(&self, diagnostic: &Diagnostic) -> bool {
+        self.items.contains(diagnostic)
     }
 
     /// True when at least one is an error.
@@ -167,5 +200,27 @@ mod tests {
         assert_eq!(nearest("gearshfit", known), Some("gearshift"));
         assert_eq!(nearest("slidercrank", known), Some("slider-crank"));
         assert_eq!(nearest("quux", known), None);
+    }
+
+    #[test]
+    fn numbers_in_messages_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-2.5, "-2.5"),
+            (1e300, "1e300"),
+            (-1e-9, "-1e-9"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(shown(value), text);
+        }
+    }
+
+    #[test]
+    fn what_only_follows_from_another_mistake_is_not_kept() {
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.push(Diagnostic::inherited());
+        assert!(diagnostics.is_empty());
+        diagnostics.push(Diagnostic::error("a"));
+        assert!(diagnostics.has_errors());
     }
 }

@@ -50,6 +50,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None => frame_times(mechanism, scene.view.fps),
     };
     let trajectory = solve(mechanism, &times)?;
+    super::solve::refuse_interrupted()?;
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
     let outcome = match closed {

@@ -3,13 +3,14 @@
 use super::args::{SolveArgs, TableFormat};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{inputs_table, open_scene, report};
+use super::{CANCEL, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::scene::Scene;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 
 /// Runs the verb.
 pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -29,6 +30,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         Box::new(Target::create(&args.out)?)
     };
     let mut trajectory = solve(&scene.mechanism, &times)?;
+    refuse_interrupted()?;
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
@@ -40,6 +42,14 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     output.commit()?;
     Ok(outcome)
+}
+
+/// Ends a run in order if Ctrl-C came while the motion was being solved.
+pub fn refuse_interrupted() -> Result<(), Failure> {
+    if CANCEL.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    Ok(())
 }
 
 fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {

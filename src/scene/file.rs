@@ -1,6 +1,8 @@
-//! The scene file as typed: every section and key it may have, with places, before anything is looked up.
+//! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
+//! looked up.
 
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
+use super::shapes::{ShapeFile, shape};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -42,13 +44,31 @@ pub struct SceneFile {
     pub labels: Vec<LabelFile>,
     /// `[view]`
     pub view: ViewFile,
+    /// Whole sections could not be read: what refers to them cannot be judged.
+    pub lacks_sections: bool,
 }
+
+/// The keys of a scene that are tables or lists of tables.
+const SECTIONS: [&str; 10] = [
+    "parameters",
+    "inputs",
+    "chains",
+    "loops",
+    "equations",
+    "guess",
+    "bodies",
+    "traces",
+    "outputs",
+    "labels",
+];
 
 /// One entry of `[inputs]`.
 #[derive(Clone, Debug)]
 pub enum InputFile {
     /// A number or formula of `t`.
     Formula(FormulaText),
+    /// Could not be read, which is said already; its name is kept.
+    Unread,
     /// `keys` and `ease`.
     Keys {
         /// Time and value of each key.
@@ -71,66 +91,6 @@ pub struct BodyFile {
     pub opacity: Option<FormulaText>,
     /// `shapes`
     pub shapes: Vec<ShapeFile>,
-}
-
-/// One shape of a body.
-#[derive(Clone, Debug)]
-pub struct ShapeFile {
-    /// The solid.
-    pub solid: SolidFile,
-    /// `frame`: a constant chain `body_from_shape`.
-    pub frame: Option<FormulaText>,
-    /// `colour`
-    pub colour: Option<[u8; 3]>,
-    /// `opacity`
-    pub opacity: Option<FormulaText>,
-    /// Where the shape stands.
-    pub span: Span,
-}
-
-/// Parameters of a solid as typed.
-#[derive(Clone, Debug)]
-#[allow(missing_docs)]
-pub enum SolidFile {
-    Sphere {
-        center: Option<[FormulaText; 3]>,
-        radius: FormulaText,
-    },
-    Capsule {
-        from: [FormulaText; 3],
-        to: [FormulaText; 3],
-        radius: FormulaText,
-    },
-    Cylinder {
-        from: [FormulaText; 3],
-        to: [FormulaText; 3],
-        radius: FormulaText,
-    },
-    Cone {
-        from: [FormulaText; 3],
-        to: [FormulaText; 3],
-        radius_from: FormulaText,
-        radius_to: FormulaText,
-    },
-    Box {
-        center: Option<[FormulaText; 3]>,
-        size: [FormulaText; 3],
-    },
-    Torus {
-        center: Option<[FormulaText; 3]>,
-        axis: Option<[FormulaText; 3]>,
-        ring: FormulaText,
-        tube: FormulaText,
-    },
-    Tube {
-        points: Spanned<Vec<[FormulaText; 3]>>,
-        radius: FormulaText,
-        closed: bool,
-    },
-    Stl {
-        file: Spanned<String>,
-        scale: Option<FormulaText>,
-    },
 }
 
 /// One entry of `[[traces]]`.
@@ -195,7 +155,10 @@ pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
         diagnostics.push(Diagnostic::error(message).at(span));
     }
     if diagnostics.has_errors() {
-        return SceneFile::default();
+        return SceneFile {
+            lacks_sections: true,
+            ..SceneFile::default()
+        };
     }
     let table = document.get_ref();
     read_table(
@@ -231,6 +194,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
+        lacks_sections: r.lacks_sections(&SECTIONS),
     }
 }
 
@@ -258,12 +222,13 @@ fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String
                 formula
             }
         };
-        list.extend(input.map(|input| (name, input)));
+        list.push((name, input.unwrap_or(InputFile::Unread)));
     }
     list
 }
 
 fn input_table(r: &mut TableReader) -> Option<InputFile> {
+    let before = r.diagnostics.count();
     let formula = r.formula("formula");
     let keys = r.rows::<2>("keys");
     let ease = r.string("ease");
@@ -271,7 +236,9 @@ fn input_table(r: &mut TableReader) -> Option<InputFile> {
         (Some(formula), None) => Some(InputFile::Formula(formula)),
         (None, Some(keys)) => Some(InputFile::Keys { keys, ease }),
         (None, None) => {
-            r.missing("keys` or `formula");
+            if r.diagnostics.count() == before {
+                r.missing("keys` or `formula");
+            }
             None
         }
         (Some(formula), Some(_)) => {
@@ -295,128 +262,6 @@ fn body(r: &mut TableReader) -> Option<BodyFile> {
         colour,
         opacity,
         shapes,
-    })
-}
-
-/// The names of the solids, in the order in which they are tried.
-const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, stl";
-
-fn shape(r: &mut TableReader) -> Option<ShapeFile> {
-    let span = r.span.clone();
-    let solids: Vec<Option<SolidFile>> = [
-        r.table("sphere", |s| {
-            let center = s.vector("center");
-            Some(SolidFile::Sphere {
-                center,
-                radius: required(s, "radius", |s, k| s.formula(k))?,
-            })
-        }),
-        r.table("capsule", |s| {
-            let (from, to, radius) = rod(s);
-            Some(SolidFile::Capsule {
-                from: from?,
-                to: to?,
-                radius: radius?,
-            })
-        }),
-        r.table("cylinder", |s| {
-            let (from, to, radius) = rod(s);
-            Some(SolidFile::Cylinder {
-                from: from?,
-                to: to?,
-                radius: radius?,
-            })
-        }),
-        r.table("cone", cone),
-        r.table("box", |s| {
-            let center = s.vector("center");
-            Some(SolidFile::Box {
-                center,
-                size: required(s, "size", |s, k| s.vector(k))?,
-            })
-        }),
-        r.table("torus", torus),
-        r.table("tube", tube),
-        r.table("stl", |s| {
-            let scale = s.formula("scale");
-            Some(SolidFile::Stl {
-                file: required(s, "file", |s, k| s.string(k))?,
-                scale,
-            })
-        }),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    let (frame, colour, opacity) = (r.formula("frame"), r.colour("colour"), r.formula("opacity"));
-    if solids.len() != 1 {
-        let message = if solids.is_empty() {
-            "a shape needs a solid"
-        } else {
-            "a shape has only one solid"
-        };
-        r.diagnostics.push(
-            Diagnostic::error(message)
-                .at(span)
-                .hint(format!("one of {SOLIDS}")),
-        );
-        return None;
-    }
-    let solid = solids.into_iter().flatten().next()?;
-    Some(ShapeFile {
-        solid,
-        frame,
-        colour,
-        opacity,
-        span,
-    })
-}
-
-type Rod = (
-    Option<[FormulaText; 3]>,
-    Option<[FormulaText; 3]>,
-    Option<FormulaText>,
-);
-
-fn rod(s: &mut TableReader) -> Rod {
-    let from = required(s, "from", |s, k| s.vector(k));
-    let to = required(s, "to", |s, k| s.vector(k));
-    (from, to, required(s, "radius", |s, k| s.formula(k)))
-}
-
-fn cone(s: &mut TableReader) -> Option<SolidFile> {
-    let from = required(s, "from", |s, k| s.vector(k));
-    let to = required(s, "to", |s, k| s.vector(k));
-    let radius_from = required(s, "radius_from", |s, k| s.formula(k));
-    let radius_to = required(s, "radius_to", |s, k| s.formula(k));
-    Some(SolidFile::Cone {
-        from: from?,
-        to: to?,
-        radius_from: radius_from?,
-        radius_to: radius_to?,
-    })
-}
-
-fn torus(s: &mut TableReader) -> Option<SolidFile> {
-    let (center, axis) = (s.vector("center"), s.vector("axis"));
-    let ring = required(s, "ring", |s, k| s.formula(k));
-    let tube = required(s, "tube", |s, k| s.formula(k));
-    Some(SolidFile::Torus {
-        center,
-        axis,
-        ring: ring?,
-        tube: tube?,
-    })
-}
-
-fn tube(s: &mut TableReader) -> Option<SolidFile> {
-    let points = required(s, "points", |s, k| s.rows::<3>(k));
-    let radius = required(s, "radius", |s, k| s.formula(k));
-    let closed = s.boolean("closed").unwrap_or(false);
-    Some(SolidFile::Tube {
-        points: points?,
-        radius: radius?,
-        closed,
     })
 }
 
@@ -467,14 +312,14 @@ fn view(r: &mut TableReader) -> ViewFile {
 }
 
 /// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).
-fn required<'t, 'd, T>(
+pub(super) fn required<'t, 'd, T>(
     r: &mut TableReader<'t, 'd>,
     key: &'static str,
     read: impl FnOnce(&mut TableReader<'t, 'd>, &'static str) -> Option<T>,
 ) -> Option<T> {
-    let before = r.diagnostics.sorted().len();
+    let before = r.diagnostics.count();
     let value = read(r, key);
-    if value.is_none() && r.diagnostics.sorted().len() == before {
+    if value.is_none() && r.diagnostics.count() == before {
         r.missing(key);
     }
     value

@@ -5,6 +5,7 @@ pub mod file;
 pub mod formula;
 pub mod reader;
 pub mod resolve;
+pub mod shapes;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::mechanism::Mechanism;
@@ -41,7 +42,8 @@ pub struct Overrides {
 pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
     let mut diagnostics = Diagnostics::default();
     let mut file = file::read(source, &mut diagnostics);
-    if diagnostics.has_errors() {
+    // All other mistakes leave enough to go on with, so that one run names everything that is wrong.
+    if file.lacks_sections {
         return Err(SceneError {
             source_text: source.clone(),
             diagnostics,

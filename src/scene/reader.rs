@@ -21,6 +21,8 @@ pub struct FormulaText {
     pub offset: usize,
     /// The whole value with its quotes.
     pub span: Span,
+    /// The value is neither a number nor a text, which is said already.
+    pub is_unread: bool,
 }
 
 /// One table being read; knows which keys were asked for, so that the others can be refused.
@@ -231,7 +233,15 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 Some(formula) => list.push((name, formula)),
                 None => {
                     let key = name.value.clone();
-                    self.wrong(&key, "a number or a formula in quotes", value, span);
+                    self.wrong(&key, "a number or a formula in quotes", value, span.clone());
+                    // The name is kept, so that its uses are not mistakes too.
+                    let unread = FormulaText {
+                        text: String::new(),
+                        offset: span.start,
+                        span,
+                        is_unread: true,
+                    };
+                    list.push((name, unread));
                 }
             }
         }
@@ -299,6 +309,16 @@ impl<'t, 'd> TableReader<'t, 'd> {
         self.diagnostics.push(Diagnostic::error(message).at(span));
     }
 
+    /// True when a section was misspelt or is no table: then every name in it is missing, and what refers to them
+    /// would be refused in its turn.
+    pub fn lacks_sections(&self, sections: &[&str]) -> bool {
+        self.table.iter().any(|(key, value)| {
+            let (key, value) = (key.get_ref().as_ref(), value.get_ref());
+            let is_section = value.is_table() || value.is_array();
+            (is_section && !self.asked.contains(&key)) || (!is_section && sections.contains(&key))
+        })
+    }
+
     /// Refuses every key that was not asked for.
     fn finish(self) {
         for (key, _) in self.table.iter() {
@@ -356,6 +376,7 @@ pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText
                 text: literal,
                 offset: span.start,
                 span,
+                is_unread: false,
             })
         }
         DeValue::String(s) => {
@@ -369,6 +390,7 @@ pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText
                 text: s.to_string(),
                 offset,
                 span,
+                is_unread: false,
             })
         }
         _ => None,

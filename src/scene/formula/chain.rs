@@ -23,6 +23,8 @@ pub enum Item {
     Inverse(Vec<Item>),
     /// `E`, the identity.
     Identity,
+    /// A chain that could not be read, which is said already.
+    Broken,
 }
 
 /// The transforms of the notation.
@@ -174,7 +176,8 @@ pub fn expand<'a>(
 struct Expansion<'a, 'b> {
     find: &'b dyn Fn(&str) -> Option<&'a [Item]>,
     names: &'b [&'b str],
-    open: Vec<&'a str>,
+    /// Names being expanded, each with the place of the reference to it.
+    open: Vec<(&'a str, Span)>,
     factors: Vec<Factor>,
 }
 
@@ -193,6 +196,7 @@ impl<'a> Expansion<'a, '_> {
     fn item(&mut self, item: &'a Item, inverted: bool) -> Result<(), Diagnostic> {
         match item {
             Item::Identity => Ok(()),
+            Item::Broken => Err(Diagnostic::inherited()),
             Item::Inverse(inner) => self.items(inner, !inverted),
             Item::Reference(name, span) => self.reference(name, span, inverted),
             Item::Transform {
@@ -218,20 +222,39 @@ impl<'a> Expansion<'a, '_> {
 
     fn reference(&mut self, name: &'a str, span: &Span, inverted: bool) -> Result<(), Diagnostic> {
         let Some(items) = (self.find)(name) else {
+            let others = self.names.iter().copied();
+            let others = others.filter(|other| self.open.iter().all(|(open, _)| open != other));
             return Err(Diagnostic::error(format!("there is no chain `{name}`"))
                 .at(span.clone())
-                .suggest(name, self.names.iter().copied())
+                .suggest(name, others)
                 .hint("a transform has parentheses: `Rx(phi)`; a name alone is a chain"));
         };
-        if self.open.contains(&name) {
-            return Err(
-                Diagnostic::error(format!("chain `{name}` contains itself")).at(span.clone())
-            );
+        if let Some(first) = self.open.iter().position(|(open, _)| *open == name) {
+            return Err(self.circle(first, span));
         }
-        self.open.push(name);
+        self.open.push((name, span.clone()));
         self.items(items, inverted)?;
         self.open.pop();
         Ok(())
+    }
+}
+
+impl Expansion<'_, '_> {
+    /// The message about a circle of references from the open chain `first` on, closed at `span`. It starts at the
+    /// chain that is defined first, so that the circle gives one message wherever it is entered.
+    fn circle(&self, first: usize, span: &Span) -> Diagnostic {
+        let mut circle = self.open[first..].to_vec();
+        circle[0].1 = span.clone();
+        let defined = |name: &str| self.names.iter().position(|n| *n == name);
+        let start = (0..circle.len()).min_by_key(|k| defined(circle[*k].0));
+        circle.rotate_left(start.unwrap_or(0));
+        let (name, place) = circle[0].clone();
+        let mut message = format!("chain `{name}` contains itself");
+        if circle.len() > 1 {
+            let through: Vec<&str> = circle[1..].iter().map(|(name, _)| *name).collect();
+            message.push_str(&format!(", through {}", through.join(", ")));
+        }
+        Diagnostic::error(message).at(place)
     }
 }
 

@@ -29,6 +29,7 @@ fn emit(
     lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
     ops: &mut Vec<Op>,
 ) -> Result<usize, Diagnostic> {
+    let start = ops.len();
     let op = match &node.kind {
         NodeKind::Number(value) | NodeKind::Radians(value) => Op::Constant(*value),
         NodeKind::Name(name) => match lookup(name, &node.span)? {
@@ -54,29 +55,116 @@ fn emit(
                 let right = emit(arg, lookup, ops)?;
                 last = Op::Call(*function, value, right);
                 if k + 1 < args.len() {
-                    ops.push(last);
-                    value = ops.len() - 1;
+                    value = append(last, start, node, ops)?;
                 }
             }
             last
+        }
+    };
+    append(op, start, node, ops)
+}
+
+/// Appends the last operation of `node`, whose operations begin at `start`. Constants are computed now: an infinite
+/// one is refused wherever it stands, and the solver need not compute the others again.
+fn append(op: Op, start: usize, node: &Node, ops: &mut Vec<Op>) -> Result<usize, Diagnostic> {
+    let op = match constant_value(op, ops) {
+        None => op,
+        Some(value) if value.is_finite() => {
+            ops.truncate(start);
+            Op::Constant(value)
+        }
+        Some(value) => {
+            let message = format!("this formula has the value {value}");
+            return Err(Diagnostic::error(message)
+                .at(node.span.clone())
+                .hint("every constant must be a finite number"));
         }
     };
     ops.push(op);
     Ok(ops.len() - 1)
 }
 
-/// The value of a constant expression, refused if it is not finite.
+/// The value of an operation on constants only.
+fn constant_value(op: Op, ops: &[Op]) -> Option<f64> {
+    let known = |index: usize| match ops[index] {
+        Op::Constant(value) => Some(value),
+        _ => None,
+    };
+    let (a, b) = match op {
+        Op::Constant(_) | Op::Slot(_) => return None,
+        Op::Negate(a) => (a, a),
+        Op::Add(a, b)
+        | Op::Subtract(a, b)
+        | Op::Multiply(a, b)
+        | Op::Divide(a, b)
+        | Op::Power(a, b)
+        | Op::Call(_, a, b) => (a, b),
+    };
+    let operands = [Op::Constant(known(a)?), Op::Constant(known(b)?)];
+    let moved = match op {
+        Op::Negate(_) => Op::Negate(0),
+        Op::Add(..) => Op::Add(0, 1),
+        Op::Subtract(..) => Op::Subtract(0, 1),
+        Op::Multiply(..) => Op::Multiply(0, 1),
+        Op::Divide(..) => Op::Divide(0, 1),
+        Op::Power(..) => Op::Power(0, 1),
+        Op::Call(function, ..) => Op::Call(function, 0, 1),
+        Op::Constant(_) | Op::Slot(_) => return None,
+    };
+    Some(Expression::new([&operands[..], &[moved]].concat()).value(&[]))
+}
+
+/// The value of a constant expression; it is finite.
 pub fn constant(
     node: &Node,
     lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
 ) -> Result<f64, Diagnostic> {
-    let value = compile(node, lookup)?.value(&[]);
-    if value.is_finite() {
-        return Ok(value);
+    Ok(compile(node, lookup)?.value(&[]))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::expression::parse;
+    use super::*;
+
+    fn compiled(text: &str) -> Result<Expression, Diagnostic> {
+        compile(&parse(text, 0)?, &|name, _| {
+            Ok(match name {
+                "x" => Value::Slot(0),
+                _ => Value::Constant(3.0),
+            })
+        })
     }
-    Err(
-        Diagnostic::error(format!("this formula has the value {value}"))
-            .at(node.span.clone())
-            .hint("every constant must be a finite number"),
-    )
+
+    #[test]
+    fn constants_are_computed_once() {
+        for (text, ops, value) in [
+            ("2*n + 1", 1, 7.0),
+            ("min(5, n, 4) * x", 3, 6.0),
+            ("max(x, n, 4) + 1 - 1", 9, 4.0),
+            ("-(2^n)*x", 3, -16.0),
+        ] {
+            let expression = compiled(text).unwrap();
+            assert_eq!(expression.ops().len(), ops, "{text}");
+            assert_eq!(expression.value(&[2.0]), value, "{text}");
+        }
+    }
+
+    #[test]
+    fn constants_without_a_value_are_refused_at_their_place() {
+        for (text, place) in [
+            ("1/0", 0..3),
+            ("x + 1/(n - 3)", 4..12),
+            ("sqrt(-n) + x", 0..8),
+            ("min(x, 0^(-1))", 7..13),
+        ] {
+            let found = compiled(text).unwrap_err().span.unwrap();
+            assert!(
+                found.start >= place.start && found.end <= place.end + 1,
+                "{text}: {found:?}"
+            );
+        }
+        assert!(compiled("1/x").is_ok());
+    }
 }

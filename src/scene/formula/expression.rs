@@ -237,7 +237,7 @@ impl<'a> Parser<'a> {
                 if self.take_sign('(') {
                     self.call(name, token)
                 } else {
-                    Ok(named(name, token))
+                    named(name, token)
                 }
             }
             TokenKind::Sign('(') => {
@@ -301,16 +301,21 @@ impl<'a> Parser<'a> {
     }
 }
 
-fn named(name: &str, token: &Token) -> Node {
+fn named(name: &str, token: &Token) -> Result<Node, Diagnostic> {
+    // TOML has these as numbers, so they reach a formula although nobody wrote one.
+    if ["nan", "inf"].contains(&name) {
+        let message = format!("`{name}` is not a finite number");
+        return Err(Diagnostic::error(message).at(token.span.clone()));
+    }
     let kind = if name == "pi" || name == "π" {
         NodeKind::Radians(std::f64::consts::PI)
     } else {
         NodeKind::Name(name.to_owned())
     };
-    Node {
+    Ok(Node {
         kind,
         span: token.span.clone(),
-    }
+    })
 }
 
 fn binary(sign: char, left: Node, right: Node) -> Node {

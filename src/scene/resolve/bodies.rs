@@ -1,12 +1,13 @@
 //! Links, their solids and their traced points.
 
-use super::super::file::{SceneFile, ShapeFile, SolidFile};
+use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::reader::FormulaText;
+use super::super::shapes::{ShapeFile, SolidFile};
 use super::joints::Joints;
 use super::names::Names;
 use super::parsed::{Parsed, expression};
-use crate::diag::{Diagnostic, Diagnostics, Span};
+use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::geometry::stl::read_stl;
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
@@ -63,7 +64,7 @@ impl Constants<'_> {
     }
 
     /// A value that must be positive.
-    fn positive(
+    pub fn positive(
         &self,
         what: &str,
         text: &FormulaText,
@@ -74,7 +75,7 @@ impl Constants<'_> {
             return Some(value);
         }
         diagnostics.push(
-            Diagnostic::error(format!("{what} must be positive, found {value}"))
+            Diagnostic::error(format!("{what} must be positive, found {}", shown(value)))
                 .at(text.span.clone()),
         );
         None
@@ -150,8 +151,11 @@ fn opacity(
         return Some(value);
     }
     diagnostics.push(
-        Diagnostic::error(format!("opacity is between 0 and 1, found {value}"))
-            .at(text.span.clone()),
+        Diagnostic::error(format!(
+            "opacity is between 0 and 1, found {}",
+            shown(value)
+        ))
+        .at(text.span.clone()),
     );
     None
 }
@@ -170,7 +174,7 @@ fn resolve_shape(
         None => Some(Pose::IDENTITY),
         Some(text) => {
             let factors = parsed.factors(text, diagnostics);
-            factors.and_then(|factors| joints.constant_pose(&factors, diagnostics))
+            factors.and_then(|factors| joints.constant_pose(&factors, &text.span, diagnostics))
         }
     };
     let opacity = shape.opacity.as_ref().map_or(Some(inherited.opacity), |o| {

@@ -6,7 +6,7 @@ use super::super::formula::expression::Node;
 use super::super::formula::kinds::to_radians;
 use super::names::{Meaning, Names, TIME};
 use super::parsed::{Parsed, ParsedInput, expression};
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{AngleUnit, Kind};
 
@@ -33,16 +33,18 @@ pub fn resolve(
         let input = parsed
             .inputs
             .iter()
-            .find(|(n, _)| n.value == coordinate.name)
-            .map(|(_, input)| input)?;
+            .find(|(n, _)| n.value == coordinate.name);
+        let Some((_, input)) = input else { continue };
         let wanted = Some(coordinate.kind);
         match drive(input, &file.inputs[index].1, names, unit, wanted) {
             Ok(drive) => drives.push(drive),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
+    let is_whole = drives.len() == names.inputs.len();
     let guess = guess(parsed, names, unit, diagnostics);
-    let duration = duration(file, names, &drives, diagnostics)?;
+    let known_drives = is_whole.then_some(drives.as_slice());
+    let duration = duration(file, names, known_drives, diagnostics)?;
     Some(Coordinates {
         guess,
         drives,
@@ -103,9 +105,7 @@ fn drive(
             };
             Ok(Drive::Formula(compile(&radians(node), &lookup)?))
         }
-        (ParsedInput::Keys(_), InputFile::Formula(text)) => {
-            Err(Diagnostic::error("expected a formula").at(text.span.clone()))
-        }
+        (ParsedInput::Keys(_), _) => Err(Diagnostic::inherited()),
     }
 }
 
@@ -118,6 +118,9 @@ fn guess(
     let mut guess = vec![0.0; names.unknowns.len()];
     for (name, node) in &parsed.guess {
         let Some(Meaning::Unknown(index)) = names.meaning(&name.value) else {
+            if !names.is_complete() {
+                continue;
+            }
             let unknowns = names.unknowns.iter().map(|c| c.name.as_str());
             diagnostics.push(
                 Diagnostic::error(format!(
@@ -143,20 +146,23 @@ fn guess(
 fn duration(
     file: &SceneFile,
     names: &Names,
-    drives: &[Drive],
+    drives: Option<&[Drive]>,
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let Some(text) = &file.duration else {
+        let drives = drives?;
         let last = drives
             .iter()
             .filter_map(Drive::last_key)
             .fold(0.0, f64::max);
-        let moving = drives.iter().any(|d| !d.is_constant());
-        if last == 0.0 && moving && !diagnostics.has_errors() {
-            diagnostics.push(
-                Diagnostic::error("how long does the motion last?")
-                    .hint("add `duration = 2.0` (seconds)"),
-            );
+        let moving = drives.iter().position(|d| !d.is_constant());
+        if let (true, Some(moving)) = (last == 0.0, moving) {
+            let mut diagnostic = Diagnostic::error("how long does the motion last?")
+                .hint("add `duration = 2.0` (seconds)");
+            if let InputFile::Formula(text) = &file.inputs[moving].1 {
+                diagnostic = diagnostic.at(text.span.clone());
+            }
+            diagnostics.push(diagnostic);
         }
         return Some(if last > 0.0 { last } else { 1.0 });
     };
@@ -164,6 +170,7 @@ fn duration(
     match constant(&node, &|n, s| names.constant(n, s)) {
         Ok(value) if value > 0.0 && value <= MAX_DURATION => Some(value),
         Ok(value) => {
+            let value = shown(value);
             let message =
                 format!("duration must be between 0 and {MAX_DURATION:e} s, found {value}");
             diagnostics.push(Diagnostic::error(message).at(text.span.clone()));

@@ -6,12 +6,16 @@ use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::names::{Names, kind_of_motion};
 use super::parsed::Parsed;
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
 use crate::model::mechanism::{AngleUnit, Equation, Kind, Loop};
 use glam::DVec3;
+
+/// Largest fixed length or angle of a chain. The solver squares lengths and multiplies the squares; a fourth power
+/// must stay finite, with room for sums.
+const LARGEST: f64 = 1e60;
 
 /// Compiles chains and keeps the list of their arguments.
 pub struct Joints<'a> {
@@ -105,7 +109,7 @@ impl<'a> Joints<'a> {
             match self.step(factor) {
                 Ok(step) => push_folded(&mut steps, step),
                 Err(diagnostic) => {
-                    if !diagnostics.sorted().contains(&&diagnostic) {
+                    if !diagnostics.contains(&diagnostic) {
                         diagnostics.push(diagnostic);
                     }
                     fine = false;
@@ -119,6 +123,7 @@ impl<'a> Joints<'a> {
     pub fn constant_pose(
         &mut self,
         factors: &[Factor],
+        place: &Span,
         diagnostics: &mut Diagnostics,
     ) -> Option<Pose> {
         let before = self.arguments.len();
@@ -129,6 +134,7 @@ impl<'a> Joints<'a> {
         if moving {
             diagnostics.push(
                 Diagnostic::error("a shape's frame must be constant")
+                    .at(place.clone())
                     .hint("put what moves into the body's frame"),
             );
             return None;
@@ -165,11 +171,12 @@ impl<'a> Joints<'a> {
         match expression.affine() {
             Some(affine) if affine.terms.is_empty() => {
                 let value = affine.constant;
-                if !value.is_finite() {
-                    return Err(
-                        Diagnostic::error(format!("this formula has the value {value}"))
-                            .at(node.span.clone()),
-                    );
+                if value.abs() > LARGEST {
+                    let value = shown(value);
+                    let message = format!("{value} is beyond what can be computed with");
+                    return Err(Diagnostic::error(message)
+                        .at(node.span.clone())
+                        .hint(format!("at most {LARGEST:e}: choose a larger unit")));
                 }
                 Ok(Step::Fixed(match motion {
                     Motion::Translation => Pose::from_translation(DVec3::AXES[axis] * value),

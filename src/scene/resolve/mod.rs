@@ -73,6 +73,7 @@ fn outside(text: &str) -> FormulaText {
         text: text.to_owned(),
         offset: OUTSIDE,
         span: OUTSIDE..OUTSIDE + text.len(),
+        is_unread: false,
     }
 }
 
@@ -83,27 +84,23 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
-    if diagnostics.has_errors() {
-        return None;
-    }
     let mut joints = joints::Joints::new(&names, &angle_unit);
     let loops = joints.loops(&parsed, diagnostics);
     let equations = joints.equations(&parsed, diagnostics);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let traces = bodies::traces(file, &parsed, &names, &bodies, diagnostics);
     let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
-    let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics)?;
+    let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let view = view::resolve(file, &parsed, &names, &bodies, &traces, diagnostics);
-    if loops.is_empty()
-        && equations.is_empty()
-        && !names.unknowns.is_empty()
-        && !diagnostics.has_errors()
-    {
+    let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
+    if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
-            Diagnostic::error("the scene has unknowns but no loop and no equation")
+            Diagnostic::error("the scene has no loop, no body and no output")
+                .at(0..0)
                 .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
         );
     }
+    let coordinates = coordinates?;
     if diagnostics.has_errors() {
         return None;
     }

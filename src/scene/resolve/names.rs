@@ -10,7 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::chain::Motion;
 use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The name of the time in the formulas of drives.
 pub const TIME: &str = "t";
@@ -30,6 +30,11 @@ pub struct Names {
     /// Where each unknown stands first.
     pub unknown_places: Vec<Span>,
     kinds: BTreeMap<String, (Kind, Span)>,
+    /// Parameters and outputs whose own formula is faulty: what uses them is not judged.
+    broken: BTreeSet<String>,
+    /// All loops could be read, so that every unknown is known.
+    is_complete: bool,
+    traces: Vec<String>,
 }
 
 /// What a name in a formula of coordinates refers to.
@@ -66,6 +71,9 @@ impl Names {
             unknowns: Vec::new(),
             unknown_places: Vec::new(),
             kinds: BTreeMap::new(),
+            broken: broken(file, parsed),
+            is_complete: parsed.is_complete,
+            traces: file.traces.iter().map(|t| t.name.value.clone()).collect(),
         };
         let mut found: Vec<(String, Span)> = Vec::new();
         let mut gather = |name: &str, span: &Span| {
@@ -92,8 +100,8 @@ impl Names {
     fn refuse_undefined_in_frames(&self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
         for factor in parsed.frames.iter().flatten() {
             visit_factor(factor, &mut |name, span| {
-                if self.meaning(name).is_none() {
-                    diagnostics.push(self.undefined(name, span));
+                if let Err(diagnostic) = self.coordinate(name, span) {
+                    diagnostics.push(diagnostic);
                 }
             });
         }
@@ -133,8 +141,21 @@ impl Names {
             .suggest(name, self.all())
     }
 
+    /// Whether all unknowns are known; else a name that nobody defines may be one.
+    pub fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
+    /// Whether the file has a trace of that name, be it usable or not.
+    pub fn declares_trace(&self, name: &str) -> bool {
+        self.traces.iter().any(|trace| trace == name)
+    }
+
     /// Looks up a constant: parameters only.
     pub fn constant(&self, name: &str, span: &Span) -> Result<Value, Diagnostic> {
+        if self.broken.contains(name) {
+            return Err(Diagnostic::inherited());
+        }
         match self.meaning(name) {
             Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
             Some(_) => Err(Diagnostic::error(format!(
@@ -147,10 +168,14 @@ impl Names {
 
     /// Looks up a coordinate or parameter; slots are unknowns, then inputs.
     pub fn coordinate(&self, name: &str, span: &Span) -> Result<Value, Diagnostic> {
+        if self.broken.contains(name) {
+            return Err(Diagnostic::inherited());
+        }
         match self.meaning(name) {
             Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
             Some(Meaning::Unknown(i)) => Ok(Value::Slot(i)),
             Some(Meaning::Input(i)) => Ok(Value::Slot(self.unknowns.len() + i)),
+            None if !self.is_complete => Err(Diagnostic::inherited()),
             None => Err(self.undefined(name, span)),
         }
     }
@@ -257,7 +282,6 @@ impl Names {
         diagnostics: &mut Diagnostics,
     ) {
         let order: Vec<String> = self.parameters.iter().map(|p| p.name.clone()).collect();
-        let mut failed: Vec<&str> = Vec::new();
         for (name, node) in &parsed.parameters {
             let Some(own) = order.iter().position(|n| *n == name.value) else {
                 continue;
@@ -269,6 +293,11 @@ impl Names {
                 &|n| self.is_angle(n),
             );
             let lookup = |used: &str, span: &Span| match order.iter().position(|n| n == used) {
+                Some(i) if i == own => {
+                    Err(Diagnostic::error(format!("`{used}` is defined by itself"))
+                        .at(span.clone()))
+                }
+                _ if self.broken.contains(used) => Err(Diagnostic::inherited()),
                 Some(i) if i < own => Ok(Value::Constant(self.parameters[i].value)),
                 Some(_) => Err(
                     Diagnostic::error(format!("`{used}` is defined further down"))
@@ -282,14 +311,8 @@ impl Names {
             match constant(&node, &lookup) {
                 Ok(value) => self.parameters[own].value = value,
                 Err(diagnostic) => {
-                    // What follows from a faulty parameter is not the user's mistake.
-                    let mut inherited = false;
-                    node.visit_names(&mut |n, _| inherited |= failed.contains(&n));
-                    if !inherited {
-                        diagnostics.push(diagnostic);
-                    }
-                    failed.push(&name.value);
-                    self.parameters[own].value = f64::NAN;
+                    diagnostics.push(diagnostic);
+                    self.broken.insert(name.value.clone());
                 }
             }
         }
@@ -314,6 +337,22 @@ fn visit_factor(factor: &Factor, visit: &mut dyn FnMut(&str, &Span)) {
         Factor::Direction(nodes, _) => nodes.iter().for_each(|node| node.visit_names(visit)),
     }
 }
+
+/// Parameters and outputs whose formula could not be read.
+fn broken(file: &SceneFile, parsed: &Parsed) -> BTreeSet<String> {
+    let lists = [
+        (&file.parameters, &parsed.parameters),
+        (&file.outputs, &parsed.outputs),
+    ];
+    let faulty = lists.into_iter().flat_map(|(all, read)| {
+        let all = all.iter().map(|(name, _)| &name.value);
+        all.filter(|name| !read.iter().any(|(other, _)| other.value == **name))
+    });
+    faulty.cloned().collect()
+}
+
+/// Words of the formula language besides its functions.
+const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
 fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
     let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();
@@ -341,19 +380,19 @@ fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
                 continue;
             }
             seen.insert(word, (section, name.span.clone()));
-            let reserved = [TIME, "pi", "π", "E", "inv"].contains(&word)
-                || Function::from_name(word).is_some();
+            let reserved = RESERVED.contains(&word) || Function::from_name(word).is_some();
             if reserved || !is_identifier(word) {
-                let why = if reserved {
-                    "has a fixed meaning in formulas"
+                let (why, hint) = if reserved {
+                    ("has a fixed meaning in formulas", "choose another name")
                 } else {
-                    "cannot be written in a formula"
+                    (
+                        "cannot be written in a formula",
+                        "names start with a letter and hold letters, digits and `_`",
+                    )
                 };
-                diagnostics.push(
-                    Diagnostic::error(format!("`{word}` {why}"))
-                        .at(name.span.clone())
-                        .hint("names start with a letter and hold letters, digits and `_`"),
-                );
+                let message = format!("`{word}` {why}");
+                let diagnostic = Diagnostic::error(message).at(name.span.clone());
+                diagnostics.push(diagnostic.hint(hint));
             }
         }
     }

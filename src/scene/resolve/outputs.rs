@@ -5,7 +5,7 @@ use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::names::Names;
 use super::parsed::Parsed;
-use crate::diag::{Diagnostics, Span};
+use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
 
@@ -19,6 +19,7 @@ pub fn resolve(
 ) -> Vec<Output> {
     let coordinates = names.unknowns.len() + names.inputs.len();
     let mut outputs: Vec<Output> = Vec::new();
+    let mut failed: Vec<&str> = Vec::new();
     for (name, node) in &parsed.outputs {
         let known = |used: &str| outputs.iter().find(|o| o.name == used).map(|o| o.kind);
         let kind = kind_of(node, names, &known);
@@ -30,6 +31,13 @@ pub fn resolve(
             }
             if let Some(earlier) = outputs.iter().position(|o| o.name == used) {
                 return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
+            }
+            let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
+            if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
+                return Err(Diagnostic::inherited());
+            }
+            if failed.contains(&used) {
+                return Err(Diagnostic::inherited());
             }
             names.coordinate(used, span).map_err(|d| {
                 let points: Vec<String> = traces
@@ -46,7 +54,10 @@ pub fn resolve(
                 expression,
                 kind,
             }),
-            Err(diagnostic) => diagnostics.push(diagnostic),
+            Err(diagnostic) => {
+                diagnostics.push(diagnostic);
+                failed.push(&name.value);
+            }
         }
     }
     outputs

@@ -21,6 +21,8 @@ pub struct Parsed {
     pub frames: Vec<Vec<Factor>>,
     /// Named chains, for placing shapes.
     pub chains: Vec<Named<Vec<Item>>>,
+    /// Every loop and equation could be read: only then is it known which names are unknowns.
+    pub is_complete: bool,
 }
 
 /// The drive of an input.
@@ -35,14 +37,12 @@ impl Parsed {
         let chains: Vec<Named<Vec<Item>>> = file
             .chains
             .iter()
-            .filter_map(|(name, text)| {
-                Some((
-                    name.clone(),
-                    note(parse_chain(&text.text, text.offset), text, diagnostics)?,
-                ))
+            .map(|(name, text)| {
+                let items = note(parse_chain, text, diagnostics);
+                (name.clone(), items.unwrap_or_else(|| vec![Item::Broken]))
             })
             .collect();
-        let loops = file
+        let loops: Vec<Named<Vec<Factor>>> = file
             .loops
             .iter()
             .filter_map(|(name, text)| Some((name.clone(), expanded(text, &chains, diagnostics)?)))
@@ -64,6 +64,8 @@ impl Parsed {
         };
         let (parameters, equations) = (named(&file.parameters), named(&file.equations));
         let (guess, outputs) = (named(&file.guess), named(&file.outputs));
+        let is_complete =
+            loops.len() == file.loops.len() && equations.len() == file.equations.len();
         let inputs = file
             .inputs
             .iter()
@@ -83,6 +85,7 @@ impl Parsed {
             outputs,
             frames,
             chains,
+            is_complete,
         }
     }
 
@@ -98,11 +101,12 @@ impl Parsed {
 
 /// Parses an expression, noting what is wrong with it.
 pub fn expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<Node> {
-    note(parse_expression(&text.text, text.offset), text, diagnostics)
+    note(parse_expression, text, diagnostics)
 }
 
 fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<ParsedInput> {
     match input {
+        InputFile::Unread => None,
         InputFile::Formula(text) => Some(ParsedInput::Formula(expression(text, diagnostics)?)),
         InputFile::Keys { keys, .. } => {
             let mut nodes = Vec::with_capacity(keys.value.len());
@@ -122,7 +126,7 @@ fn expanded(
     chains: &[Named<Vec<Item>>],
     diagnostics: &mut Diagnostics,
 ) -> Option<Vec<Factor>> {
-    let items = note(parse_chain(&text.text, text.offset), text, diagnostics)?;
+    let items = note(parse_chain, text, diagnostics)?;
     expand_items(&items, chains, diagnostics)
 }
 
@@ -142,7 +146,7 @@ fn expand_items(
         Ok(factors) => Some(factors),
         Err(diagnostic) => {
             // A faulty chain is met once for each reference to it; one message is enough.
-            if !diagnostics.sorted().contains(&&diagnostic) {
+            if !diagnostics.contains(&diagnostic) {
                 diagnostics.push(diagnostic);
             }
             None
@@ -150,13 +154,16 @@ fn expand_items(
     }
 }
 
-/// Keeps the value, or the message with its place inside the file.
+/// Parses a text: its value, or the message with its place inside the file.
 fn note<T>(
-    result: Result<T, Diagnostic>,
+    parse: impl Fn(&str, usize) -> Result<T, Diagnostic>,
     text: &FormulaText,
     diagnostics: &mut Diagnostics,
 ) -> Option<T> {
-    match result {
+    if text.is_unread {
+        return None;
+    }
+    match parse(&text.text, text.offset) {
         Ok(value) => Some(value),
         Err(mut diagnostic) => {
             // A text with escapes has no byte-for-byte place; the message then covers the whole value.

@@ -5,7 +5,7 @@ use super::super::reader::{FormulaText, Spanned};
 use super::bodies::{Constants, body_index};
 use super::names::Names;
 use super::parsed::Parsed;
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::mechanism::{Body, Trace};
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use glam::DVec3;
@@ -39,6 +39,7 @@ pub fn resolve(
         if (low..=high).contains(&value) {
             return value;
         }
+        let value = shown(value);
         let message = format!("{what} must be between {low} and {high}, found {value}");
         diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
         default
@@ -139,7 +140,7 @@ fn label(
         }
     };
     let size = label.size.as_ref().map_or(Some(DEFAULT_LABEL_SIZE), |s| {
-        constants.value(s, diagnostics)
+        constants.positive("the size of a label", s, diagnostics)
     })?;
     Some(SceneLabel {
         text: label.text.value.clone(),
@@ -158,6 +159,9 @@ fn on_trace(
     diagnostics: &mut Diagnostics,
 ) -> Option<LabelPlace> {
     let Some(index) = traces.iter().position(|t| t.name == trace.value) else {
+        if constants.names.declares_trace(&trace.value) {
+            return None;
+        }
         diagnostics.push(
             Diagnostic::error(format!("there is no trace `{}`", trace.value))
                 .at(trace.span.clone())

@@ -1,0 +1,581 @@
+//! The command line as its users meet it: exit codes, what goes to which stream, and that nothing half-done stays.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod program;
+
+use program::{STILL, Workspace, finish, moving};
+
+/// A crank longer than its rod: closes only where |sin phi| ≤ 60/80, so up to phi = asin 0.75.
+const LEAVES: &str = r#"title = "leaves"
+duration = 1
+units = { length = "mm" }
+[inputs]
+phi = "1.2*t"
+[loops]
+A = "Rz(phi) Tx(80) Rz(alpha) Tx(60) Rz(beta) Tx(-h)"
+[guess]
+h = 140
+[[bodies]]
+name = "crank"
+frame = "Rz(phi)"
+shapes = [{ capsule = { from = [0, 0, 0], to = [80, 0, 0], radius = 5 } }]
+"#;
+
+/// Links of 50, 60 and 30 do not reach over 150: 10 are always missing.
+const NEVER: &str = r#"units = { length = "mm" }
+[inputs]
+phi = 0
+[loops]
+frame = "Rz(phi) Tx(50) Rz(a) Tx(60) Rz(b) Tx(30) Rz(c) Tx(-150)"
+"#;
+
+const FREE: &str = r#"[inputs]
+phi = "pi/2"
+[loops]
+A = "Rz(phi) Tx(2) Rz(a) Tx(3) Rz(b) Tx(3) Rz(c) Tx(2) Rz(d) Tx(-4)"
+"#;
+
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
+    workspace.write("still.toml", STILL);
+    workspace.write("moving.toml", moving());
+    workspace
+}
+
+#[test]
+fn scenes_are_listed_and_printed_exactly() {
+    let w = workspace();
+    let list = w.run(&["scenes"]).exits(0).is_quiet().text();
+    assert!(list.contains("slider-crank"), "{list}");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/slider-crank.toml");
+    let printed = w.run(&["scenes", "slider-crank"]).exits(0).is_quiet();
+    assert_eq!(printed.stdout, std::fs::read(file).unwrap());
+    let unknown = w.run(&["scenes", "slidercrank"]).exits(2).prints_nothing();
+    unknown.says(&[
+        "no built-in scene `slidercrank`",
+        "did you mean `slider-crank`?",
+    ]);
+}
+
+#[test]
+fn an_unknown_scene_is_refused_with_the_nearest_name() {
+    let w = workspace();
+    for verb in [
+        &["check", "slidrcrank"][..],
+        &["solve", "slidrcrank", "--out", "-"],
+    ] {
+        let run = w.run(verb).exits(2).prints_nothing();
+        run.says(&[
+            "there is no scene `slidrcrank`",
+            "did you mean `slider-crank`?",
+        ]);
+    }
+    let run = w.run(&["check", "none/at/all.toml"]).exits(2);
+    run.says(&["cannot read none/at/all.toml"]);
+}
+
+#[test]
+fn info_is_readable_by_people_and_machines() {
+    let w = workspace();
+    assert!(
+        w.run(&["info"])
+            .exits(0)
+            .text()
+            .contains(env!("CARGO_PKG_VERSION"))
+    );
+    let json = w.run(&["info", "--json"]).exits(0).text();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
+    assert!(json["adapters"].is_array());
+}
+
+#[test]
+fn every_shell_gets_its_completions() {
+    let w = workspace();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = w.run(&["completions", shell]).exits(0).is_quiet().text();
+        assert!(
+            script.contains("mechanim") && script.contains("solve"),
+            "{shell}"
+        );
+    }
+    w.run(&["completions", "csh"]).exits(2).prints_nothing();
+}
+
+#[test]
+fn help_and_version_are_no_errors_and_bad_usage_is() {
+    let w = workspace();
+    let help = w.run(&["--help"]).exits(0).is_quiet().text();
+    assert!(
+        help.contains("Exit codes: 0 done; 1 a check failed; 2 bad usage"),
+        "{help}"
+    );
+    w.run(&["--version"]).exits(0).is_quiet();
+    for wrong in [
+        &["rendr"][..],
+        &[],
+        &["solve"],
+        &["solve", "still.toml"],
+        &["check", "--no"],
+    ] {
+        w.run(wrong).exits(2).prints_nothing();
+    }
+}
+
+#[test]
+fn tables_are_written_where_asked_and_nothing_else_is() {
+    let w = workspace();
+    w.run(&["solve", "moving.toml", "--out", "a.csv"])
+        .exits(0)
+        .prints_nothing();
+    w.run(&["solve", "moving.toml", "--out", "a.json"])
+        .exits(0)
+        .prints_nothing();
+    let csv = String::from_utf8(w.read("a.csv")).unwrap();
+    assert!(csv.starts_with("time,phi,alpha,beta,h,"), "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 5);
+    let json: serde_json::Value = serde_json::from_slice(&w.read("a.json")).unwrap();
+    assert_eq!(json["samples"].as_array().unwrap().len(), 5);
+    let streamed = w
+        .run(&["solve", "moving.toml", "--out", "-"])
+        .exits(0)
+        .is_quiet();
+    assert_eq!(streamed.text(), csv);
+    let piped = w
+        .run_with(&["solve", "-", "--out", "-"], moving().as_bytes())
+        .exits(0);
+    assert_eq!(piped.text(), csv);
+    assert_eq!(w.files(), ["a.csv", "a.json", "moving.toml", "still.toml"]);
+}
+
+#[test]
+fn checks_answer_in_text_in_json_and_by_the_exit_code() {
+    let w = workspace();
+    let text = w.run(&["check", "moving.toml"]).exits(0).is_quiet().text();
+    assert!(text.contains("passed"), "{text}");
+    let json = w
+        .run(&["check", "moving.toml", "--json", "-"])
+        .exits(0)
+        .text();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["result"], "passed");
+    w.run(&["check", "moving.toml", "--tolerance", "1e-30"])
+        .exits(1);
+    let pose = "alpha=2.8837,beta=-0.2421,h=42.5642";
+    let run = w.run(&[
+        "check",
+        "slider-crank",
+        "--input",
+        "phi=0.5",
+        "--pose",
+        pose,
+    ]);
+    assert!(run.exits(1).text().contains("half-turn"));
+    let run = w
+        .run(&["check", "still.toml", "--pose", "alpha=1,gamma=2"])
+        .exits(2);
+    run.prints_nothing().says(&["no unknown `gamma`"]);
+    w.run(&["check", "still.toml", "--pose", "alpha=1"])
+        .exits(2)
+        .says(&["lacks beta, h"]);
+}
+
+#[test]
+fn pictures_have_the_size_and_number_asked_for() {
+    let w = workspace();
+    let size = ["--size", "64x48", "--renderer", "cpu"];
+    let draw = |out: &str, more: &[&str]| {
+        let run = [&["render", "moving.toml", "--out", out], &size[..], more].concat();
+        w.run(&run).exits(0).prints_nothing()
+    };
+    draw("a.png", &["--at", "0.25"]).says(&["a.png: 1 frame of 64x48"]);
+    let still = image::open(w.path("a.png")).unwrap();
+    assert_eq!((still.width(), still.height()), (64, 48));
+    draw("f-%02d.png", &["--frames", "3"]);
+    for k in 0..3 {
+        assert!(w.path(&format!("f-0{k}.png")).exists());
+    }
+    assert!(!w.path("f-03.png").exists());
+    draw("a.gif", &["--frames", "3"]);
+    let file = std::fs::File::open(w.path("a.gif")).unwrap();
+    let mut gif = gif::DecodeOptions::new().read_info(file).unwrap();
+    assert_eq!((gif.width(), gif.height()), (64, 48));
+    let mut frames = 0;
+    while gif.read_next_frame().unwrap().is_some() {
+        frames += 1;
+    }
+    assert_eq!(frames, 3);
+    let run = [
+        &["render", "moving.toml", "--out", "-", "--frames", "3"],
+        &size[..],
+    ]
+    .concat();
+    let streamed = w.run(&run).exits(0).is_quiet();
+    assert_eq!(streamed.stdout, w.read("a.gif"));
+}
+
+#[test]
+fn overrides_with_mistakes_are_refused_by_name() {
+    let w = workspace();
+    w.write(
+        "p.toml",
+        STILL.replace("[inputs]", "[parameters]\nlength = 1\n[inputs]"),
+    );
+    for (arguments, says) in [
+        (
+            ["--param", "lenght=2"],
+            ["no parameter `lenght`", "did you mean `length`?"],
+        ),
+        (["--input", "fhi=2"], ["no input `fhi`", "it has: phi"]),
+        (["--guess", "aplha=2"], ["`aplha`", "did you mean `alpha`?"]),
+        (
+            ["--param", "length=2*"],
+            ["from the command line", "found the end"],
+        ),
+        (
+            ["--param", "length=1/0"],
+            ["this formula has the value inf", "finite"],
+        ),
+        (["--param", "length"], ["NAME=VALUE", "--param"]),
+        (["--input", "phi=nan"], ["not a finite number", "nan"]),
+    ] {
+        let run = [&["check", "p.toml"], &arguments[..]].concat();
+        w.run(&run).exits(2).prints_nothing().says(&says);
+    }
+    w.run(&[
+        "check", "p.toml", "--param", "length=2", "--input", "phi=0.2",
+    ])
+    .exits(0);
+}
+
+#[test]
+fn tables_of_inputs_with_mistakes_are_refused_with_the_line() {
+    let w = workspace();
+    for (table, says) in [
+        ("", ["in.csv is empty", "names the columns"]),
+        ("time,Phi\n0,1\n", ["no column for the input `phi`", "Phi"]),
+        (
+            "phi\n0.1\n\n0.2\nx\n",
+            ["in.csv:5", "`x` is not a value for `phi`"],
+        ),
+        ("phi\nnan\n", ["in.csv:2", "`nan` is not a value"]),
+        ("a,phi\n1\n", ["in.csv:2", "`` is not a value"]),
+        ("phi\n", ["in.csv", "no rows"]),
+    ] {
+        w.write("in.csv", table);
+        let run = w.run(&["solve", "still.toml", "--inputs", "in.csv", "--out", "-"]);
+        run.exits(2).prints_nothing().says(&says);
+    }
+    w.write("in.csv", "a,phi\n9,0.1\n9,0.2\n9,0.3\n");
+    let run = w.run(&["solve", "still.toml", "--inputs", "in.csv", "--out", "-"]);
+    assert_eq!(run.exits(0).text().lines().count(), 4);
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_with_the_range() {
+    let w = workspace();
+    for (arguments, says) in [
+        (["--at", "7"], "0.5"),
+        (["--at", "-1"], "outside"),
+        (["--at", "nan"], "outside"),
+        (["--frame", "99"], "frames 0 to 4, 99 is outside"),
+        (["--frames", "0"], "between 1 and 1000000"),
+        (["--frames", "1000000000"], "between 1 and 1000000"),
+        (["--frames", "1e9"], "between 1 and 1000000"),
+        (["--fps", "0"], "between 0.01 and 1000"),
+        (["--fps", "nan"], "between 0.01 and 1000"),
+        (["--samples", "3"], "1, 2, 4, 8 or 16"),
+        (["--threads", "0"], "between 1 and 256"),
+        (["--size", "0x10"], "at least one pixel"),
+        (["--size", "640"], "640x480"),
+        (
+            ["--size", "100000x100000"],
+            "at most 16384 pixels a side and 64 million in all",
+        ),
+        (["--size", "16384x16384"], "64 million in all"),
+        (["--size", "4294967296x1"], "WIDTHxHEIGHT"),
+        (["--renderer", "magic"], "possible values: auto, gpu, cpu"),
+    ] {
+        let run = [&["render", "moving.toml", "--out", "x.gif"], &arguments[..]].concat();
+        w.run(&run).exits(2).prints_nothing().says(&[says]);
+    }
+    assert_eq!(w.files(), ["moving.toml", "still.toml"]);
+}
+
+/// Under 600 MB of addresses a picture of 1e10 pixels can only be refused without being made.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_huge_picture_is_refused_without_memory() {
+    let w = workspace();
+    let mut shell = w.command::<&str>(&[]);
+    let program = shell.get_program().to_owned();
+    for size in ["100000x100000", "16384x16384"] {
+        let line = "ulimit -v 600000; exec \"$0\" render moving.toml --out x.gif --size \"$1\"";
+        let mut command = std::process::Command::new("sh");
+        command.args(["-c", line]).arg(&program).arg(size);
+        command
+            .current_dir(w.path(""))
+            .stderr(std::process::Stdio::piped());
+        finish(command.spawn().unwrap())
+            .exits(2)
+            .says(&["64 million"]);
+    }
+    shell.arg("--version").status().unwrap();
+}
+
+#[test]
+fn places_that_cannot_be_written_are_named_and_left_alone() {
+    let w = workspace();
+    std::fs::create_dir(w.path("folder")).unwrap();
+    let draw = |out: &str| w.run(&["render", "moving.toml", "--size", "64x48", "--out", out]);
+    draw("none/x.gif")
+        .exits(2)
+        .says(&["none/x.gif", "the folder none does not exist"]);
+    draw("x.mp4")
+        .exits(2)
+        .says(&["x.mp4", "unknown extension .mp4", ".gif, .png"]);
+    draw("x").exits(2).says(&["no extension"]);
+    w.run(&["solve", "moving.toml", "--out", "x.xls"])
+        .exits(2)
+        .says(&[".csv and .json"]);
+    w.run(&["solve", "moving.toml", "--out", "none/x.csv"])
+        .exits(2)
+        .says(&["the folder none"]);
+    let run = w.run(&["solve", "moving.toml", "--format", "csv", "--out", "folder"]);
+    run.exits(2).says(&["folder", "it is a folder"]);
+    let run = w
+        .run(&["check", "moving.toml", "--json", "none/x.json"])
+        .exits(2);
+    run.says(&["the folder none does not exist"]);
+    assert_eq!(w.files(), ["folder", "moving.toml", "still.toml"]);
+}
+
+#[test]
+fn the_scene_itself_is_never_written_over() {
+    let w = workspace();
+    std::fs::copy(w.path("moving.toml"), w.path("scene.csv")).unwrap();
+    std::fs::copy(w.path("moving.toml"), w.path("scene.gif")).unwrap();
+    for arguments in [
+        ["solve", "scene.csv", "--out", "./scene.csv"],
+        ["render", "scene.gif", "--out", "scene.gif"],
+        ["check", "moving.toml", "--json", "moving.toml"],
+    ] {
+        w.run(&arguments)
+            .exits(2)
+            .says(&["is an input of this command"]);
+    }
+    for file in ["scene.csv", "scene.gif", "moving.toml"] {
+        assert_eq!(w.read(file), moving().as_bytes(), "{file}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_folder_without_the_right_to_write_is_named() {
+    use std::os::unix::fs::PermissionsExt;
+    let w = workspace();
+    std::fs::create_dir(w.path("shut")).unwrap();
+    std::fs::set_permissions(w.path("shut"), PermissionsExt::from_mode(0o555)).unwrap();
+    // The administrator may write there all the same, but not even he makes files in `/proc`.
+    let is_admin = std::fs::write(w.path("shut/probe"), "").is_ok();
+    for folder in ["shut", "/proc"].into_iter().skip(usize::from(is_admin)) {
+        let place = format!("{folder}/x.csv");
+        let run = w.run(&["solve", "moving.toml", "--out", &place]).exits(2);
+        run.prints_nothing()
+            .says(&[&format!("cannot write {place}")]);
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_said() {
+    let w = workspace();
+    std::os::unix::fs::symlink("/dev/full", w.path("x.csv")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", w.path("x.gif")).unwrap();
+    let run = w.run(&["solve", "moving.toml", "--out", "x.csv"]).exits(2);
+    run.says(&["writing x.csv failed", "No space left"]);
+    let run = w
+        .run(&["render", "moving.toml", "--size", "64x48", "--out", "x.gif"])
+        .exits(2);
+    run.says(&["writing x.gif failed", "No space left"]);
+    let full = std::fs::File::create("/dev/full").unwrap();
+    let mut command = w.command(&["check", "moving.toml"]);
+    let run = finish(command.stdout(full).spawn().unwrap()).exits(2);
+    run.says(&["standard output", "No space left"]);
+}
+
+#[test]
+fn a_reader_that_goes_away_ends_the_run_in_silence() {
+    let w = workspace();
+    for arguments in [
+        &["scenes"][..],
+        &["scenes", "gearshift"],
+        &["completions", "bash"],
+        &["check", "moving.toml"],
+        &["solve", "moving.toml", "--out", "-", "--samples", "2000"],
+        &["render", "moving.toml", "--out", "-", "--size", "64x48"],
+    ] {
+        let mut child = w.command(arguments).spawn().unwrap();
+        drop(child.stdout.take());
+        finish(child).exits(0).is_quiet();
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_leaves_nothing_behind() {
+    let w = workspace();
+    for out in ["x.gif", "f-%04d.png"] {
+        let long = [
+            "--frames",
+            "5000",
+            "--size",
+            "640x480",
+            "--progress",
+            "plain",
+        ];
+        let run = [
+            &["render", "moving.toml", "--renderer", "cpu", "--out", out],
+            &long[..],
+        ]
+        .concat();
+        let child = w.command(&run).spawn().unwrap();
+        // Wait until the temporary file is there: the run is in its middle then.
+        while w.files().len() < 3 {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let id = child.id().to_string();
+        let kill = std::process::Command::new("kill")
+            .args(["-INT", &id])
+            .status();
+        assert!(kill.unwrap().success());
+        finish(child).exits(130).says(&["interrupted"]);
+        assert_eq!(w.files(), ["moving.toml", "still.toml"], "{out}");
+    }
+}
+
+#[test]
+fn a_motion_that_leaves_its_range_is_written_as_far_as_it_goes() {
+    let w = workspace();
+    w.write("leaves.toml", LEAVES);
+    let run = w
+        .run(&["solve", "leaves.toml", "--out", "x.csv"])
+        .exits(4)
+        .prints_nothing();
+    run.says(&[
+        "no pose exists beyond",
+        "phi = 0.848062",
+        "samples have no pose",
+    ]);
+    let csv = String::from_utf8(w.read("x.csv")).unwrap().to_lowercase();
+    let rows: Vec<&str> = csv.lines().skip(1).collect();
+    for row in &rows {
+        let phi: f64 = row.split(',').nth(1).unwrap().parse().unwrap();
+        let status = if phi.sin() <= 0.75 { ",ok" } else { ",no-pose" };
+        assert!(row.ends_with(status), "{row}");
+        assert!(!row.contains("nan") && !row.contains("inf"), "{row}");
+    }
+    assert!(rows.iter().any(|row| row.ends_with("no-pose")));
+    let draw = [
+        "render",
+        "leaves.toml",
+        "--size",
+        "64x48",
+        "--frames",
+        "4",
+        "--out",
+        "x.gif",
+    ];
+    w.run(&draw).exits(4).says(&["no pose"]);
+    assert!(w.path("x.gif").exists());
+    let json = w
+        .run(&["solve", "leaves.toml", "--out", "-", "--format", "json"])
+        .exits(4)
+        .text();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let event = &json["events"][0];
+    assert_eq!(event["kind"], "motion-ends");
+    let phi = event["inputs"]["phi"].as_f64().unwrap();
+    assert!((phi - 0.75f64.asin()).abs() < 1e-6, "{phi}");
+    w.run(&["check", "leaves.toml"]).exits(4);
+}
+
+#[test]
+fn a_loop_that_never_closes_is_named_with_its_gap() {
+    let w = workspace();
+    w.write("never.toml", NEVER);
+    for arguments in [
+        &["check", "never.toml"][..],
+        &["solve", "never.toml", "--out", "x.csv"],
+        &["render", "never.toml", "--out", "x.gif"],
+    ] {
+        let run = w.run(arguments).exits(4).prints_nothing();
+        run.says(&["loop `frame` does not close", "leaves 10.000", "phi = 0"]);
+    }
+    assert_eq!(w.files(), ["moving.toml", "never.toml", "still.toml"]);
+}
+
+#[test]
+fn a_mechanism_with_a_freedom_too_many_names_it() {
+    let w = workspace();
+    w.write("free.toml", FREE);
+    let run = w
+        .run(&["solve", "free.toml", "--out", "x.csv"])
+        .exits(2)
+        .prints_nothing();
+    run.says(&["free", "a, b, c, d", "hint"]);
+    assert!(!w.path("x.csv").exists());
+}
+
+/// No driver can be found through these: the same as on a machine without graphics.
+#[test]
+#[cfg(all(target_os = "linux", feature = "gpu"))]
+fn without_an_adapter_gpu_says_so_and_auto_draws_all_the_same() {
+    let w = workspace();
+    let run = |renderer: &str| {
+        let size = ["--size", "64x48", "--at", "0", "--renderer", renderer];
+        let draw = [&["render", "moving.toml", "--out", "x.png"], &size[..]].concat();
+        let mut command = w.command(&draw);
+        for name in [
+            "VK_ICD_FILENAMES",
+            "VK_DRIVER_FILES",
+            "__EGL_VENDOR_LIBRARY_FILENAMES",
+            "LIBGL_DRIVERS_PATH",
+            "GBM_BACKENDS_PATH",
+        ] {
+            command.env(name, "/nonexistent");
+        }
+        finish(command.spawn().unwrap())
+    };
+    let refused = run("gpu").exits(3).prints_nothing();
+    refused.says(&["no usable graphics adapter", "--renderer cpu"]);
+    assert!(!w.path("x.png").exists());
+    run("auto").exits(0);
+    assert!(w.path("x.png").exists());
+}
+
+#[test]
+fn colour_quiet_and_progress_do_as_they_are_told() {
+    let w = workspace();
+    let escape = "\x1b[";
+    let plain = w.run(&["check", "none.toml"]).exits(2);
+    assert!(!plain.stderr.contains(escape));
+    w.run(&["check", "none.toml", "--color", "always"])
+        .exits(2)
+        .says(&[escape]);
+    let mut command = w.command(&["check", "none.toml"]);
+    let run = finish(command.env("NO_COLOR", "1").spawn().unwrap()).exits(2);
+    assert!(!run.stderr.contains(escape));
+    let draw = ["render", "moving.toml", "--size", "64x48", "--out", "x.gif"];
+    w.run(&[&draw[..], &["--quiet"]].concat())
+        .exits(0)
+        .is_quiet();
+    let run = w
+        .run(&[&draw[..], &["--progress", "plain"]].concat())
+        .exits(0);
+    assert!(!run.stderr.contains('\r'));
+    run.says(&["5/5 frames"]);
+    w.run(&["check", "none.toml", "--quiet"])
+        .exits(2)
+        .says(&["none.toml"]);
+}
