@@ -70,7 +70,7 @@ fn scenes_look_as_they_should() {
 #[test]
 #[ignore = "needs a graphics adapter, a software one will do: run with --include-ignored"]
 fn scenes_look_the_same_on_a_graphics_adapter() {
-    use mechanim::compare::compare;
+    use mechanim::compare::{Comparison, compare};
     use mechanim::render::adapter::AdapterChoice;
     use mechanim::render::gpu::GpuRenderer;
     for (name, frame) in VIEWS {
@@ -79,7 +79,10 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
         let mut cpu = CpuRenderer::new(Arc::clone(&staging.stage)).unwrap();
         let mut gpu = GpuRenderer::open(Arc::clone(&staging.stage), AdapterChoice::Any).unwrap();
         let drawn = draw(&staging, &mut gpu, frame);
-        let likeness = compare(&draw(&staging, &mut cpu, frame), &drawn, 24);
+        let compared = compare(&draw(&staging, &mut cpu, frame), &drawn, 24);
+        let Comparison::SameSize(likeness) = compared else {
+            panic!("{name}: {compared:?}")
+        };
         println!("{name}: {:.1} dB on {}", likeness.psnr, gpu.name());
         assert!(likeness.psnr >= 35.0, "{name}: {:.1} dB", likeness.psnr);
         assert_snapshot(
