@@ -12,5 +12,6 @@ fn main() {
     if let Err(error) = handler {
         eprintln!("warning: Ctrl-C will not clean up: {error}");
     }
-    std::process::exit(mechanim::cli::run(std::env::args_os()));
+    let code = mechanim::cli::guarded(|| mechanim::cli::run(std::env::args_os()));
+    std::process::exit(code);
 }

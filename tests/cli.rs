@@ -45,10 +45,10 @@ fn workspace() -> Workspace {
 #[test]
 fn scenes_are_listed_and_printed_exactly() {
     let w = workspace();
-    let list = w.run(&["scenes"]).exits(0).is_quiet().text();
+    let list = w.run(&["scenes"]).exits(0).says_nothing().text();
     assert!(list.contains("slider-crank"), "{list}");
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/slider-crank.toml");
-    let printed = w.run(&["scenes", "slider-crank"]).exits(0).is_quiet();
+    let printed = w.run(&["scenes", "slider-crank"]).exits(0).says_nothing();
     assert_eq!(printed.stdout, std::fs::read(file).unwrap());
     let unknown = w.run(&["scenes", "slidercrank"]).exits(2).prints_nothing();
     unknown.says(&[
@@ -93,7 +93,11 @@ fn info_is_readable_by_people_and_machines() {
 fn every_shell_gets_its_completions() {
     let w = workspace();
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let script = w.run(&["completions", shell]).exits(0).is_quiet().text();
+        let script = w
+            .run(&["completions", shell])
+            .exits(0)
+            .says_nothing()
+            .text();
         assert!(
             script.contains("mechanim") && script.contains("solve"),
             "{shell}"
@@ -105,12 +109,12 @@ fn every_shell_gets_its_completions() {
 #[test]
 fn help_and_version_are_no_errors_and_bad_usage_is() {
     let w = workspace();
-    let help = w.run(&["--help"]).exits(0).is_quiet().text();
+    let help = w.run(&["--help"]).exits(0).says_nothing().text();
     assert!(
         help.contains("Exit codes: 0 done; 1 a check failed; 2 bad usage"),
         "{help}"
     );
-    w.run(&["--version"]).exits(0).is_quiet();
+    w.run(&["--version"]).exits(0).says_nothing();
     for wrong in [
         &["rendr"][..],
         &[],
@@ -139,7 +143,7 @@ fn tables_are_written_where_asked_and_nothing_else_is() {
     let streamed = w
         .run(&["solve", "moving.toml", "--out", "-"])
         .exits(0)
-        .is_quiet();
+        .says_nothing();
     assert_eq!(streamed.text(), csv);
     let piped = w
         .run_with(&["solve", "-", "--out", "-"], moving().as_bytes())
@@ -151,7 +155,11 @@ fn tables_are_written_where_asked_and_nothing_else_is() {
 #[test]
 fn checks_answer_in_text_in_json_and_by_the_exit_code() {
     let w = workspace();
-    let text = w.run(&["check", "moving.toml"]).exits(0).is_quiet().text();
+    let text = w
+        .run(&["check", "moving.toml"])
+        .exits(0)
+        .says_nothing()
+        .text();
     assert!(text.contains("passed"), "{text}");
     let json = w
         .run(&["check", "moving.toml", "--json", "-"])
@@ -210,7 +218,7 @@ fn pictures_have_the_size_and_number_asked_for() {
         &size[..],
     ]
     .concat();
-    let streamed = w.run(&run).exits(0).is_quiet();
+    let streamed = w.run(&run).exits(0).says_nothing();
     assert_eq!(streamed.stdout, w.read("a.gif"));
 }
 
@@ -417,7 +425,7 @@ fn a_reader_that_goes_away_ends_the_run_in_silence() {
     ] {
         let mut child = w.command(arguments).spawn().unwrap();
         drop(child.stdout.take());
-        finish(child).exits(0).is_quiet();
+        finish(child).exits(0).says_nothing();
     }
 }
 
@@ -569,7 +577,7 @@ fn colour_quiet_and_progress_do_as_they_are_told() {
     let draw = ["render", "moving.toml", "--size", "64x48", "--out", "x.gif"];
     w.run(&[&draw[..], &["--quiet"]].concat())
         .exits(0)
-        .is_quiet();
+        .says_nothing();
     let run = w
         .run(&[&draw[..], &["--progress", "plain"]].concat())
         .exits(0);

@@ -24,6 +24,12 @@ use term::Term;
 /// Raised by Ctrl-C; everything that takes long looks at it.
 pub static CANCEL: AtomicBool = AtomicBool::new(false);
 
+/// The exit code of `run`, also where it panics: a fault of the program has its own code. Unwinding has removed
+/// unfinished files by then.
+pub fn guarded(run: impl FnOnce() -> i32 + std::panic::UnwindSafe) -> i32 {
+    std::panic::catch_unwind(run).unwrap_or(outcome::INTERNAL)
+}
+
 /// Runs the program with the given arguments (the first is its own name) and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
     let cli = match Cli::try_parse_from(arguments) {
@@ -58,5 +64,19 @@ fn usage(error: &clap::Error) -> i32 {
         outcome::BAD_USAGE
     } else {
         outcome::DONE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::panic)]
+    use super::*;
+
+    /// The other codes are tested from outside, in `tests/cli.rs`; no known input leads to this one.
+    #[test]
+    fn a_fault_of_the_program_has_its_own_code() {
+        assert_eq!(guarded(|| 4), 4);
+        assert_eq!(guarded(|| panic!("a planted fault")), 70);
+        assert_eq!(Failure::Internal("planted".to_owned()).code(), 70);
     }
 }

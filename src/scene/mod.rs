@@ -1,4 +1,6 @@
 //! From the text of a scene to a mechanism and its view. After this nothing is looked up by name.
+// A message is large, and made once for each mistake of a file: boxing it would save nothing.
+#![allow(clippy::result_large_err)]
 
 pub mod builtin;
 pub mod file;

@@ -53,7 +53,7 @@ impl Run {
     }
 
     /// Nothing on standard error.
-    pub fn is_quiet(self) -> Self {
+    pub fn says_nothing(self) -> Self {
         assert_eq!(self.stderr, "");
         self
     }
