@@ -53,9 +53,6 @@ fn code(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Files that are to be parted: they may not grow until then.
-const LONGER: [(&str, usize); 1] = [("kinematics/continuation.rs", 490)];
-
 /// The text without its test module, which ends every file.
 fn before_tests(text: &str) -> &str {
     let end = text.find("#[cfg(test)]\nmod tests {");
@@ -79,9 +76,7 @@ fn faults(name: &str, text: &str) -> Vec<String> {
         faults.push(format!("{name}: does not open with what it holds"));
     }
     let lines = before_tests(text).lines().count();
-    let longer = LONGER.iter().find(|(longer, _)| *longer == name);
-    let most = longer.map_or(MOST_LINES, |(_, most)| *most);
-    if lines > most && !name.ends_with("tests.rs") {
+    if lines > MOST_LINES && !name.ends_with("tests.rs") {
         faults.push(format!("{name}: {lines} lines"));
     }
     faults

@@ -135,10 +135,9 @@ fn close(
 /// Angles from a long search may have made whole turns; they are brought to -π..π where nothing but plain
 /// rotations by whole multiples uses them.
 fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
-    for slot in 0..mechanism.unknowns.len() {
-        let angle = mechanism.unknowns[slot].kind == Kind::Angle;
-        if angle && coordinates[slot].abs() > PI && !turns_matter(mechanism, slot) {
-            coordinates[slot] -= TAU * (coordinates[slot] / TAU).round();
+    for (slot, (unknown, value)) in mechanism.unknowns.iter().zip(coordinates).enumerate() {
+        if unknown.kind == Kind::Angle && value.abs() > PI && !turns_matter(mechanism, slot) {
+            *value -= TAU * (*value / TAU).round();
         }
     }
 }

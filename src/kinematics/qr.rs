@@ -77,7 +77,7 @@ impl PivotedQr {
             .count();
         // Every reflection and every swap changes the sign once.
         let reflections = self.scalars.iter().filter(|tau| **tau != 0.0).count();
-        if (negative_diagonal + reflections + self.swaps) % 2 == 0 {
+        if (negative_diagonal + reflections + self.swaps).is_multiple_of(2) {
             1
         } else {
             -1

@@ -54,14 +54,16 @@ pub struct Structure {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StructureError {
     /// A loop has the same gap at every pose.
-    #[error("loop `{name}` cannot close at any pose: {what} always differs by {gap:.6}")]
+    #[error("loop `{name}` cannot close at any pose: {what} always differs by {gap:.6} {unit}")]
     Impossible {
         /// Name of the loop.
         name: String,
         /// The equation in words.
         what: String,
-        /// Its constant value: radians or the scene's length unit.
+        /// Its constant value.
         gap: f64,
+        /// Unit of the gap: radians or the scene's length unit.
+        unit: String,
     },
     /// More unknowns than independent equations.
     #[error("{freedoms} more coordinate(s) are free than the inputs drive: {}", names.join(", "))]
@@ -177,26 +179,27 @@ fn live_equations(
             let mut rates = vec![0.0; mechanism.coordinate_count()];
             rates[mechanism.unknowns.len()..].fill(1.0);
             workspace.evaluate(mechanism, &all, probe, Want::Drift(&rates));
-            for k in 0..6 {
+            for (k, live) in live.iter_mut().enumerate() {
                 let row = (0..all.unknowns.len()).map(|j| workspace.jacobian[j * 6 + k].abs());
                 let largest = row.fold(workspace.drift[k].abs(), f64::max);
-                live[k] |= largest > EMPTY || largest.is_nan();
-                constant[k] = workspace.residual[k];
+                *live |= largest > EMPTY || largest.is_nan();
             }
+            constant.copy_from_slice(&workspace.residual);
         }
         let components: Vec<usize> = (0..6).filter(|k| live[*k]).collect();
         for k in (0..6).filter(|k| !live[*k]) {
             if constant[k].abs() > EMPTY {
-                let gap = if k < 3 {
-                    constant[k]
+                let (gap, unit) = if k < 3 {
+                    (constant[k], "rad")
                 } else {
-                    constant[k] * mechanism.size
+                    (constant[k] * mechanism.size, mechanism.length_unit.as_str())
                 };
                 let name = mechanism.loops[index].name.clone();
                 return Err(StructureError::Impossible {
                     name,
                     what: component_name(k).to_owned(),
                     gap,
+                    unit: unit.to_owned(),
                 });
             }
             empty.push((index, k));

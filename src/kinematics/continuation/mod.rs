@@ -1,0 +1,256 @@
+//! Following the motion along the drive on one assembly branch: predictor, corrector, step control, events.
+//!
+//! The drive is always evaluated at a time computed from the sample's own time, never accumulated. Single steps are
+//! in `step`, what is kept of a pose in `record`.
+
+mod record;
+mod step;
+
+use super::assembly::{NotClosed, assemble};
+use super::branch::{BranchState, BranchWatch};
+use super::newton::Corrector;
+use super::structure::{Structure, StructureError};
+use super::trajectory::{Event, EventKind, Trajectory};
+use crate::model::mechanism::Mechanism;
+
+/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-11
+/// of that interval.
+const SMALLEST_STEP: f64 = 1e-11;
+
+/// Solves `mechanism` at the given ascending times.
+///
+/// # Errors
+/// Only where the mechanism itself is ill-posed; a pose that does not exist is an event in the trajectory.
+pub fn solve(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
+    let structure = Structure::new(mechanism)?;
+    Ok(Follower::new(mechanism, &structure).run(times))
+}
+
+/// A regular or singular pose on the way, with what is needed to go on from it.
+#[derive(Clone, Debug)]
+struct Stand {
+    time: f64,
+    coordinates: Vec<f64>,
+    branch: BranchState,
+}
+
+/// Why a step from one time to the next could not be made.
+enum Stop {
+    /// No pose beyond; the last good stand.
+    Ends(Stand),
+    /// The input has no value at this time.
+    Undefined(usize, Stand),
+}
+
+struct Follower<'m> {
+    mechanism: &'m Mechanism,
+    structure: &'m Structure,
+    corrector: Corrector,
+    watch: BranchWatch,
+    /// Last pose that is well away from singular ones: where crossings start from.
+    anchor: Option<Stand>,
+    best_sigma: f64,
+    interval: f64,
+    iterations: u32,
+    trajectory: Trajectory,
+}
+
+impl<'m> Follower<'m> {
+    fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+        Self {
+            mechanism,
+            structure,
+            corrector: Corrector::new(structure),
+            watch: BranchWatch::default(),
+            anchor: None,
+            best_sigma: 0.0,
+            interval: mechanism.duration,
+            iterations: 0,
+            trajectory: Trajectory::default(),
+        }
+    }
+
+    fn run(mut self, times: &[f64]) -> Trajectory {
+        let mut stand: Option<Stand> = None;
+        let mut lost = false;
+        for (index, &time) in times.iter().enumerate() {
+            self.interval = if index > 0 {
+                (time - times[index - 1]).abs()
+            } else {
+                self.mechanism.duration
+            };
+            self.iterations = 0;
+            let reached = match (&stand, lost) {
+                (None, _) => self.start(time),
+                (Some(last), true) => self.resume(last.clone(), time),
+                (Some(last), false) => self.advance(last.clone(), time),
+            };
+            match reached {
+                Ok(new) => {
+                    self.record(&new);
+                    stand = Some(new);
+                    lost = false;
+                }
+                Err(last) => {
+                    self.record_missing(time);
+                    lost = true;
+                    stand = last.or(stand);
+                }
+            }
+        }
+        self.trajectory
+    }
+
+    /// Inputs at `time`, or the index of one that has no value.
+    fn inputs(&self, time: f64) -> Result<Vec<f64>, usize> {
+        let inputs = self.mechanism.inputs_at(time);
+        match inputs.iter().position(|v| !v.is_finite()) {
+            None => Ok(inputs),
+            Some(index) => Err(index),
+        }
+    }
+
+    fn event(&mut self, time: f64, kind: EventKind) {
+        let inputs = self.mechanism.inputs_at(time);
+        self.trajectory.events.push(Event { time, inputs, kind });
+    }
+
+    fn undefined(&mut self, time: f64, index: usize) {
+        let name = self.mechanism.inputs[index].name.clone();
+        let known = self
+            .trajectory
+            .events
+            .iter()
+            .any(|e| matches!(&e.kind, EventKind::InputUndefined { name: n } if *n == name));
+        if !known {
+            self.event(time, EventKind::InputUndefined { name });
+        }
+    }
+
+    /// First pose, from the start values.
+    fn start(&mut self, time: f64) -> Result<Stand, Option<Stand>> {
+        let inputs = self.inputs(time).map_err(|index| {
+            self.undefined(time, index);
+            None
+        })?;
+        let start = [self.mechanism.guess.clone(), inputs].concat();
+        // Perturbed starts are worth their time once, not at every sample of a range without poses.
+        let persist = self.trajectory.samples.is_empty();
+        match assemble(
+            self.mechanism,
+            self.structure,
+            &mut self.corrector,
+            &start,
+            persist,
+        ) {
+            Ok(found) => {
+                self.iterations += found.iterations;
+                if found.start > 0 {
+                    self.event(time, EventKind::OtherStart);
+                }
+                if !self.trajectory.samples.is_empty() {
+                    self.event(time, EventKind::MotionResumes { same_branch: true });
+                }
+                let stand = self.stand(time, found.coordinates);
+                Ok(self.keep(stand))
+            }
+            Err(NotClosed {
+                name,
+                angle,
+                distance,
+            }) => {
+                if persist {
+                    self.event(
+                        time,
+                        EventKind::StartNotClosed {
+                            name,
+                            angle,
+                            distance,
+                        },
+                    );
+                }
+                Err(None)
+            }
+        }
+    }
+
+    /// After a gap: assembles again from the last pose, without searching.
+    fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
+        let Ok(inputs) = self.inputs(time) else {
+            return Err(None);
+        };
+        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
+        let start = [unknowns, &inputs].concat();
+        match assemble(
+            self.mechanism,
+            self.structure,
+            &mut self.corrector,
+            &start,
+            false,
+        ) {
+            Ok(found) => {
+                self.iterations += found.iterations;
+                let stand = self.stand(time, found.coordinates);
+                let same_branch = stand.branch.signs == last.branch.signs;
+                self.event(time, EventKind::MotionResumes { same_branch });
+                Ok(self.keep(stand))
+            }
+            Err(_) => Err(None),
+        }
+    }
+
+    /// From the last sample to `time`, by as many steps as it takes.
+    fn advance(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
+        let mut here = last;
+        loop {
+            match self.follow(here, time) {
+                Ok(stand) => return Ok(stand),
+                Err(Stop::Undefined(index, stand)) => {
+                    self.undefined(time, index);
+                    return Err(Some(stand));
+                }
+                Err(Stop::Ends(stand)) => match self
+                    .settle(&stand, time)
+                    .or_else(|| self.cross(&stand, time))
+                {
+                    Some(beyond) if beyond.time == time && !self.is_usable(&beyond.branch) => {
+                        return Ok(beyond);
+                    }
+                    Some(beyond) => {
+                        self.event(stand.time, EventKind::SingularPosePassed);
+                        here = self.keep(beyond);
+                    }
+                    None => {
+                        self.event(stand.time, EventKind::MotionEnds);
+                        return Err(Some(stand));
+                    }
+                },
+            }
+        }
+    }
+
+    /// Steps with halving until `time`, or until the steps become too small.
+    fn follow(&mut self, mut here: Stand, time: f64) -> Result<Stand, Stop> {
+        let smallest = SMALLEST_STEP * self.interval;
+        let mut step = time - here.time;
+        while here.time < time {
+            let next = if here.time + step >= time {
+                time
+            } else {
+                here.time + step
+            };
+            match self.step(&here, next) {
+                Ok(Some(stand)) => {
+                    step = (2.0 * (next - here.time)).max(smallest);
+                    here = self.keep(stand);
+                }
+                Ok(None) => step = 0.5 * (next - here.time),
+                Err(index) => return Err(Stop::Undefined(index, here)),
+            }
+            if step < smallest || here.time + step == here.time {
+                return Err(Stop::Ends(here));
+            }
+        }
+        Ok(here)
+    }
+}

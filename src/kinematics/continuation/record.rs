@@ -1,0 +1,73 @@
+//! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
+
+use super::super::forward;
+use super::super::trajectory::{ClosedPose, Sample};
+use super::{Follower, Stand};
+
+/// Half width, in seconds relative to the interval, of the difference that gives the drive's rate.
+const RATE_STEP: f64 = 1e-6;
+
+impl Follower<'_> {
+    pub(super) fn record_missing(&mut self, time: f64) {
+        let inputs = self.mechanism.inputs_at(time);
+        self.trajectory.samples.push(Sample {
+            time,
+            inputs,
+            pose: None,
+        });
+    }
+
+    pub(super) fn record(&mut self, stand: &Stand) {
+        let n = self.mechanism.unknowns.len();
+        let coordinates = &stand.coordinates;
+        let bodies = forward::body_poses(self.mechanism, coordinates);
+        let traces = forward::trace_points(self.mechanism, &bodies);
+        let outputs = forward::outputs(self.mechanism, coordinates, &traces);
+        let closure_error = forward::closure_error(self.mechanism, coordinates);
+        let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
+        if !finite {
+            return self.record_missing(stand.time);
+        }
+        let pose = ClosedPose {
+            unknowns: coordinates[..n].to_vec(),
+            bodies,
+            traces,
+            outputs,
+            rates: self.rates(stand),
+            closure_error,
+            sigma_min: stand.branch.sigma_min,
+            condition: stand.branch.condition,
+            rank: stand.branch.rank,
+            branch: stand.branch.signature(),
+            iterations: self.iterations,
+        };
+        let inputs = coordinates[n..].to_vec();
+        self.trajectory.samples.push(Sample {
+            time: stand.time,
+            inputs,
+            pose: Some(pose),
+        });
+    }
+
+    /// Rates of the unknowns per second: the tangent along the drive's own rate.
+    fn rates(&mut self, stand: &Stand) -> Vec<f64> {
+        let n = self.mechanism.unknowns.len();
+        let h = RATE_STEP * self.mechanism.duration;
+        let (before, after) = (
+            self.mechanism.inputs_at(stand.time - h),
+            self.mechanism.inputs_at(stand.time + h),
+        );
+        let mut rates = vec![0.0; stand.coordinates.len()];
+        for k in 0..before.len() {
+            rates[n + k] = (after[k] - before[k]) / (2.0 * h);
+        }
+        self.corrector.tangent(
+            self.mechanism,
+            self.structure,
+            &stand.coordinates,
+            &mut rates,
+        );
+        rates.truncate(n);
+        rates
+    }
+}

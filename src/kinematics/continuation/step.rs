@@ -1,0 +1,172 @@
+//! One step along the drive, and the ways through or up to a singular pose.
+
+use super::super::branch::BranchState;
+use super::super::newton::{Correction, Pace};
+use super::super::trajectory::EventKind;
+use super::{Follower, Stand};
+
+/// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
+const MAX_CORRECTION: f64 = 0.05;
+
+/// A correction may be this fraction of the predicted step (plus a floor for tiny steps): the tangent is
+/// then a good picture of the path.
+const CORRECTION_OF_STEP: f64 = 0.25;
+
+/// Floor of the above: corrections of this size are rounding at a badly conditioned pose.
+const CORRECTION_FLOOR: f64 = 1e-9;
+
+/// A step across a singular pose starts from the last pose whose smallest singular value is above this fraction
+/// of the best seen; nearer to the singular pose the tangent is noise.
+const TRUSTED_SIGMA: f64 = 1e-4;
+
+/// Below this fraction of the best smallest singular value no tangent is taken from a pose: it has lost its last
+/// digits. Folds are approached to the square of it.
+const USABLE_SIGMA: f64 = 1e-6;
+
+/// A sample this close to the end of the steps, in intervals between samples, is the singular pose itself.
+const BESIDE: f64 = 1e-6;
+
+/// Longest stretch, in intervals between samples, over which a singular pose is crossed.
+const LONGEST_CROSSING: f64 = 1.0;
+
+impl Follower<'_> {
+    /// One predictor-corrector step; `Ok(None)` where it cannot be trusted.
+    ///
+    /// From a singular pose no tangent is usable; the prediction then starts from the last trusted pose,
+    /// which leads straight through, and the determinant may change its sign.
+    pub(super) fn step(&mut self, here: &Stand, time: f64) -> Result<Option<Stand>, usize> {
+        let inputs = self.inputs(time)?;
+        let usable = self.is_usable(&here.branch);
+        let base = match &self.anchor {
+            Some(anchor) if !usable => anchor.clone(),
+            _ => here.clone(),
+        };
+        let (mut coordinates, length) = self.predict(&base, &inputs);
+        let correction = self.correct(&mut coordinates, Pace::Brisk);
+        let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
+        if !correction.converged || correction.first_step > allowed {
+            return Ok(None);
+        }
+        let stand = self.stand(time, coordinates);
+        let same = stand
+            .branch
+            .signs
+            .iter()
+            .zip(&base.branch.signs)
+            .all(|(a, b)| a == b);
+        let fine = same || !usable || !self.is_usable(&stand.branch);
+        // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
+        if fine && !usable && !same && self.is_usable(&stand.branch) {
+            self.event(here.time, EventKind::SingularPosePassed);
+        }
+        Ok(fine.then_some(stand))
+    }
+
+    /// Whether the tangent of a pose is worth anything.
+    pub(super) fn is_usable(&self, branch: &BranchState) -> bool {
+        branch.sigma_min >= USABLE_SIGMA * self.best_sigma
+    }
+
+    /// Whether a pose is far enough from singular ones to predict from across one.
+    fn is_trusted(&self, branch: &BranchState) -> bool {
+        branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
+    }
+
+    fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
+        let correction = self
+            .corrector
+            .correct(self.mechanism, self.structure, coordinates, pace);
+        self.iterations += correction.iterations;
+        correction
+    }
+
+    /// Tangent prediction to new inputs, and the length of the step in scaled unknowns.
+    fn predict(&mut self, here: &Stand, inputs: &[f64]) -> (Vec<f64>, f64) {
+        let n = self.mechanism.unknowns.len();
+        let mut change: Vec<f64> = vec![0.0; here.coordinates.len()];
+        for (k, input) in inputs.iter().enumerate() {
+            change[n + k] = input - here.coordinates[n + k];
+        }
+        self.corrector.tangent(
+            self.mechanism,
+            self.structure,
+            &here.coordinates,
+            &mut change,
+        );
+        let length = (0..n)
+            .map(|k| (change[k] / self.mechanism.scale_of(k)).abs())
+            .fold(0.0, f64::max);
+        let mut coordinates: Vec<f64> = here
+            .coordinates
+            .iter()
+            .zip(&change)
+            .map(|(q, d)| q + d)
+            .collect();
+        // The inputs are exactly the drive's, not the sum of differences.
+        coordinates[n..].copy_from_slice(inputs);
+        (coordinates, length)
+    }
+
+    /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
+    pub(super) fn settle(&mut self, end: &Stand, time: f64) -> Option<Stand> {
+        if time - end.time > BESIDE * self.interval {
+            return None;
+        }
+        let inputs = self.inputs(time).ok()?;
+        let n = self.mechanism.unknowns.len();
+        let mut coordinates = [&end.coordinates[..n], &inputs].concat();
+        let correction = self.correct(&mut coordinates, Pace::Patient);
+        (correction.converged && correction.first_step <= MAX_CORRECTION)
+            .then(|| self.stand(time, coordinates))
+    }
+
+    /// Tries to go straight through a singular pose next to `end`: along the tangent of the last trusted pose, to
+    /// a pose beyond that lies where the tangent says.
+    pub(super) fn cross(&mut self, end: &Stand, time: f64) -> Option<Stand> {
+        let anchor = self.anchor.clone().filter(|a| a.time < end.time)?;
+        let mut reach = (end.time - anchor.time) * 2.0;
+        let limit = (LONGEST_CROSSING * self.interval).min(time - anchor.time);
+        while reach <= limit * (1.0 + 1e-12) {
+            let beyond = (anchor.time + reach).min(time);
+            let inputs = self.inputs(beyond).ok()?;
+            let (mut coordinates, length) = self.predict(&anchor, &inputs);
+            let correction = self.correct(&mut coordinates, Pace::Brisk);
+            let allowed = (CORRECTION_OF_STEP * length).min(MAX_CORRECTION);
+            if correction.converged && correction.first_step <= allowed && beyond > end.time {
+                return Some(self.stand(beyond, coordinates));
+            }
+            reach = if reach < limit {
+                (reach * 2.0).min(limit)
+            } else {
+                reach * 2.0
+            };
+        }
+        None
+    }
+
+    /// Observes a closed pose.
+    pub(super) fn stand(&mut self, time: f64, coordinates: Vec<f64>) -> Stand {
+        let branch = self.watch.observe(
+            self.mechanism,
+            self.structure,
+            &mut self.corrector,
+            &coordinates,
+        );
+        if branch.sigma_min.is_finite() {
+            self.best_sigma = self.best_sigma.max(branch.sigma_min);
+        }
+        Stand {
+            time,
+            coordinates,
+            branch,
+        }
+    }
+
+    /// Remembers an accepted pose as an anchor if it is well away from singular ones.
+    pub(super) fn keep(&mut self, stand: Stand) -> Stand {
+        if self.is_trusted(&stand.branch) {
+            self.anchor = Some(stand.clone());
+        }
+        stand
+    }
+}
