@@ -152,7 +152,8 @@ pub fn rotation_log(rotation: &DMat3) -> DVec3 {
 
 /// Inverse of the left Jacobian of SO(3): maps a spatial angular velocity to the rate of the rotation vector.
 ///
-/// `phi` is the rotation vector, length below 2π. Formula: I - [phi]/2 + c [phi]², Chirikjian,
+/// `phi` is the rotation vector, length below 2π. Formula: I - P/2 + c P² with P the
+/// cross-product matrix of `phi`, Chirikjian,
 /// Stochastic Models vol. 2, section 10.8.
 pub fn left_jacobian_inverse(phi: DVec3) -> DMat3 {
     let angle_squared = phi.length_squared();
@@ -193,20 +194,12 @@ pub fn narrow_pose(pose: &Pose) -> [[f32; 4]; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn log_of_axis_rotations_is_the_angle() {
         for axis in 0..3 {
-            for angle in [
-                0.0,
-                1e-9,
-                1e-3,
-                0.5,
-                2.0,
-                3.0,
-                3.14159,
-                std::f64::consts::PI,
-            ] {
+            for angle in [0.0, 1e-9, 1e-3, 0.5, 2.0, 3.0, PI - 1e-5, PI] {
                 let log = rotation_log(&Pose::from_axis_rotation(axis, angle).rotation);
                 assert!(
                     (log.length() - angle).abs() < 4e-15,

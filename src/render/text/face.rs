@@ -61,7 +61,7 @@ impl Face {
         f64::from(font.h_advance_unscaled(glyph)) * pixels_per_unit(font, size)
     }
 
-    /// The mask of a glyph for capitals `size` pixels high, its origin `phase` / [`PHASES`] right of a pixel's
+    /// The mask of a glyph for capitals `size` pixels high, its origin `phase` / `PHASES` right of a pixel's
     /// left edge.
     pub fn mask(&mut self, glyph: Option<GlyphId>, size: f64, phase: u32) -> &Mask {
         let key = Key {

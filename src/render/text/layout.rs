@@ -19,7 +19,7 @@ pub struct Glyph {
     pub id: Option<GlyphId>,
     /// Whole pixels from the left edge of the setting.
     pub column: i32,
-    /// Fraction of a pixel added to `column`, in units of 1 / [`PHASES`].
+    /// Fraction of a pixel added to `column`, in units of 1 / `PHASES`.
     pub phase: u32,
     /// Baseline, whole pixels below the setting's top edge.
     pub baseline: i32,
