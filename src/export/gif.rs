@@ -1,10 +1,11 @@
 //! Animated GIF: one palette, changed rectangles, absolute times. Byte layout, LZW and colour live next door.
 
+use super::costs::{Change, Loss, Pixel};
 use super::delta::Area;
 use super::error::ExportError;
 use super::gif_blocks as blocks;
 use super::mapping::Mapper;
-use super::matching::{Change, Loss, Matcher, Pixel};
+use super::matching::Matcher;
 use super::palette::Palette;
 use super::screen::Screen;
 use super::target::Output;

@@ -161,6 +161,11 @@ impl Dictionary {
         self.run_child[usize::from(node) % CODES]
     }
 
+    /// Length of the longest string of the run symbol alone.
+    pub(super) fn longest_run(&self) -> usize {
+        self.runs.len()
+    }
+
     /// The longest string of the run symbol alone with at most `length` of it, and how many it has; `length` is 1
     /// or more.
     #[inline]
