@@ -37,12 +37,33 @@ pub(super) enum Change {
 /// One pixel to code.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pixel {
-    /// Red, green, blue, and the index of the nearest palette colour.
+    /// Red, green, blue, and the index of the nearest palette colour; in a stretch, how many pixels of it are left.
     pub(super) wanted: [u8; 4],
     /// Index now shown there; the transparent index if nothing is.
     pub(super) shown: u8,
     /// Relation to the frame before.
     pub(super) change: Change,
+}
+
+impl Pixel {
+    /// A pixel of a stretch, the last one.
+    pub(super) const STRETCH: Self = Self {
+        wanted: [1, 0, 0, 0],
+        shown: 0,
+        change: Change::Stretch,
+    };
+
+    /// Tells a pixel of a stretch how many are left of it, itself included.
+    #[inline]
+    pub(super) fn set_stretch_left(&mut self, left: u32) {
+        self.wanted = left.to_le_bytes();
+    }
+
+    /// Pixels from this one to the end of its stretch.
+    #[inline]
+    pub(super) fn stretch_left(&self) -> usize {
+        u32::from_le_bytes(self.wanted) as usize
+    }
 }
 
 /// A changed pixel with what its nearest colour costs.
@@ -97,6 +118,11 @@ impl Costs {
         } else {
             self.colours[usize::from(index)]
         };
+        // Most indices are far off, and one channel tells.
+        let off = wish.colour[1] - colour[1];
+        if off * off > wish.least + self.limit {
+            return NEVER;
+        }
         let added = squared_distance(wish.colour, colour) - wish.least;
         if added <= self.limit { added } else { NEVER }
     }

@@ -9,7 +9,7 @@ use super::costs::{Change, Costs, Loss, NEVER, Pixel};
 use super::lzw::{BitWriter, Dictionary, NONE};
 
 /// Strings followed at once. Twice as many make the file 0.5 % smaller and take half again as long.
-const BEAM: usize = 6;
+const BEAM: usize = 4;
 
 /// A string of the dictionary that can stand for the pixels read so far.
 #[derive(Clone, Copy, Debug)]
@@ -98,8 +98,10 @@ impl Matcher {
                 self.dictionary.add(last, found.first);
             }
             bits.put(found.node, self.dictionary.width());
-            self.dictionary
-                .spell(found.node, &mut chosen[at..at + length]);
+            if !self.dictionary.is_run(found.node, length) {
+                self.dictionary
+                    .spell(found.node, &mut chosen[at..at + length]);
+            }
             at += length;
             last = Some(found.node);
             // Keeping a full dictionary, by whatever rule, was always larger: pictures change too much downwards.
@@ -174,9 +176,7 @@ impl Step<'_> {
         };
         if pixel.change == Change::Stretch {
             // Nothing but the transparent index fits: as many as the dictionary has in one string.
-            let most = pixels.iter().take(self.dictionary.longest_run());
-            let length = most.take_while(|p| p.change == Change::Stretch).count();
-            let (node, length) = self.dictionary.run(length);
+            let (node, length) = self.dictionary.run(pixel.stretch_left());
             front.push(Candidate {
                 node,
                 first: self.transparent,
