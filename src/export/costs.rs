@@ -34,8 +34,9 @@ pub(super) enum Change {
     Stretch,
 }
 
-/// One pixel to code.
+/// One pixel to code; aligned to be copied as one word.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(8))]
 pub(super) struct Pixel {
     /// Red, green, blue, and the index of the nearest palette colour; in a stretch, how many pixels of it are left.
     pub(super) wanted: [u8; 4],

@@ -80,8 +80,8 @@ fn measure(points: &[Point], order: &[usize], from: usize, to: usize) -> Part {
         .max(f64::MIN_POSITIVE);
     let mut mean = [0.0; 3];
     for point in members() {
-        for axis in 0..3 {
-            mean[axis] += f64::from(point.weight) * f64::from(point.at[axis]) / total;
+        for (sum, x) in mean.iter_mut().zip(point.at) {
+            *sum += f64::from(point.weight) * f64::from(x) / total;
         }
     }
     let mut spread = [0.0; 3];
@@ -118,8 +118,8 @@ fn update(points: &[Point], owners: &[u8], centres: &mut [[f32; 3]]) -> Vec<(f64
     let mut sums = vec![([0.0f64; 3], 0.0f64); centres.len()];
     for (point, &owner) in points.iter().zip(owners) {
         let (sum, weight) = &mut sums[usize::from(owner)];
-        for axis in 0..3 {
-            sum[axis] += f64::from(point.weight) * f64::from(point.at[axis]);
+        for (sum, x) in sum.iter_mut().zip(point.at) {
+            *sum += f64::from(point.weight) * f64::from(x);
         }
         *weight += f64::from(point.weight);
     }

@@ -8,7 +8,7 @@
 use super::costs::{Change, Costs, Loss, NEVER, Pixel};
 use super::lzw::{BitWriter, Dictionary, NONE};
 
-/// Strings followed at once. Twice as many make the file 0.5 % smaller and take half again as long.
+/// Strings followed at once. Eight make the file 0.5 % smaller and take a third more time; two, 3 % larger.
 const BEAM: usize = 4;
 
 /// A string of the dictionary that can stand for the pixels read so far.
