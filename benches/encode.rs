@@ -4,6 +4,8 @@
 //! folder in `ENCODE_FRAMES`, for example frames of another program that are to be compared on. `ENCODE_QUALITY`
 //! picks one quality, `ENCODE_OUT` is a folder that keeps the files.
 
+#![allow(clippy::expect_used)]
+
 use image::RgbaImage;
 use mechanim::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use mechanim::export::palette::{MOST_COLOURS, Palette};

@@ -1,10 +1,11 @@
 //! Animated GIF: one palette, changed rectangles, absolute times. Byte layout, LZW and colour live next door.
 
+use super::costs::{Loss, Pixel};
 use super::delta::Area;
 use super::error::ExportError;
 use super::gif_blocks as blocks;
 use super::mapping::Mapper;
-use super::matching::{Change, Loss, Matcher, Pixel};
+use super::matching::Matcher;
 use super::palette::Palette;
 use super::screen::Screen;
 use super::target::Output;
@@ -179,13 +180,8 @@ impl GifSink {
     /// A frame of one transparent pixel.
     fn unchanged_frame(&mut self) -> Vec<u8> {
         let mut frame = blocks::descriptor(&Area::whole([1, 1])).to_vec();
-        let shown = self.transparent;
-        let pixel = Pixel {
-            wanted: [0; 4],
-            shown,
-            change: Change::Stretch,
-        };
-        self.matcher.encode(&[pixel], &mut self.sent, &mut frame);
+        self.matcher
+            .encode(&[Pixel::STRETCH], &mut self.sent, &mut frame);
         frame
     }
 }

@@ -18,6 +18,8 @@ pub struct Bin {
 /// Colours counted over sampled frames.
 pub struct Histogram {
     sums: Vec<[u64; 4]>,
+    /// Occupied bins in the order of their first pixel.
+    occupied: Vec<u32>,
     /// Sorted; `None` once there are more than the limit.
     distinct: Option<Vec<[u8; 3]>>,
     limit: usize,
@@ -28,6 +30,7 @@ impl Histogram {
     pub fn new(limit: usize) -> Self {
         Self {
             sums: vec![[0; 4]; 1 << (3 * BITS)],
+            occupied: Vec::new(),
             distinct: Some(Vec::new()),
             limit,
         }
@@ -56,9 +59,11 @@ impl Histogram {
     /// Counts `colour` `run` times.
     pub fn add_colour(&mut self, colour: [u8; 3], run: u64) {
         let [r, g, b] = colour.map(u64::from);
-        let shift = 8 - BITS;
-        let bin = (r >> shift) << (2 * BITS) | (g >> shift) << BITS | b >> shift;
-        if let Some(sum) = self.sums.get_mut(bin as usize) {
+        let bin = place(colour);
+        if let Some(sum) = self.sums.get_mut(bin) {
+            if sum[3] == 0 {
+                self.occupied.push(bin as u32);
+            }
             sum[0] += r * run;
             sum[1] += g * run;
             sum[2] += b * run;
@@ -81,12 +86,24 @@ impl Histogram {
 
     /// The occupied bins in a fixed order.
     pub fn bins(&self) -> Vec<Bin> {
-        let occupied = self.sums.iter().filter(|s| s[3] > 0);
-        occupied
-            .map(|&[r, g, b, n]| Bin {
-                rgb: [r, g, b].map(|c| (c as f64 / n as f64) as f32),
-                count: n as f32,
-            })
-            .collect()
+        let mut occupied = self.occupied.clone();
+        occupied.sort_unstable();
+        let sums = occupied
+            .iter()
+            .filter_map(|&bin| self.sums.get(bin as usize));
+        sums.map(|&[r, g, b, n]| Bin {
+            rgb: [r, g, b].map(|c| (c as f64 / n as f64) as f32),
+            count: n as f32,
+        })
+        .collect()
     }
+}
+
+/// Bin of a colour. Bins of similar colours are neighbours in memory: a rendered animation touches a small part of
+/// the table, and memory that is never touched costs nothing.
+fn place(colour: [u8; 3]) -> usize {
+    let [r, g, b] = colour.map(|c| usize::from(c >> (8 - BITS)));
+    let (near, far) = ((r & 7, g & 7, b & 7), (r >> 3, g >> 3, b >> 3));
+    let block = far.0 << (2 * (BITS - 3)) | far.1 << (BITS - 3) | far.2;
+    block << 9 | near.0 << 6 | near.1 << 3 | near.2
 }

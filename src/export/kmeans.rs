@@ -80,15 +80,15 @@ fn measure(points: &[Point], order: &[usize], from: usize, to: usize) -> Part {
         .max(f64::MIN_POSITIVE);
     let mut mean = [0.0; 3];
     for point in members() {
-        for (mean, at) in mean.iter_mut().zip(point.at) {
-            *mean += f64::from(point.weight) * f64::from(at) / total;
+        for (sum, x) in mean.iter_mut().zip(point.at) {
+            *sum += f64::from(point.weight) * f64::from(x) / total;
         }
     }
     let mut spread = [0.0; 3];
     for point in members() {
-        for (spread, (at, mean)) in spread.iter_mut().zip(point.at.iter().zip(mean)) {
-            let d = f64::from(*at) - mean;
-            *spread += f64::from(point.weight) * d * d;
+        for axis in 0..3 {
+            let d = f64::from(point.at[axis]) - mean[axis];
+            spread[axis] += f64::from(point.weight) * d * d;
         }
     }
     let axis = (0..3).fold(0, |best, a| if spread[a] > spread[best] { a } else { best });
@@ -118,8 +118,8 @@ fn update(points: &[Point], owners: &[u8], centres: &mut [[f32; 3]]) -> Vec<(f64
     let mut sums = vec![([0.0f64; 3], 0.0f64); centres.len()];
     for (point, &owner) in points.iter().zip(owners) {
         let (sum, weight) = &mut sums[usize::from(owner)];
-        for (sum, at) in sum.iter_mut().zip(point.at) {
-            *sum += f64::from(point.weight) * f64::from(at);
+        for (sum, x) in sum.iter_mut().zip(point.at) {
+            *sum += f64::from(point.weight) * f64::from(x);
         }
         *weight += f64::from(point.weight);
     }

@@ -161,6 +161,12 @@ impl Dictionary {
         self.run_child[usize::from(node) % CODES]
     }
 
+    /// True when `node` is `length` times the run symbol.
+    #[inline]
+    pub(super) fn is_run(&self, node: u16, length: usize) -> bool {
+        self.runs.get(length.wrapping_sub(1)) == Some(&node)
+    }
+
     /// The longest string of the run symbol alone with at most `length` of it, and how many it has; `length` is 1
     /// or more.
     #[inline]

@@ -8,6 +8,9 @@ use std::sync::Arc;
 /// shaded surfaces touch few of them, and untouched pages cost nothing.
 const ENTRIES: usize = 1 << 24;
 
+/// Pixels compared at once: 64 bytes.
+const BLOCK: usize = 16;
+
 /// Maps frames with one palette.
 pub struct Mapper {
     palette: Arc<Palette>,
@@ -26,16 +29,31 @@ impl Mapper {
 
     /// Replaces `indexed` by the pixels of `frame` with the palette index of each in the place of its alpha.
     pub fn map(&mut self, frame: &RgbaImage, indexed: &mut Vec<u8>) {
+        let (pixels, _) = frame.as_raw().as_chunks::<4>();
         indexed.clear();
-        indexed.extend_from_slice(frame.as_raw());
-        let mut last = ([0; 3], self.index([0; 3]));
-        for pixel in indexed.chunks_exact_mut(4) {
-            let rgb = [pixel[0], pixel[1], pixel[2]];
-            if rgb != last.0 {
-                last = (rgb, self.index(rgb));
+        indexed.reserve(frame.as_raw().len());
+        let (blocks, rest) = pixels.as_chunks::<BLOCK>();
+        let mut mapped = [[0; 4]; BLOCK];
+        let mut before: Option<&[[u8; 4]; BLOCK]> = None;
+        for block in blocks {
+            // Flat areas repeat whole blocks: one comparison instead of as many look-ups.
+            if before != Some(block) {
+                for (pixel, place) in block.iter().zip(&mut mapped) {
+                    *place = self.indexed(*pixel);
+                }
+                before = Some(block);
             }
-            pixel[3] = last.1;
+            indexed.extend_from_slice(mapped.as_flattened());
         }
+        for pixel in rest {
+            indexed.extend_from_slice(&self.indexed(*pixel));
+        }
+    }
+
+    /// The pixel with its index in the place of its alpha.
+    #[inline]
+    fn indexed(&mut self, [r, g, b, _]: [u8; 4]) -> [u8; 4] {
+        [r, g, b, self.index([r, g, b])]
     }
 
     #[inline]

@@ -11,6 +11,7 @@
 
 use image::RgbaImage;
 
+mod costs;
 mod delta;
 pub mod error;
 pub mod format;

@@ -1,11 +1,14 @@
 //! What a viewer of the animation sees so far, and what the next frame has to change.
 
+use super::costs::{Change, Pixel};
 use super::delta::Area;
-use super::matching::{Change, Pixel};
 
 /// Stretches of unchanged pixels at least this long are only ever coded as transparent. Shorter ones may also
 /// repeat their colour where that continues a string (30 % of the file); in longer ones the choice only costs time.
 const STRETCH: usize = 12;
+
+/// Pixels compared at once: 64 bytes.
+const BLOCK: usize = 16;
 
 /// The picture shown after the frames so far.
 pub(super) struct Screen {
@@ -45,22 +48,9 @@ impl Screen {
             let area = Area::changed(&self.source, frame, width)?;
             let rows = area.rows(frame, width).zip(area.rows(&self.source, width));
             for ((new, old), shown) in rows.zip(area.rows(&self.shown, width)) {
-                self.pixels.extend(new.iter().zip(old).zip(shown).map(
-                    |((&wanted, old), &shown)| {
-                        let change = if wanted == *old {
-                            Change::Same
-                        } else {
-                            Change::Changed
-                        };
-                        Pixel {
-                            wanted,
-                            shown,
-                            change,
-                        }
-                    },
-                ));
+                push_row(&mut self.pixels, new, old, shown);
             }
-            mark_stretches(&mut self.pixels);
+            measure_stretches(&mut self.pixels);
             area
         };
         self.source.clear();
@@ -88,11 +78,56 @@ impl Screen {
     }
 }
 
-/// Turns long runs of `Same` into `Stretch`.
-fn mark_stretches(pixels: &mut [Pixel]) {
-    for run in pixels.chunk_by_mut(|a, b| a.change == b.change) {
-        if run.len() >= STRETCH && run.first().is_some_and(|p| p.change == Change::Same) {
-            run.iter_mut().for_each(|p| p.change = Change::Stretch);
+/// Appends a row of pixels with their relation to the frame before.
+fn push_row(pixels: &mut Vec<Pixel>, new: &[[u8; 4]], old: &[[u8; 4]], shown: &[u8]) {
+    let mut at = 0;
+    while at < new.len() {
+        let same = same_at_start(&new[at..], &old[at..]);
+        let stretch = if same >= STRETCH { same } else { 0 };
+        pixels.resize(pixels.len() + stretch, Pixel::STRETCH);
+        at += stretch;
+        let end = (at + if stretch == 0 { same.max(1) } else { 0 }).min(new.len());
+        let change = if same == 0 {
+            Change::Changed
+        } else {
+            Change::Same
+        };
+        let some = new[at..end].iter().zip(&shown[at..end]);
+        pixels.extend(some.map(|(&wanted, &shown)| Pixel {
+            wanted,
+            shown,
+            change,
+        }));
+        at = end;
+    }
+}
+
+/// Number of equal pixels both rows begin with.
+fn same_at_start(new: &[[u8; 4]], old: &[[u8; 4]]) -> usize {
+    let (blocks, _) = new.as_chunks::<BLOCK>();
+    let equal = blocks
+        .iter()
+        .zip(old.as_chunks::<BLOCK>().0)
+        .take_while(|(a, b)| a == b);
+    let at = BLOCK * equal.count();
+    at + new[at..]
+        .iter()
+        .zip(&old[at..])
+        .take_while(|(a, b)| a == b)
+        .count()
+}
+
+/// Tells every pixel of a stretch how many are left of it, over the ends of rows.
+fn measure_stretches(pixels: &mut [Pixel]) {
+    let mut left = 0;
+    for pixel in pixels.iter_mut().rev() {
+        left = if pixel.change == Change::Stretch {
+            left + 1
+        } else {
+            0
+        };
+        if left > 0 {
+            pixel.set_stretch_left(left);
         }
     }
 }
