@@ -294,6 +294,8 @@ fn numbers_out_of_range_are_refused_with_the_range() {
         (["--fps", "nan"], "between 0.01 and 1000"),
         (["--samples", "3"], "1, 2, 4, 8 or 16"),
         (["--threads", "0"], "between 1 and 256"),
+        (["--quality", "0"], "between 1 and 100"),
+        (["--quality", "101"], "between 1 and 100"),
         (["--size", "0x10"], "at least one pixel"),
         (["--size", "640"], "640x480"),
         (
@@ -392,6 +394,25 @@ fn a_folder_without_the_right_to_write_is_named() {
         run.prints_nothing()
             .says(&[&format!("cannot write {place}")]);
     }
+}
+
+#[test]
+fn a_gif_too_fast_for_viewers_is_written_slower_and_said() {
+    let w = workspace();
+    let gif = [
+        "render",
+        "moving.toml",
+        "--size",
+        "64x48",
+        "--out",
+        "x.gif",
+        "--fps",
+    ];
+    w.run(&[&gif[..], &["60"]].concat())
+        .exits(0)
+        .says(&["at most 50 frames a second"]);
+    let slow = w.run(&[&gif[..], &["50"]].concat()).exits(0);
+    assert!(!slow.stderr.contains("at most 50"), "{}", slow.stderr);
 }
 
 #[test]

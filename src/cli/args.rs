@@ -94,6 +94,9 @@ pub struct RenderArgs {
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = samples)]
     pub samples: u32,
+    /// Quality of a GIF, 1 to 100: below 100 pixels may miss their colour a little where that makes the file smaller.
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = quality)]
+    pub quality: u8,
     /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
     #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
     pub renderer: RendererArg,
@@ -243,6 +246,13 @@ fn samples(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(count) if [1, 2, 4, 8, 16].contains(&count) => Ok(count),
         _ => Err("1, 2, 4, 8 or 16".to_owned()),
+    }
+}
+
+fn quality(text: &str) -> Result<u8, String> {
+    match text.parse() {
+        Ok(quality) if (1..=100).contains(&quality) => Ok(quality),
+        _ => Err("between 1 and 100".to_owned()),
     }
 }
 

@@ -15,7 +15,6 @@ use crate::export::{ExportSummary, Format, FrameSink, Stream, Target};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::kinematics::trajectory::Trajectory;
-use crate::model::mechanism::Mechanism;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
@@ -56,7 +55,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut workers = pictures.workers(args, term)?;
     clock.lap("renderer");
     let output = destination(args, &format)?;
-    let (sink, samples) = sink(&plan, output, &pictures, &mut workers, args.size)?;
+    let (sink, samples) = sink(args, term, &plan, output, &pictures, &mut workers)?;
     clock.lap("palette");
     let progress = Progress::new(args.progress, term.quiet());
     let result = pump(
@@ -71,7 +70,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let summary = result.map_err(failure)?;
     clock.lap("draw and encode");
     clock.print(term);
-    tell(args, term, &scene.mechanism, &trajectory, &summary);
+    tell(args, term, &trajectory, &summary);
     Ok(outcome_of_frames(outcome, &trajectory, &plan))
 }
 
@@ -243,12 +242,14 @@ const PALETTE_COLOURS: usize = 255;
 type Prepared = (Box<dyn FrameSink>, Samples);
 
 fn sink(
+    args: &RenderArgs,
+    term: &Term,
     plan: &Plan,
     destination: Destination,
     pictures: &Pictures,
     workers: &mut [Worker],
-    size: [u32; 2],
 ) -> Result<Prepared, Failure> {
+    let size = args.size;
     match destination {
         Destination::Still(output) => Ok((Box::new(StillSink::new(output, size)?), Vec::new())),
         Destination::Sequence(pattern) => {
@@ -262,15 +263,11 @@ fn sink(
                 &pictures.staging.flat_colours(),
                 PALETTE_COLOURS,
             );
-            let times = FrameTimes::Uniform {
-                fps: plan.fps,
-                count: plan.count,
-            };
             let settings = GifSettings {
                 size,
-                schedule: Schedule::new(times, 0.0)?,
+                schedule: schedule(plan, term)?,
                 repeat: true,
-                quality: Quality::BEST,
+                quality: Quality::new(args.quality).unwrap_or(Quality::BEST),
             };
             Ok((
                 Box::new(GifSink::new(output, settings, Arc::new(palette))?),
@@ -278,6 +275,22 @@ fn sink(
             ))
         }
     }
+}
+
+/// When the frames are shown; viewers of GIFs do not go beyond 50 a second.
+fn schedule(plan: &Plan, term: &Term) -> Result<Schedule, Failure> {
+    let times = FrameTimes::Uniform {
+        fps: plan.fps,
+        count: plan.count,
+    };
+    let schedule = Schedule::new(times, 0.0)?;
+    if let Some(clamp) = schedule.clamp() {
+        term.warning(&format!(
+            "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s",
+            clamp.written_seconds, clamp.asked_seconds
+        ));
+    }
+    Ok(schedule)
 }
 
 fn failure(error: PumpError<RenderError>) -> Failure {
@@ -289,13 +302,7 @@ fn failure(error: PumpError<RenderError>) -> Failure {
     }
 }
 
-fn tell(
-    args: &RenderArgs,
-    term: &Term,
-    _: &Mechanism,
-    trajectory: &Trajectory,
-    summary: &ExportSummary,
-) {
+fn tell(args: &RenderArgs, term: &Term, trajectory: &Trajectory, summary: &ExportSummary) {
     if args.out == Path::new("-") {
         return;
     }

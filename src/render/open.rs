@@ -62,12 +62,12 @@ pub fn list_adapters() -> Vec<AdapterInfo> {
 }
 
 fn open_cpu(stage: &Arc<Stage>, workers: usize) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
-    (0..workers.max(1))
-        .map(|_| {
-            let renderer = CpuRenderer::new(Arc::clone(stage))?;
-            Ok(Box::new(renderer) as Box<dyn Renderer>)
-        })
-        .collect()
+    // Preparing the stage (closed meshes, the bare ground) is work of one renderer; the others copy it.
+    let first = CpuRenderer::new(Arc::clone(stage))?;
+    let copies = (1..workers).map(|_| Box::new(first.clone()) as Box<dyn Renderer>);
+    let mut renderers: Vec<Box<dyn Renderer>> = copies.collect();
+    renderers.push(Box::new(first));
+    Ok(renderers)
 }
 
 #[cfg(feature = "gpu")]

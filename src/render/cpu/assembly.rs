@@ -51,7 +51,7 @@ pub(super) struct Bin {
 }
 
 /// Everything of one frame between the scene and its tiles. Kept between frames for its memory.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Assembly {
     pub(super) vertices: Vec<Vertex>,
     pub(super) facets: Vec<Facet>,

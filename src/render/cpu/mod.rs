@@ -32,7 +32,7 @@ use tile::{TILE, Tile, View};
 pub const MAX_SIDE: u32 = 8192;
 
 /// Draws frames of a stage on the processor.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct CpuRenderer {
     stage: Arc<Stage>,
     solids: Vec<Solid>,
@@ -46,7 +46,7 @@ pub struct CpuRenderer {
 }
 
 /// A tile's samples, by the number of vectors that a pixel's fill.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum AnyTile {
     One(Tile<1>),
     Two(Tile<2>),

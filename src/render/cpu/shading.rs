@@ -9,7 +9,7 @@ use crate::render::look::{self, Rgb};
 pub(super) const BATCH: usize = 128;
 
 /// Items waiting for light, one array a quantity.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Batch {
     count: usize,
     normal: [[f32; BATCH]; 3],

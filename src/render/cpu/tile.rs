@@ -59,7 +59,7 @@ fn facets_of<const S: usize, const G: usize>(cells: &[Cell<G>], pixel: usize) ->
 }
 
 /// The samples of one tile, reused for all, row by row.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Tile<const G: usize> {
     pub(super) pattern: Pattern<G>,
     cells: Vec<Cell<G>>,

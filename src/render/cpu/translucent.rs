@@ -9,7 +9,7 @@ use crate::render::look::{self, Rgb};
 use wide::f32x4;
 
 /// Linear colours of the samples of one tile, pixel by pixel.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Layers {
     colour: Vec<Rgb>,
 }
