@@ -7,6 +7,7 @@ pub mod branch;
 pub mod closure;
 pub mod continuation;
 pub mod forward;
+pub mod modes;
 pub mod newton;
 pub mod offered;
 pub mod qr;
