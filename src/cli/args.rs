@@ -134,6 +134,12 @@ pub struct SolveArgs {
     /// Add columns with the rates of the unknowns per second.
     #[arg(long)]
     pub rates: bool,
+    /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs.
+    #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = order)]
+    pub order: Option<usize>,
+    /// Take these rates by an input, the others standing still, in place of time: transfer functions.
+    #[arg(long, value_name = "INPUT", requires = "order")]
+    pub per: Option<String>,
     /// Format of the table if the file name does not tell.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,
@@ -286,5 +292,13 @@ fn mode_number(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(number) if number > 0 => Ok(number),
         _ => Err("modes are counted from 1".to_owned()),
+    }
+}
+
+fn order(text: &str) -> Result<usize, String> {
+    let limit = crate::kinematics::rates::MAX_ORDER;
+    match text.parse::<usize>() {
+        Ok(order) if (1..=limit).contains(&order) => Ok(order),
+        _ => Err(format!("between 1 and {limit}")),
     }
 }

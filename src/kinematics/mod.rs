@@ -12,6 +12,8 @@ pub mod newton;
 pub mod offered;
 pub mod qr;
 pub mod rank;
+pub mod rates;
 pub mod sampling;
 pub mod structure;
+pub mod taylor;
 pub mod trajectory;
