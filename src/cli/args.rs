@@ -30,6 +30,8 @@ pub enum Command {
     Solve(SolveArgs),
     /// Check that all loops close over the motion, or judge a pose that is offered.
     Check(CheckArgs),
+    /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
+    Modes(ModesArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.
@@ -65,6 +67,9 @@ pub struct SceneArgs {
     /// Take the inputs from the rows of a CSV file; columns are found by the names of the inputs.
     #[arg(long = "inputs", value_name = "TABLE.csv")]
     pub table: Option<PathBuf>,
+    /// Start from assembly number K of `mechanim modes` at the start of the drive, in place of the start values.
+    #[arg(long, value_name = "K", conflicts_with = "guess", value_parser = mode_number)]
+    pub mode: Option<usize>,
 }
 
 /// `mechanim render`
@@ -132,6 +137,12 @@ pub struct SolveArgs {
     /// Add columns with the rates of the unknowns per second.
     #[arg(long)]
     pub rates: bool,
+    /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs.
+    #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = order)]
+    pub order: Option<usize>,
+    /// Take these rates by an input, the others standing still, in place of time: transfer functions.
+    #[arg(long, value_name = "INPUT", requires = "order")]
+    pub per: Option<String>,
     /// Format of the table if the file name does not tell.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,
@@ -153,6 +164,23 @@ pub struct CheckArgs {
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
     /// Write the report as JSON to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `mechanim modes`
+#[derive(Debug, Args)]
+pub struct ModesArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Time in seconds at which the inputs are taken from the drive.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    pub at: f64,
+    /// Random starts; more of them find more, up to the assemblies there are.
+    #[arg(long, value_name = "N", default_value_t = crate::kinematics::modes::DEFAULT_STARTS, value_parser = starts)]
+    pub starts: usize,
+    /// Write the list as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -260,5 +288,27 @@ fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if (1..=256).contains(&count) => Ok(count),
         _ => Err("between 1 and 256".to_owned()),
+    }
+}
+
+fn starts(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if count <= 1_000_000 => Ok(count),
+        _ => Err("between 0 and 1000000".to_owned()),
+    }
+}
+
+fn mode_number(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("modes are counted from 1".to_owned()),
+    }
+}
+
+fn order(text: &str) -> Result<usize, String> {
+    let limit = crate::kinematics::rates::MAX_ORDER;
+    match text.parse::<usize>() {
+        Ok(order) if (1..=limit).contains(&order) => Ok(order),
+        _ => Err(format!("between 1 and {limit}")),
     }
 }

@@ -5,7 +5,6 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{inputs_table, open_scene, report};
 use crate::diag::nearest;
-use crate::export::{Output, Stream, Target};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
@@ -30,7 +29,9 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         pose(args, &scene.mechanism)?
     };
-    write_json(args, &document)?;
+    if let Some(path) = &args.json {
+        report::write_json(&args.scene, path, &document)?;
+    }
     if args.json.as_deref() != Some(Path::new("-")) {
         let mut out = std::io::stdout().lock();
         out.write_all(text.as_bytes())?;
@@ -200,25 +201,4 @@ fn offered(args: &CheckArgs, mechanism: &Mechanism) -> Result<Vec<f64>, Failure>
     let mut coordinates: Vec<f64> = values.into_iter().flatten().collect();
     coordinates.extend(mechanism.inputs_at(0.0));
     Ok(coordinates)
-}
-
-fn write_json(args: &CheckArgs, document: &Value) -> Result<(), Failure> {
-    let Some(path) = &args.json else {
-        return Ok(());
-    };
-    let mut output: Box<dyn Output> = if path == Path::new("-") {
-        Box::new(Stream::new("standard output", std::io::stdout()))
-    } else {
-        if open_scene::is_scene_file(&args.scene, path) {
-            return Err(Failure::usage(
-                format!("{} is an input of this command", path.display()),
-                Vec::new(),
-            ));
-        }
-        Box::new(Target::create(path)?)
-    };
-    let written = output.write_all(format!("{document:#}\n").as_bytes());
-    written.map_err(|source| crate::export::ExportError::write(output.name(), source))?;
-    output.commit()?;
-    Ok(())
 }

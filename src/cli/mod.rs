@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod info;
 mod inputs_table;
+mod modes;
 mod open_scene;
 mod outcome;
 mod progress;
@@ -41,6 +42,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Render(args) => render::run(&args, &term),
         Command::Solve(args) => solve::run(&args, &term),
         Command::Check(args) => check::run(&args, &term),
+        Command::Modes(args) => modes::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),

@@ -1,9 +1,9 @@
 //! Finding and reading the scene that a command names.
 
 use super::args::SceneArgs;
-use super::inputs_table;
 use super::outcome::Failure;
 use super::term::Term;
+use super::{inputs_table, modes};
 use crate::diag::{Source, nearest};
 use crate::scene::{Overrides, Scene, builtin, load};
 use std::io::Read;
@@ -25,6 +25,9 @@ pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
         inputs_table::apply(&mut scene.mechanism, path)?;
+    }
+    if let Some(number) = args.mode {
+        modes::start_from(&mut scene.mechanism, number)?;
     }
     Ok(scene)
 }

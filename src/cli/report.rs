@@ -1,9 +1,14 @@
-//! Events of a trajectory in words, and the outcome they mean.
+//! Events of a trajectory in words and the outcome they mean; reports as JSON files.
 
+use super::args::SceneArgs;
+use super::open_scene;
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
+use crate::export::{ExportError, Output, Stream, Target};
 use crate::kinematics::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
+use serde_json::Value;
+use std::path::Path;
 
 /// Most events that are printed one by one.
 const MAX_LINES: usize = 12;
@@ -103,4 +108,23 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
         "or change the inputs: the mechanism may not reach this far".to_owned(),
     ];
     Failure::NeverClosed { message, hints }
+}
+
+/// Writes a report to a file, or to standard output for `-`; never over an input of the command.
+pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<(), Failure> {
+    let mut output: Box<dyn Output> = if path == Path::new("-") {
+        Box::new(Stream::new("standard output", std::io::stdout()))
+    } else {
+        if open_scene::is_scene_file(scene, path) {
+            return Err(Failure::usage(
+                format!("{} is an input of this command", path.display()),
+                Vec::new(),
+            ));
+        }
+        Box::new(Target::create(path)?)
+    };
+    let written = output.write_all(format!("{document:#}\n").as_bytes());
+    written.map_err(|source| ExportError::write(output.name(), source))?;
+    output.commit()?;
+    Ok(())
 }

@@ -7,7 +7,9 @@ use super::{CANCEL, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
 use crate::kinematics::continuation::solve;
+use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -23,6 +25,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         ));
     }
     let scene = open_scene::open(&args.scene, term)?;
+    let derivatives = derivatives(args, &scene.mechanism)?;
     let times = times(args, &scene)?;
     let mut output: Box<dyn Output> = if to_stdout {
         Box::new(Stream::new("standard output", std::io::stdout()))
@@ -35,7 +38,13 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
     let outcome = report::events(&scene.mechanism, &trajectory, term)?;
-    let columns = Columns { rates: args.rates };
+    if let Some(wanted) = derivatives {
+        add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;
+    }
+    let columns = Columns {
+        rates: args.rates,
+        derivatives,
+    };
     match format {
         TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,
         TableFormat::Json => write_json(&scene.mechanism, &trajectory, columns, output.as_mut())?,
@@ -77,6 +86,27 @@ pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure
     let mut times: Vec<f64> = frames.iter().copied().filter(|t| *t < at).collect();
     times.push(at);
     Ok(times)
+}
+
+/// The rates asked for with `--order` and `--per`.
+fn derivatives(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateColumns>, Failure> {
+    let Some(order) = args.order else {
+        return Ok(None);
+    };
+    let Some(name) = &args.per else {
+        let by = By::Time;
+        return Ok(Some(RateColumns { order, by }));
+    };
+    let inputs = mechanism.inputs.iter();
+    let Some(index) = inputs.clone().position(|input| input.name == *name) else {
+        let names: Vec<&str> = inputs.map(|input| input.name.as_str()).collect();
+        return Err(Failure::usage(
+            format!("there is no input `{name}`"),
+            vec![format!("inputs: {}", names.join(", "))],
+        ));
+    };
+    let by = By::Input(index);
+    Ok(Some(RateColumns { order, by }))
 }
 
 fn format(args: &SolveArgs) -> Result<TableFormat, Failure> {

@@ -2,6 +2,7 @@
 
 use super::error::ExportError;
 use super::target::Output;
+use crate::kinematics::rates::RateColumns;
 use crate::kinematics::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
@@ -11,6 +12,8 @@ use serde_json::{Map, Value, json};
 pub struct Columns {
     /// Rates of the unknowns per second, named `d(NAME)/dt`.
     pub rates: bool,
+    /// Rates up to an order of unknowns, traced points and outputs.
+    pub derivatives: Option<RateColumns>,
 }
 
 /// A cell of the table.
@@ -124,6 +127,10 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
                 .map(|c| format!("d({})/dt", c.name)),
         );
     }
+    if let Some(derivatives) = columns.derivatives {
+        let headings = derivatives.headings(mechanism).into_iter();
+        names.extend(headings.map(|(name, _)| name));
+    }
     let proof = [
         "closure_error",
         "sigma_min",
@@ -164,6 +171,14 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     cells.extend(outputs.map(|(o, v)| Cell::Number(v * mechanism.file_units(o.kind))));
     if columns.rates {
         cells.extend(in_file(&pose.rates));
+    }
+    if let Some(derivatives) = columns.derivatives {
+        let headings = derivatives.headings(mechanism).into_iter().enumerate();
+        // A singular pose has none.
+        cells.extend(headings.map(|(k, (_, factor))| {
+            let value = pose.derivatives.get(k);
+            value.map_or(Cell::Empty, |v| Cell::Number(v * factor))
+        }));
     }
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));
     cells.push(Cell::Whole(pose.rank as u64));

@@ -143,7 +143,7 @@ fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
 }
 
 /// Whether a whole turn of the coordinate changes anything: it drives a translation, a gear or an equation.
-fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
+pub(super) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
     let chains = mechanism
         .loops
         .iter()

@@ -16,6 +16,8 @@ pub struct ClosedPose {
     pub outputs: Vec<f64>,
     /// Rates of the unknowns per second, from the drive's rates.
     pub rates: Vec<f64>,
+    /// Rates of higher order, as [`RateColumns`](super::rates::RateColumns) names them; empty unless asked for.
+    pub derivatives: Vec<f64>,
     /// Largest gap of any loop relative to the mechanism's size, from an independent product.
     pub closure_error: f64,
     /// Smallest singular value over the blocks of the Jacobian; unknowns and residuals scaled by the size.

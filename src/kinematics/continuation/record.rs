@@ -34,6 +34,7 @@ impl Follower<'_> {
             traces,
             outputs,
             rates: self.rates(stand),
+            derivatives: Vec::new(),
             closure_error,
             sigma_min: stand.branch.sigma_min,
             condition: stand.branch.condition,

@@ -1,0 +1,224 @@
+//! Assemblies found from many starts, against closed forms and published counts.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod program;
+mod reference;
+
+use mechanim::diag::Source;
+use mechanim::kinematics::forward::{body_poses, closure_error};
+use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
+use mechanim::kinematics::structure::Structure;
+use mechanim::math::Pose;
+use mechanim::model::mechanism::Mechanism;
+use mechanim::scene::{Overrides, builtin, load};
+use program::Workspace;
+use reference::Table;
+use std::f64::consts::{PI, TAU};
+
+/// Manocha and Canny's arm with sixteen closures, as a user writes it. The hand is the published matrix, its rotation
+/// replaced by the nearest orthogonal one and written through Euler angles.
+const SIX_R: &str = r#"title = "6R arm"
+units = { angle = "rad" }
+[inputs]
+still = 0
+[parameters]
+up = "pi/2"
+tilt = "pi/180"
+[chains]
+arm = "Rz(t1+still) Tx(.3) Rx(up)  Rz(t2) Tx(1) Rx(tilt)  Rz(t3) Tz(.2) Rx(up)  Rz(t4) Tx(1.5) Rx(tilt)  Rz(t5) Rx(up)  Rz(t6) Rx(tilt)"
+hand = "Tx(-1.140175) Rx(-1.4846808440888652) Ry(0.10244097843035128) Rz(2.4404770232320123)"
+[loops]
+A = "arm inv(hand)"
+[[bodies]]
+name = "hand"
+frame = "arm"
+shapes = [{ sphere = { radius = 0.1 } }]
+"#;
+
+fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Mechanism {
+    let pairs = inputs.iter().map(|(n, v)| (n.to_string(), v.to_string()));
+    let overrides = Overrides {
+        inputs: pairs.collect(),
+        ..Overrides::default()
+    };
+    let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    scene.mechanism
+}
+
+fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Mechanism {
+    mechanism(&builtin::find(name).unwrap(), inputs)
+}
+
+/// All assemblies at the start of the drive; every one of them is checked to close.
+fn modes(mechanism: &Mechanism, starts: usize) -> Modes {
+    let structure = Structure::new(mechanism).unwrap();
+    let inputs = mechanism.inputs_at(0.0);
+    let modes = find_modes(mechanism, &structure, &inputs, starts, &|| false);
+    for mode in &modes.list {
+        assert!(closure_error(mechanism, &mode.coordinates) <= 1e-12);
+        assert_eq!(mode.coordinates[mechanism.unknowns.len()..], inputs);
+    }
+    modes
+}
+
+fn value(mechanism: &Mechanism, mode: &Mode, name: &str) -> f64 {
+    let slot = mechanism.unknowns.iter().position(|c| c.name == name);
+    mode.coordinates[slot.unwrap()]
+}
+
+fn turned(difference: f64) -> f64 {
+    (difference - TAU * (difference / TAU).round()).abs()
+}
+
+#[test]
+fn the_slider_crank_has_its_two_assemblies() {
+    let mechanism = builtin_scene("slider-crank", &[("phi", "0.5")]);
+    let modes = modes(&mechanism, DEFAULT_STARTS);
+    let mut places: Vec<f64> = modes
+        .list
+        .iter()
+        .map(|mode| value(&mechanism, mode, "h"))
+        .collect();
+    places.sort_by(f64::total_cmp);
+    // h = r cos phi ± sqrt(L² - r² sin² phi)
+    let root = (6400.0 - 1600.0 * 0.5_f64.sin().powi(2)).sqrt();
+    let expected = [-1.0, 1.0].map(|sign| 40.0 * 0.5_f64.cos() + sign * root);
+    assert_eq!(places.len(), 2, "{places:?}");
+    for (place, expected) in places.iter().zip(expected) {
+        assert!((place - expected).abs() < 1e-11, "{place} {expected}");
+    }
+    assert_ne!(modes.list[0].branch, modes.list[1].branch);
+}
+
+/// Two positions of the rocker, of the lever's pin and of the roll about the line between the balls make eight. The
+/// short link between its ball and its universal joint can be turned by π about its own axis in each of them, which
+/// is another pose of that link and of nothing else. Second Euler angles would make 2⁴ times as many.
+#[test]
+fn the_gearshift_has_eight_assemblies_in_each_of_which_the_short_link_can_be_turned() {
+    let mechanism = builtin_scene("gearshift", &[("p", "0"), ("phi", "0")]);
+    let modes = modes(&mechanism, DEFAULT_STARTS);
+    assert_eq!(modes.list.len(), 16);
+    let turned_link = mechanism.bodies.iter().position(|b| b.name == "short link");
+    let others = |mode: &Mode| -> Vec<Pose> {
+        let mut poses = body_poses(&mechanism, &mode.coordinates);
+        poses.remove(turned_link.unwrap());
+        poses
+    };
+    let mut distinct: Vec<Vec<Pose>> = Vec::new();
+    for mode in &modes.list {
+        // Its second Euler angles turn the rod's pin by π; no assembly needs that.
+        assert!(value(&mechanism, mode, "a2").cos() > 0.0);
+        let poses = others(mode);
+        let alike = |other: &Vec<Pose>| {
+            poses.iter().zip(other).all(|(a, b)| {
+                a.rotation.abs_diff_eq(b.rotation, 1e-9)
+                    && a.translation.distance(b.translation) < 1e-6
+            })
+        };
+        if !distinct.iter().any(alike) {
+            distinct.push(poses);
+        }
+    }
+    assert_eq!(distinct.len(), 8);
+    assert_eq!(modes.list.iter().filter(|m| m.is_scene).count(), 1);
+}
+
+#[test]
+fn the_seven_r_loop_has_the_eight_contacts_of_the_tori() {
+    let mechanism = builtin_scene("seven-r", &[("beta1", "0")]);
+    let modes = modes(&mechanism, DEFAULT_STARTS);
+    // (beta2, theta1, theta2) in degrees, 40-digit arithmetic.
+    let contacts = [
+        [71.046417200, 29.223336795, 211.695397080],
+        [93.305715278, 223.645542287, 230.226716886],
+        [138.688320300, 106.840556130, 52.369224506],
+        [163.667781238, 141.058967226, 24.190581011],
+        [167.233992475, 291.025454975, 217.665752777],
+        [168.970046123, 169.108419111, 226.157961968],
+        [169.170372644, 197.206592790, 246.108295522],
+        [178.562941313, 81.833969204, 146.507584304],
+    ];
+    for contact in contacts {
+        let hits = modes.list.iter().filter(|mode| {
+            let names = ["beta2", "theta1", "theta2"];
+            names.iter().zip(contact).all(|(name, degrees): (_, f64)| {
+                turned(value(&mechanism, mode, name) - degrees.to_radians()) < 1e-9
+            })
+        });
+        assert!(hits.count() >= 1, "{contact:?} of {}", modes.list.len());
+    }
+}
+
+#[test]
+fn all_sixteen_closures_of_the_six_r_arm_are_found() {
+    let source = Source {
+        name: "six-r".to_owned(),
+        text: SIX_R.to_owned(),
+    };
+    let mechanism = mechanism(&source, &[]);
+    let modes = modes(&mechanism, DEFAULT_STARTS);
+    let table = Table::read("hard_6r16");
+    assert_eq!((modes.list.len(), table.len()), (16, 16));
+    for row in 0..16 {
+        let distance = |mode: &Mode| {
+            let errors = (1..=6).map(|k| {
+                let expected = table.value(row, &format!("theta{k}_rad"));
+                turned(value(&mechanism, mode, &format!("t{k}")) - expected)
+            });
+            errors.fold(0.0, f64::max)
+        };
+        let nearest = modes.list.iter().map(distance).fold(PI, f64::min);
+        assert!(nearest < 1e-12, "row {row}: {nearest:e}");
+    }
+}
+
+#[test]
+fn the_result_is_the_same_twice_and_grows_with_the_starts() {
+    let mechanism = builtin_scene("slider-crank", &[("phi", "0.5")]);
+    assert_eq!(modes(&mechanism, 40), modes(&mechanism, 40));
+    let only_the_scene = modes(&mechanism, 0);
+    assert_eq!((only_the_scene.starts, only_the_scene.list.len()), (1, 1));
+    assert!(only_the_scene.list[0].is_scene);
+}
+
+#[test]
+fn a_mechanism_that_does_not_reach_has_no_assembly() {
+    let source = Source {
+        name: "short".to_owned(),
+        text: "[inputs]\nphi = 0\n[loops]\nA = \"Rz(phi) Tx(50) Rz(a) Tx(60) Rz(b) Tx(30) Rz(c) Tx(-150)\"\n"
+            .to_owned(),
+    };
+    let modes = modes(&mechanism(&source, &[]), 50);
+    assert_eq!((modes.list.len(), modes.closed), (0, 0));
+}
+
+#[test]
+fn the_verb_prints_a_count_and_the_option_starts_from_one() {
+    let w = Workspace::new();
+    let arguments = ["modes", "slider-crank", "--input", "phi=0.5"];
+    let text = w.run(&arguments).exits(0).text();
+    assert!(text.contains("2 assemblies found"), "{text}");
+    assert!(text.contains("a count, not a proof"), "{text}");
+    assert!(
+        text.contains("112.77081") && text.contains("-42.56420"),
+        "{text}"
+    );
+    let json = [&arguments[..], &["--json", "-"]].concat();
+    let document: serde_json::Value =
+        serde_json::from_slice(&w.run(&json).exits(0).stdout).unwrap();
+    for (k, mode) in document["modes"].as_array().unwrap().iter().enumerate() {
+        let number = (k + 1).to_string();
+        let solve = ["solve", "slider-crank", "--input", "phi=0.5", "--out", "-"];
+        let chosen = [&solve[..], &["--format", "json", "--mode", &number]].concat();
+        let table: serde_json::Value =
+            serde_json::from_slice(&w.run(&chosen).exits(0).stdout).unwrap();
+        let (a, b) = (&mode["unknowns"]["h"], &table["samples"][0]["h"]);
+        assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-11);
+    }
+    let third = [&arguments[1..], &["--mode", "3"]].concat();
+    let third = [&["check"], &third[..]].concat();
+    w.run(&third)
+        .exits(2)
+        .says(&["there is no mode 3", "2 assemblies"]);
+    w.run(&[&arguments[..], &["--mode", "1"]].concat()).exits(2);
+}

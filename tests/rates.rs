@@ -1,0 +1,286 @@
+//! Rates of any order against closed forms, against differences of solved poses, and as predictions.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod program;
+mod reference;
+
+use mechanim::diag::Source;
+use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::rates::{By, RateColumns, add_derivatives, rates};
+use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::taylor::Series;
+use mechanim::kinematics::trajectory::ClosedPose;
+use mechanim::model::drive::Drive;
+use mechanim::model::mechanism::Mechanism;
+use mechanim::scene::{Overrides, builtin, load};
+use program::Workspace;
+use reference::Table;
+use std::f64::consts::FRAC_PI_2;
+
+fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Mechanism {
+    let pairs = inputs.iter().map(|(n, v)| (n.to_string(), v.to_string()));
+    let overrides = Overrides {
+        inputs: pairs.collect(),
+        ..Overrides::default()
+    };
+    let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    scene.mechanism
+}
+
+fn written(text: &str) -> Mechanism {
+    let source = Source {
+        name: "test".to_owned(),
+        text: text.to_owned(),
+    };
+    mechanism(&source, &[])
+}
+
+fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Mechanism {
+    mechanism(&builtin::find(name).unwrap(), inputs)
+}
+
+fn slot(mechanism: &Mechanism, name: &str) -> usize {
+    let unknowns = mechanism.unknowns.iter();
+    unknowns.clone().position(|c| c.name == name).unwrap()
+}
+
+/// The pose at the start of the drive.
+fn start(mechanism: &Mechanism) -> Vec<f64> {
+    let trajectory = solve(mechanism, &[0.0]).unwrap();
+    let unknowns = &trajectory.samples[0].pose.as_ref().unwrap().unknowns;
+    [unknowns.as_slice(), &mechanism.inputs_at(0.0)].concat()
+}
+
+/// Series of all coordinates by the first input at the start of the drive.
+fn series_by_input(mechanism: &Mechanism, order: usize) -> Vec<Series> {
+    let structure = Structure::new(mechanism).unwrap();
+    let value = mechanism.inputs_at(0.0)[0];
+    let input = Series::linear(value, 1.0, order);
+    rates(mechanism, &structure, &start(mechanism), &[input]).unwrap()
+}
+
+fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).fold(1.0, |b, j| b * (n - j) as f64 / (j + 1) as f64)
+}
+
+/// h = r cos phi + w with w² = L² - r² (1 - cos 2 phi) / 2, whose derivatives are cosines; those of w follow from
+/// Leibniz' rule for w w.
+fn stroke_derivatives(phi: f64, order: usize) -> Vec<f64> {
+    let (r, rod) = (40.0_f64, 80.0_f64);
+    let cosine = |frequency: f64, k: usize| {
+        frequency.powi(k as i32) * (frequency * phi + k as f64 * FRAC_PI_2).cos()
+    };
+    let mut w = vec![(rod * rod - (r * phi.sin()).powi(2)).sqrt()];
+    for k in 1..=order {
+        let known: f64 = (1..k).map(|j| binomial(k, j) * w[j] * w[k - j]).sum();
+        w.push((0.5 * r * r * cosine(2.0, k) - known) / (2.0 * w[0]));
+    }
+    (0..=order).map(|k| r * cosine(1.0, k) + w[k]).collect()
+}
+
+#[test]
+fn the_slider_crank_has_the_derivatives_of_its_closed_form() {
+    for phi in ["0.5", "2.0", "-1.3", "0"] {
+        let mechanism = builtin_scene("slider-crank", &[("phi", phi)]);
+        let series = series_by_input(&mechanism, 8);
+        let h = &series[slot(&mechanism, "h")];
+        let expected = stroke_derivatives(phi.parse().unwrap(), 8);
+        for (k, expected) in expected.iter().enumerate() {
+            let error = (h.derivative(k) - expected).abs();
+            assert!(
+                error < 1e-12 * 10.0_f64.powi(k as i32),
+                "{phi} {k} {error:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_hooke_joint_has_the_derivatives_of_its_closed_form() {
+    let mechanism = written(
+        "units = { angle = \"rad\" }\n[inputs]\nt1 = 1\n[loops]\nA = \"Rz(t1) Ry(b) Rx(a) Rz(-t2) Ry(-pi/6)\"\n\
+         [guess]\nb = 0.5\nt2 = 0.9\n",
+    );
+    let series = series_by_input(&mechanism, 3);
+    let (t, beta) = (1.0_f64, std::f64::consts::FRAC_PI_6);
+    let (c, q) = (beta.cos(), beta.sin().powi(2));
+    let d = 1.0 - q * t.sin().powi(2);
+    let (s2, c2) = (2.0 * t).sin_cos();
+    let expected = [
+        (c * t.tan()).atan(),
+        c / d,
+        c * q * s2 / (d * d),
+        c * q * (2.0 * c2 / (d * d) + 2.0 * q * s2 * s2 / (d * d * d)),
+    ];
+    for (k, expected) in expected.iter().enumerate() {
+        let error = series[slot(&mechanism, "t2")].derivative(k) - expected;
+        assert!(error.abs() < 1e-14, "{k} {error:e}");
+    }
+}
+
+/// A formula in a joint, an equation, and a planar loop with more equations than unknowns.
+#[test]
+fn equations_and_formulas_take_part() {
+    let mechanism = written(
+        "units = { angle = \"rad\" }\n[inputs]\nphi = 0.7\n[equations]\nE = \"x*x - 4 - sin(phi)\"\n\
+         [loops]\nA = \"Tx(3*exp(phi/3)) Rz(asin(phi/2)) Rz(-a) Tx(-y)\"\n[guess]\nx = 2\ny = 1\n",
+    );
+    let series = series_by_input(&mechanism, 3);
+    let at = |name: &str, k: usize| series[slot(&mechanism, name)].derivative(k);
+    let (phi, x) = (0.7_f64, (4.0 + 0.7_f64.sin()).sqrt());
+    let first = phi.cos() / (2.0 * x);
+    let second = (-phi.sin() - 2.0 * first * first) / (2.0 * x);
+    let grown = 3.0 * (phi / 3.0).exp();
+    let root = (1.0 - phi * phi / 4.0).sqrt();
+    let expected = [
+        ("x", 1, first),
+        ("x", 2, second),
+        ("x", 3, (-phi.cos() - 6.0 * first * second) / (2.0 * x)),
+        ("y", 1, grown / 3.0),
+        ("y", 3, grown / 27.0),
+        ("a", 1, 0.5 / root),
+        ("a", 2, phi / (8.0 * root.powi(3))),
+    ];
+    for (name, k, expected) in expected {
+        let error = at(name, k) - expected;
+        assert!(error.abs() < 1e-14, "{name} {k} {error:e}");
+    }
+}
+
+/// The error of the polynomial of order 8 falls with the ninth power of the step.
+#[test]
+fn eight_orders_predict_solved_poses() {
+    for (name, input, step) in [("slider-crank", "phi", 0.2), ("seven-r", "beta1", 0.1)] {
+        let mechanism = builtin_scene(name, &[(input, "0")]);
+        let series = series_by_input(&mechanism, 8);
+        let radians = mechanism.angle_unit.radians;
+        let error = |h: f64| {
+            let text = format!("{:e}*t", h / radians);
+            let moving = builtin_scene(name, &[(input, &text)]);
+            let trajectory = solve(&moving, &[0.0, 1.0]).unwrap();
+            let reached = &trajectory.samples[1].pose.as_ref().unwrap().unknowns;
+            let errors = reached
+                .iter()
+                .enumerate()
+                .map(|(k, q)| (series[k].value_at(h) - q).abs() / mechanism.scale_of(k));
+            errors.fold(0.0, f64::max)
+        };
+        let (whole, half) = (error(step), error(0.5 * step));
+        assert!(half > 1e-14 && whole < 1e-4, "{name}: {whole:e} {half:e}");
+        let power = (whole / half).log2();
+        assert!((8.0..10.5).contains(&power), "{name}: {whole:e} {half:e}");
+    }
+}
+
+#[test]
+fn the_gearshift_agrees_with_differences_of_its_motion() {
+    let mechanism = builtin_scene("gearshift", &[]);
+    let (time, h) = (0.5, 2e-3);
+    let times: Vec<f64> = (-2..=2).map(|k| time + f64::from(k) * h).collect();
+    let mut trajectory = solve(&mechanism, &[&[0.0], &times[..]].concat()).unwrap();
+    let (order, by) = (2, By::Time);
+    let columns = RateColumns { order, by };
+    add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+    let headings = columns.headings(&mechanism);
+    let poses: Vec<&ClosedPose> = trajectory.poses().skip(1).collect();
+    let shown = |pose: &ClosedPose| -> Vec<f64> {
+        let places = pose.traces.iter().flat_map(|p| p.to_array()).collect();
+        [pose.unknowns.clone(), places, pose.outputs.clone()].concat()
+    };
+    let values: Vec<Vec<f64>> = poses.iter().map(|p| shown(p)).collect();
+    let derivatives = &poses[2].derivatives;
+    assert_eq!(derivatives.len(), headings.len());
+    assert_eq!(derivatives.len(), 2 * values[0].len());
+    for k in 0..values[0].len() {
+        let f = |i: usize| values[i][k];
+        let first = (f(0) - 8.0 * f(1) + 8.0 * f(3) - f(4)) / (12.0 * h);
+        let second = (16.0 * (f(1) + f(3)) - 30.0 * f(2) - f(0) - f(4)) / (12.0 * h * h);
+        for (j, difference) in [first, second].into_iter().enumerate() {
+            let exact = derivatives[2 * k + j];
+            let error = (exact - difference).abs() / (1.0 + exact.abs());
+            assert!(
+                error < 1e-6,
+                "{}: {exact} {difference}",
+                headings[2 * k + j].0
+            );
+        }
+    }
+    for (k, rate) in poses[2].rates.iter().enumerate() {
+        assert!((rate - derivatives[2 * k]).abs() < 1e-6 * (1.0 + rate.abs()));
+    }
+}
+
+#[test]
+fn a_singular_pose_has_no_rates() {
+    let mechanism = written(
+        "units = { angle = \"rad\" }\n[inputs]\nphi = \"pi/2\"\n\
+         [loops]\nA = \"Rz(phi) Tx(2) Rz(a) Tx(2) Rz(b) Tx(-h)\"\n[guess]\na = 3.1415926535897931\nb = -1.5707963267948966\n",
+    );
+    let structure = Structure::new(&mechanism).unwrap();
+    let coordinates = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let input = Series::linear(FRAC_PI_2, 1.0, 2);
+    assert_eq!(rates(&mechanism, &structure, &coordinates, &[input]), None);
+}
+
+/// beta2' by beta1 of the torus pair, 40-digit arithmetic; and second derivatives in the scene's own degrees.
+#[test]
+fn the_table_has_transfer_functions_in_the_units_of_the_scene() {
+    let w = Workspace::new();
+    let arguments = ["solve", "seven-r", "--out", "-", "--samples", "72"];
+    let arguments = [
+        &arguments[..],
+        &["--format", "json", "--order", "2", "--per", "beta1"],
+    ]
+    .concat();
+    let run = w.run(&arguments).exits(0);
+    let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let samples = document["samples"].as_array().unwrap();
+    let first = |k: usize| samples[k]["d(beta2)/d(beta1)"].as_f64().unwrap();
+    let table = Table::read("torus_ref");
+    let mut compared = 0;
+    for row in 0..table.len() {
+        let angle = table.value(row, "beta1_deg");
+        if table.text(row, "mechanism") == "torus-torus" && angle % 5.0 == 0.0 && angle < 360.0 {
+            let k = (angle / 5.0) as usize;
+            assert!((first(k) - table.value(row, "k")).abs() < 1e-11, "{angle}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 72);
+    // The central difference of the first derivative over ±5° is crude, but a factor of 57 stands out.
+    let second = samples[10]["d2(beta2)/d(beta1)2"].as_f64().unwrap();
+    let difference = (first(11) - first(9)) / 10.0;
+    assert!(
+        (second - difference).abs() < 0.1 * difference.abs(),
+        "{second} {difference}"
+    );
+    let unknown = [
+        "solve", "seven-r", "--out", "-", "--order", "1", "--per", "x",
+    ];
+    w.run(&unknown).exits(2).says(&["no input `x`", "beta1"]);
+    w.run(&["solve", "seven-r", "--out", "-", "--order", "9"])
+        .exits(2);
+}
+
+#[test]
+fn rates_by_time_follow_the_drive() {
+    let mut mechanism = builtin_scene("slider-crank", &[("phi", "0.5 + t*t")]);
+    assert!(matches!(mechanism.drives[0], Drive::Formula(_)));
+    mechanism.duration = 1.0;
+    let mut trajectory = solve(&mechanism, &[0.0, 0.6]).unwrap();
+    let (order, by) = (3, By::Time);
+    add_derivatives(&mechanism, &mut trajectory, RateColumns { order, by }).unwrap();
+    let pose = trajectory.poses().last().unwrap();
+    let (k, d) = (slot(&mechanism, "h"), stroke_derivatives(0.5 + 0.36, 3));
+    // Chain rule with phi' = 2t, phi'' = 2, phi''' = 0.
+    let p = 1.2;
+    let expected = [
+        d[1] * p,
+        d[2] * p * p + 2.0 * d[1],
+        d[3] * p.powi(3) + 6.0 * d[2] * p,
+    ];
+    for (j, expected) in expected.iter().enumerate() {
+        let error = pose.derivatives[3 * k + j] - expected;
+        assert!(error.abs() < 1e-10, "{j} {error:e}");
+    }
+}
