@@ -149,6 +149,65 @@ fn the_seven_r_loop_has_the_eight_contacts_of_the_tori() {
     }
 }
 
+/// At beta1 = 60 degrees three of eight contacts lie within 0.14 degrees of beta2.
+#[test]
+fn close_assemblies_of_the_seven_r_loop_are_told_apart() {
+    let mechanism = builtin_scene("seven-r", &[("beta1", "60")]);
+    let modes = modes(&mechanism, DEFAULT_STARTS);
+    let contacts = [
+        77.478191864,
+        98.459003041,
+        126.695076602,
+        154.978837835,
+        155.013222355,
+        155.114629087,
+        161.078994243,
+        176.423334108,
+    ];
+    let mut found: Vec<f64> = modes
+        .list
+        .iter()
+        .map(|mode| value(&mechanism, mode, "beta2").to_degrees())
+        .collect();
+    found.sort_by(f64::total_cmp);
+    assert_eq!(found.len(), 8, "{found:?}");
+    for (found, contact) in found.iter().zip(contacts) {
+        assert!((found - contact).abs() < 2e-9, "{found} {contact}");
+    }
+}
+
+/// A parallelogram whose rocker is longer by one part in 1e9: where the links lie in line, the two positions of the
+/// rocker are 2 · 3.77964472805e-5 apart.
+#[test]
+fn almost_equal_assemblies_of_a_parallelogram_are_told_apart() {
+    let text = "units = { angle = \"rad\" }\n[inputs]\nphi = \"pi\"\n[loops]\n\
+                A = \"Rz(phi) Tx(40) Rz(a) Tx(100) Rz(b) Tx(-40*(1+1e-9)) Rz(-theta) Tx(-100)\"\n";
+    let source = Source {
+        name: "parallelogram".to_owned(),
+        text: text.to_owned(),
+    };
+    let mechanism = mechanism(&source, &[]);
+    let modes = modes(&mechanism, DEFAULT_STARTS);
+    assert_eq!(modes.list.len(), 2, "{modes:?}");
+    let theta = |k: usize| value(&mechanism, &modes.list[k], "theta");
+    let apart = turned(theta(0) - theta(1));
+    assert!((apart - 2.0 * 3.77964472805e-5).abs() < 1e-10, "{apart:e}");
+}
+
+/// Crank and rod of the same length at the change point: both assemblies are one, and singular.
+#[test]
+fn a_double_assembly_is_called_singular() {
+    let text = "units = { angle = \"rad\" }\n[inputs]\nphi = \"pi/2\"\n[loops]\n\
+                A = \"Rz(phi) Tx(80) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n";
+    let source = Source {
+        name: "change point".to_owned(),
+        text: text.to_owned(),
+    };
+    let modes = modes(&mechanism(&source, &[]), 100);
+    assert_eq!(modes.list.len(), 1, "{modes:?}");
+    assert!(modes.list[0].is_singular);
+}
+
 #[test]
 fn all_sixteen_closures_of_the_six_r_arm_are_found() {
     let source = Source {

@@ -56,7 +56,7 @@ fn series_by_input(mechanism: &Mechanism, order: usize) -> Vec<Series> {
     let structure = Structure::new(mechanism).unwrap();
     let value = mechanism.inputs_at(0.0)[0];
     let input = Series::linear(value, 1.0, order);
-    rates(mechanism, &structure, &start(mechanism), &[input]).unwrap()
+    rates(mechanism, &structure, &start(mechanism), &[input], order).unwrap()
 }
 
 fn binomial(n: usize, k: usize) -> f64 {
@@ -219,7 +219,10 @@ fn a_singular_pose_has_no_rates() {
     let structure = Structure::new(&mechanism).unwrap();
     let coordinates = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
     let input = Series::linear(FRAC_PI_2, 1.0, 2);
-    assert_eq!(rates(&mechanism, &structure, &coordinates, &[input]), None);
+    assert_eq!(
+        rates(&mechanism, &structure, &coordinates, &[input], 2),
+        None
+    );
 }
 
 /// beta2' by beta1 of the torus pair, 40-digit arithmetic; and second derivatives in the scene's own degrees.
@@ -282,5 +285,29 @@ fn rates_by_time_follow_the_drive() {
     for (j, expected) in expected.iter().enumerate() {
         let error = pose.derivatives[3 * k + j] - expected;
         assert!(error.abs() < 1e-10, "{j} {error:e}");
+    }
+}
+
+#[test]
+fn a_mechanism_without_inputs_has_rates_of_zero() {
+    let w = Workspace::new();
+    w.write(
+        "triangle.toml",
+        "[loops]\nA = \"Tx(3) Rz(a) Tx(4) Rz(b) Tx(5) Rz(c)\"\n[guess]\na = 1.5\nb = 2\nc = 2\n",
+    );
+    let arguments = [
+        "solve",
+        "triangle.toml",
+        "--order",
+        "2",
+        "--out",
+        "-",
+        "--format",
+        "json",
+    ];
+    let run = w.run(&arguments).exits(0);
+    let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    for name in ["d(a)/dt", "d2(b)/dt2"] {
+        assert_eq!(document["samples"][0][name].as_f64(), Some(0.0), "{name}");
     }
 }

@@ -137,7 +137,8 @@ pub struct SolveArgs {
     /// Add columns with the rates of the unknowns per second.
     #[arg(long)]
     pub rates: bool,
-    /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs.
+    /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs. At a
+    /// keyframe they are those of the piece that begins there.
     #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = order)]
     pub order: Option<usize>,
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.

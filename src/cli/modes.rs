@@ -111,18 +111,14 @@ fn text(mechanism: &Mechanism, time: f64, modes: &Modes) -> String {
     if modes.list.iter().any(|m| m.is_scene) {
         text.push_str("* is where the scene's start values lead.\n");
     }
-    let singular = modes.list.iter().filter(|m| is_singular(mechanism, m));
+    let singular = modes.list.iter().filter(|m| m.is_singular);
     let singular = singular.count();
     if singular > 0 {
         text.push_str(&format!(
-            "{singular} of them are singular and may be points of one continuous set.\n"
+            "{singular} of them are singular: assemblies meet there, or they are points of a continuous set.\n"
         ));
     }
     text
-}
-
-fn is_singular(mechanism: &Mechanism, mode: &Mode) -> bool {
-    mode.rank < mechanism.unknowns.len()
 }
 
 /// Rows of aligned cells: number, signature, singular value, hits, coordinates with their units.
@@ -192,7 +188,7 @@ fn document(mechanism: &Mechanism, time: f64, modes: &Modes) -> Value {
                 "mode": k + 1,
                 "branch": mode.branch,
                 "sigma_min": mode.sigma_min,
-                "singular": is_singular(mechanism, mode),
+                "singular": mode.is_singular,
                 "closure_error": mode.closure_error,
                 "met": mode.met,
                 "scene": mode.is_scene,

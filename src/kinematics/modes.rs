@@ -31,6 +31,9 @@ const CLOSED: f64 = 1e-12;
 /// rounding leaves at a nearly singular pose, below the distance of assemblies that can be told apart.
 const SAME: f64 = 1e-6;
 
+/// Below this smallest singular value a mode is called singular: a double solution is met to half its digits only.
+const SINGULAR: f64 = 1e-6;
+
 /// Coordinates that agree within this count as equal when modes are ordered and angles are wrapped.
 const EQUAL: f64 = 1e-9;
 
@@ -43,8 +46,8 @@ pub struct Mode {
     pub branch: String,
     /// Smallest singular value of the scaled Jacobian.
     pub sigma_min: f64,
-    /// Rank of the Jacobian; below the number of unknowns at a singular pose.
-    pub rank: usize,
+    /// Assemblies meet here, or it is a point of a continuous set.
+    pub is_singular: bool,
     /// Largest gap of any loop relative to the size, by a plain product.
     pub closure_error: f64,
     /// Starts that led to it.
@@ -346,7 +349,7 @@ fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -
         list.push(Mode {
             branch: state.signature(),
             sigma_min: state.sigma_min,
-            rank: state.rank,
+            is_singular: state.sigma_min < SINGULAR,
             closure_error: closure_error(mechanism, &group.coordinates),
             met: group.met,
             is_scene: group.is_scene,

@@ -30,18 +30,18 @@ struct ArgumentSeries {
     cos: Series,
 }
 
-/// Series of all coordinates (unknowns, then inputs) at a closed pose, to the order of `inputs`.
+/// Series of all coordinates (unknowns, then inputs) at a closed pose, up to `order`.
 ///
-/// `coordinates` are the pose's; the constant coefficients of `inputs` should be its inputs. `None` at a singular
+/// `coordinates` are the pose's; the constant coefficients of `inputs`, which go up to `order` too, are its inputs. `None` at a singular
 /// pose, where the unknowns have no such series, or where a formula has no value.
 pub fn rates(
     mechanism: &Mechanism,
     structure: &Structure,
     coordinates: &[f64],
     inputs: &[Series],
+    order: usize,
 ) -> Option<Vec<Series>> {
     let n = mechanism.unknowns.len();
-    let order = inputs.first().map_or(0, Series::order);
     let mut series: Vec<Series> = coordinates[..n]
         .iter()
         .map(|q| Series::constant(*q, order))
@@ -191,9 +191,8 @@ fn convolved(vectors: &[DVec3], numbers: &Series, k: usize) -> DVec3 {
 }
 
 /// Series of everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
-pub fn observed(mechanism: &Mechanism, coordinates: &[Series]) -> Vec<Series> {
+pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
     let n = mechanism.unknowns.len();
-    let order = coordinates.first().map_or(0, Series::order);
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
         let path = &mechanism.bodies[trace.body].world_from_body;
@@ -288,8 +287,8 @@ impl RateColumns {
                 })
                 .collect(),
         };
-        let series = rates(mechanism, structure, coordinates, &inputs)?;
-        let all = observed(mechanism, &series);
+        let series = rates(mechanism, structure, coordinates, &inputs, self.order)?;
+        let all = observed(mechanism, &series, self.order);
         let derivatives = all
             .iter()
             .flat_map(|s| (1..=self.order).map(|k| s.derivative(k)));

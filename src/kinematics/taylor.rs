@@ -48,7 +48,7 @@ impl Series {
         self.0[k] = value;
     }
 
-    /// The k-th derivative at h = 0.
+    /// The k-th derivative at h = 0, `k` up to the order.
     pub fn derivative(&self, k: usize) -> f64 {
         (1..=k).fold(self.0[k], |value, j| value * j as f64)
     }
