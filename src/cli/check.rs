@@ -5,6 +5,7 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{inputs_table, open_scene, report};
 use crate::diag::nearest;
+use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
@@ -64,10 +65,11 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         .fold(f64::INFINITY, f64::min);
     let condition = trajectory.poses().map(|p| p.condition).fold(0.0, f64::max);
     let branches = branches(&trajectory);
+    let proof = Proof::of(&trajectory);
     let verdict = verdict(outcome);
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -75,6 +77,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         mechanism.size,
         mechanism.length_unit,
         branches.join(" "),
+        proof.sentence(mechanism),
     );
     let document = json!({
         "schema": "mechanim-check/1",
@@ -87,10 +90,78 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "sigma_min": if sigma.is_finite() { json!(sigma) } else { Value::Null },
         "condition": if condition.is_finite() { json!(condition) } else { Value::Null },
         "branches": branches,
+        "error_bound": proof.certified().map(|p| p.error_bound),
+        "unique_radius": proof.certified().map(|p| p.unique_radius),
+        "refused": proof.refused,
+        "refused_because": proof.reasons,
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "result": verdict,
     });
     Ok((text, document, outcome))
+}
+
+/// The certificates of a motion, summed up.
+struct Proof {
+    poses: usize,
+    error_bound: f64,
+    unique_radius: f64,
+    refused: usize,
+    reasons: Vec<&'static str>,
+}
+
+impl Proof {
+    fn of(trajectory: &Trajectory) -> Self {
+        let mut proof = Self {
+            poses: 0,
+            error_bound: 0.0,
+            unique_radius: f64::INFINITY,
+            refused: 0,
+            reasons: Vec::new(),
+        };
+        for pose in trajectory.poses() {
+            proof.poses += 1;
+            match pose.certificate {
+                Certificate::Certified {
+                    error_bound,
+                    unique_radius,
+                } => {
+                    proof.error_bound = proof.error_bound.max(error_bound);
+                    proof.unique_radius = proof.unique_radius.min(unique_radius);
+                }
+                Certificate::Refused { reason } => {
+                    proof.refused += 1;
+                    if !proof.reasons.contains(&reason.word()) {
+                        proof.reasons.push(reason.word());
+                    }
+                }
+            }
+        }
+        proof
+    }
+
+    /// Itself if any pose is certified; the bounds mean nothing otherwise.
+    fn certified(&self) -> Option<&Self> {
+        (self.refused < self.poses).then_some(self)
+    }
+
+    fn sentence(&self, mechanism: &Mechanism) -> String {
+        let unit = &mechanism.length_unit;
+        let bounds = self.certified().map_or_else(String::new, |p| {
+            format!(
+                "error at most {:.1e} {unit}, the only pose within {:.3} {unit}; ",
+                p.error_bound, p.unique_radius
+            )
+        });
+        let reasons = if self.reasons.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", self.reasons.join(", "))
+        };
+        format!(
+            "{bounds}refused {} of {}{reasons}",
+            self.refused, self.poses
+        )
+    }
 }
 
 /// The branch signatures met, in order.

@@ -2,6 +2,7 @@
 
 use super::error::ExportError;
 use super::target::Output;
+use crate::kinematics::certificate::Certificate;
 use crate::kinematics::rates::RateColumns;
 use crate::kinematics::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -137,6 +138,8 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
         "condition",
         "rank",
         "branch",
+        "error_bound",
+        "unique_radius",
         "iterations",
         "status",
     ];
@@ -183,6 +186,13 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));
     cells.push(Cell::Whole(pose.rank as u64));
     cells.push(Cell::Text(pose.branch.clone()));
+    cells.extend(match pose.certificate {
+        Certificate::Certified {
+            error_bound,
+            unique_radius,
+        } => [error_bound, unique_radius].map(Cell::Number),
+        Certificate::Refused { .. } => [Cell::Empty, Cell::Empty],
+    });
     cells.push(Cell::Whole(u64::from(pose.iterations)));
     cells.push(Cell::Text("ok".to_owned()));
     cells

@@ -48,6 +48,11 @@ impl BranchState {
 }
 
 impl BranchWatch {
+    /// Rows of every block that the signs are taken of; empty before the first observation.
+    pub fn bases(&self) -> &[Vec<usize>] {
+        &self.rows
+    }
+
     /// Signs and singular values at a closed pose. The first call fixes the row basis.
     pub fn observe(
         &mut self,

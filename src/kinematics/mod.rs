@@ -4,6 +4,7 @@
 
 pub mod assembly;
 pub mod branch;
+pub mod certificate;
 pub mod closure;
 pub mod continuation;
 pub mod forward;

@@ -1,5 +1,6 @@
 //! The solved motion as values: samples with their proof, and the events between them.
 
+use super::certificate::Certificate;
 use crate::math::Pose;
 use glam::DVec3;
 
@@ -28,6 +29,8 @@ pub struct ClosedPose {
     pub rank: usize,
     /// One sign per block: the side of the singular poses on which the assembly is.
     pub branch: String,
+    /// How near the exact pose provably is, or why nothing was proved.
+    pub certificate: Certificate,
     /// Newton iterations since the sample before.
     pub iterations: u32,
 }

@@ -8,6 +8,7 @@ mod step;
 
 use super::assembly::{NotClosed, assemble};
 use super::branch::{BranchState, BranchWatch};
+use super::certificate::Certifier;
 use super::newton::Corrector;
 use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
@@ -47,6 +48,7 @@ struct Follower<'m> {
     structure: &'m Structure,
     corrector: Corrector,
     watch: BranchWatch,
+    certifier: Certifier<'m>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
     best_sigma: f64,
@@ -62,6 +64,7 @@ impl<'m> Follower<'m> {
             structure,
             corrector: Corrector::new(structure),
             watch: BranchWatch::default(),
+            certifier: Certifier::new(mechanism, structure),
             anchor: None,
             best_sigma: 0.0,
             interval: mechanism.duration,

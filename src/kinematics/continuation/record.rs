@@ -40,6 +40,7 @@ impl Follower<'_> {
             condition: stand.branch.condition,
             rank: stand.branch.rank,
             branch: stand.branch.signature(),
+            certificate: self.certifier.certify(coordinates, self.watch.bases()),
             iterations: self.iterations,
         };
         let inputs = coordinates[n..].to_vec();
