@@ -14,6 +14,9 @@ const FACET_ERROR_PIXELS: f64 = 0.2;
 /// Radius of a trace in pixels where the scene gives none.
 const TRACE_RADIUS_PIXELS: f64 = 1.7;
 
+/// Points of a trace nearer together than this, in pixels, are one: long runs of samples draw no hair's breadths.
+const TRACE_STEP_PIXELS: f64 = 0.5;
+
 /// Sides of a trace's tube: it is a few pixels wide.
 const TRACE_SIDES: u32 = 6;
 
@@ -44,7 +47,8 @@ impl Part {
 /// A path that grows from frame to frame.
 pub struct TracePart {
     mesh: usize,
-    triangles_per_step: u32,
+    /// Triangles drawn at each sample.
+    triangles: Vec<u32>,
     colour: [u8; 3],
 }
 
@@ -56,7 +60,7 @@ impl TracePart {
             world_from_mesh: Pose::IDENTITY,
             colour: self.colour,
             opacity: 1.0,
-            triangles: 0..index as u32 * self.triangles_per_step,
+            triangles: 0..self.triangles[index],
             casts_shadow: false,
             flat: 1.0,
         }
@@ -108,18 +112,55 @@ pub fn of_traces(
         if radius <= 0.0 {
             continue;
         }
-        let points: Vec<Option<DVec3>> = trajectory
+        let points = trajectory
             .samples
             .iter()
-            .map(|s| s.pose.as_ref().map(|p| p.traces[index]))
-            .collect();
-        let path = trace_mesh(&points, radius, TRACE_SIDES);
+            .map(|s| s.pose.as_ref().map(|p| p.traces[index]));
+        let (kept, steps) = thinned(points, TRACE_STEP_PIXELS * pixel);
+        let path = trace_mesh(&kept, radius, TRACE_SIDES);
         meshes.push(path.mesh);
         parts.push(TracePart {
             mesh: meshes.len() - 1,
-            triangles_per_step: path.triangles_per_step,
+            triangles: steps
+                .iter()
+                .map(|step| step * path.triangles_per_step)
+                .collect(),
             colour: trace.colour,
         });
     }
     parts
+}
+
+/// The points that are at least `apart` from the one kept before (gaps and the last point are always kept), and for
+/// every point the number of steps between kept points up to it.
+fn thinned(
+    points: impl Iterator<Item = Option<DVec3>> + Clone,
+    apart: f64,
+) -> (Vec<Option<DVec3>>, Vec<u32>) {
+    let last = points.clone().count().saturating_sub(1);
+    let mut kept: Vec<Option<DVec3>> = Vec::new();
+    let steps = points.enumerate().map(|(index, point)| {
+        let near =
+            matches!((kept.last(), point), (Some(Some(a)), Some(b)) if a.distance(b) < apart);
+        if !near || index == last {
+            kept.push(point);
+        }
+        kept.len() as u32 - 1
+    });
+    let steps = steps.collect();
+    (kept, steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn close_points_are_thinned_and_gaps_and_ends_are_kept() {
+        let x = |v: f64| Some(DVec3::new(v, 0.0, 0.0));
+        let points = [x(0.0), x(0.1), x(0.6), x(0.7), None, x(0.7), x(0.8)];
+        let (kept, steps) = thinned(points.into_iter(), 0.5);
+        assert_eq!(kept, [x(0.0), x(0.6), None, x(0.7), x(0.8)]);
+        assert_eq!(steps, [0, 0, 1, 1, 2, 3, 4]);
+    }
 }
