@@ -5,6 +5,7 @@ mod reference;
 
 use mechanim::diag::Source;
 use mechanim::kinematics::branch::BranchWatch;
+use mechanim::kinematics::certificate::chain::{ArgumentDouble, evaluate};
 use mechanim::kinematics::certificate::{Certificate, Certifier, Reason};
 use mechanim::kinematics::continuation::solve;
 use mechanim::kinematics::newton::Corrector;
@@ -12,6 +13,7 @@ use mechanim::kinematics::sampling::even_times;
 use mechanim::kinematics::structure::Structure;
 use mechanim::kinematics::trajectory::Trajectory;
 use mechanim::model::drive::{Drive, Ease};
+use mechanim::model::expression::Affine;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use reference::Table;
@@ -343,4 +345,65 @@ fn over_determined_loops_are_proved_on_their_row_basis() {
         bounds[0].0
     );
     assert!(bounds[0].1 > 1e-3);
+}
+
+#[test]
+fn second_derivatives_are_bounded_as_said() {
+    let slider = "[inputs]\nphi = 0.3\n[loops]\nA = \"Rz(phi) Tx(10) Ry(a) Tx(h) Rx(b) Tz(g) Rz(c) Tx(-30) Ry(d) Rx(e)\"\n\
+                  [equations]\nhold = \"g - 5\"\n[guess]\nh = 20\ng = 5\n";
+    let mut tightest = 0.0_f64;
+    for mechanism in [
+        scene("gearshift").mechanism,
+        scene("seven-r").mechanism,
+        read(slider).mechanism,
+    ] {
+        let size = mechanism.size;
+        let count = mechanism.arguments.len();
+        let mut state = 0x1234_5678_9abc_def1_u64;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        // Every argument by itself as a coordinate; angles and lengths alike are of order one here.
+        let value = |x: f64| {
+            ArgumentDouble::new(
+                &Affine {
+                    constant: 0.0,
+                    terms: vec![(0, 1.0)],
+                },
+                &[x],
+            )
+        };
+        for _ in 0..200 {
+            let x: Vec<f64> = (0..count).map(|_| 2.0 * random()).collect();
+            let h: Vec<f64> = (0..count).map(|_| 0.2 * random()).collect();
+            let moved: Vec<f64> = x.iter().zip(&h).map(|(x, h)| x + h).collect();
+            for item in &mechanism.loops {
+                let at = |x: &[f64]| {
+                    let values: Vec<_> = x.iter().map(|x| value(*x)).collect();
+                    evaluate(&item.chain.steps, &values, |a| h[a].abs(), size)
+                };
+                let (here, there) = (at(&x), at(&moved));
+                let bounds = here.second_derivatives(|a| h[a].abs());
+                let mut linear = here.residual;
+                for joint in &here.joints {
+                    for (sum, c) in linear.iter_mut().zip(here.column(joint)) {
+                        *sum += c * h[joint.argument];
+                    }
+                }
+                for k in 0..6 {
+                    let rest = (there.residual[k] - linear[k]).abs();
+                    let bound = 0.5 * bounds[k / 3];
+                    assert!(rest <= bound + 1e-14, "row {k}: {rest} {bound}");
+                    tightest = tightest.max(rest / bound);
+                }
+            }
+        }
+    }
+    assert!(
+        tightest > 0.2,
+        "a bound that is never approached would prove little: {tightest}"
+    );
 }

@@ -11,7 +11,8 @@ pub struct PivotedQr {
     factors: Vec<f64>,
     scalars: Vec<f64>,
     order: Vec<usize>,
-    norms: Vec<f64>,
+    /// Squares of the remaining column norms; only the pivot's root is taken.
+    squares: Vec<f64>,
     scratch: Vec<f64>,
     swaps: usize,
     rank: usize,
@@ -36,7 +37,7 @@ impl PivotedQr {
         for k in 0..columns.min(rows) {
             let pivot = self.largest_column(k);
             self.swap_columns(k, pivot);
-            let norm = self.norms[k];
+            let norm = self.squares[k].sqrt();
             if k == 0 {
                 largest = norm;
             }
@@ -116,12 +117,12 @@ impl PivotedQr {
     /// Recomputes the remaining column norms (small matrices: cheaper than careful downdating) and finds the largest.
     fn largest_column(&mut self, k: usize) -> usize {
         let m = self.rows;
-        self.norms.resize(self.columns, 0.0);
+        self.squares.resize(self.columns, 0.0);
         let mut best = k;
         for j in k..self.columns {
             let tail = &self.factors[j * m + k..(j + 1) * m];
-            self.norms[j] = tail.iter().map(|v| v * v).sum::<f64>().sqrt();
-            if self.norms[j] > self.norms[best] {
+            self.squares[j] = tail.iter().map(|v| v * v).sum::<f64>();
+            if self.squares[j] > self.squares[best] {
                 best = j;
             }
         }
@@ -136,7 +137,7 @@ impl PivotedQr {
         let (left, right) = self.factors.split_at_mut(b * m);
         left[a * m..(a + 1) * m].swap_with_slice(&mut right[..m]);
         self.order.swap(a, b);
-        self.norms.swap(a, b);
+        self.squares.swap(a, b);
         self.swaps += 1;
     }
 

@@ -168,13 +168,8 @@ fn open_fixed(pose: &Pose) -> [f64; 2] {
     [FIXED_ROTATION + defect, FOLDED_TRANSLATION * length]
 }
 
-/// Multiplies the loop's steps. `play` is by how much an argument can change in the ball.
-pub fn evaluate(
-    steps: &[Step],
-    arguments: &[ArgumentDouble],
-    play: impl Fn(usize) -> f64,
-    size: f64,
-) -> LoopAtPose {
+/// The product, and the joints with their axes and places but not yet their reaches.
+fn walk(steps: &[Step], arguments: &[ArgumentDouble]) -> (Product, Vec<Joint>) {
     let mut product = Product::identity();
     let mut joints = Vec::new();
     for step in steps {
@@ -201,6 +196,17 @@ pub fn evaluate(
             }
         }
     }
+    (product, joints)
+}
+
+/// The loop at the pose. `play` is by how much an argument can change in the ball.
+pub fn evaluate(
+    steps: &[Step],
+    arguments: &[ArgumentDouble],
+    play: impl Fn(usize) -> f64,
+    size: f64,
+) -> LoopAtPose {
+    let (product, mut joints) = walk(steps, arguments);
     let (open, total) = reaches(steps, arguments, play, size, &mut joints);
     let r = &product.rotation;
     let skew = |a: Double, b: Double| (a - b).hi * 0.5;

@@ -103,8 +103,12 @@ impl Constants {
         let mut identity = vec![0.0; rows.len()];
         let mut before = vec![0.0; earlier.rest.len()];
         let mut rest = 0.0;
-        for (a, form) in forms.iter().enumerate() {
-            let product: f64 = r.iter().zip(rows).map(|(r, row)| r * row.columns[a]).sum();
+        let mut products = vec![0.0; forms.len()];
+        for (r, row) in r.iter().zip(rows) {
+            let terms = products.iter_mut().zip(&row.columns);
+            terms.for_each(|(sum, c)| *sum += r * c);
+        }
+        for (form, product) in forms.iter().zip(products) {
             rest += product.abs() * form.open;
             form.own
                 .iter()
@@ -179,6 +183,7 @@ fn worse(a: f64, b: f64) -> f64 {
 /// good it is is measured afterwards.
 fn invert(mut a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
     let mut order: Vec<usize> = (0..n).collect();
+    let mut row = vec![0.0; n];
     for k in 0..n {
         let pivot = (k..n).fold(k, |best, i| {
             if a[i * n + k].abs() > a[best * n + k].abs() {
@@ -198,7 +203,7 @@ fn invert(mut a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
         }
         a[k * n + k] = 1.0;
         a[k * n..(k + 1) * n].iter_mut().for_each(|v| *v /= value);
-        let row = a[k * n..(k + 1) * n].to_vec();
+        row.copy_from_slice(&a[k * n..(k + 1) * n]);
         for (i, other) in a.chunks_exact_mut(n).enumerate() {
             let factor = other[k];
             if i != k && factor != 0.0 {
