@@ -57,16 +57,46 @@ impl Overlay {
         if label.plate && !setting.glyphs.is_empty() {
             plate::draw(&mut painter, &setting, [left, top], self.plate_colour);
         }
+        let in_world = matches!(label.anchor, Anchor::World(_));
+        if in_world && !label.plate {
+            // A seam of the background's colour keeps the text readable in front of dark bodies.
+            for shift in SEAM {
+                let place = [left.saturating_add(shift[0]), top.saturating_add(shift[1])];
+                self.draw_glyphs(&setting, place, self.plate_colour, &mut painter);
+            }
+        }
+        self.draw_glyphs(&setting, [left, top], label.colour, &mut painter);
+    }
+
+    fn draw_glyphs(
+        &mut self,
+        setting: &Setting,
+        [left, top]: [i32; 2],
+        colour: [u8; 3],
+        painter: &mut Painter,
+    ) {
         for glyph in &setting.glyphs {
             let mask = self.face.mask(glyph.id, setting.size, glyph.phase);
             let origin = [
                 left.saturating_add(glyph.column),
                 top.saturating_add(glyph.baseline),
             ];
-            painter.blend_mask(mask, origin, label.colour);
+            painter.blend_mask(mask, origin, colour);
         }
     }
 }
+
+/// Shifts in pixels that draw a seam around a text.
+const SEAM: [[i32; 2]; 8] = [
+    [-1, -1],
+    [0, -1],
+    [1, -1],
+    [-1, 0],
+    [1, 0],
+    [-1, 1],
+    [0, 1],
+    [1, 1],
+];
 
 /// Top left pixel of a label's text; `None` when it cannot be seen.
 fn place(label: &Label, setting: &Setting, camera: &Camera, size: [u32; 2]) -> Option<[i32; 2]> {

@@ -63,7 +63,14 @@ fn a_world_label_is_centred_on_its_point() {
     let [x0, y0, x1, y1] = changed(&image).unwrap();
     assert!((f64::from(x0 + x1 + 1) / 2.0 - 100.0).abs() <= 1.0);
     assert!((f64::from(y0 + y1 + 1) / 2.0 - 40.0).abs() <= 1.0);
-    assert_eq!(y1 - y0 + 1, 12);
+    assert_eq!(
+        y1 - y0 + 1,
+        12 + 2,
+        "the capitals and one pixel of seam on either side"
+    );
+    // The seam has the background's colour, the letters their own.
+    assert!(image.pixels().any(|p| p.0[..3] == [20, 30, 40]));
+    assert!(image.pixels().any(|p| p.0[..3] == [255, 255, 255]));
 }
 
 #[test]
