@@ -49,6 +49,19 @@ pub enum Want<'a> {
     Drift(&'a [f64]),
 }
 
+/// The rows that are being filled, and at what.
+#[derive(Clone, Copy)]
+struct Site<'a> {
+    mechanism: &'a Mechanism,
+    block: &'a Block,
+    coordinates: &'a [f64],
+    want: Want<'a>,
+    /// Equations of the loop that are kept.
+    components: &'a [usize],
+    /// Row of the block that the first of them takes.
+    row: usize,
+}
+
 impl BlockWorkspace {
     /// Largest entry of the residual; infinite if any entry is not a number.
     pub fn residual_norm(&self) -> f64 {
@@ -81,15 +94,15 @@ impl BlockWorkspace {
         self.evaluate_arguments(mechanism, block, coordinates);
         let mut row = 0;
         for part in &block.loops {
-            self.evaluate_loop(
+            let site = Site {
                 mechanism,
                 block,
-                part.index,
-                &part.components,
-                row,
                 coordinates,
                 want,
-            );
+                components: &part.components,
+                row,
+            };
+            self.evaluate_loop(site, part.index);
             row += part.components.len();
         }
         for &index in &block.equations {
@@ -107,41 +120,23 @@ impl BlockWorkspace {
         }
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn evaluate_loop(
-        &mut self,
-        mechanism: &Mechanism,
-        block: &Block,
-        index: usize,
-        components: &[usize],
-        row: usize,
-        coordinates: &[f64],
-        want: Want,
-    ) {
-        let product = self.walk(mechanism, index);
+    fn evaluate_loop(&mut self, site: Site, index: usize) {
+        let size = site.mechanism.size;
+        let product = self.walk(site.mechanism, index);
         let turn = rotation_log(&product.rotation);
         let translation = product.translation;
-        let six = residual_of(turn, translation, mechanism.size);
-        for (k, component) in components.iter().enumerate() {
-            self.residual[row + k] = six[*component];
+        let six = residual_of(turn, translation, size);
+        for (k, component) in site.components.iter().enumerate() {
+            self.residual[site.row + k] = six[*component];
         }
-        if matches!(want, Want::Residual) {
+        if matches!(site.want, Want::Residual) {
             return;
         }
         let log_from_spin = left_jacobian_inverse(turn);
         let joints = std::mem::take(&mut self.joints);
         for joint in &joints {
-            let column = column_of(joint, translation, &log_from_spin, mechanism.size);
-            self.add_column(
-                mechanism,
-                block,
-                joint.argument,
-                components,
-                &column,
-                row,
-                coordinates,
-                want,
-            );
+            let column = column_of(joint, translation, &log_from_spin, size);
+            self.add_column(site, joint.argument, &column);
         }
         self.joints = joints;
     }
@@ -172,79 +167,46 @@ impl BlockWorkspace {
     }
 
     /// Distributes a joint's column over the coordinates of its argument.
-    #[allow(clippy::too_many_arguments)]
-    fn add_column(
-        &mut self,
-        mechanism: &Mechanism,
-        block: &Block,
-        argument: usize,
-        components: &[usize],
-        column: &[f64; 6],
-        row: usize,
-        coordinates: &[f64],
-        want: Want,
-    ) {
-        match &mechanism.arguments[argument] {
+    fn add_column(&mut self, site: Site, argument: usize, column: &[f64; 6]) {
+        match &site.mechanism.arguments[argument] {
             Argument::Affine(affine) => {
                 for &(slot, coefficient) in &affine.terms {
-                    self.add_entry(
-                        mechanism,
-                        block,
-                        slot,
-                        coefficient,
-                        components,
-                        column,
-                        row,
-                        want,
-                    );
+                    self.add_entry(site, slot, coefficient, column);
                 }
             }
             Argument::Formula(expression) => {
                 self.gradient.clear();
-                self.gradient.resize(coordinates.len(), 0.0);
+                self.gradient.resize(site.coordinates.len(), 0.0);
                 let (values, adjoints) = (&mut self.values, &mut self.adjoints);
-                expression.add_gradient(coordinates, 1.0, &mut self.gradient, values, adjoints);
+                expression.add_gradient(
+                    site.coordinates,
+                    1.0,
+                    &mut self.gradient,
+                    values,
+                    adjoints,
+                );
                 for slot in expression.slots() {
-                    let coefficient = self.gradient[slot];
-                    self.add_entry(
-                        mechanism,
-                        block,
-                        slot,
-                        coefficient,
-                        components,
-                        column,
-                        row,
-                        want,
-                    );
+                    self.add_entry(site, slot, self.gradient[slot], column);
                 }
             }
         }
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn add_entry(
-        &mut self,
-        mechanism: &Mechanism,
-        block: &Block,
-        slot: usize,
-        coefficient: f64,
-        components: &[usize],
-        column: &[f64; 6],
-        row: usize,
-        want: Want,
-    ) {
-        match block.column_of.get(slot).copied().flatten() {
+    /// Adds a coordinate's share of a joint's column to the Jacobian, or to the drift if it is not solved here.
+    fn add_entry(&mut self, site: Site, slot: usize, coefficient: f64, column: &[f64; 6]) {
+        match site.block.column_of.get(slot).copied().flatten() {
             Some(j) => {
-                let start = j * block.rows() + row;
-                let scale = coefficient * mechanism.scale_of(slot);
-                for (entry, component) in self.jacobian[start..].iter_mut().zip(components) {
+                let start = j * site.block.rows() + site.row;
+                let scale = coefficient * site.mechanism.scale_of(slot);
+                for (entry, component) in self.jacobian[start..].iter_mut().zip(site.components) {
                     *entry += scale * column[*component];
                 }
             }
             None => {
-                if let Want::Drift(rates) = want {
+                if let Want::Drift(rates) = site.want {
                     let rate = coefficient * rates[slot];
-                    for (entry, component) in self.drift[row..].iter_mut().zip(components) {
+                    for (entry, component) in self.drift[site.row..].iter_mut().zip(site.components)
+                    {
                         *entry += rate * column[*component];
                     }
                 }

@@ -5,6 +5,7 @@ use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::view::{LabelPlace, SceneLabel};
 use crate::render::{Anchor, Label};
 use crate::scene::Scene;
+use glam::DVec3;
 
 const TITLE_COLOUR: [u8; 3] = [0x2b, 0x2f, 0x36];
 const VALUE_COLOUR: [u8; 3] = [0x5a, 0x62, 0x6e];
@@ -96,31 +97,36 @@ fn values(mechanism: &Mechanism, inputs: &[f64]) -> String {
     texts.collect::<Vec<_>>().join("    ")
 }
 
-/// A label of the scene at a pose; `None` where its point does not exist.
+/// Where a label on a trace stays: the traced point of the sample nearest to its time. `None` for a label on a body,
+/// or where there is no pose at all.
+pub fn place_on_trace(label: &SceneLabel, trajectory: &Trajectory) -> Option<DVec3> {
+    let LabelPlace::OnTrace {
+        trace,
+        time,
+        offset,
+    } = label.place
+    else {
+        return None;
+    };
+    let points = trajectory.samples.iter().filter_map(|sample| {
+        let pose = sample.pose.as_ref()?;
+        Some(((sample.time - time).abs(), pose.traces[trace]))
+    });
+    points
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, point)| point + offset)
+}
+
+/// A label of the scene at a pose; `on_trace` is its fixed place. `None` where its point does not exist.
 pub fn in_world(
     label: &SceneLabel,
-    trajectory: &Trajectory,
+    on_trace: Option<DVec3>,
     pose: &ClosedPose,
     height: f64,
 ) -> Option<Label> {
     let point = match label.place {
         LabelPlace::OnBody { body, point } => pose.bodies[body].transform_point(point),
-        LabelPlace::OnTrace {
-            trace,
-            time,
-            offset,
-        } => {
-            let nearest = trajectory
-                .samples
-                .iter()
-                .filter_map(|s| {
-                    s.pose
-                        .as_ref()
-                        .map(|p| ((s.time - time).abs(), p.traces[trace]))
-                })
-                .min_by(|a, b| a.0.total_cmp(&b.0))?;
-            nearest.1 + offset
-        }
+        LabelPlace::OnTrace { .. } => on_trace?,
     };
     Some(Label {
         text: label.text.clone(),

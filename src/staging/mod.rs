@@ -32,6 +32,8 @@ pub struct Staging<'a> {
     trajectory: &'a Trajectory,
     parts: Vec<Part>,
     traces: Vec<TracePart>,
+    /// Places of the labels that stay on a trace, one entry per label.
+    label_places: Vec<Option<DVec3>>,
     /// For every sample the sample whose pose is drawn: itself, or the nearest one that has a pose.
     shown: Vec<Option<usize>>,
 }
@@ -87,6 +89,12 @@ impl<'a> Staging<'a> {
             trajectory,
             parts,
             traces,
+            label_places: scene
+                .view
+                .labels
+                .iter()
+                .map(|label| captions::place_on_trace(label, trajectory))
+                .collect(),
             shown: shown(trajectory),
         }
     }
@@ -141,7 +149,8 @@ impl<'a> Staging<'a> {
         let labels = &self.scene.view.labels;
         labels
             .iter()
-            .filter_map(|label| captions::in_world(label, self.trajectory, pose, height))
+            .zip(&self.label_places)
+            .filter_map(|(label, place)| captions::in_world(label, *place, pose, height))
             .collect()
     }
 }

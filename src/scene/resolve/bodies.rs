@@ -351,7 +351,6 @@ fn scaled(mut soup: TriangleSoup, scale: f64) -> TriangleSoup {
 /// Resolves the traces.
 pub fn traces(
     file: &SceneFile,
-    _parsed: &Parsed,
     names: &Names,
     bodies: &[Body],
     diagnostics: &mut Diagnostics,

@@ -88,10 +88,10 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let loops = joints.loops(&parsed, diagnostics);
     let equations = joints.equations(&parsed, diagnostics);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
-    let traces = bodies::traces(file, &parsed, &names, &bodies, diagnostics);
+    let traces = bodies::traces(file, &names, &bodies, diagnostics);
     let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
-    let view = view::resolve(file, &parsed, &names, &bodies, &traces, diagnostics);
+    let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(

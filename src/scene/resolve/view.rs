@@ -4,7 +4,6 @@ use super::super::file::{LabelFile, SceneFile};
 use super::super::reader::{FormulaText, Spanned};
 use super::bodies::{Constants, body_index};
 use super::names::Names;
-use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::mechanism::{Body, Trace};
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
@@ -23,7 +22,6 @@ const DEFAULT_LABEL_SIZE: f64 = 0.035;
 /// Resolves the view; angles of the view are always in degrees.
 pub fn resolve(
     file: &SceneFile,
-    _parsed: &Parsed,
     names: &Names,
     bodies: &[Body],
     traces: &[Trace],
