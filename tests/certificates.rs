@@ -16,7 +16,7 @@ use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::expression::Affine;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
-use reference::Table;
+use reference::{Table, drive_by_rows};
 use std::f64::consts::{PI, TAU};
 
 fn read(text: &str) -> Scene {
@@ -39,19 +39,9 @@ fn slider_crank(r: f64, l: f64) -> Scene {
     ))
 }
 
-/// Drives the inputs by the columns of a table that bear their names; one sample a row.
-fn drive_by_rows(mechanism: &mut Mechanism, table: &Table) -> Trajectory {
-    let times: Vec<f64> = (0..table.len()).map(|k| k as f64).collect();
-    mechanism.drives = mechanism
-        .inputs
-        .iter()
-        .map(|input| Drive::Keys {
-            times: times.clone(),
-            values: table.column(&input.name),
-            ease: Ease::Linear,
-        })
-        .collect();
-    mechanism.duration = times[times.len() - 1];
+/// The motion whose samples are the rows of a table.
+fn solve_rows(mechanism: &mut Mechanism, table: &Table) -> Trajectory {
+    let times = drive_by_rows(mechanism, table);
     solve(mechanism, &times).unwrap()
 }
 
@@ -128,7 +118,7 @@ fn bounds_hold_against_the_references_of_seventeen_digits() {
     ] {
         let table = Table::read(file);
         let mut mechanism = scene(name).mechanism;
-        let trajectory = drive_by_rows(&mut mechanism, &table);
+        let trajectory = solve_rows(&mut mechanism, &table);
         let bounds = certified(&trajectory);
         for (row, pose) in trajectory.poses().enumerate() {
             let e = error(&mechanism, &pose.unknowns, |n| Some(table.value(row, n)));
@@ -146,7 +136,7 @@ fn bounds_hold_against_the_references_of_seventeen_digits() {
     }
     let table = Table::read("crank_cycle");
     let mut mechanism = scene("slider-crank").mechanism;
-    let trajectory = drive_by_rows(&mut mechanism, &table);
+    let trajectory = solve_rows(&mut mechanism, &table);
     for (row, (pose, bound)) in trajectory.poses().zip(certified(&trajectory)).enumerate() {
         let e = error(&mechanism, &pose.unknowns, |n| {
             Some(table.value(row, &format!("{n}_open")))

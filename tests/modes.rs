@@ -10,9 +10,9 @@ use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::kinematics::structure::Structure;
 use mechanim::math::Pose;
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::builtin;
 use program::Workspace;
-use reference::Table;
+use reference::{Table, mechanism};
 use std::f64::consts::{PI, TAU};
 
 /// Manocha and Canny's arm with sixteen closures, as a user writes it. The hand is the published matrix, its rotation
@@ -34,16 +34,6 @@ name = "hand"
 frame = "arm"
 shapes = [{ sphere = { radius = 0.1 } }]
 "#;
-
-fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Mechanism {
-    let pairs = inputs.iter().map(|(n, v)| (n.to_string(), v.to_string()));
-    let overrides = Overrides {
-        inputs: pairs.collect(),
-        ..Overrides::default()
-    };
-    let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    scene.mechanism
-}
 
 fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Mechanism {
     mechanism(&builtin::find(name).unwrap(), inputs)

@@ -12,20 +12,10 @@ use mechanim::kinematics::taylor::Series;
 use mechanim::kinematics::trajectory::ClosedPose;
 use mechanim::model::drive::Drive;
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::builtin;
 use program::Workspace;
-use reference::Table;
+use reference::{Table, mechanism};
 use std::f64::consts::FRAC_PI_2;
-
-fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Mechanism {
-    let pairs = inputs.iter().map(|(n, v)| (n.to_string(), v.to_string()));
-    let overrides = Overrides {
-        inputs: pairs.collect(),
-        ..Overrides::default()
-    };
-    let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    scene.mechanism
-}
 
 fn written(text: &str) -> Mechanism {
     let source = Source {

@@ -11,10 +11,9 @@ use mechanim::kinematics::continuation::solve;
 use mechanim::kinematics::offered::{Verdict, judge};
 use mechanim::kinematics::structure::Structure;
 use mechanim::kinematics::trajectory::{ClosedPose, Trajectory};
-use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
-use reference::Table;
+use reference::{Table, drive_by_rows};
 use std::f64::consts::{PI, TAU};
 
 fn scene_with(name: &str, change: impl FnOnce(&mut Overrides)) -> Scene {
@@ -46,22 +45,6 @@ fn unknown(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
 fn poses(trajectory: &Trajectory) -> Vec<&ClosedPose> {
     assert_eq!(trajectory.missing(), 0, "{:?}", trajectory.events);
     trajectory.poses().collect()
-}
-
-/// Replaces the drives by the rows of a table, one sample a row.
-fn drive_by_rows(mechanism: &mut Mechanism, table: &Table) -> Vec<f64> {
-    let times: Vec<f64> = (0..table.len()).map(|k| k as f64).collect();
-    mechanism.drives = mechanism
-        .inputs
-        .iter()
-        .map(|input| Drive::Keys {
-            times: times.clone(),
-            values: table.column(&input.name),
-            ease: Ease::Linear,
-        })
-        .collect();
-    mechanism.duration = times[times.len() - 1];
-    times
 }
 
 #[test]

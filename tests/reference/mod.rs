@@ -1,6 +1,38 @@
-//! Reads the reference tables of `tests/data`.
+//! Reads the reference tables of `tests/data`, and sets up the mechanisms that are compared with them.
 // Every test binary uses a part of this.
 #![allow(dead_code)]
+
+use mechanim::diag::Source;
+use mechanim::model::drive::{Drive, Ease};
+use mechanim::model::mechanism::Mechanism;
+use mechanim::scene::{Overrides, load};
+
+/// The mechanism of a scene, with some of its inputs driven otherwise.
+pub fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Mechanism {
+    let pairs = inputs.iter().map(|(n, v)| (n.to_string(), v.to_string()));
+    let overrides = Overrides {
+        inputs: pairs.collect(),
+        ..Overrides::default()
+    };
+    let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    scene.mechanism
+}
+
+/// Drives the inputs by the columns of a table that bear their names; returns the times of the rows.
+pub fn drive_by_rows(mechanism: &mut Mechanism, table: &Table) -> Vec<f64> {
+    let times: Vec<f64> = (0..table.len()).map(|k| k as f64).collect();
+    mechanism.drives = mechanism
+        .inputs
+        .iter()
+        .map(|input| Drive::Keys {
+            times: times.clone(),
+            values: table.column(&input.name),
+            ease: Ease::Linear,
+        })
+        .collect();
+    mechanism.duration = times[times.len() - 1];
+    times
+}
 
 /// A CSV table with a header row and no quoted cells.
 pub struct Table {
