@@ -20,6 +20,7 @@ pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
         inputs: args.inputs.clone(),
         guess: args.guess.clone(),
         folder: folder(&args.scene),
+        vary: Vec::new(),
     };
     let mut scene = load(&source, &overrides).map_err(Box::new)?;
     term.diagnostics(&source, &scene.warnings);

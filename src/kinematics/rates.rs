@@ -192,7 +192,13 @@ fn convolved(vectors: &[DVec3], numbers: &Series, k: usize) -> DVec3 {
 
 /// Series of everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
 pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
-    let n = mechanism.unknowns.len();
+    let mut slots = all_slots(mechanism, coordinates, order);
+    slots.drain(mechanism.unknowns.len()..mechanism.coordinate_count());
+    slots
+}
+
+/// Series of all coordinates, x, y, z of every trace, and outputs: the slots of an output's formula.
+pub fn all_slots(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
         let path = &mechanism.bodies[trace.body].world_from_body;
@@ -211,9 +217,6 @@ pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> 
         let value = evaluate(&output.expression, &slots, order);
         slots.push(value);
     }
-    let after = slots.split_off(mechanism.coordinate_count());
-    slots.truncate(n);
-    slots.extend(after);
     slots
 }
 

@@ -5,4 +5,5 @@ pub mod drive;
 pub mod expression;
 pub mod mechanism;
 pub mod shape;
+pub mod study;
 pub mod view;

@@ -3,6 +3,7 @@
 
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
 use super::shapes::{ShapeFile, shape};
+use super::studies::{StudyFile, study};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -44,6 +45,8 @@ pub struct SceneFile {
     pub labels: Vec<LabelFile>,
     /// `[view]`
     pub view: ViewFile,
+    /// `[study]`
+    pub study: Option<StudyFile>,
     /// Whole sections could not be read: what refers to them cannot be judged.
     pub lacks_sections: bool,
 }
@@ -194,6 +197,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
+        study: r.table("study", |s| study(s, text)),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }
 }

@@ -8,9 +8,11 @@ pub mod formula;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
+pub mod studies;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::mechanism::Mechanism;
+use crate::model::study::Study;
 use crate::model::view::View;
 use std::path::PathBuf;
 
@@ -23,6 +25,8 @@ pub struct Scene {
     pub mechanism: Mechanism,
     /// How it wants to be seen.
     pub view: View,
+    /// What may be varied in it, and what is asked of it.
+    pub study: Option<Study>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }
@@ -38,6 +42,8 @@ pub struct Overrides {
     pub guess: Vec<(String, String)>,
     /// Folder that relative file names in the scene start from.
     pub folder: PathBuf,
+    /// Parameters that are to be inputs, behind the scene's own: what a study varies.
+    pub vary: Vec<String>,
 }
 
 /// Reads and resolves `source`; all mistakes found are in the error.
@@ -52,7 +58,8 @@ pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError>
         });
     }
     resolve::apply_overrides(&mut file, overrides, &mut diagnostics);
-    let scene = resolve::resolve(&file, &overrides.folder, &mut diagnostics);
+    let vary = &overrides.vary;
+    let scene = resolve::resolve(&file, &overrides.folder, vary, &mut diagnostics);
     match scene {
         Some(mut scene) if !diagnostics.has_errors() => {
             scene.warnings = diagnostics;

@@ -60,6 +60,13 @@ fn emit(
             }
             last
         }
+        NodeKind::Measure(..) => {
+            return Err(
+                Diagnostic::error("this is a word for the measures of a study")
+                    .at(node.span.clone())
+                    .hint("a formula of one pose has no track to look along"),
+            );
+        }
     };
     append(op, start, node, ops)
 }

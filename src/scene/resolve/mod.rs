@@ -3,15 +3,19 @@
 mod bodies;
 mod coordinates;
 mod joints;
+mod measures;
 mod names;
 mod outputs;
 mod parsed;
+mod study;
+mod varied;
 mod view;
 
 use super::file::{InputFile, SceneFile};
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::drive::Drive;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use names::Names;
 use parsed::Parsed;
@@ -77,18 +81,30 @@ fn outside(text: &str) -> FormulaText {
     }
 }
 
-/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`.
-pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -> Option<Scene> {
+/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`. The
+/// parameters called `varied` become inputs that rest.
+pub fn resolve(
+    file: &SceneFile,
+    folder: &Path,
+    varied: &[String],
+    diagnostics: &mut Diagnostics,
+) -> Option<Scene> {
     let angle_unit = angle_unit(file, diagnostics);
-    let parsed = Parsed::new(file, diagnostics);
+    let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
+    varied::expand_dependents(&mut parsed, varied, diagnostics);
+    let varied_values = names.promote(varied);
     let mut joints = joints::Joints::new(&names, &angle_unit);
     let loops = joints.loops(&parsed, diagnostics);
     let equations = joints.equations(&parsed, diagnostics);
-    let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
-    let traces = bodies::traces(file, &names, &bodies, diagnostics);
+    let mut bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
+    let mut traces = bodies::traces(file, &names, &bodies, diagnostics);
+    if !varied.is_empty() && !diagnostics.has_errors() {
+        let points = (&mut bodies, &mut traces[..]);
+        varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
+    }
     let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
@@ -100,7 +116,17 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
                 .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
         );
     }
-    let coordinates = coordinates?;
+    let mut coordinates = coordinates?;
+    let resting = varied_values.into_iter().map(Drive::constant);
+    coordinates.drives.extend(resting);
+    let around = study::Surroundings {
+        names: &names,
+        traces: &traces,
+        outputs: &outputs,
+        drives: &coordinates.drives,
+        unit: &angle_unit,
+    };
+    let study = study::resolve(file, &around, varied, diagnostics);
     if diagnostics.has_errors() {
         return None;
     }
@@ -131,6 +157,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         description,
         mechanism,
         view,
+        study,
         warnings: Diagnostics::default(),
     })
 }

@@ -35,6 +35,8 @@ pub struct Names {
     /// All loops could be read, so that every unknown is known.
     is_complete: bool,
     traces: Vec<String>,
+    /// Parameters that are inputs in a study, as (parameter, input).
+    varied: Vec<(usize, usize)>,
 }
 
 /// What a name in a formula of coordinates refers to.
@@ -74,6 +76,7 @@ impl Names {
             broken: broken(file, parsed),
             is_complete: parsed.is_complete,
             traces: file.traces.iter().map(|t| t.name.value.clone()).collect(),
+            varied: Vec::new(),
         };
         let mut found: Vec<(String, Span)> = Vec::new();
         let mut gather = |name: &str, span: &Span| {
@@ -172,12 +175,33 @@ impl Names {
             return Err(Diagnostic::inherited());
         }
         match self.meaning(name) {
-            Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
+            Some(Meaning::Parameter(i)) => Ok(match self.varied.iter().find(|(p, _)| *p == i) {
+                Some((_, input)) => Value::Slot(self.unknowns.len() + input),
+                None => Value::Constant(self.parameters[i].value),
+            }),
             Some(Meaning::Unknown(i)) => Ok(Value::Slot(i)),
             Some(Meaning::Input(i)) => Ok(Value::Slot(self.unknowns.len() + i)),
             None if !self.is_complete => Err(Diagnostic::inherited()),
             None => Err(self.undefined(name, span)),
         }
+    }
+
+    /// Makes inputs of the parameters called `varied`, behind the file's own; returns their values.
+    pub fn promote(&mut self, varied: &[String]) -> Vec<f64> {
+        let mut values = Vec::new();
+        for name in varied {
+            let Some(index) = self.parameters.iter().position(|p| p.name == *name) else {
+                continue;
+            };
+            let parameter = &self.parameters[index];
+            values.push(parameter.value);
+            self.varied.push((index, self.inputs.len()));
+            self.inputs.push(Coordinate {
+                name: name.clone(),
+                kind: parameter.kind.unwrap_or(Kind::Number),
+            });
+        }
+        values
     }
 
     /// Whether `name` is an angle.

@@ -64,7 +64,7 @@ pub fn resolve(
 }
 
 /// `M.x` to 3·index + component.
-fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
+pub fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
     let (trace, component) = name.rsplit_once('.')?;
     let component = ["x", "y", "z"].iter().position(|c| *c == component)?;
     let index = traces.iter().position(|t| t.name == trace)?;
@@ -72,9 +72,9 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 }
 
 /// What a formula measures, from the bottom up.
-fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
+pub fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
     match &node.kind {
-        NodeKind::Number(_) => Kind::Number,
+        NodeKind::Number(_) | NodeKind::Measure(..) => Kind::Number,
         NodeKind::Radians(_) => Kind::Angle,
         NodeKind::Name(name) if name.contains('.') => Kind::Length,
         NodeKind::Name(name) => names
