@@ -85,3 +85,36 @@ fn a_stand_with_other_values_has_the_measures_of_the_optimised_lever() {
         );
     }
 }
+
+/// The lecture's optimisation: both methods come to the same optimum, from the file's own values.
+#[test]
+fn the_slope_is_optimised_by_simplex_and_by_gradients() {
+    use mechanim::analysis::optimise::{bfgs, nelder_mead};
+    use mechanim::analysis::study::Search;
+    let family = gearshift(&["L6s", "ZR1"]);
+    let start = family.start();
+    let mut search = Search::new(&family, Box::new(|_, _, _| true)).unwrap();
+    assert!((search.value() - 5.592044069e-2).abs() < 1e-11);
+    let (bounds, scales) = (search.bounds(), search.scales());
+    let limits = nelder_mead::Limits {
+        x_tolerance: 1e-4,
+        value_tolerance: 1e-4,
+        evaluations: 1000,
+    };
+    let simplex = nelder_mead::minimise(&mut search, &start, &bounds, limits);
+    let mut search = Search::new(&family, Box::new(|_, _, _| true)).unwrap();
+    let limits = bfgs::Limits {
+        gradient_tolerance: 1e-9,
+        iterations: 200,
+        first_step: 0.05,
+    };
+    let newton = bfgs::minimise(&mut search, &start, &scales, &bounds, limits);
+    println!("simplex {simplex:?}\nbfgs {newton:?}");
+    for found in [&simplex, &newton] {
+        assert!((found.value - 6.50998e-5).abs() < 5e-10, "{found:?}");
+        assert!(
+            (found.x[0] - 62.9127).abs() < 0.05 && (found.x[1] - 236.431).abs() < 0.3,
+            "{found:?}"
+        );
+    }
+}

@@ -4,6 +4,7 @@
 mod gradient;
 mod measure;
 mod reduce;
+mod search;
 mod stand;
 
 use crate::diag::{SceneError, Source};
@@ -15,6 +16,7 @@ use crate::model::study::Study;
 use crate::scene::{Overrides, load};
 pub use gradient::Gradients;
 pub use measure::Measured;
+pub use search::{Refusals, Search, Watch};
 pub use stand::{Evaluator, Rejection, Stand};
 
 /// A mechanism whose last inputs are the variables of its study.

@@ -117,9 +117,14 @@ impl<'f> Evaluator<'f> {
     /// # Errors
     /// The pose at which the way ends.
     pub fn reach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
-        let mut reached = self.approach(stand, values)?;
-        self.add_sensitivities(&mut reached);
-        Ok(reached)
+        let reached = self.approach(stand, values)?;
+        Ok(self.settled(reached))
+    }
+
+    /// An approached stand with the sensitivities that further steps need.
+    pub fn settled(&mut self, mut stand: Stand) -> Stand {
+        self.add_sensitivities(&mut stand);
+        stand
     }
 
     /// As [`reach`](Self::reach), without the sensitivities that further steps would need.

@@ -1,0 +1,191 @@
+//! A study as a function for the minimisers: poses from the best stand so far, refused candidates counted by cause.
+
+use super::{Evaluator, Family, FamilyError, Rejection, Stand};
+use crate::analysis::optimise::constraints::Constrained;
+use crate::analysis::optimise::{Bounds, Objective};
+
+/// How many candidates were refused, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Refusals {
+    /// A pose could not be reached: no assembly, or a singular pose on the way.
+    pub not_reached: usize,
+    /// A measure had no value.
+    pub no_value: usize,
+}
+
+impl Refusals {
+    /// All of them.
+    pub fn count(&self) -> usize {
+        self.not_reached + self.no_value
+    }
+}
+
+/// Called with iteration, values of the variables and the objective; `false` ends the search.
+pub type Watch<'w> = dyn FnMut(usize, &[f64], f64) -> bool + 'w;
+
+/// A family with its objective.
+pub struct Search<'f, 'w> {
+    evaluator: Evaluator<'f>,
+    base: Stand,
+    base_value: f64,
+    objective: usize,
+    /// Candidates that were refused.
+    pub refusals: Refusals,
+    watch: Box<Watch<'w>>,
+}
+
+impl<'f, 'w> Search<'f, 'w> {
+    /// Prepares the search from the file's own values.
+    ///
+    /// # Errors
+    /// No objective; poses or measures that do not exist at the start.
+    pub fn new(family: &'f Family, watch: Box<Watch<'w>>) -> Result<Self, FamilyError> {
+        let Some(objective) = family.study.objective else {
+            let message =
+                "the study has nothing to minimise: add `minimise = \"...\"` to `[study]`";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        };
+        let mut evaluator = Evaluator::new(family);
+        let base = evaluator.nominal(family.nominal_poses()?);
+        let measured = evaluator.measure(&base);
+        let measures = measured.map_err(|refusal| {
+            FamilyError::Lacks(format!("at the file's own values: {refusal}"))
+        })?;
+        Ok(Self {
+            base_value: measures.measures[objective],
+            evaluator,
+            base,
+            objective,
+            refusals: Refusals::default(),
+            watch,
+        })
+    }
+
+    /// The objective at the best values so far (at the start: at the file's own).
+    pub fn value(&self) -> f64 {
+        self.base_value
+    }
+
+    /// The box of the variables.
+    pub fn bounds(&self) -> Bounds {
+        let variables = &self.evaluator.family().study.variables;
+        Bounds {
+            lower: variables.iter().map(|v| v.lower).collect(),
+            upper: variables.iter().map(|v| v.upper).collect(),
+        }
+    }
+
+    /// Typical sizes of the variables: their values, or the width of their range where that is zero.
+    pub fn scales(&self) -> Vec<f64> {
+        let family = self.evaluator.family();
+        let variables = family.study.variables.iter();
+        variables
+            .map(|v| {
+                let width = v.upper - v.lower;
+                if v.start != 0.0 {
+                    v.start.abs()
+                } else if width.is_finite() {
+                    width
+                } else {
+                    family.mechanism.size
+                }
+            })
+            .collect()
+    }
+
+    /// Typical sizes of the constraints: their bounds.
+    pub fn constraint_scales(&self) -> Vec<f64> {
+        let constraints = self.evaluator.family().study.constraints.iter();
+        let size = |bound: f64| if bound == 0.0 { 1.0 } else { bound.abs() };
+        constraints
+            .flat_map(|c| c.at_most.into_iter().chain(c.at_least))
+            .map(size)
+            .collect()
+    }
+
+    /// All measures at `x`, and their gradients if `with_gradients`.
+    fn look(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        match self.look_or_refuse(x, with_gradients) {
+            Ok(found) => Some(found),
+            Err(Rejection::NotReached { .. }) => {
+                self.refusals.not_reached += 1;
+                None
+            }
+            Err(Rejection::NoValue(_)) => {
+                self.refusals.no_value += 1;
+                None
+            }
+        }
+    }
+
+    fn look_or_refuse(
+        &mut self,
+        x: &[f64],
+        with_gradients: bool,
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Rejection> {
+        let stand = self.evaluator.approach(&self.base, x)?;
+        let (measures, rows) = if with_gradients {
+            let found = self.evaluator.gradients(&stand)?;
+            (found.measures, found.rows)
+        } else {
+            (self.evaluator.measure(&stand)?.measures, Vec::new())
+        };
+        // The next candidates are mostly near the best one: it is the stand to start from.
+        if measures[self.objective] < self.base_value {
+            self.base_value = measures[self.objective];
+            self.base = self.evaluator.settled(stand);
+        }
+        Ok((measures, rows))
+    }
+}
+
+impl Constrained for Search<'_, '_> {
+    fn values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        let (measures, _) = self.look(x, false)?;
+        let mut values = vec![measures[self.objective]];
+        for limit in &self.evaluator.family().study.constraints {
+            let value = measures[limit.measure];
+            values.extend(limit.at_most.map(|high| value - high));
+            values.extend(limit.at_least.map(|low| low - value));
+        }
+        Some(values)
+    }
+
+    fn gradients(&mut self, x: &[f64]) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        let (measures, rows) = self.look(x, true)?;
+        let mut values = vec![measures[self.objective]];
+        let mut gradients = vec![rows[self.objective].clone()];
+        for limit in &self.evaluator.family().study.constraints {
+            let (value, row) = (measures[limit.measure], &rows[limit.measure]);
+            if let Some(high) = limit.at_most {
+                values.push(value - high);
+                gradients.push(row.clone());
+            }
+            if let Some(low) = limit.at_least {
+                values.push(low - value);
+                gradients.push(row.iter().map(|d| -d).collect());
+            }
+        }
+        Some((values, gradients))
+    }
+
+    fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
+        (self.watch)(iteration, x, value)
+    }
+}
+
+impl Objective for Search<'_, '_> {
+    fn value(&mut self, x: &[f64]) -> f64 {
+        self.look(x, false)
+            .map_or(f64::INFINITY, |(measures, _)| measures[self.objective])
+    }
+
+    fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let (measures, mut rows) = self.look(x, true)?;
+        Some((measures[self.objective], rows.swap_remove(self.objective)))
+    }
+
+    fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
+        (self.watch)(iteration, x, value)
+    }
+}
