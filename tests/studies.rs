@@ -26,7 +26,7 @@ fn gearshift(vary: &[&str]) -> Family {
 fn measures_and_gradients_agree_with_forty_digits() {
     let family = gearshift(&DIMENSIONS);
     let mut evaluator = Evaluator::new(&family);
-    let stand = evaluator.nominal(family.nominal_poses().unwrap());
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
     let found = evaluator.gradients(&stand).unwrap();
     let measured = evaluator.measure(&stand).unwrap();
     assert_eq!(measured.measures, found.measures);
@@ -63,7 +63,7 @@ fn measures_and_gradients_agree_with_forty_digits() {
 fn a_stand_with_other_values_has_the_measures_of_the_optimised_lever() {
     let family = gearshift(&["L6s", "ZR1"]);
     let mut evaluator = Evaluator::new(&family);
-    let nominal = evaluator.nominal(family.nominal_poses().unwrap());
+    let nominal = evaluator.nominal(family.nominal().unwrap().poses);
     let (heads, values) = table("gearshift_opt_characteristics.csv");
     let source = std::fs::read_to_string("tests/data/gearshift_dims.csv").unwrap();
     let of = |name: &str| -> f64 {

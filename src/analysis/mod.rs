@@ -3,3 +3,4 @@
 pub mod optimise;
 pub mod random;
 pub mod study;
+pub mod tolerance;

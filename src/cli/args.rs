@@ -1,5 +1,6 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
+use super::study_args::{OptimiseArgs, SensitivityArgs, ToleranceArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -32,6 +33,12 @@ pub enum Command {
     Check(CheckArgs),
     /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
     Modes(ModesArgs),
+    /// Derivatives of the study's measures by every dimension, ranked.
+    Sensitivity(SensitivityArgs),
+    /// What tolerances of the dimensions do to the study's measures: linear rules and random pieces.
+    Tolerance(ToleranceArgs),
+    /// Change dimensions so that the study's objective becomes least.
+    Optimise(OptimiseArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.

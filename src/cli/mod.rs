@@ -7,13 +7,18 @@ mod info;
 mod inputs_table;
 mod modes;
 mod open_scene;
+mod optimise;
 mod outcome;
 mod progress;
 mod render;
 mod report;
 mod scenes;
+mod sensitivity;
 mod solve;
+mod study;
+pub mod study_args;
 mod term;
+mod tolerance;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -43,6 +48,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Solve(args) => solve::run(&args, &term),
         Command::Check(args) => check::run(&args, &term),
         Command::Modes(args) => modes::run(&args, &term),
+        Command::Sensitivity(args) => sensitivity::run(&args, &term),
+        Command::Tolerance(args) => tolerance::run(&args, &term),
+        Command::Optimise(args) => optimise::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),

@@ -14,14 +14,7 @@ const MAX_SCENE_BYTES: u64 = 4 << 20;
 
 /// Reads, resolves and adapts the scene; warnings are printed.
 pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
-    let source = source(&args.scene)?;
-    let overrides = Overrides {
-        parameters: args.parameters.clone(),
-        inputs: args.inputs.clone(),
-        guess: args.guess.clone(),
-        folder: folder(&args.scene),
-        vary: Vec::new(),
-    };
+    let (source, overrides) = text_of(args)?;
     let mut scene = load(&source, &overrides).map_err(Box::new)?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
@@ -31,6 +24,18 @@ pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
         modes::start_from(&mut scene.mechanism, number)?;
     }
     Ok(scene)
+}
+
+/// The scene's text, and what the command line changes in it.
+pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
+    let overrides = Overrides {
+        parameters: args.parameters.clone(),
+        inputs: args.inputs.clone(),
+        guess: args.guess.clone(),
+        folder: folder(&args.scene),
+        vary: Vec::new(),
+    };
+    Ok((source(&args.scene)?, overrides))
 }
 
 /// True when `out` is the scene's own file.

@@ -27,6 +27,8 @@ pub struct Scene {
     pub view: View,
     /// What may be varied in it, and what is asked of it.
     pub study: Option<Study>,
+    /// Lengths and angles that the file gives as numbers: what else could be varied.
+    pub dimensions: Vec<String>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }
@@ -44,6 +46,31 @@ pub struct Overrides {
     pub folder: PathBuf,
     /// Parameters that are to be inputs, behind the scene's own: what a study varies.
     pub vary: Vec<String>,
+}
+
+/// The text of `source` with other values of some parameters, which are formulas of the file.
+///
+/// `None` if the text has mistakes or no such parameter.
+pub fn with_parameters(source: &Source, values: &[(String, String)]) -> Option<String> {
+    let mut diagnostics = Diagnostics::default();
+    let file = file::read(source, &mut diagnostics);
+    let mut edits = Vec::with_capacity(values.len());
+    for (name, value) in values {
+        let (_, formula) = file.parameters.iter().find(|(n, _)| n.value == *name)?;
+        edits.push((formula.span.clone(), value));
+    }
+    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let mut text = source.text.clone();
+    for (span, value) in edits {
+        let plain = value.parse::<f64>().is_ok();
+        let value = if plain {
+            value.clone()
+        } else {
+            format!("{value:?}")
+        };
+        text.replace_range(span, &value);
+    }
+    (!diagnostics.has_errors()).then_some(text)
 }
 
 /// Reads and resolves `source`; all mistakes found are in the error.

@@ -3,11 +3,13 @@
 
 mod gradient;
 mod measure;
+pub mod optimum;
 mod reduce;
 mod search;
 mod stand;
 
 use crate::diag::{SceneError, Source};
+use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
 use crate::kinematics::structure::{Structure, StructureError};
 use crate::model::drive::{Drive, Ease};
@@ -27,6 +29,29 @@ pub struct Family {
     /// What is varied and asked.
     pub study: Study,
     structure: Structure,
+}
+
+/// The poses of a study with the file's values, and what is proved of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Nominal {
+    /// Unknowns, then inputs, of every pose, track after track.
+    pub poses: Vec<Vec<f64>>,
+    /// Largest certified error of a coordinate, in the scene's unit as certificates have it.
+    pub error_bound: f64,
+    /// Poses without a certificate.
+    pub unproved: usize,
+}
+
+impl Nominal {
+    fn add(&mut self, pose: Vec<f64>, certificate: Certificate) {
+        self.poses.push(pose);
+        match certificate {
+            Certificate::Certified { error_bound, .. } => {
+                self.error_bound = self.error_bound.max(error_bound)
+            }
+            Certificate::Refused { .. } => self.unproved += 1,
+        }
+    }
 }
 
 /// Why a study cannot be made.
@@ -104,12 +129,12 @@ impl Family {
         self.study.variables.iter().map(|v| v.start).collect()
     }
 
-    /// Unknowns and inputs of every pose of every track with the file's values, followed from the start of the drive.
+    /// Every pose of every track with the file's values, followed from the start of the drive.
     ///
     /// # Errors
     /// The first pose that does not exist.
-    pub fn nominal_poses(&self) -> Result<Vec<Vec<f64>>, FamilyError> {
-        let mut poses = Vec::new();
+    pub fn nominal(&self) -> Result<Nominal, FamilyError> {
+        let mut nominal = Nominal::default();
         for track in &self.study.tracks {
             let mut mechanism = self.mechanism.clone();
             let mut rows = vec![self.mechanism.inputs_at(0.0)[..self.own_inputs()].to_vec()];
@@ -133,10 +158,13 @@ impl Family {
                         ),
                     });
                 };
-                poses.push([pose.unknowns.as_slice(), &sample.inputs].concat());
+                nominal.add(
+                    [pose.unknowns.as_slice(), &sample.inputs].concat(),
+                    pose.certificate,
+                );
             }
         }
-        Ok(poses)
+        Ok(nominal)
     }
 
     /// Track and number (from 1) of pose `index` of all.

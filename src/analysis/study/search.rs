@@ -46,7 +46,7 @@ impl<'f, 'w> Search<'f, 'w> {
             return Err(FamilyError::Lacks(message.to_owned()));
         };
         let mut evaluator = Evaluator::new(family);
-        let base = evaluator.nominal(family.nominal_poses()?);
+        let base = evaluator.nominal(family.nominal()?.poses);
         let measured = evaluator.measure(&base);
         let measures = measured.map_err(|refusal| {
             FamilyError::Lacks(format!("at the file's own values: {refusal}"))

@@ -158,6 +158,7 @@ pub fn resolve(
         mechanism,
         view,
         study,
+        dimensions: names.dimensions(&parsed),
         warnings: Diagnostics::default(),
     })
 }

@@ -204,6 +204,23 @@ impl Names {
         values
     }
 
+    /// Parameters that are lengths or angles and given as numbers.
+    pub fn dimensions(&self, parsed: &Parsed) -> Vec<String> {
+        let is_number = |name: &str| {
+            let node = parsed.parameters.iter().find(|(n, _)| n.value == name);
+            let mut plain = node.is_some();
+            if let Some((_, node)) = node {
+                node.visit_names(&mut |_, _| plain = false);
+            }
+            plain
+        };
+        let measured = |p: &&Parameter| matches!(p.kind, Some(Kind::Length | Kind::Angle));
+        let list = self.parameters.iter().filter(measured);
+        list.filter(|p| is_number(&p.name))
+            .map(|p| p.name.clone())
+            .collect()
+    }
+
     /// Whether `name` is an angle.
     pub fn is_angle(&self, name: &str) -> bool {
         self.kind(name) == Some(Kind::Angle)
