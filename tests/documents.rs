@@ -9,7 +9,7 @@ fn read(path: &str) -> String {
 
 /// Keys that the scene reader asks for: the first text argument of its reading functions.
 fn keys_of_the_reader() -> BTreeSet<String> {
-    let source = read("src/scene/file.rs");
+    let source = read("src/scene/file.rs") + &read("src/scene/studies.rs");
     let readers = [
         "string",
         "strings",

@@ -64,7 +64,7 @@ pub fn minimise(
             .map(|(d, g)| d * g)
             .sum();
         let length = direction.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
-        if !(slope < 0.0) {
+        if slope >= 0.0 || slope.is_nan() {
             if is_fresh {
                 break Ended::Stalled;
             }
@@ -247,7 +247,8 @@ impl Inverse {
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let sy = dot(&s, &y);
         // Only a positive curvature keeps the matrix positive.
-        if !(sy > f64::EPSILON * dot(&s, &s).sqrt() * dot(&y, &y).sqrt()) {
+        let least = f64::EPSILON * dot(&s, &s).sqrt() * dot(&y, &y).sqrt();
+        if sy <= least || sy.is_nan() {
             return;
         }
         if is_fresh {

@@ -114,14 +114,16 @@ fn trial(
     let factor = DIFFERENCE[0] + (DIFFERENCE[1] - DIFFERENCE[0]) * random.unit();
     let forced = ((random.unit() * n as f64) as usize).min(n - 1);
     let mut x = population[member].0.clone();
-    for k in 0..n {
+    for (k, x) in x.iter_mut().enumerate() {
         if k == forced || random.unit() < CROSSOVER {
-            let moved = population[base].0[k] + factor * (population[b].0[k] - population[c].0[k]);
+            let (low, high) = (bounds.lower[k], bounds.upper[k]);
+            let difference = population[b].0[k] - population[c].0[k];
+            let moved = population[base].0[k] + factor * difference;
             // Beyond the box: between the old value and the edge, so that edges do not collect members.
-            x[k] = if moved < bounds.lower[k] {
-                bounds.lower[k] + random.unit() * (x[k] - bounds.lower[k])
-            } else if moved > bounds.upper[k] {
-                bounds.upper[k] - random.unit() * (bounds.upper[k] - x[k])
+            *x = if moved < low {
+                low + random.unit() * (*x - low)
+            } else if moved > high {
+                high - random.unit() * (high - *x)
             } else {
                 moved
             };

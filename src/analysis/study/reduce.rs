@@ -59,7 +59,7 @@ fn norm(values: &[f64], power: f64) -> Reduced {
         0.0,
         |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
     );
-    if !(largest > 0.0) {
+    if largest == 0.0 || largest.is_nan() {
         return Reduced {
             value: largest,
             weights: vec![vec![0.0; values.len()]],

@@ -153,7 +153,7 @@ impl<'a> MeasureBuilder<'a> {
             MeasureWord::NormOver => {
                 first = 2;
                 let power = constant(&args[1], &|n, s| names.constant(n, s))?;
-                if !(power >= 1.0) {
+                if power < 1.0 {
                     return Err(Diagnostic::error("the power of a norm is at least 1")
                         .at(args[1].span.clone()));
                 }

@@ -162,7 +162,7 @@ impl Resolver<'_, '_> {
             None => None,
             Some(text) => {
                 let value = self.value(text, kind)?;
-                if !(value >= 0.0) {
+                if value < 0.0 {
                     let message = format!("a tolerance is not negative, found {}", shown(value));
                     let place = text.span.clone();
                     self.diagnostics.push(Diagnostic::error(message).at(place));
