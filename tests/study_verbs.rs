@@ -247,7 +247,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         ("[study.tracks]", "[study.trackz]", "unknown key `trackz`"),
     ] {
         assert!(CRANK.contains(from), "{from}");
-        w.write("bad.toml", &CRANK.replace(from, to));
+        w.write("bad.toml", CRANK.replace(from, to));
         w.run(&["solve", "bad.toml", "--out", "-"])
             .exits(2)
             .says(&[says, "bad.toml:"]);
@@ -282,7 +282,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
     }
     w.write(
         "nothing.toml",
-        &CRANK.replace(
+        CRANK.replace(
             "minimise = \"(stroke - 100)^2\"",
             "minimise = \"sqrt(-stroke)\"",
         ),
