@@ -214,6 +214,24 @@ impl Expression {
         value
     }
 
+    /// The slot that the formula is, if it is nothing else.
+    pub fn only_slot(&self) -> Option<usize> {
+        match self.ops[..] {
+            [Op::Slot(slot)] => Some(slot),
+            _ => None,
+        }
+    }
+
+    /// The formula whose magnitude this one is, if it is one.
+    pub fn below_magnitude(&self) -> Option<Self> {
+        match self.ops.last() {
+            Some(Op::Call(Function::Abs, inner, _)) => Some(Self {
+                ops: self.ops[..=*inner].to_vec(),
+            }),
+            _ => None,
+        }
+    }
+
     /// The affine form, if it has one.
     pub fn affine(&self) -> Option<Affine> {
         let mut forms: Vec<Affine> = Vec::with_capacity(self.ops.len());

@@ -4,6 +4,7 @@
 pub mod bfgs;
 pub mod constraints;
 pub mod evolution;
+pub mod minimax;
 pub mod nelder_mead;
 
 /// A function to be made small.

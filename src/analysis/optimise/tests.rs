@@ -225,3 +225,72 @@ fn refused_points_are_walked_around() {
     );
     near(&found.x, &[0.25, 0.0], 1e-8);
 }
+
+/// The best straight line to eˣ on 0 to 1 under the largest error, whose slope is e - 1; once with its value at 0 limited.
+struct Line {
+    limit: Option<f64>,
+}
+
+impl Line {
+    fn errors(&self, x: &[f64]) -> Vec<f64> {
+        let at = |k: usize| k as f64 / 1000.0;
+        let error = |k| x[0] + x[1] * at(k) - at(k).exp();
+        (0..=1000).flat_map(|k| [error(k), -error(k)]).collect()
+    }
+}
+
+impl minimax::Landscape for Line {
+    fn heights(&mut self, x: &[f64]) -> Option<minimax::Heights> {
+        Some(minimax::Heights {
+            peaks: self.errors(x),
+            limits: self.limit.iter().map(|l| x[0] * x[0] - l * l).collect(),
+        })
+    }
+    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::Heights, minimax::Slopes)> {
+        let rows = (0..=1000).flat_map(|k| {
+            let t = k as f64 / 1000.0;
+            [vec![1.0, t], vec![-1.0, -t]]
+        });
+        let slopes = minimax::Slopes {
+            peaks: rows.collect(),
+            limits: self.limit.iter().map(|_| vec![2.0 * x[0], 0.0]).collect(),
+        };
+        Some((self.heights(x)?, slopes))
+    }
+}
+
+#[test]
+fn minimax_finds_the_line_of_equal_errors() {
+    let search = minimax::Search {
+        radius: 0.1,
+        smallest_radius: 1e-12,
+        tolerance: 1e-12,
+        iterations: 200,
+    };
+    let slope = std::f64::consts::E - 1.0;
+    let error = (2.0 - std::f64::consts::E + slope * slope.ln()) / 2.0;
+    let start = [0.0, 0.0];
+    let found = minimax::minimise(
+        &mut Line { limit: None },
+        &start,
+        &[1.0; 2],
+        &Bounds::none(2),
+        search,
+    );
+    assert!(
+        (found.value - error.abs()).abs() < 1e-6,
+        "{found:?} {error}"
+    );
+    near(
+        &found.x,
+        &[1.0 + error.abs() - 2.0 * error.abs(), slope],
+        2e-3,
+    );
+    // With |x0| at most 0.8 the error at 0 is 0.2.
+    let mut limited = Line { limit: Some(0.8) };
+    let found = minimax::minimise(&mut limited, &start, &[1.0; 2], &Bounds::none(2), search);
+    assert!(
+        (found.value - 0.2).abs() < 1e-9 && (found.x[0] - 0.8).abs() < 1e-9,
+        "{found:?}"
+    );
+}

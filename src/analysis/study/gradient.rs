@@ -2,6 +2,10 @@
 
 use super::measure::{along, slots_at};
 use super::{Evaluator, Rejection, Stand};
+use crate::model::study::Rate;
+
+/// Poses for which a thread of its own pays.
+const LEAST_PORTION: usize = 32;
 
 /// Measures of a stand and their derivatives.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,41 +61,54 @@ impl Evaluator<'_> {
     }
 
     /// d(slot)/d(variable) of everything every pose shows: one row per slot.
-    fn slot_changes(&self, stand: &Stand) -> Result<Vec<Vec<Vec<f64>>>, Rejection> {
-        let places = stand.poses.iter().enumerate();
-        places
-            .map(|(index, pose)| {
-                self.changes_at(pose).ok_or_else(|| {
-                    let (track, pose) = self.family.place_of(index);
-                    let track = self.family.study.tracks[track].name.clone();
-                    Rejection::NotReached { track, pose }
-                })
+    pub(super) fn slot_changes(&self, stand: &Stand) -> Result<Vec<Vec<Vec<f64>>>, Rejection> {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let portion = stand.poses.len().div_ceil(workers).max(LEAST_PORTION);
+        let work =
+            |poses: &[Vec<f64>]| -> Vec<_> { poses.iter().map(|p| self.changes_at(p)).collect() };
+        let found: Vec<Option<Vec<Vec<f64>>>> = std::thread::scope(|scope| {
+            let portions = stand.poses.chunks(portion);
+            let workers: Vec<_> = portions.map(|p| scope.spawn(move || work(p))).collect();
+            let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
+            results.flatten().collect()
+        });
+        let places = found.into_iter().enumerate();
+        let changes = places.map(|(index, changes)| {
+            changes.ok_or_else(|| {
+                let (track, pose) = self.family.place_of(index);
+                let track = self.family.study.tracks[track].name.clone();
+                Rejection::NotReached { track, pose }
             })
-            .collect()
+        });
+        changes.collect()
     }
 
     fn changes_at(&self, pose: &[f64]) -> Option<Vec<Vec<f64>>> {
         let study = &self.family.study;
         let (first, count) = (self.family.own_inputs(), study.variables.len());
         let mut rows: Vec<Vec<f64>> = Vec::new();
+        let order = if study.rates.is_empty() { 1 } else { 2 };
+        let mut alone: Vec<Vec<f64>> = Vec::with_capacity(count);
         for variable in 0..count {
-            let series = along(self, pose, &[first + variable], 1)?;
+            let series = along(self, pose, &[first + variable], order)?;
             rows.resize(series.len(), vec![0.0; count]);
             for (row, s) in rows.iter_mut().zip(&series) {
                 row[variable] = s.coefficients()[1];
             }
+            let second = |rate: &Rate| series[rate.slot].coefficients()[2];
+            alone.push(study.rates.iter().map(second).collect());
         }
         // The mixed second derivative is the second coefficient of both moving less those of each alone.
-        for rate in &study.rates {
+        for (number, rate) in study.rates.iter().enumerate() {
             let second = |moving: &[usize]| -> Option<f64> {
                 let series = along(self, pose, moving, 2)?;
                 Some(series[rate.slot].coefficients()[2])
             };
-            let alone = second(&[rate.input])?;
+            let input = second(&[rate.input])?;
             let mut row = vec![0.0; count];
             for (variable, entry) in row.iter_mut().enumerate() {
-                let input = first + variable;
-                *entry = second(&[rate.input, input])? - alone - second(&[input])?;
+                let both = second(&[rate.input, first + variable])?;
+                *entry = both - input - alone[variable][number];
             }
             rows.push(row);
         }
@@ -106,7 +123,7 @@ fn unit(count: usize, k: usize) -> Vec<f64> {
 }
 
 /// Adds `scale` times the derivative of a formula, whose slots change by `changes`, to `row`.
-fn add(
+pub(super) fn add(
     formula: &crate::model::expression::Expression,
     slots: &[f64],
     scale: f64,

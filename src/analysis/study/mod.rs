@@ -4,6 +4,7 @@
 mod gradient;
 mod measure;
 pub mod optimum;
+mod peaks;
 mod reduce;
 mod search;
 mod stand;
@@ -18,6 +19,7 @@ use crate::model::study::Study;
 use crate::scene::{Overrides, load};
 pub use gradient::Gradients;
 pub use measure::Measured;
+pub use peaks::Peaks;
 pub use search::{Refusals, Search, Watch};
 pub use stand::{Evaluator, Rejection, Stand};
 
