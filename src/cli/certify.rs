@@ -6,7 +6,7 @@ use super::report;
 use crate::kinematics::certificate::tube::{IntervalCertificate, certify_motion};
 use crate::kinematics::continuation::{solve, solve_unproved};
 use crate::kinematics::sampling::is_cyclic;
-use crate::kinematics::structure::StructureError;
+use crate::kinematics::structure::{Structure, StructureError};
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
@@ -36,6 +36,33 @@ fn proved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureE
     trajectory.intervals = certify_motion(mechanism, &trajectory)?;
     trajectory.samples.truncate(times.len());
     Ok(trajectory)
+}
+
+/// What the proofs rest on, one sentence each; none where nothing was to be proved.
+pub fn assumptions(
+    mechanism: &Mechanism,
+    certify: CertifyArg,
+) -> Result<Vec<String>, StructureError> {
+    if certify == CertifyArg::None {
+        return Ok(Vec::new());
+    }
+    let structure = Structure::new(mechanism)?;
+    let mut list = vec![
+        "sine and cosine right within one unit in the last place".to_owned(),
+        "inputs as printed".to_owned(),
+    ];
+    let unknowns: usize = structure.blocks.iter().map(|b| b.unknowns.len()).sum();
+    let dropped = structure.equation_count().saturating_sub(unknowns);
+    if dropped > 0 {
+        list.push(format!("{dropped} dependent equations checked, not proved"));
+    }
+    let empty = structure.empty_equations.len();
+    if empty > 0 {
+        list.push(format!(
+            "{empty} equations empty at random poses hold at all"
+        ));
+    }
+    Ok(list)
 }
 
 /// The intervals of a motion, summed up.

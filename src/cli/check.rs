@@ -68,12 +68,17 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let branches = branches(&trajectory);
     let proof = Proof::of(&trajectory);
     let verdict = verdict(outcome);
+    let assumptions = certify::assumptions(mechanism, args.certify)?;
+    let assumed = match assumptions.is_empty() {
+        true => String::new(),
+        false => format!("  assumed          {}\n", assumptions.join("; ")),
+    };
     let motion_line = motion.as_ref().map_or_else(String::new, |proof| {
         format!("  motion           {}\n", proof.sentence(mechanism))
     });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -98,6 +103,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "assumed": assumptions,
         "motion": motion.as_ref().map(MotionProof::json),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "result": verdict,

@@ -121,3 +121,53 @@ pub fn bounds(expression: &Expression, place: &[Interval], rates: &[f64]) -> [f6
     let value = Series::of(expression, &slots);
     [value.0[1].magnitude(), 4.0 * value.0[2].magnitude()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// f(x, y) with a slot on both sides of every operation that has two.
+    fn formulas() -> Vec<Expression> {
+        let mut list = Vec::new();
+        let slots = [Op::Slot(0), Op::Slot(1)];
+        let mut add = |op: Op| list.push(Expression::new([&slots[..], &[op]].concat()));
+        add(Op::Multiply(0, 1));
+        add(Op::Divide(0, 1));
+        add(Op::Power(0, 1));
+        add(Op::Subtract(0, 1));
+        add(Op::Negate(1));
+        for function in Function::ALL {
+            add(Op::Call(function, 0, 1));
+        }
+        list
+    }
+
+    #[test]
+    fn derivatives_and_their_bounds_match_those_of_f64() {
+        let (x, y) = (0.41, 0.73);
+        for expression in formulas() {
+            let series = [x, y].map(|v| Series::constant(Interval::point(v)));
+            let found = gradient(&expression, &series);
+            let mut exact = [0.0; 2];
+            expression.add_gradient(&[x, y], 1.0, &mut exact, &mut Vec::new(), &mut Vec::new());
+            for (found, exact) in found.iter().zip(exact) {
+                let off = found.0[0].distance(exact);
+                assert!(off < 1e-14, "{expression:?}: {exact} {found:?}");
+            }
+            // The bounds in a small box hold differences of gradients inside.
+            let (box_size, rates) = (1e-3, [1.0, 0.5]);
+            let place = [x, y].map(|v| Interval::point(v) + Interval::around_zero(box_size));
+            let [first, second] = bounds(&expression, &place, &rates);
+            let mut beside = [0.0; 2];
+            let there = [x + box_size, y - 0.5 * box_size];
+            expression.add_gradient(&there, 1.0, &mut beside, &mut Vec::new(), &mut Vec::new());
+            let slope = |g: [f64; 2]| g[0].abs() * rates[0] + g[1].abs() * rates[1];
+            assert!(slope(exact) <= first * (1.0 + 1e-12), "{expression:?}");
+            let change = [beside[0] - exact[0], beside[1] - exact[1]];
+            assert!(
+                slope(change) <= second * box_size * (1.0 + 1e-9) + 1e-15,
+                "{expression:?}: {change:?} {second}"
+            );
+        }
+    }
+}
