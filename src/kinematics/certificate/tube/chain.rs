@@ -52,11 +52,6 @@ fn combine(a: &Vector, x: &Series, b: &Vector, y: &Series) -> Vector {
     [0, 1, 2].map(|k| a[k] * *x + b[k] * *y)
 }
 
-fn cross(a: &Vector, b: &Vector) -> Vector {
-    let entry = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
-    [entry(1, 2), entry(2, 0), entry(0, 1)]
-}
-
 /// Entries of a fixed pose with what folding may have changed.
 fn fixed_entries(pose: &Pose) -> ([[Interval; 3]; 3], [Interval; 3]) {
     let columns = [0, 1, 2].map(|j| pose.rotation.col(j).to_array());
@@ -161,27 +156,26 @@ impl LoopSeries {
         skew.scale(Interval::point(0.5))
     }
 
-    /// Derivative of the six residuals by the joint's own motion.
-    pub fn column(&self, joint: &Joint) -> [Series; 6] {
-        let scale = Interval::ONE / self.size;
-        let scaled = |v: Vector| v.map(|entry| entry.scale(scale));
-        let (turn, shift) = match joint.motion {
-            Motion::Translation => ([Series::ZERO; 3], joint.axis),
-            Motion::Rotation => {
-                let arm = [0, 1, 2].map(|k| self.translation[k] - joint.origin[k]);
-                (self.skew_rate(&joint.axis), cross(&joint.axis, &arm))
+    /// Derivative of entry `component` of the residual by the joint's own motion.
+    pub fn column(&self, joint: &Joint, component: usize) -> Series {
+        let (axis, scale) = (&joint.axis, Interval::ONE / self.size);
+        match joint.motion {
+            Motion::Translation if component >= 3 => axis[component - 3].scale(scale),
+            Motion::Translation => Series::ZERO,
+            Motion::Rotation if component >= 3 => {
+                let (b, c) = ((component + 1) % 3, (component + 2) % 3);
+                let arm = |k: usize| self.translation[k] - joint.origin[k];
+                (axis[b] * arm(c) - axis[c] * arm(b)).scale(scale)
             }
-        };
-        let shift = scaled(shift);
-        [turn[0], turn[1], turn[2], shift[0], shift[1], shift[2]]
-    }
-
-    /// Rate of the skew part for a spin about `axis`: half of (trace - R) times it.
-    fn skew_rate(&self, axis: &Vector) -> Vector {
-        let (r, trace) = (&self.rotation, self.trace());
-        let turned = |k: usize| r[0][k] * axis[0] + r[1][k] * axis[1] + r[2][k] * axis[2];
-        let half = Interval::point(0.5);
-        [0, 1, 2].map(|k| (trace * axis[k] - turned(k)).scale(half))
+            Motion::Rotation => {
+                // The rate of the skew part for a spin is half of (trace - R) times it.
+                let r = &self.rotation;
+                let (x, y, z) = (r[0][component], r[1][component], r[2][component]);
+                let turned = x * axis[0] + y * axis[1] + z * axis[2];
+                let whole = self.trace() * axis[component];
+                (whole - turned).scale(Interval::point(0.5))
+            }
+        }
     }
 }
 

@@ -97,7 +97,14 @@ pub fn prove(
     let rows = site.rows(path)?;
     let n = site.block.unknowns.len();
     let mut left_out = (0..rows.residual.len()).filter(|row| !basis.contains(row));
-    if left_out.any(|row| rows.residual[row].0[0].distance(0.0) > CLOSURE_TOLERANCE) {
+    let open = |row: usize| {
+        let residual = &rows.residual[row].0;
+        // Without unknowns nothing keeps a row closed away from the middle.
+        let all = if n > 0 { &residual[..1] } else { residual };
+        let gap = largest(all);
+        gap.is_nan() || gap > CLOSURE_TOLERANCE
+    };
+    if left_out.any(open) {
         return Err(Reason::Open);
     }
     if n > 0 {
@@ -155,7 +162,7 @@ fn accept(site: Site, constants: &[Constants], earlier: &mut Earlier) -> Result<
     }
     let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
     let unique = ((1.0 - q) / k).min(site.ball) / GROW;
-    if !(error < unique) {
+    if error.is_nan() || error >= unique {
         return Err(Reason::Singular);
     }
     for (slot, c) in site.block.unknowns.iter().zip(constants) {

@@ -85,6 +85,11 @@ impl Site<'_> {
         }
     }
 
+    /// Whether a form depends on any of the columns.
+    fn moves(&self, of_form: &[(usize, Series)]) -> bool {
+        of_form.iter().any(|(slot, _)| self.columns.contains(slot))
+    }
+
     fn pass(&self, coordinates: &[Series]) -> Result<Pass, Reason> {
         let width = self.columns.len();
         let mut arguments: Vec<Option<ArgumentSeries>> = vec![None; self.mechanism.arguments.len()];
@@ -113,10 +118,13 @@ impl Site<'_> {
             pass.jacobian
                 .resize(first + part.components.len() * width, Series::ZERO);
             for joint in &item.joints {
-                let column = item.column(joint);
+                let of_argument = &derivatives[joint.argument];
+                if !self.moves(of_argument) {
+                    continue;
+                }
                 let rows = pass.jacobian[first..].chunks_exact_mut(width);
                 for (row, component) in rows.zip(&part.components) {
-                    self.add(row, &column[*component], &derivatives[joint.argument]);
+                    self.add(row, &item.column(joint, *component), of_argument);
                 }
             }
         }

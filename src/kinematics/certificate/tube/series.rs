@@ -156,7 +156,7 @@ impl Series {
             return (self.ln() * *exponent).exp();
         }
         let count = e.lo.abs() as u32;
-        let (base, count) = if count % 2 == 0 {
+        let (base, count) = if count.is_multiple_of(2) {
             (self.square(), count / 2)
         } else {
             (*self, count)
