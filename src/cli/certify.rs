@@ -115,8 +115,9 @@ impl<'t> MotionProof<'t> {
         );
         if self.certified > 0 {
             text.push_str(&format!(
-                "; within {:.1e} {unit} of the proved path, the only motion within {:.3} {unit}",
-                self.radius, self.unique_radius
+                "; within {:.1e} {unit} of the proved path, the only motion within {} {unit}",
+                self.radius,
+                report::radius(self.unique_radius)
             ));
         }
         let refusal = self.first_refused().and_then(|(_, i)| i.refused);

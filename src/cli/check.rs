@@ -162,8 +162,9 @@ impl Proof {
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {:.1e} {unit}, the only pose within {:.3} {unit}; ",
-                p.error_bound, p.unique_radius
+                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
+                p.error_bound,
+                report::radius(p.unique_radius)
             )
         });
         let reasons = if self.reasons.is_empty() {

@@ -13,7 +13,7 @@ use crate::model::mechanism::{Kind, Mechanism};
 
 /// Shortest stretch, as a fraction of the interval between two samples: near a singular pose tubes get as short
 /// as they are far from it, and there is no end to that.
-pub const FLOOR: f64 = 1.0 / 4096.0;
+pub const FLOOR: f64 = 1.0 / 65_536.0;
 
 /// An input of a sample may differ from the enclosed drive by rounding: this much of a radian or of the size.
 const SAME_INPUT: f64 = 1e-9;
