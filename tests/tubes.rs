@@ -37,11 +37,11 @@ fn slider_crank(r: f64, l: f64) -> Mechanism {
     ))
 }
 
-/// Crank and rocker of equal length `c`, crank 40, rod and frame 100.
+/// Rocker of length `c`, crank 40, rod and frame 100; in line at half a second and two seconds later.
 fn parallelogram(c: f64) -> Mechanism {
     read(&format!(
-        "duration = 4\n[inputs]\nphi = \"2*pi*t/4\"\n\
-         [loops]\nA = \"Rz(phi) Tx(40) Rz(a - phi) Tx(100) Rz(b - a) Tx(-{c}) Rz(-b) Tx(-100)\"\n"
+        "duration = 4\n[inputs]\nphi = \"2*pi*(t - 0.5)/4\"\n\
+         [loops]\nA = \"Rz(phi) Tx(40) Rz(a - phi) Tx(100) Rz(b - a) Tx(-{c}) Rz(-b) Tx(-100)\"\n[guess]\nb = -0.785\n"
     ))
 }
 
@@ -190,7 +190,7 @@ fn nothing_is_certified_across_change_points() {
     let singular = Obstacle::Test(Reason::Singular);
     for (mechanism, at) in [
         (slider_crank(80.0, 80.0), [1.0, 3.0]),
-        (parallelogram(40.0), [0.0, 2.0]),
+        (parallelogram(40.0), [0.5, 2.5]),
     ] {
         // Samples on the change points, and beside them.
         for count in [80, 81, 83] {
@@ -198,15 +198,12 @@ fn nothing_is_certified_across_change_points() {
                 let step = mechanism.duration / count as f64;
                 let (from, to) = (k as f64 * step, (k + 1) as f64 * step);
                 let near = |t: f64| t >= from - 1e-9 && t <= to + 1e-9;
-                let crosses = at.into_iter().any(|t| near(t) || near(t + 4.0));
+                let crosses = at.into_iter().any(|t| near(t));
                 let refusal = certificate.refused;
                 assert_eq!(refusal.is_some(), crosses, "{count} {k}: {refusal:?}");
                 if let Some(refusal) = refusal {
                     assert_eq!(refusal.obstacle, singular, "{count} {k}");
-                    assert!(
-                        at.iter()
-                            .any(|t| (refusal.time % 4.0 - t).abs() <= 1.1 * step)
-                    );
+                    assert!(at.iter().any(|t| (refusal.time - t).abs() <= 1.1 * step));
                 }
             }
         }
@@ -222,14 +219,14 @@ fn close_assemblies_are_told_apart() {
         (1e-9, 3.779_644_728_05e-5),
     ] {
         let almost = parallelogram(40.0 * (1.0 + defect));
-        let trajectory = steps(&almost, 90);
+        let trajectory = steps(&almost, 80);
         let certificates = certify_motion(&almost, &trajectory).unwrap();
         let tubes = all_certified(&certificates);
         assert!(
-            tubes > 90,
+            tubes > 80,
             "{defect}: the narrow places need short tubes: {tubes}"
         );
-        let pose = trajectory.samples[45].pose.as_ref().unwrap();
+        let pose = trajectory.samples[50].pose.as_ref().unwrap();
         let b = pose.unknowns[1].rem_euclid(TAU) - PI;
         assert!((b.abs() - apart).abs() < 1e-9, "{defect}: {b}");
     }
