@@ -198,7 +198,7 @@ fn nothing_is_certified_across_change_points() {
                 let step = mechanism.duration / count as f64;
                 let (from, to) = (k as f64 * step, (k + 1) as f64 * step);
                 let near = |t: f64| t >= from - 1e-9 && t <= to + 1e-9;
-                let crosses = at.into_iter().any(|t| near(t));
+                let crosses = at.into_iter().any(near);
                 let refusal = certificate.refused;
                 assert_eq!(refusal.is_some(), crosses, "{count} {k}: {refusal:?}");
                 if let Some(refusal) = refusal {
