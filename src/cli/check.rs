@@ -3,12 +3,14 @@
 use super::args::CheckArgs;
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{inputs_table, open_scene, report};
+use super::{freedoms, inputs_table, open_scene, report};
 use crate::diag::nearest;
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
+use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
@@ -53,6 +55,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     };
     let trajectory = solve(mechanism, &times)?;
     super::solve::refuse_interrupted()?;
+    let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
     let outcome = match closed {
@@ -69,7 +72,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let verdict = verdict(outcome);
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -78,6 +81,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         mechanism.length_unit,
         branches.join(" "),
         proof.sentence(mechanism),
+        freedoms::text(mechanism, &mobility),
     );
     let document = json!({
         "schema": "mechanim-check/1",
@@ -94,6 +98,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "mobility": freedoms::document(mechanism, &mobility),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "result": verdict,
     });

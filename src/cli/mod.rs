@@ -3,6 +3,7 @@
 pub mod args;
 mod check;
 mod completions;
+mod freedoms;
 mod info;
 mod inputs_table;
 mod modes;

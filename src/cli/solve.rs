@@ -3,12 +3,13 @@
 use super::args::{SolveArgs, TableFormat};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{CANCEL, inputs_table, open_scene, report};
+use super::{CANCEL, freedoms, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
 use std::path::Path;
@@ -38,6 +39,10 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
     let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    for held in &Structure::new(&scene.mechanism)?.held {
+        let idle = freedoms::idle(&scene.mechanism, held);
+        term.note(&format!("idle: {idle} at its start value"));
+    }
     if let Some(wanted) = derivatives {
         add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;
     }

@@ -115,6 +115,9 @@ fn hint_of(error: &StructureError) -> String {
              is an unknown"
                 .to_owned()
         }
+        StructureError::Unheld { .. } => {
+            "give them a loop or an equation that changes with them, drive them as inputs, or take them out".to_owned()
+        }
     }
 }
 

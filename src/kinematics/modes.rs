@@ -156,7 +156,10 @@ fn closures(
             if start > starts || cancelled() {
                 return found;
             }
-            let values = [start_values(mechanism, start), inputs.to_vec()].concat();
+            let mut values = [start_values(mechanism, start), inputs.to_vec()].concat();
+            for held in &structure.held {
+                values[held.unknown] = mechanism.guess[held.unknown];
+            }
             let mut corrector = Corrector::new(structure);
             if let Ok(pose) = assemble(mechanism, structure, &mut corrector, &values, false)
                 && closure_error(mechanism, &pose.coordinates) <= CLOSED

@@ -1,8 +1,13 @@
 //! Which equations say something, and in which order loops can be solved: blocks of loops that share unknowns.
 //!
-//! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve.
+//! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve. The order
+//! itself is found in `order`, idle freedoms in `idle`.
 
+use super::assembly::assemble;
 use super::closure::{BlockWorkspace, Want};
+use super::idle::{self, Held};
+use super::newton::Corrector;
+use super::order::{Group, Member, System, unknowns_of};
 use super::qr::PivotedQr;
 use crate::model::mechanism::{Kind, Mechanism};
 
@@ -48,6 +53,8 @@ pub struct Structure {
     pub blocks: Vec<Block>,
     /// Equations that hold at every pose, as (loop, component).
     pub empty_equations: Vec<(usize, usize)>,
+    /// Unknowns that keep their start value, because nothing but the idle spin of a link depends on them.
+    pub held: Vec<Held>,
 }
 
 /// A mechanism that no pose can solve, or that is not determined.
@@ -73,6 +80,12 @@ pub enum StructureError {
         /// Unknowns that can move while the inputs stand still.
         names: Vec<String>,
     },
+    /// Unknowns that change no equation.
+    #[error("no loop and no equation holds {}: they change nothing there", names.join(", "))]
+    Unheld {
+        /// Their names.
+        names: Vec<String>,
+    },
 }
 
 /// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
@@ -82,36 +95,62 @@ const PROBES: usize = 6;
 /// Rounding of a long chain stays far below, a real equation far above.
 const EMPTY: f64 = 1e-12;
 
-/// Rank tolerance at random poses, relative to the largest pivot: generic ranks are clear-cut.
-const GENERIC_RANK: f64 = 1e-9;
+/// Rank tolerance at random and at closed poses, relative to the largest pivot: ranks are clear-cut there.
+pub const RANK: f64 = 1e-9;
 
 impl Structure {
     /// Analyses `mechanism`.
+    ///
+    /// Ranks are taken at random poses. Loops with more equations than unknowns, and those that seem to lack
+    /// equations, are judged at closed poses too: an over-constrained loop has its true rank only there, and only
+    /// there it shows whether a freedom is idle.
     pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        let probes = probes(mechanism);
+        let probes = random_poses(mechanism);
         let (parts, empty_equations) = live_equations(mechanism, &probes)?;
-        let mut blocks = order(mechanism, parts);
-        if blocks.len() > 1
-            && blocks
-                .iter()
-                .any(|b| generic_rank(mechanism, b, &probes) < b.unknowns.len())
-        {
-            // A group that is square by counting but not by rank needs the equations of the others.
-            let loops = blocks.iter().flat_map(|b| b.loops.clone()).collect();
-            let equations = blocks.iter().flat_map(|b| b.equations.clone()).collect();
-            let unknowns = (0..mechanism.unknowns.len()).collect();
-            blocks = vec![block(mechanism, loops, equations, unknowns)];
-        }
-        for block in &blocks {
-            let rank = generic_rank(mechanism, block, &probes);
-            if rank < block.unknowns.len() {
-                return Err(under_determined(mechanism, block, rank, &probes));
-            }
-        }
-        Ok(Self {
-            blocks,
+        let system = System::new(mechanism, parts);
+        let generic = Ranks::new(mechanism, &probes);
+        refuse_unheld(mechanism, &system, &generic)?;
+        let mut structure = Self {
+            blocks: generic.blocks(&system, system.groups(&[])),
             empty_equations,
-        })
+            held: Vec::new(),
+        };
+        let square = |b: &Block| b.rows() == b.unknowns.len();
+        if structure.blocks.iter().all(|b| square(b) && !generic.lacks(b)) {
+            return Ok(structure);
+        }
+        let poses = structure.poses_of_unsure(mechanism, &system);
+        if poses.is_empty() {
+            // Nothing closes: solving will say so, unless the mechanism is not determined anyway.
+            let lacking = structure.blocks.iter().find(|b| generic.lacks(b));
+            return match lacking {
+                Some(block) => Err(generic.under_determined(block)),
+                None => Ok(structure),
+            };
+        }
+        let closed = Ranks::new(mechanism, &poses);
+        structure.blocks = closed.blocks(&system, system.groups(&[]));
+        let held = idle::find(mechanism, &structure, &closed)?;
+        if !held.is_empty() {
+            let slots: Vec<usize> = held.iter().map(|h| h.unknown).collect();
+            structure.blocks = closed.blocks(&system, system.groups(&slots));
+            structure.held = held;
+        }
+        Ok(structure)
+    }
+
+    /// Closed poses of a mechanism whose blocks are not sure yet: by blocks, else with everything in one.
+    fn poses_of_unsure(&self, mechanism: &Mechanism, system: &System) -> Vec<Vec<f64>> {
+        let poses = closed_poses(mechanism, self);
+        if !poses.is_empty() || self.blocks.len() < 2 {
+            return poses;
+        }
+        let groups = system.merged(&[]);
+        let merged = Self {
+            blocks: groups.iter().map(|g| of_group(mechanism, system, g)).collect(),
+            ..self.clone()
+        };
+        closed_poses(mechanism, &merged)
     }
 
     /// Number of equations that are solved.
@@ -120,8 +159,141 @@ impl Structure {
     }
 }
 
+/// Places on the drive where closed poses are looked for, as parts of its duration, and how far the inputs are shifted
+/// there (radians, sizes): a drive at rest, or one that starts at a singular pose, must not decide on ranks.
+const PLACES: [(f64, f64); 4] = [(0.0, 0.0), (0.0, 1e-2), (0.37, -7e-3), (0.73, 5e-3)];
+
+/// Closed poses (unknowns, then inputs) here and there on the drive, the start of the drive first if it has one.
+pub fn closed_poses(mechanism: &Mechanism, structure: &Structure) -> Vec<Vec<f64>> {
+    let mut corrector = Corrector::new(structure);
+    let mut poses: Vec<Vec<f64>> = Vec::new();
+    for (part, shift) in PLACES {
+        let mut start = poses.first().unwrap_or(&mechanism.guess)[..mechanism.unknowns.len()].to_vec();
+        let inputs = mechanism.inputs_at(part * mechanism.duration);
+        let shifted = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
+            let scale = if input.kind == Kind::Length { mechanism.size } else { 1.0 };
+            value + shift * scale
+        });
+        start.extend(shifted);
+        if !start.iter().all(|v| v.is_finite()) {
+            continue;
+        }
+        // A search is worth its time once.
+        let search = part == 0.0 && shift == 0.0;
+        if let Ok(found) = assemble(mechanism, structure, &mut corrector, &start, search) {
+            poses.push(found.coordinates);
+        }
+    }
+    poses
+}
+
+/// Ranks of blocks, the largest of several poses.
+pub struct Ranks<'a> {
+    mechanism: &'a Mechanism,
+    /// Unknowns, then inputs.
+    pub poses: &'a [Vec<f64>],
+}
+
+impl<'a> Ranks<'a> {
+    fn new(mechanism: &'a Mechanism, poses: &'a [Vec<f64>]) -> Self {
+        Self { mechanism, poses }
+    }
+
+    /// Largest rank of the block's Jacobian over the poses.
+    pub fn of(&self, block: &Block) -> usize {
+        let mut workspace = BlockWorkspace::default();
+        let mut qr = PivotedQr::default();
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let mut largest = 0;
+        for pose in self.poses {
+            workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
+            qr.factor(&workspace.jacobian, rows, columns, RANK);
+            largest = largest.max(qr.rank());
+            if largest == rows.min(columns) {
+                break;
+            }
+        }
+        largest
+    }
+
+    /// Whether the equations do not determine the block's unknowns.
+    pub fn lacks(&self, block: &Block) -> bool {
+        self.of(block) < block.unknowns.len()
+    }
+
+    /// Blocks of the groups. A group that is square by counting but not by rank needs the equations of others.
+    fn blocks(&self, system: &System, mut groups: Vec<Group>) -> Vec<Block> {
+        let mut k = 0;
+        while k < groups.len() {
+            let joined = self
+                .lacks(&of_group(self.mechanism, system, &groups[k]))
+                .then(|| system.joined(&groups, k));
+            match joined.flatten() {
+                Some(joined) => (groups, k) = (joined, 0),
+                None => k += 1,
+            }
+        }
+        groups.iter().map(|g| of_group(self.mechanism, system, g)).collect()
+    }
+
+    /// Names the unknowns that move while all equations hold.
+    fn under_determined(&self, block: &Block) -> StructureError {
+        let mut workspace = BlockWorkspace::default();
+        workspace.evaluate(self.mechanism, block, &self.poses[0], Want::Jacobian);
+        let (rows, columns, rank) = (block.rows(), block.unknowns.len(), self.of(block));
+        let free = super::rank::free_columns(&workspace.jacobian, rows, columns, rank);
+        let slots = free.iter().map(|column| block.unknowns[*column]);
+        StructureError::UnderDetermined {
+            freedoms: columns - rank,
+            names: names(self.mechanism, slots),
+        }
+    }
+}
+
+/// Names of the given unknowns.
+pub fn names(mechanism: &Mechanism, slots: impl Iterator<Item = usize>) -> Vec<String> {
+    slots.map(|u| mechanism.unknowns[u].name.clone()).collect()
+}
+
+fn of_group(mechanism: &Mechanism, system: &System, group: &Group) -> Block {
+    let (mut loops, mut equations) = (Vec::new(), Vec::new());
+    for member in &group.members {
+        match &system.members[*member] {
+            Member::Loop(part) => loops.push(part.clone()),
+            Member::Equation(index) => equations.push(*index),
+        }
+    }
+    block(mechanism, loops, equations, group.unknowns.clone())
+}
+
+/// An unknown that changes no equation at any pose stands in the formulas only in vain.
+fn refuse_unheld(
+    mechanism: &Mechanism,
+    system: &System,
+    ranks: &Ranks,
+) -> Result<(), StructureError> {
+    let mut felt = vec![false; mechanism.unknowns.len()];
+    let mut workspace = BlockWorkspace::default();
+    for member in 0..system.members.len() {
+        let block = of_group(mechanism, system, &system.whole(vec![member], &[]));
+        for pose in ranks.poses {
+            workspace.evaluate(mechanism, &block, pose, Want::Jacobian);
+            let columns = workspace.jacobian.chunks(block.rows().max(1));
+            for (unknown, column) in block.unknowns.iter().zip(columns) {
+                felt[*unknown] |= column.iter().any(|v| v.abs() > EMPTY || v.is_nan());
+            }
+        }
+    }
+    let unheld: Vec<usize> = (0..felt.len()).filter(|u| !felt[*u]).collect();
+    if unheld.is_empty() {
+        return Ok(());
+    }
+    let names = names(mechanism, unheld.into_iter());
+    Err(StructureError::Unheld { names })
+}
+
 /// Random coordinates, the same in every run.
-fn probes(mechanism: &Mechanism) -> Vec<Vec<f64>> {
+pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut random = move || {
         state ^= state << 13;
@@ -166,12 +338,8 @@ fn live_equations(
             index,
             components: (0..6).collect(),
         };
-        let all = block(
-            mechanism,
-            vec![whole],
-            Vec::new(),
-            (0..mechanism.unknowns.len()).collect(),
-        );
+        let unknowns = unknowns_of(mechanism, &Member::Loop(whole.clone()));
+        let all = block(mechanism, vec![whole], Vec::new(), unknowns);
         let mut live = [false; 6];
         let mut constant = [0.0_f64; 6];
         for probe in probes {
@@ -221,122 +389,8 @@ pub fn component_name(component: usize) -> &'static str {
     ][component]
 }
 
-/// A loop part or an equation, before grouping.
-#[derive(Clone)]
-enum Member {
-    Loop(LoopPart),
-    Equation(usize),
-}
-
-impl Member {
-    fn rows(&self) -> usize {
-        match self {
-            Self::Loop(part) => part.components.len(),
-            Self::Equation(_) => 1,
-        }
-    }
-
-    fn unknowns(&self, mechanism: &Mechanism) -> Vec<usize> {
-        let slots: Vec<usize> = match self {
-            Self::Loop(part) => {
-                let used = mechanism.loops[part.index].chain.arguments();
-                used.iter()
-                    .flat_map(|a| mechanism.arguments[*a].coordinates())
-                    .collect()
-            }
-            Self::Equation(index) => mechanism.equations[*index].expression.slots(),
-        };
-        slots
-            .into_iter()
-            .filter(|slot| *slot < mechanism.unknowns.len())
-            .collect()
-    }
-}
-
-/// Largest group that is searched for; what is entangled more than this is solved as one block.
-const LARGEST_SEARCHED_GROUP: usize = 3;
-
-/// Groups members so that each block has at least as many equations as new unknowns.
-fn order(mechanism: &Mechanism, parts: Vec<LoopPart>) -> Vec<Block> {
-    let mut rest: Vec<(Member, Vec<usize>)> = parts
-        .into_iter()
-        .map(Member::Loop)
-        .chain((0..mechanism.equations.len()).map(Member::Equation))
-        .map(|member| {
-            let unknowns = member.unknowns(mechanism);
-            (member, unknowns)
-        })
-        .collect();
-    let mut known = vec![false; mechanism.unknowns.len()];
-    let mut blocks = Vec::new();
-    while !rest.is_empty() {
-        let group = smallest_group(&rest, &known).unwrap_or_else(|| (0..rest.len()).collect());
-        let mut unknowns: Vec<usize> = group
-            .iter()
-            .flat_map(|g| rest[*g].1.iter().copied())
-            .filter(|u| !known[*u])
-            .collect();
-        unknowns.sort_unstable();
-        unknowns.dedup();
-        unknowns.iter().for_each(|u| known[*u] = true);
-        let (mut loops, mut equations) = (Vec::new(), Vec::new());
-        for g in &group {
-            match &rest[*g].0 {
-                Member::Loop(part) => loops.push(part.clone()),
-                Member::Equation(index) => equations.push(*index),
-            }
-        }
-        blocks.push(block(mechanism, loops, equations, unknowns));
-        let mut position = 0;
-        rest.retain(|_| {
-            position += 1;
-            !group.contains(&(position - 1))
-        });
-    }
-    blocks
-}
-
-/// The first smallest group with at least as many equations as open unknowns.
-fn smallest_group(rest: &[(Member, Vec<usize>)], known: &[bool]) -> Option<Vec<usize>> {
-    let closed = |group: &[usize]| {
-        let mut open: Vec<usize> = group
-            .iter()
-            .flat_map(|g| rest[*g].1.iter().copied())
-            .filter(|u| !known[*u])
-            .collect();
-        open.sort_unstable();
-        open.dedup();
-        open.len() <= group.iter().map(|g| rest[*g].0.rows()).sum()
-    };
-    let shares = |a: usize, b: usize| {
-        rest[a]
-            .1
-            .iter()
-            .any(|u| !known[*u] && rest[b].1.contains(u))
-    };
-    let mut groups: Vec<Vec<usize>> = (0..rest.len()).map(|g| vec![g]).collect();
-    for size in 1..=LARGEST_SEARCHED_GROUP.min(rest.len()) {
-        if let Some(group) = groups.iter().find(|group| closed(group)) {
-            return Some(group.clone());
-        }
-        if size < LARGEST_SEARCHED_GROUP {
-            // Only members that share an open unknown can help each other.
-            let mut larger = Vec::new();
-            for group in &groups {
-                let last = group[group.len() - 1];
-                for next in last + 1..rest.len() {
-                    if group.iter().any(|g| shares(*g, next)) {
-                        larger.push([group.as_slice(), &[next]].concat());
-                    }
-                }
-            }
-            groups = larger;
-        }
-    }
-    None
-}
-
-fn block(
+/// The block of the given loops, equations and unknowns.
+pub fn block(
     mechanism: &Mechanism,
     loops: Vec<LoopPart>,
     equations: Vec<usize>,
@@ -358,47 +412,5 @@ fn block(
         unknowns,
         column_of,
         arguments,
-    }
-}
-
-/// Largest rank of the block's Jacobian over the probes.
-fn generic_rank(mechanism: &Mechanism, block: &Block, probes: &[Vec<f64>]) -> usize {
-    let mut workspace = BlockWorkspace::default();
-    let mut qr = PivotedQr::default();
-    let ranks = probes.iter().map(|probe| {
-        workspace.evaluate(mechanism, block, probe, Want::Jacobian);
-        qr.factor(
-            &workspace.jacobian,
-            block.rows(),
-            block.unknowns.len(),
-            GENERIC_RANK,
-        );
-        qr.rank()
-    });
-    ranks.max().unwrap_or(0)
-}
-
-/// Names the unknowns that move while all equations hold.
-fn under_determined(
-    mechanism: &Mechanism,
-    block: &Block,
-    rank: usize,
-    probes: &[Vec<f64>],
-) -> StructureError {
-    let mut workspace = BlockWorkspace::default();
-    workspace.evaluate(mechanism, block, &probes[0], Want::Jacobian);
-    let free = super::rank::free_columns(
-        &workspace.jacobian,
-        block.rows(),
-        block.unknowns.len(),
-        rank,
-    );
-    let names = free
-        .iter()
-        .map(|column| mechanism.unknowns[block.unknowns[*column]].name.clone())
-        .collect();
-    StructureError::UnderDetermined {
-        freedoms: block.unknowns.len() - rank,
-        names,
     }
 }

@@ -38,7 +38,8 @@ impl Follower<'_> {
             closure_error,
             sigma_min: stand.branch.sigma_min,
             condition: stand.branch.condition,
-            rank: stand.branch.rank,
+            // Holding an idle freedom is an equation more.
+            rank: stand.branch.rank + self.structure.held.len(),
             branch: stand.branch.signature(),
             certificate: self.certifier.certify(coordinates, self.watch.bases()),
             iterations: self.iterations,
