@@ -116,7 +116,7 @@ fn hint_of(error: &StructureError) -> String {
                 .to_owned()
         }
         StructureError::Unheld { .. } => {
-            "give them a loop or an equation that changes with them, drive them as inputs, or take them out".to_owned()
+            "give it a loop or an equation that changes with it, drive it as an input, or take it out".to_owned()
         }
     }
 }

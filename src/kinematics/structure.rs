@@ -81,7 +81,7 @@ pub enum StructureError {
         names: Vec<String>,
     },
     /// Unknowns that change no equation.
-    #[error("no loop and no equation holds {}: they change nothing there", names.join(", "))]
+    #[error("no loop and no equation holds `{}`: nothing there changes with it", names.join("`, `"))]
     Unheld {
         /// Their names.
         names: Vec<String>,
@@ -151,6 +151,17 @@ impl Structure {
             ..self.clone()
         };
         closed_poses(mechanism, &merged)
+    }
+
+    /// The block that solves the loop or equation `name`, if it has more equations than unknowns.
+    pub fn overfull(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {
+        let mut blocks = self.blocks.iter();
+        blocks.find(|block| {
+            let mut loops = block.loops.iter().map(|part| &mechanism.loops[part.index].name);
+            let mut equations = block.equations.iter().map(|e| &mechanism.equations[*e].name);
+            let is_here = loops.any(|n| n == name) || equations.any(|n| n == name);
+            is_here && block.rows() > block.unknowns.len()
+        })
     }
 
     /// Number of equations that are solved.
@@ -345,7 +356,9 @@ fn live_equations(
         for probe in probes {
             // Inputs move too: a row that only they change is live, though no unknown can repair it.
             let mut rates = vec![0.0; mechanism.coordinate_count()];
-            rates[mechanism.unknowns.len()..].fill(1.0);
+            let inputs = rates[mechanism.unknowns.len()..].iter_mut();
+            // Each at a rate of its own, so that they do not cancel.
+            inputs.zip(1..).for_each(|(rate, k)| *rate = f64::from(k).sqrt());
             workspace.evaluate(mechanism, &all, probe, Want::Drift(&rates));
             for (k, live) in live.iter_mut().enumerate() {
                 let row = (0..all.unknowns.len()).map(|j| workspace.jacobian[j * 6 + k].abs());

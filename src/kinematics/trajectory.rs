@@ -83,6 +83,8 @@ pub enum EventKind {
         /// Smallest remaining distance.
         distance: f64,
     },
+    /// The first pose is singular: several assemblies may meet there, and which is followed is not determined.
+    StartSingular,
     /// The start values did not lead to a pose; another start did, perhaps on another branch.
     OtherStart,
 }

@@ -18,6 +18,10 @@ use crate::model::mechanism::Mechanism;
 /// of that interval.
 const SMALLEST_STEP: f64 = 1e-11;
 
+/// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
+/// digits, which leaves a condition of about 1e8.
+const SINGULAR_START: f64 = 1e7;
+
 /// Solves `mechanism` at the given ascending times.
 ///
 /// # Errors
@@ -155,6 +159,9 @@ impl<'m> Follower<'m> {
                     self.event(time, EventKind::MotionResumes { same_branch: true });
                 }
                 let stand = self.stand(time, found.coordinates);
+                if persist && stand.branch.condition >= SINGULAR_START {
+                    self.event(time, EventKind::StartSingular);
+                }
                 Ok(self.keep(stand))
             }
             Err(NotClosed {
