@@ -267,7 +267,7 @@ fn scissors(count: usize) -> String {
     for k in 0..count {
         text += &format!(
             "L{k} = \"Rz(u{k}) Tx(50) Rz(v{k}) Tx(-50) Rz(x{k}) Ty(-w{k})\"\n\
-             R{k} = \"Rz(u{k}) Tx(50) Rz(v{k}) Tx(50) Rz(y{k}) Ty(w{0}) Rz(z{k}) Tx(-100)\"\n",
+             R{k} = \"Rz(u{k}) Tx(50) Rz(v{k}) Tx(50) Rz(y{k}) Ty(w{0}) Rz(z{k}) Tx(-100) Rz(-u{k})\"\n",
             k + 1
         );
         guess += &format!("u{k} = 0.5\nv{k} = -1\nx{k} = 0.5\ny{k} = 0.5\nz{k} = 0.5\nw{} = 50\n", k + 1);

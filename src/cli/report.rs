@@ -14,6 +14,9 @@ use std::path::Path;
 /// Most events that are printed one by one.
 const MAX_LINES: usize = 12;
 
+/// Angles this near to gimbal lock are called locked: what is left is rounding of the way there.
+const LOCKED: f64 = 1e-9;
+
 /// Says what happened; a motion without any pose is a failure.
 pub fn events(
     mechanism: &Mechanism,
@@ -66,6 +69,17 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             let unit = &mechanism.length_unit;
             format!(
                 "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"
+            )
+        }
+        EventKind::GimbalLock { names, distance } => {
+            let [a, b, c] = names;
+            let how = if *distance <= LOCKED {
+                format!("gimbal-locked coordinates {a}, {b}, {c}")
+            } else {
+                format!("coordinates {a}, {b}, {c} within {distance:.1e} of gimbal lock")
+            };
+            format!(
+                "{how} at {at}: only the sum or difference of {a} and {c} is determined there; positions are exact"
             )
         }
         EventKind::StartSingular => format!(

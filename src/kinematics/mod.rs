@@ -3,6 +3,7 @@
 //! A [`Trajectory`](trajectory::Trajectory) is complete before anything is drawn; nothing here draws or prints.
 
 pub mod assembly;
+pub mod ball;
 pub mod branch;
 pub mod certificate;
 pub mod closure;

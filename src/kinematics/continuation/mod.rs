@@ -1,12 +1,14 @@
 //! Following the motion along the drive on one assembly branch: predictor, corrector, step control, events.
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated. Single steps are
-//! in `step`, what is kept of a pose in `record`.
+//! in `step`, what is kept of a pose in `record`, and what ball joints need in `gimbal`.
 
+mod gimbal;
 mod record;
 mod step;
 
-use super::assembly::{NotClosed, assemble};
+use super::assembly::NotClosed;
+use super::ball::Chart;
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
 use super::newton::Corrector;
@@ -53,6 +55,10 @@ struct Follower<'m> {
     corrector: Corrector,
     watch: BranchWatch,
     certifier: Certifier<'m>,
+    /// Another description of ball joints, used where their angles are nearly locked; `None` without such joints.
+    chart: Option<Chart>,
+    /// The stand before, as far as it is watched for locked angles.
+    last_kept: Option<Stand>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
     best_sigma: f64,
@@ -69,6 +75,8 @@ impl<'m> Follower<'m> {
             corrector: Corrector::new(structure),
             watch: BranchWatch::default(),
             certifier: Certifier::new(mechanism, structure),
+            chart: Chart::new(mechanism, structure),
+            last_kept: None,
             anchor: None,
             best_sigma: 0.0,
             interval: mechanism.duration,
@@ -143,13 +151,7 @@ impl<'m> Follower<'m> {
         let start = [self.mechanism.guess.clone(), inputs].concat();
         // Perturbed starts are worth their time once, not at every sample of a range without poses.
         let persist = self.trajectory.samples.is_empty();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            persist,
-        ) {
+        match self.assembled(&start, persist) {
             Ok(found) => {
                 self.iterations += found.iterations;
                 if found.start > 0 {
@@ -191,13 +193,7 @@ impl<'m> Follower<'m> {
         };
         let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
         let start = [unknowns, &inputs].concat();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            false,
-        ) {
+        match self.assembled(&start, false) {
             Ok(found) => {
                 self.iterations += found.iterations;
                 let stand = self.stand(time, found.coordinates);

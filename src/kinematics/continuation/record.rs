@@ -41,7 +41,7 @@ impl Follower<'_> {
             // Holding an idle freedom is an equation more.
             rank: stand.branch.rank + self.structure.held.len(),
             branch: stand.branch.signature(),
-            certificate: self.certifier.certify(coordinates, self.watch.bases()),
+            certificate: self.certified(coordinates),
             iterations: self.iterations,
         };
         let inputs = coordinates[n..].to_vec();
@@ -64,12 +64,14 @@ impl Follower<'_> {
         for k in 0..before.len() {
             rates[n + k] = (after[k] - before[k]) / (2.0 * h);
         }
-        self.corrector.tangent(
-            self.mechanism,
-            self.structure,
-            &stand.coordinates,
-            &mut rates,
-        );
+        if self.rates_in_chart(&stand.coordinates, &mut rates).is_none() {
+            self.corrector.tangent(
+                self.mechanism,
+                self.structure,
+                &stand.coordinates,
+                &mut rates,
+            );
+        }
         rates.truncate(n);
         rates
     }
