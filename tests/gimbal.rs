@@ -17,7 +17,9 @@ fn read(text: &str) -> Mechanism {
         text: text.into(),
     };
     let scene = load(&source, &Overrides::default());
-    scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)).mechanism
+    scene
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+        .mechanism
 }
 
 /// A body in a ball joint that is turned by three driven rotations: the joint's angles are the driven ones.
@@ -57,7 +59,11 @@ fn assert_closed(mechanism: &Mechanism, trajectory: &Trajectory) {
 #[test]
 fn a_locked_rotation_is_right_where_only_a_sum_of_angles_is_determined() {
     // Rx(30) Ry(90) Rz(20): any a + c = 50 degrees. From three starts, one of them locked itself.
-    for guess in ["a = 20\nb = 70\nc = 10", "a = 0\nb = 90\nc = 0", "a = 100\nb = 20\nc = -80"] {
+    for guess in [
+        "a = 20\nb = 70\nc = 10",
+        "a = 0\nb = 90\nc = 0",
+        "a = 100\nb = 20\nc = -80",
+    ] {
         let mechanism = driven("u = 30\nv = 90\nw = 20", guess);
         let trajectory = solve(&mechanism, &[0.0]).unwrap();
         assert_closed(&mechanism, &trajectory);
@@ -65,8 +71,14 @@ fn a_locked_rotation_is_right_where_only_a_sum_of_angles_is_determined() {
         let of = |name| unknown(&mechanism, pose, name);
         assert!((of("b").sin() - 1.0).abs() < 1e-15);
         let sum = of("a") + of("c") - 50f64.to_radians();
-        let sum = if of("b").cos() < -0.5 { panic!("{guess}") } else { sum };
-        assert!((sum - (sum / std::f64::consts::TAU).round() * std::f64::consts::TAU).abs() < 1e-14);
+        let sum = if of("b").cos() < -0.5 {
+            panic!("{guess}")
+        } else {
+            sum
+        };
+        assert!(
+            (sum - (sum / std::f64::consts::TAU).round() * std::f64::consts::TAU).abs() < 1e-14
+        );
         let (sin, cos) = 50f64.to_radians().sin_cos();
         let rows = [[0.0, 0.0, 1.0], [sin, cos, 0.0], [-cos, sin, 0.0]];
         let rotation = pose.bodies[0].rotation;
@@ -87,7 +99,12 @@ fn a_locked_rotation_is_right_where_only_a_sum_of_angles_is_determined() {
 #[test]
 fn a_locked_pose_is_passed_on_the_smooth_branch_and_located() {
     // v runs through 90 degrees at several places between and on samples; the angles go straight on.
-    for (drive, samples) in [("60 + 15*t", 41), ("60 + 15*t", 40), ("89.9 + 0.05*t", 7), ("20 + 35*t", 5)] {
+    for (drive, samples) in [
+        ("60 + 15*t", 41),
+        ("60 + 15*t", 40),
+        ("89.9 + 0.05*t", 7),
+        ("20 + 35*t", 5),
+    ] {
         let mechanism = driven(
             &format!("u = \"30 + 5*t\"\nv = \"{drive}\"\nw = \"20 - 3*t\""),
             "a = 30\nb = 60\nc = 20",
@@ -98,17 +115,24 @@ fn a_locked_pose_is_passed_on_the_smooth_branch_and_located() {
             let exactly = (sample.inputs[1] - FRAC_PI_2).abs() < 1e-13;
             let sum = unknown(&mechanism, pose, "a") + unknown(&mechanism, pose, "c");
             assert!((sum - sample.inputs[0] - sample.inputs[2]).abs() < 1e-12 || !exactly);
-            if !exactly {
-                for (name, value) in ["a", "b", "c"].iter().zip(&sample.inputs) {
-                    let error = (unknown(&mechanism, pose, name) - value).abs();
-                    let near = (sample.inputs[1] - FRAC_PI_2).abs();
-                    assert!(error < 1e-14 / near.min(1.0) + 1e-14, "{drive}: {name} off by {error:e}");
-                }
+            for (name, value) in ["a", "b", "c"].iter().zip(&sample.inputs) {
+                let error = (unknown(&mechanism, pose, name) - value).abs();
+                let near = (sample.inputs[1] - FRAC_PI_2).abs();
+                // At the locked pose itself the single angles are those of the motion so far, carried on.
+                let allowed = if exactly {
+                    2e-2
+                } else {
+                    1e-14 / near.min(1.0) + 1e-14
+                };
+                assert!(error < allowed, "{drive}: {name} off by {error:e}");
             }
         }
         let found = locks(&trajectory, 1);
         assert_eq!(found.len(), 1, "{drive}: {found:?}");
-        assert!((found[0].0 - FRAC_PI_2).abs() < 1e-9 && found[0].1 < 1e-9, "{found:?}");
+        assert!(
+            (found[0].0 - FRAC_PI_2).abs() < 1e-9 && found[0].1 < 1e-9,
+            "{found:?}"
+        );
         let branches: Vec<&str> = trajectory.poses().map(|p| p.branch.as_str()).collect();
         assert!(branches.iter().all(|b| *b == branches[0]), "{branches:?}");
     }
@@ -158,14 +182,23 @@ fn a_linkage_with_a_ball_joint_moves_through_its_lock_as_with_other_angles() {
     };
     let (free, locking) = (scene("Rz(a) Ry(b) Rx(c)"), scene("Ry(a) Rz(b) Rx(c)"));
     let times = even_times(&free, 60);
-    let (a, b) = (solve(&free, &times).unwrap(), solve(&locking, &times).unwrap());
+    let (a, b) = (
+        solve(&free, &times).unwrap(),
+        solve(&locking, &times).unwrap(),
+    );
     assert_eq!((a.missing(), b.missing()), (0, 0));
     for (a, b) in a.poses().zip(b.poses()) {
         assert!((a.traces[0] - b.traces[0]).length() < 1e-11);
         assert!(b.closure_error < 1e-14);
         assert!((a.branch.len(), a.rank) == (b.branch.len(), b.rank));
     }
-    let is_lock = |e: &&mechanim::kinematics::trajectory::Event| matches!(e.kind, EventKind::GimbalLock { .. });
+    let is_lock = |e: &&mechanim::kinematics::trajectory::Event| {
+        matches!(e.kind, EventKind::GimbalLock { .. })
+    };
     assert_eq!(a.events.iter().filter(is_lock).count(), 0);
-    assert!(b.events.iter().filter(is_lock).count() > 0, "{:?}", b.events);
+    assert!(
+        b.events.iter().filter(is_lock).count() > 0,
+        "{:?}",
+        b.events
+    );
 }

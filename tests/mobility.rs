@@ -21,7 +21,9 @@ fn read(text: &str) -> Mechanism {
         text: text.into(),
     };
     let scene = load(&source, &Overrides::default());
-    scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)).mechanism
+    scene
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+        .mechanism
 }
 
 fn file(name: &str) -> String {
@@ -92,7 +94,10 @@ fn count_and_rank_of_known_mechanisms() {
         assert_eq!(mobility.redundant.len(), redundant, "{name}");
         assert!(mobility.conditions.is_empty(), "{name}");
         let moving = mobility.idle.iter().map(|held| {
-            let names = held.moving.iter().map(|u| mechanism.unknowns[*u].name.as_str());
+            let names = held
+                .moving
+                .iter()
+                .map(|u| mechanism.unknowns[*u].name.as_str());
             names.collect::<Vec<_>>().join(" ")
         });
         assert_eq!(moving.collect::<Vec<_>>(), idle, "{name}");
@@ -107,7 +112,10 @@ fn planar_mechanisms_are_counted_as_vector_loops_wherever_their_plane_lies() {
         let mechanism = read(&text);
         let structure = Structure::new(&mechanism).unwrap();
         let mobility = Mobility::new(&mechanism, &structure);
-        assert_eq!((mobility.count(), mobility.planar_dependents()), (1, Some(2)));
+        assert_eq!(
+            (mobility.count(), mobility.planar_dependents()),
+            (1, Some(2))
+        );
     }
 }
 
@@ -151,7 +159,9 @@ fn two_rods_have_two_idle_freedoms_and_a_missing_input_is_still_named() {
         )
     };
     let loops = format!("[loops]\n{}{}[guess]\nh = 45\n", rod(1, 0.0), rod(2, 30.0));
-    let mechanism = read(&format!("duration = 1\n[inputs]\ns = \"10 + 5*t\"\n{loops}"));
+    let mechanism = read(&format!(
+        "duration = 1\n[inputs]\ns = \"10 + 5*t\"\n{loops}"
+    ));
     let structure = Structure::new(&mechanism).unwrap();
     let name = |u: usize| mechanism.unknowns[u].name.as_str();
     let held: Vec<&str> = structure.held.iter().map(|h| name(h.unknown)).collect();
@@ -209,10 +219,21 @@ fn overconstrained_loops_move_as_their_closed_forms_say() {
     compare("goldberg", &read(&file("goldberg")), |t1| {
         let t2 = half(k1, t1);
         let u1 = 2.0 * (k2 * (0.5 * t2).tan()).atan();
-        vec![("t2", t2), ("s", u1 - t1 - PI), ("u2", PI - t2), ("u3", -u1)]
+        vec![
+            ("t2", t2),
+            ("s", u1 - t1 - PI),
+            ("u2", PI - t2),
+            ("u3", -u1),
+        ]
     });
     compare("sarrus", &read(&file("sarrus")), |q| {
-        vec![("a", 2.0 * q), ("b", -q), ("c", q), ("d", -2.0 * q), ("e", q)]
+        vec![
+            ("a", 2.0 * q),
+            ("b", -q),
+            ("c", q),
+            ("d", -2.0 * q),
+            ("e", q),
+        ]
     });
 }
 
@@ -220,10 +241,17 @@ fn overconstrained_loops_move_as_their_closed_forms_say() {
 fn bricard_loops_of_60_and_90_degrees_keep_their_symmetry() {
     for (angle, drive) in [(60.0_f64, "120 - 100*t/4"), (90.0, "80 + 9*t")] {
         let text = file("bricard").replace("A = 60", &format!("A = {angle}"));
-        let guess = if angle == 60.0 { (0.0, 120.0) } else { (98.5, 80.0) };
+        let guess = if angle == 60.0 {
+            (0.0, 120.0)
+        } else {
+            (98.5, 80.0)
+        };
         let text = text.replace("120 - 100*t/4", drive);
         let text = text.split("[guess]").next().unwrap().to_owned()
-            + &format!("[guess]\nt2 = {0}\nt3 = {1}\nt4 = {0}\nt5 = {1}\nt6 = {0}\n", guess.0, guess.1);
+            + &format!(
+                "[guess]\nt2 = {0}\nt3 = {1}\nt4 = {0}\nt5 = {1}\nt6 = {0}\n",
+                guess.0, guess.1
+            );
         let mechanism = read(&text);
         let trajectory = run(&mechanism, 101);
         let (s, c) = angle.to_radians().sin_cos();
@@ -234,8 +262,8 @@ fn bricard_loops_of_60_and_90_degrees_keep_their_symmetry() {
                 assert!(apart(of(name), value) < 1e-12, "{angle}: {name}");
             }
             let (c1, c2) = (t1.cos(), t2.cos());
-            let open = c * c + s * s * (c1 + c2) + (1.0 + c * c) * c1 * c2
-                - 2.0 * c * t1.sin() * t2.sin();
+            let open =
+                c * c + s * s * (c1 + c2) + (1.0 + c * c) * c1 * c2 - 2.0 * c * t1.sin() * t2.sin();
             assert!(open.abs() < 1e-13, "{angle}: {open:e}");
         }
         if angle == 90.0 {
@@ -247,7 +275,13 @@ fn bricard_loops_of_60_and_90_degrees_keep_their_symmetry() {
 
 /// Output k of 100 four-bars drives the next.
 fn four_bars(count: usize) -> String {
-    let name = |k: usize| if k == 0 { "phi".to_owned() } else { format!("o{k}") };
+    let name = |k: usize| {
+        if k == 0 {
+            "phi".to_owned()
+        } else {
+            format!("o{k}")
+        }
+    };
     let mut text = "duration = 1\n[inputs]\nphi = \"1 + t\"\n[loops]\n".to_owned();
     for k in 0..count {
         text += &format!(
@@ -270,7 +304,10 @@ fn scissors(count: usize) -> String {
              R{k} = \"Rz(u{k}) Tx(50) Rz(v{k}) Tx(50) Rz(y{k}) Ty(w{0}) Rz(z{k}) Tx(-100) Rz(-u{k})\"\n",
             k + 1
         );
-        guess += &format!("u{k} = 0.5\nv{k} = -1\nx{k} = 0.5\ny{k} = 0.5\nz{k} = 0.5\nw{} = 50\n", k + 1);
+        guess += &format!(
+            "u{k} = 0.5\nv{k} = -1\nx{k} = 0.5\ny{k} = 0.5\nz{k} = 0.5\nw{} = 50\n",
+            k + 1
+        );
     }
     text + &guess
 }
@@ -280,7 +317,12 @@ fn long_chains_of_loops_are_blocks_of_one_loop_each() {
     let mechanism = read(&four_bars(100));
     let structure = Structure::new(&mechanism).unwrap();
     assert_eq!(structure.blocks.len(), 100);
-    assert!(structure.blocks.iter().all(|b| b.rows() == 3 && b.unknowns.len() == 3));
+    assert!(
+        structure
+            .blocks
+            .iter()
+            .all(|b| b.rows() == 3 && b.unknowns.len() == 3)
+    );
     // Written the other way round the order is found all the same.
     let text = four_bars(100);
     let (head, loops) = text.split_once("[loops]\n").unwrap();
@@ -352,7 +394,11 @@ fn scaled(mechanism: &Mechanism, scale: f64) -> Mechanism {
     for step in other.loops.iter_mut().flat_map(|l| &mut l.chain.steps) {
         match step {
             Step::Fixed(pose) => pose.translation *= scale,
-            Step::Joint { motion: Motion::Translation, argument, .. } => {
+            Step::Joint {
+                motion: Motion::Translation,
+                argument,
+                ..
+            } => {
                 let Argument::Affine(affine) = &mechanism.arguments[*argument] else {
                     panic!("a formula")
                 };
@@ -362,7 +408,11 @@ fn scaled(mechanism: &Mechanism, scale: f64) -> Mechanism {
         }
     }
     for (guess, unknown) in other.guess.iter_mut().zip(&mechanism.unknowns) {
-        *guess *= if unknown.kind == Kind::Length { scale } else { 1.0 };
+        *guess *= if unknown.kind == Kind::Length {
+            scale
+        } else {
+            1.0
+        };
     }
     for (drive, input) in other.drives.iter_mut().zip(&mechanism.inputs) {
         if let (Drive::Keys { values, .. }, Kind::Length) = (drive, input.kind) {
@@ -402,7 +452,10 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
         (
             scene(one, &format!("A = \"{crank}\"\nB = \"{crank}\"")),
             0,
-            &["warning: loop `B` says the same as loop `A`", "take one of them out"],
+            &[
+                "warning: loop `B` says the same as loop `A`",
+                "take one of them out",
+            ],
         ),
         (
             scene(one, &format!("A = \"{crank}\"\nB = \"{back}\"")),
@@ -417,7 +470,10 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
         (
             scene(one, &format!("A = \"{crank}\"\nB = \"Tx(2) Tx(-3)\"")),
             4,
-            &["loop `B` cannot close", "the translation along x always differs by -1"],
+            &[
+                "loop `B` cannot close",
+                "the translation along x always differs by -1",
+            ],
         ),
         (
             scene(two, &format!("A = \"{crank}\"\nB = \"Rz(phi) Rz(-psi)\"")),
@@ -430,10 +486,17 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
                 &format!("A = \"{crank}\"\nB = \"Rz(phi) Rz(-psi)\""),
             ),
             4,
-            &["loop `B` does not close", "0.200000 rad", "inputs phi, psi contradict each other"],
+            &[
+                "loop `B` does not close",
+                "0.200000 rad",
+                "inputs phi, psi contradict each other",
+            ],
         ),
         (
-            scene(two, "A = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(h) Tx(60) Rz(psi) Tx(-90)\""),
+            scene(
+                two,
+                "A = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(h) Tx(60) Rz(psi) Tx(-90)\"",
+            ),
             4,
             &["`A` has 3 equations and 2 unknowns", "phi, psi contradict"],
         ),
@@ -465,12 +528,21 @@ fn the_report_names_what_is_held_and_what_is_redundant() {
         assert!(text.contains(part), "{part}\n{text}");
     }
     let run = workspace.run(&["solve", "ball.toml", "--samples", "3", "--out", "-"]);
-    run.exits(0).says(&["idle: a link of loop B", "`spin` is held at its start value"]);
+    run.exits(0).says(&[
+        "idle: a link of loop B",
+        "`spin` is held at its start value",
+    ]);
     workspace.write("bennett.toml", file("bennett"));
-    let json = workspace.run(&["check", "bennett.toml", "--json", "-"]).exits(0).text();
+    let json = workspace
+        .run(&["check", "bennett.toml", "--json", "-"])
+        .exits(0)
+        .text();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let mobility = &json["mobility"];
-    assert_eq!((&mobility["count"], &mobility["numeric"]), (&(-2).into(), &1.into()));
+    assert_eq!(
+        (&mobility["count"], &mobility["numeric"]),
+        (&(-2).into(), &1.into())
+    );
     assert_eq!(mobility["redundant"].as_array().unwrap().len(), 3);
     assert_eq!(mobility["redundant"][0]["loop"], "A");
 }

@@ -32,7 +32,12 @@ pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
         );
         lines.push(("condition", text));
     }
-    lines.extend(mobility.idle.iter().map(|held| ("idle", idle(mechanism, held))));
+    lines.extend(
+        mobility
+            .idle
+            .iter()
+            .map(|held| ("idle", idle(mechanism, held))),
+    );
     let line = |(head, text): (&str, String)| format!("  {head:<16} {text}\n");
     lines.into_iter().map(line).collect()
 }
@@ -44,12 +49,18 @@ fn sentence(mobility: &Mobility) -> String {
         vec![format!("{total} of {} loops", mobility.loops.len())]
     } else {
         let loops = mobility.loops.iter();
-        loops.map(|l| format!("{} of loop {}", l.dimension, l.name)).collect()
+        loops
+            .map(|l| format!("{} of loop {}", l.dimension, l.name))
+            .collect()
     };
     if mobility.couplings > 0 {
         cost.push(format!("{} of equations", mobility.couplings));
     }
-    let cost = if cost.is_empty() { "nothing".to_owned() } else { cost.join(" - ") };
+    let cost = if cost.is_empty() {
+        "nothing".to_owned()
+    } else {
+        cost.join(" - ")
+    };
     let mut text = format!(
         "{} by count ({} joint freedoms - {cost})",
         mobility.count(),
@@ -64,11 +75,18 @@ fn sentence(mobility: &Mobility) -> String {
                 generic.mobility, generic.rank
             ));
             if let Some(start) = start.filter(|s| *s != generic) {
-                text.push_str(&format!(", {} at the start, which is singular", start.mobility));
+                text.push_str(&format!(
+                    ", {} at the start, which is singular",
+                    start.mobility
+                ));
             }
         }
     }
-    let inputs = if mobility.inputs == 1 { "input" } else { "inputs" };
+    let inputs = if mobility.inputs == 1 {
+        "input"
+    } else {
+        "inputs"
+    };
     text.push_str(&format!("; {} {inputs}", mobility.inputs));
     match mobility.idle.len() {
         0 => {}
@@ -81,11 +99,19 @@ fn sentence(mobility: &Mobility) -> String {
 fn redundant(mechanism: &Mechanism, mobility: &Mobility) -> String {
     let all = &mobility.redundant;
     let named = all.iter().take(MAX_EQUATIONS).map(|(index, component)| {
-        format!("{} of loop {}", component_name(*component), mechanism.loops[*index].name)
+        format!(
+            "{} of loop {}",
+            component_name(*component),
+            mechanism.loops[*index].name
+        )
     });
     let list = named.collect::<Vec<_>>().join(", ");
     let more = all.len().saturating_sub(MAX_EQUATIONS);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
     format!("{list}{more}: implied by the other equations, checked but not proved")
 }
 

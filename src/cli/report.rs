@@ -139,7 +139,10 @@ fn contradiction(mechanism: &Mechanism, event: &Event) -> Option<String> {
     };
     let structure = Structure::new(mechanism).ok()?;
     let block = structure.overfull(mechanism, name)?;
-    let slots = block.arguments.iter().flat_map(|a| mechanism.arguments[*a].coordinates());
+    let slots = block
+        .arguments
+        .iter()
+        .flat_map(|a| mechanism.arguments[*a].coordinates());
     let equations = block.equations.iter();
     let mut slots: Vec<usize> = slots
         .chain(equations.flat_map(|e| mechanism.equations[*e].expression.slots()))
@@ -148,13 +151,21 @@ fn contradiction(mechanism: &Mechanism, event: &Event) -> Option<String> {
     slots.sort_unstable();
     slots.dedup();
     let (rows, unknowns) = (block.rows(), block.unknowns.len());
-    let inputs: Vec<&str> = slots.iter().map(|k| mechanism.inputs[*k].name.as_str()).collect();
+    let inputs: Vec<&str> = slots
+        .iter()
+        .map(|k| mechanism.inputs[*k].name.as_str())
+        .collect();
     let fit = match inputs[..] {
         [] => "the dimensions must fit".to_owned(),
         [one] => format!("input {one} and the dimensions must fit"),
-        _ => format!("inputs {} contradict each other unless they fit", inputs.join(", ")),
+        _ => format!(
+            "inputs {} contradict each other unless they fit",
+            inputs.join(", ")
+        ),
     };
-    Some(format!("`{name}` has {rows} equations and {unknowns} unknowns: {fit} exactly"))
+    Some(format!(
+        "`{name}` has {rows} equations and {unknowns} unknowns: {fit} exactly"
+    ))
 }
 
 /// Writes a report to a file, or to standard output for `-`; never over an input of the command.

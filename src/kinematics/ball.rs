@@ -97,7 +97,10 @@ impl Ball {
         let triple = |c: f64| {
             let (sin, cos) = sin_cos(c);
             // Columns of S Rz(-c) = Rx(a) Ry(b + mu).
-            let (x, y) = (s.x_axis * cos - s.y_axis * sin, s.x_axis * sin + s.y_axis * cos);
+            let (x, y) = (
+                s.x_axis * cos - s.y_axis * sin,
+                s.x_axis * sin + s.y_axis * cos,
+            );
             let found = [y.z.atan2(y.y), s.z_axis.x.atan2(x.x) - self.mu, c];
             let near = |k: usize| found[k] - TAU * ((found[k] - before[k]) / TAU).round();
             [near(0), near(1), near(2)]
@@ -106,7 +109,11 @@ impl Ball {
             angles.iter().zip(&before).map(|(a, b)| (a - b).abs()).sum()
         };
         let (one, other) = (triple(last), triple(last + PI));
-        let nearest = if !locked && far(&other) < far(&one) { other } else { one };
+        let nearest = if !locked && far(&other) < far(&one) {
+            other
+        } else {
+            one
+        };
         for k in 0..3 {
             coordinates[self.slots[k]] = self.signs[k] * nearest[k] - self.offsets[k];
         }
@@ -118,7 +125,11 @@ impl Ball {
         let [a, b, _] = self.angles(coordinates);
         let w = Pose::from_axis_rotation(0, -a).rotation * (self.frame.transpose() * turn);
         let (sin, cos) = sin_cos(b + self.mu);
-        let last = if cos.abs() < 1e-9 { f64::NAN } else { w.z / cos };
+        let last = if cos.abs() < 1e-9 {
+            f64::NAN
+        } else {
+            w.z / cos
+        };
         let found = [w.x - last * sin, w.y, last];
         [0, 1, 2].map(|k| self.signs[k] * found[k])
     }
@@ -179,7 +190,9 @@ impl Chart {
 
     /// Whether the scene's angles are bad coordinates of some joint here.
     pub fn is_needed(&self, coordinates: &[f64]) -> bool {
-        self.balls.iter().any(|b| b.lock(coordinates).length() < NEAR)
+        self.balls
+            .iter()
+            .any(|b| b.lock(coordinates).length() < NEAR)
     }
 
     /// Describes the joints from the scene's `coordinates` on; returns the chart's coordinates of that pose.
@@ -190,7 +203,11 @@ impl Chart {
             self.rotations[k] = rotation;
             ball.slots.iter().for_each(|slot| own[*slot] = 0.0);
             for place in &self.places[k] {
-                let rotation = if place.is_inverse { rotation.transpose() } else { rotation };
+                let rotation = if place.is_inverse {
+                    rotation.transpose()
+                } else {
+                    rotation
+                };
                 let steps = &mut self.mechanism.loops[place.loop_index].chain.steps;
                 steps[place.step] = Step::Fixed(Pose {
                     rotation,
@@ -211,10 +228,23 @@ impl Chart {
         for (ball, base) in self.balls.iter().zip(&self.rotations) {
             let turn = |k: usize| Pose::from_axis_rotation(k, own[ball.slots[k]]).rotation;
             let rotation = *base * turn(0) * turn(1) * turn(2);
-            ball.slots.iter().for_each(|slot| coordinates[*slot] = near[*slot]);
+            ball.slots
+                .iter()
+                .for_each(|slot| coordinates[*slot] = near[*slot]);
             ball.read(&rotation, &mut coordinates);
         }
         coordinates
+    }
+
+    /// Gives the joints of a pose in the scene's `coordinates` the names nearest to `near`, without moving them.
+    pub fn rename(&self, coordinates: &mut [f64], near: &[f64]) {
+        for ball in &self.balls {
+            let rotation = ball.rotation(coordinates);
+            ball.slots
+                .iter()
+                .for_each(|slot| coordinates[*slot] = near[*slot]);
+            ball.read(&rotation, coordinates);
+        }
     }
 
     /// Rates of the scene's unknowns for rates at the pose that the chart was based on; see [`Ball::rates`].
@@ -301,7 +331,7 @@ fn stands_at(ball: &Ball, window: &[Step]) -> Option<bool> {
 }
 
 /// All ball joints of the loops.
-fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
+pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
     let mut list: Vec<Ball> = Vec::new();
     for item in &mechanism.loops {
         let mut k = 0;
@@ -314,7 +344,9 @@ fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
             let Some(ball) = ball_at(mechanism, structure, window) else {
                 continue;
             };
-            let taken = list.iter().any(|b| b.slots.iter().any(|s| ball.slots.contains(s)));
+            let taken = list
+                .iter()
+                .any(|b| b.slots.iter().any(|s| ball.slots.contains(s)));
             if !taken && is_alone(mechanism, &ball) {
                 list.push(ball);
                 k += 2;
@@ -345,7 +377,10 @@ fn ball_at(mechanism: &Mechanism, structure: &Structure, window: &[Step]) -> Opt
         };
         (slots[k], offsets[k]) = (slot, affine.constant);
     }
-    let block = structure.blocks.iter().position(|b| b.unknowns.contains(&slots[0]))?;
+    let block = structure
+        .blocks
+        .iter()
+        .position(|b| b.unknowns.contains(&slots[0]))?;
     let unknowns = &structure.blocks[block].unknowns;
     let is_whole = slots.iter().all(|slot| unknowns.contains(slot));
     let differ = slots[0] != slots[1] && slots[1] != slots[2] && slots[0] != slots[2];
@@ -373,10 +408,15 @@ fn ball_at(mechanism: &Mechanism, structure: &Structure, window: &[Step]) -> Opt
 /// Whether the three unknowns are used nowhere but in this joint, and no body stands between its rotations.
 fn is_alone(mechanism: &Mechanism, ball: &Ball) -> bool {
     let uses = |slots: &[usize]| slots.iter().any(|slot| ball.slots.contains(slot));
-    let elsewhere = mechanism.arguments.iter().enumerate().any(|(k, argument)| {
-        !ball.arguments.contains(&k) && uses(&argument.coordinates())
-    });
-    let in_equations = mechanism.equations.iter().any(|e| uses(&e.expression.slots()));
+    let elsewhere = mechanism
+        .arguments
+        .iter()
+        .enumerate()
+        .any(|(k, argument)| !ball.arguments.contains(&k) && uses(&argument.coordinates()));
+    let in_equations = mechanism
+        .equations
+        .iter()
+        .any(|e| uses(&e.expression.slots()));
     let chains = mechanism.loops.iter().map(|l| &l.chain);
     let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
     !elsewhere && !in_equations && chains.chain(bodies).all(|chain| is_whole_in(chain, ball))
@@ -434,12 +474,22 @@ mod tests {
     }
 
     fn difference(a: &DMat3, b: &DMat3) -> f64 {
-        (*a - *b).to_cols_array().iter().fold(0.0, |m, v| m.max(v.abs()))
+        (*a - *b)
+            .to_cols_array()
+            .iter()
+            .fold(0.0, |m, v| m.max(v.abs()))
     }
 
     #[test]
     fn angles_are_read_back_for_all_orders_of_axes_locked_or_not() {
-        for axes in [[0, 1, 2], [2, 1, 0], [1, 2, 0], [2, 0, 2], [0, 1, 0], [1, 0, 2]] {
+        for axes in [
+            [0, 1, 2],
+            [2, 1, 0],
+            [1, 2, 0],
+            [2, 0, 2],
+            [0, 1, 0],
+            [1, 0, 2],
+        ] {
             for signs in [[1.0; 3], [1.0, -1.0, 1.0], [-1.0; 3]] {
                 let ball = ball(axes, signs);
                 for near_lock in [1.0, 1e-3, 1e-9, 1e-15, 0.0, -1e-9, -0.5] {

@@ -10,10 +10,11 @@
 //! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
 
 use super::closure::{BlockWorkspace, Want};
+use super::probes::{RANK, Ranks};
 use super::qr::PivotedQr;
 use super::rank::null_space;
 use super::rates::observed;
-use super::structure::{Block, RANK, Ranks, Structure, StructureError, names};
+use super::structure::{Block, Structure, StructureError, names};
 use super::taylor::Series;
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
@@ -120,7 +121,11 @@ fn of_block(
         let others: Vec<Vec<f64>> = released(mechanism, block, pose, &pivots);
         let site = Site { pose, ..site };
         let moves = |rates: &&Vec<f64>| site.with(rates).idle_lines().is_none();
-        refuse(mechanism, block, others.iter().filter(moves).map(Vec::as_slice))?;
+        refuse(
+            mechanism,
+            block,
+            others.iter().filter(moves).map(Vec::as_slice),
+        )?;
     }
     let held = pivots.iter().zip(&null).map(|(pivot, rates)| {
         let lines = site.with(rates).idle_lines().unwrap_or_default();
@@ -157,7 +162,10 @@ fn refuse<'a>(
 /// Unknowns that take part.
 fn moving(block: &Block, rates: &[f64]) -> Vec<usize> {
     let pairs = block.unknowns.iter().zip(rates);
-    pairs.filter(|(_, r)| r.abs() > STILL).map(|(u, _)| *u).collect()
+    pairs
+        .filter(|(_, r)| r.abs() > STILL)
+        .map(|(u, _)| *u)
+        .collect()
 }
 
 fn null_vectors(
@@ -195,19 +203,17 @@ fn eliminate(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) -> Vec<usi
         let lead = vectors[k].clone();
         for (_, other) in vectors.iter_mut().enumerate().filter(|(i, _)| *i != k) {
             let factor = other[pivot];
-            other.iter_mut().zip(&lead).for_each(|(o, l)| *o -= factor * l);
+            other
+                .iter_mut()
+                .zip(&lead)
+                .for_each(|(o, l)| *o -= factor * l);
         }
     }
     pivots
 }
 
 /// The motions at a pose when one of the held columns `pivots` after the other is released.
-fn released(
-    mechanism: &Mechanism,
-    block: &Block,
-    pose: &[f64],
-    pivots: &[usize],
-) -> Vec<Vec<f64>> {
+fn released(mechanism: &Mechanism, block: &Block, pose: &[f64], pivots: &[usize]) -> Vec<Vec<f64>> {
     let mut workspace = BlockWorkspace::default();
     workspace.evaluate(mechanism, block, pose, Want::Jacobian);
     let (rows, columns) = (block.rows(), block.unknowns.len());
@@ -256,8 +262,7 @@ impl FreeMotion<'_> {
         let lengths = 3 * self.mechanism.traces.len();
         seen.iter().enumerate().all(|(k, series)| {
             let output = k.checked_sub(lengths).map(|k| &self.mechanism.outputs[k]);
-            let is_length =
-                output.is_none_or(|o| o.kind == Kind::Length);
+            let is_length = output.is_none_or(|o| o.kind == Kind::Length);
             let scale = if is_length { self.mechanism.size } else { 1.0 };
             let rate = series.derivative(1).abs() / scale;
             // An output without a value shows nothing.

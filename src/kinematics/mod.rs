@@ -15,6 +15,7 @@ pub mod modes;
 pub mod newton;
 pub mod offered;
 pub mod order;
+pub mod probes;
 pub mod qr;
 pub mod rank;
 pub mod rates;

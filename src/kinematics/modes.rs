@@ -6,6 +6,7 @@
 //! another directly are one joint.
 
 use super::assembly::{assemble, turns_matter};
+use super::ball::balls;
 use super::branch::BranchWatch;
 use super::forward::{body_poses, closure_error};
 use super::newton::Corrector;
@@ -346,9 +347,13 @@ fn triples(mechanism: &Mechanism) -> Vec<Triple> {
 fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -> Vec<Mode> {
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(structure);
+    let balls = balls(mechanism, structure);
     let mut list: Vec<Mode> = Vec::new();
     for group in groups {
-        let state = watch.observe(mechanism, structure, &mut corrector, &group.coordinates);
+        let mut state = watch.observe(mechanism, structure, &mut corrector, &group.coordinates);
+        for ball in &balls {
+            state.signs[ball.block] *= ball.orientation(&group.coordinates);
+        }
         list.push(Mode {
             branch: state.signature(),
             sigma_min: state.sigma_min,

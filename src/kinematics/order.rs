@@ -47,10 +47,7 @@ impl System {
             .map(Member::Loop)
             .chain(equations)
             .collect();
-        let uses: Vec<Vec<usize>> = members
-            .iter()
-            .map(|m| unknowns_of(mechanism, m))
-            .collect();
+        let uses: Vec<Vec<usize>> = members.iter().map(|m| unknowns_of(mechanism, m)).collect();
         let mut users = vec![Vec::new(); mechanism.unknowns.len()];
         for (member, uses) in uses.iter().enumerate() {
             uses.iter().for_each(|u| users[*u].push(member));
@@ -255,8 +252,7 @@ impl System {
             .map(|(k, node)| {
                 let used = node.members.iter().flat_map(|m| &self.uses[*m]);
                 let owners = used.map(|u| owner[*u]);
-                let mut list: Vec<usize> =
-                    owners.filter(|o| *o != k && *o != usize::MAX).collect();
+                let mut list: Vec<usize> = owners.filter(|o| *o != k && *o != usize::MAX).collect();
                 list.sort_unstable();
                 list.dedup();
                 list

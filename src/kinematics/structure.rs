@@ -1,15 +1,14 @@
 //! Which equations say something, and in which order loops can be solved: blocks of loops that share unknowns.
 //!
 //! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve. The order
-//! itself is found in `order`, idle freedoms in `idle`.
+//! itself is found in `order`, the poses that
+//! decide on ranks in `probes`, idle freedoms in `idle`.
 
-use super::assembly::assemble;
 use super::closure::{BlockWorkspace, Want};
 use super::idle::{self, Held};
-use super::newton::Corrector;
 use super::order::{Group, Member, System, unknowns_of};
-use super::qr::PivotedQr;
-use crate::model::mechanism::{Kind, Mechanism};
+use super::probes::{Ranks, closed_poses, random_poses};
+use crate::model::mechanism::Mechanism;
 
 /// The part of a loop that a block solves.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,15 +87,9 @@ pub enum StructureError {
     },
 }
 
-/// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
-const PROBES: usize = 6;
-
 /// An equation counts as empty when it stays below this (residuals are scaled, of order one) at all probes.
 /// Rounding of a long chain stays far below, a real equation far above.
 const EMPTY: f64 = 1e-12;
-
-/// Rank tolerance at random and at closed poses, relative to the largest pivot: ranks are clear-cut there.
-pub const RANK: f64 = 1e-9;
 
 impl Structure {
     /// Analyses `mechanism`.
@@ -116,7 +109,11 @@ impl Structure {
             held: Vec::new(),
         };
         let square = |b: &Block| b.rows() == b.unknowns.len();
-        if structure.blocks.iter().all(|b| square(b) && !generic.lacks(b)) {
+        if structure
+            .blocks
+            .iter()
+            .all(|b| square(b) && !generic.lacks(b))
+        {
             return Ok(structure);
         }
         let poses = structure.poses_of_unsure(mechanism, &system);
@@ -147,7 +144,10 @@ impl Structure {
         }
         let groups = system.merged(&[]);
         let merged = Self {
-            blocks: groups.iter().map(|g| of_group(mechanism, system, g)).collect(),
+            blocks: groups
+                .iter()
+                .map(|g| of_group(mechanism, system, g))
+                .collect(),
             ..self.clone()
         };
         closed_poses(mechanism, &merged)
@@ -157,8 +157,14 @@ impl Structure {
     pub fn overfull(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {
         let mut blocks = self.blocks.iter();
         blocks.find(|block| {
-            let mut loops = block.loops.iter().map(|part| &mechanism.loops[part.index].name);
-            let mut equations = block.equations.iter().map(|e| &mechanism.equations[*e].name);
+            let mut loops = block
+                .loops
+                .iter()
+                .map(|part| &mechanism.loops[part.index].name);
+            let mut equations = block
+                .equations
+                .iter()
+                .map(|e| &mechanism.equations[*e].name);
             let is_here = loops.any(|n| n == name) || equations.any(|n| n == name);
             is_here && block.rows() > block.unknowns.len()
         })
@@ -170,103 +176,13 @@ impl Structure {
     }
 }
 
-/// Places on the drive where closed poses are looked for, as parts of its duration, and how far the inputs are shifted
-/// there (radians, sizes): a drive at rest, or one that starts at a singular pose, must not decide on ranks.
-const PLACES: [(f64, f64); 4] = [(0.0, 0.0), (0.0, 1e-2), (0.37, -7e-3), (0.73, 5e-3)];
-
-/// Closed poses (unknowns, then inputs) here and there on the drive, the start of the drive first if it has one.
-pub fn closed_poses(mechanism: &Mechanism, structure: &Structure) -> Vec<Vec<f64>> {
-    let mut corrector = Corrector::new(structure);
-    let mut poses: Vec<Vec<f64>> = Vec::new();
-    for (part, shift) in PLACES {
-        let mut start = poses.first().unwrap_or(&mechanism.guess)[..mechanism.unknowns.len()].to_vec();
-        let inputs = mechanism.inputs_at(part * mechanism.duration);
-        let shifted = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
-            let scale = if input.kind == Kind::Length { mechanism.size } else { 1.0 };
-            value + shift * scale
-        });
-        start.extend(shifted);
-        if !start.iter().all(|v| v.is_finite()) {
-            continue;
-        }
-        // A search is worth its time once.
-        let search = part == 0.0 && shift == 0.0;
-        if let Ok(found) = assemble(mechanism, structure, &mut corrector, &start, search) {
-            poses.push(found.coordinates);
-        }
-    }
-    poses
-}
-
-/// Ranks of blocks, the largest of several poses.
-pub struct Ranks<'a> {
-    mechanism: &'a Mechanism,
-    /// Unknowns, then inputs.
-    pub poses: &'a [Vec<f64>],
-}
-
-impl<'a> Ranks<'a> {
-    fn new(mechanism: &'a Mechanism, poses: &'a [Vec<f64>]) -> Self {
-        Self { mechanism, poses }
-    }
-
-    /// Largest rank of the block's Jacobian over the poses.
-    pub fn of(&self, block: &Block) -> usize {
-        let mut workspace = BlockWorkspace::default();
-        let mut qr = PivotedQr::default();
-        let (rows, columns) = (block.rows(), block.unknowns.len());
-        let mut largest = 0;
-        for pose in self.poses {
-            workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
-            qr.factor(&workspace.jacobian, rows, columns, RANK);
-            largest = largest.max(qr.rank());
-            if largest == rows.min(columns) {
-                break;
-            }
-        }
-        largest
-    }
-
-    /// Whether the equations do not determine the block's unknowns.
-    pub fn lacks(&self, block: &Block) -> bool {
-        self.of(block) < block.unknowns.len()
-    }
-
-    /// Blocks of the groups. A group that is square by counting but not by rank needs the equations of others.
-    fn blocks(&self, system: &System, mut groups: Vec<Group>) -> Vec<Block> {
-        let mut k = 0;
-        while k < groups.len() {
-            let joined = self
-                .lacks(&of_group(self.mechanism, system, &groups[k]))
-                .then(|| system.joined(&groups, k));
-            match joined.flatten() {
-                Some(joined) => (groups, k) = (joined, 0),
-                None => k += 1,
-            }
-        }
-        groups.iter().map(|g| of_group(self.mechanism, system, g)).collect()
-    }
-
-    /// Names the unknowns that move while all equations hold.
-    fn under_determined(&self, block: &Block) -> StructureError {
-        let mut workspace = BlockWorkspace::default();
-        workspace.evaluate(self.mechanism, block, &self.poses[0], Want::Jacobian);
-        let (rows, columns, rank) = (block.rows(), block.unknowns.len(), self.of(block));
-        let free = super::rank::free_columns(&workspace.jacobian, rows, columns, rank);
-        let slots = free.iter().map(|column| block.unknowns[*column]);
-        StructureError::UnderDetermined {
-            freedoms: columns - rank,
-            names: names(self.mechanism, slots),
-        }
-    }
-}
-
 /// Names of the given unknowns.
 pub fn names(mechanism: &Mechanism, slots: impl Iterator<Item = usize>) -> Vec<String> {
     slots.map(|u| mechanism.unknowns[u].name.clone()).collect()
 }
 
-fn of_group(mechanism: &Mechanism, system: &System, group: &Group) -> Block {
+/// The block of a group.
+pub fn of_group(mechanism: &Mechanism, system: &System, group: &Group) -> Block {
     let (mut loops, mut equations) = (Vec::new(), Vec::new());
     for member in &group.members {
         match &system.members[*member] {
@@ -303,38 +219,6 @@ fn refuse_unheld(
     Err(StructureError::Unheld { names })
 }
 
-/// Random coordinates, the same in every run.
-pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut random = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    let coordinates: Vec<Kind> = mechanism
-        .unknowns
-        .iter()
-        .chain(&mechanism.inputs)
-        .map(|c| c.kind)
-        .collect();
-    (0..PROBES)
-        .map(|_| {
-            let scale = |kind: &Kind| {
-                if *kind == Kind::Length {
-                    mechanism.size
-                } else {
-                    1.0
-                }
-            };
-            coordinates
-                .iter()
-                .map(|kind| scale(kind) * random())
-                .collect()
-        })
-        .collect()
-}
-
 type LiveEquations = (Vec<LoopPart>, Vec<(usize, usize)>);
 
 /// Splits every loop's six equations into those that say something and those that always hold.
@@ -358,7 +242,9 @@ fn live_equations(
             let mut rates = vec![0.0; mechanism.coordinate_count()];
             let inputs = rates[mechanism.unknowns.len()..].iter_mut();
             // Each at a rate of its own, so that they do not cancel.
-            inputs.zip(1..).for_each(|(rate, k)| *rate = f64::from(k).sqrt());
+            inputs
+                .zip(1..)
+                .for_each(|(rate, k)| *rate = f64::from(k).sqrt());
             workspace.evaluate(mechanism, &all, probe, Want::Drift(&rates));
             for (k, live) in live.iter_mut().enumerate() {
                 let row = (0..all.unknowns.len()).map(|j| workspace.jacobian[j * 6 + k].abs());

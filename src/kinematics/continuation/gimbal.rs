@@ -4,6 +4,7 @@
 //! from the result so that they go on smoothly.
 
 use super::super::assembly::{Assembled, NotClosed, assemble};
+use super::super::ball::Chart;
 use super::super::branch::BranchState;
 use super::super::certificate::{Certificate, Reason};
 use super::super::newton::{Correction, Corrector, Pace};
@@ -14,6 +15,9 @@ use glam::DVec2;
 /// Closest approach to a locked pose that is reported, as the cosine between the first and the last axis' plane and
 /// the middle angle: the angles then turn a thousand times faster than the joint.
 const NEAR_LOCK: f64 = 1e-3;
+
+/// A ball joint this near to its lock is locked: what is left is rounding.
+const LOCKED: f64 = 1e-12;
 
 /// Approach of the straight line between two poses that is looked at more closely.
 const WORTH_A_LOOK: f64 = 0.05;
@@ -80,7 +84,10 @@ impl Follower<'_> {
         here: &Stand,
         inputs: &[f64],
     ) -> Option<(Vec<f64>, f64)> {
-        let chart = self.chart.as_mut().filter(|c| c.is_needed(&here.coordinates))?;
+        let chart = self
+            .chart
+            .as_mut()
+            .filter(|c| c.is_needed(&here.coordinates))?;
         let n = chart.mechanism.unknowns.len();
         let own = chart.base(&here.coordinates);
         let mut change = vec![0.0; own.len()];
@@ -97,17 +104,38 @@ impl Follower<'_> {
         Some((coordinates, length))
     }
 
+    /// Gives angles that are nearly locked the values in which they go on smoothly from the stands before.
+    pub(super) fn rename(&self, base: &Stand, time: f64, coordinates: &mut [f64]) {
+        let needed = |chart: &&Chart| chart.is_needed(coordinates);
+        let Some(chart) = self.chart.as_ref().filter(needed) else {
+            return;
+        };
+        let near: Vec<f64> = match &self.kept_before {
+            Some(before) if before.time != base.time => {
+                let part = (time - base.time) / (base.time - before.time);
+                let pairs = base.coordinates.iter().zip(&before.coordinates);
+                pairs.map(|(q, p)| q + part * (q - p)).collect()
+            }
+            _ => base.coordinates.clone(),
+        };
+        chart.rename(coordinates, &near);
+    }
+
     /// Singular values and signs, with ball joints as rotations: no angle's sign enters, and next to locked poses no
     /// angle's singularity.
     pub(super) fn observe(&mut self, coordinates: &[f64]) -> BranchState {
         let Some(chart) = &mut self.chart else {
             let (mechanism, structure) = (self.mechanism, self.structure);
-            return self.watch.observe(mechanism, structure, &mut self.corrector, coordinates);
+            return self
+                .watch
+                .observe(mechanism, structure, &mut self.corrector, coordinates);
         };
         if chart.is_needed(coordinates) {
             let own = chart.base(coordinates);
             let mut corrector = Corrector::new(&chart.structure);
-            return self.watch.observe(&chart.mechanism, &chart.structure, &mut corrector, &own);
+            return self
+                .watch
+                .observe(&chart.mechanism, &chart.structure, &mut corrector, &own);
         }
         let (mechanism, structure) = (self.mechanism, self.structure);
         let mut state = self
@@ -122,7 +150,10 @@ impl Follower<'_> {
     /// The certificate of a pose; what fails for the angles alone is called by its name.
     pub(super) fn certified(&self, coordinates: &[f64]) -> Certificate {
         let certificate = self.certifier.certify(coordinates, self.watch.bases());
-        let needed = self.chart.as_ref().is_some_and(|c| c.is_needed(coordinates));
+        let needed = self
+            .chart
+            .as_ref()
+            .is_some_and(|c| c.is_needed(coordinates));
         match certificate {
             Certificate::Refused {
                 reason: Reason::Singular,
@@ -157,16 +188,20 @@ impl Follower<'_> {
             };
             let then = self.lock_of(index, &before.coordinates);
             let (part, distance) = closest(then, now);
-            if distance > WORTH_A_LOOK || part <= 0.0 || then.length() <= NEAR_LOCK {
+            // On the way to a lock the closest pose is yet to come; having left one, it has been said.
+            let still_coming = part >= 1.0 && now.length() > LOCKED;
+            if distance > WORTH_A_LOOK || part <= 0.0 || still_coming || then.length() <= LOCKED {
                 continue;
             }
             let (time, distance) = self.locate_lock(index, before, stand, part);
-            let is_inside = time > before.time.min(stand.time) && time <= before.time.max(stand.time);
+            let is_inside =
+                time > before.time.min(stand.time) && time <= before.time.max(stand.time);
             if distance <= NEAR_LOCK && is_inside {
                 self.report_lock(index, time, distance);
             }
         }
         if balls > 0 {
+            self.kept_before = before;
             self.last_kept = Some(stand.clone());
         }
     }
@@ -182,7 +217,8 @@ impl Follower<'_> {
         // Poses on the way; the next one is predicted from the nearest.
         let mut known = vec![(0.0, a.clone()), (1.0, b.clone())];
         let mut value = |follower: &mut Self, s: f64| -> Option<DVec2> {
-            let near = |x: &&(f64, Stand), y: &&(f64, Stand)| (x.0 - s).abs().total_cmp(&(y.0 - s).abs());
+            let near =
+                |x: &&(f64, Stand), y: &&(f64, Stand)| (x.0 - s).abs().total_cmp(&(y.0 - s).abs());
             let (at, base) = known.iter().min_by(near)?;
             if *at == s {
                 return Some(follower.lock_of(index, &base.coordinates));
@@ -212,7 +248,9 @@ impl Follower<'_> {
             }
             // The path's direction from a second pose beside; the closest point of that line is the next guess.
             let beside = if s + step > 1.0 { s - step } else { s + step };
-            let Some(there) = value(self, beside) else { break };
+            let Some(there) = value(self, beside) else {
+                break;
+            };
             let direction = (there - here) / (beside - s);
             let change = -here.dot(direction) / direction.length_squared();
             if !change.is_finite() || change.abs() < 1e-15 {
@@ -227,7 +265,9 @@ impl Follower<'_> {
     fn report_lock(&mut self, index: usize, time: f64, distance: f64) {
         let Some(chart) = &self.chart else { return };
         let unknowns = &self.mechanism.unknowns;
-        let names = chart.balls[index].slots.map(|slot| unknowns[slot].name.clone());
+        let names = chart.balls[index]
+            .slots
+            .map(|slot| unknowns[slot].name.clone());
         self.event(time, EventKind::GimbalLock { names, distance });
     }
 }

@@ -59,6 +59,8 @@ struct Follower<'m> {
     chart: Option<Chart>,
     /// The stand before, as far as it is watched for locked angles.
     last_kept: Option<Stand>,
+    /// The one before that.
+    kept_before: Option<Stand>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
     best_sigma: f64,
@@ -77,6 +79,7 @@ impl<'m> Follower<'m> {
             certifier: Certifier::new(mechanism, structure),
             chart: Chart::new(mechanism, structure),
             last_kept: None,
+            kept_before: None,
             anchor: None,
             best_sigma: 0.0,
             interval: mechanism.duration,

@@ -64,7 +64,10 @@ impl Follower<'_> {
         for k in 0..before.len() {
             rates[n + k] = (after[k] - before[k]) / (2.0 * h);
         }
-        if self.rates_in_chart(&stand.coordinates, &mut rates).is_none() {
+        if self
+            .rates_in_chart(&stand.coordinates, &mut rates)
+            .is_none()
+        {
             self.corrector.tangent(
                 self.mechanism,
                 self.structure,

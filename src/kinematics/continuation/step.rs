@@ -47,6 +47,7 @@ impl Follower<'_> {
         if !correction.converged || correction.first_step > allowed {
             return Ok(None);
         }
+        self.rename(&base, time, &mut coordinates);
         let stand = self.stand(time, coordinates);
         let same = stand
             .branch
@@ -120,6 +121,7 @@ impl Follower<'_> {
         let n = self.mechanism.unknowns.len();
         let mut coordinates = [&end.coordinates[..n], &inputs].concat();
         let correction = self.correct(&mut coordinates, Pace::Patient);
+        self.rename(end, time, &mut coordinates);
         (correction.converged && correction.first_step <= MAX_CORRECTION)
             .then(|| self.stand(time, coordinates))
     }
@@ -137,6 +139,7 @@ impl Follower<'_> {
             let correction = self.correct(&mut coordinates, Pace::Brisk);
             let allowed = (CORRECTION_OF_STEP * length).min(MAX_CORRECTION);
             if correction.converged && correction.first_step <= allowed && beyond > end.time {
+                self.rename(&anchor, beyond, &mut coordinates);
                 return Some(self.stand(beyond, coordinates));
             }
             reach = if reach < limit {

@@ -24,7 +24,10 @@ pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostic
             .iter()
             .find(|e| same(&e.chain) || same(&inverse(&e.chain)));
         if let Some(first) = first {
-            let message = format!("loop `{}` says the same as loop `{}`", item.name, first.name);
+            let message = format!(
+                "loop `{}` says the same as loop `{}`",
+                item.name, first.name
+            );
             diagnostics.push(
                 Diagnostic::warning(message)
                     .at(span)
@@ -34,10 +37,15 @@ pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostic
             continue;
         }
         let used = item.chain.arguments();
-        let slots = used.iter().flat_map(|a| mechanism.arguments[*a].coordinates());
+        let slots = used
+            .iter()
+            .flat_map(|a| mechanism.arguments[*a].coordinates());
         let slots: Vec<usize> = slots.collect();
         if slots.is_empty() {
-            let message = format!("nothing moves in loop `{}`: it holds constants only", item.name);
+            let message = format!(
+                "nothing moves in loop `{}`: it holds constants only",
+                item.name
+            );
             let hint = "it is checked once and determines nothing";
             diagnostics.push(Diagnostic::warning(message).at(span).hint(hint));
         } else if slots.iter().all(|slot| *slot >= mechanism.unknowns.len()) {
