@@ -1,9 +1,8 @@
-//! Ball joints written as three rotations in a row, and another description of them that is never gimbal-locked.
+//! Ball joints written as three rotations in a row: which they are, and their angles from their rotation.
 //!
 //! Where the middle angle makes the first and the last axis parallel, the three angles are no coordinates of a
-//! rotation any more, though nothing is wrong with the joint. Next to such poses the mechanism is described by a
-//! [`Chart`]: each joint is its present rotation, a constant, times three small rotations about x, y and z, in the same
-//! unknowns. What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
+//! rotation any more, though nothing is wrong with the joint: they are gimbal-locked. What is solved instead next to
+//! such poses is in `chart`.
 //!
 //! With C = [u1, u2, u1 × u2] for the axes u1, u2 of the first two rotations, and the third axis turned by mu from
 //! u1 × u2 about u2, every such joint is C Rx(a) Ry(b + mu) Rz(c) Ry(-mu) Cᵀ: one formula serves all orders of axes.
@@ -12,16 +11,12 @@
 //! Three rotations count as a ball joint if they stand side by side wherever they are used, are unknowns of their own,
 //! and no body belongs to a link between them: a body there would show the single angles.
 
-use super::structure::{Structure, block};
+use super::structure::Structure;
 use crate::math::{Pose, sin_cos};
 use crate::model::chain::{Argument, Chain, Motion, Step};
-use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// Below this |cos(b + mu)| the chart is used: the angles then lose at most one digit of the rotation.
-const NEAR: f64 = 0.2;
 
 /// Below this |cos(b + mu)| the last angle is kept and not read: the first then carries an error of this size in
 /// radians at most, no more than rounding of a long chain.
@@ -34,7 +29,7 @@ pub struct Ball {
     pub slots: [usize; 3],
     /// Block that solves them.
     pub block: usize,
-    arguments: [usize; 3],
+    pub(super) arguments: [usize; 3],
     axes: [usize; 3],
     signs: [f64; 3],
     /// Added to the unknowns before they are angles.
@@ -42,14 +37,6 @@ pub struct Ball {
     /// C above.
     frame: DMat3,
     mu: f64,
-}
-
-/// Where a ball joint stands in the loops.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    loop_index: usize,
-    step: usize,
-    is_inverse: bool,
 }
 
 impl Ball {
@@ -85,7 +72,7 @@ impl Ball {
 
     /// Writes the unknowns that give `rotation` into `coordinates`: of all triples the one nearest to those that
     /// stand there.
-    fn read(&self, rotation: &DMat3, coordinates: &mut [f64]) {
+    pub(super) fn read(&self, rotation: &DMat3, coordinates: &mut [f64]) {
         let s = self.canonical(rotation);
         let before = self.angles(coordinates);
         let locked = DVec2::new(s.x_axis.x, s.y_axis.x).length() < UNREADABLE;
@@ -121,7 +108,7 @@ impl Ball {
 
     /// Rates of the unknowns for an angular velocity in the frame before the joint; the first and the last are NaN
     /// where the angles are locked.
-    fn rates(&self, coordinates: &[f64], turn: DVec3) -> [f64; 3] {
+    pub(super) fn rates(&self, coordinates: &[f64], turn: DVec3) -> [f64; 3] {
         let [a, b, _] = self.angles(coordinates);
         let w = Pose::from_axis_rotation(0, -a).rotation * (self.frame.transpose() * turn);
         let (sin, cos) = sin_cos(b + self.mu);
@@ -133,171 +120,6 @@ impl Ball {
         let found = [w.x - last * sin, w.y, last];
         [0, 1, 2].map(|k| self.signs[k] * found[k])
     }
-}
-
-/// The mechanism with its ball joints described from their present rotation on.
-#[derive(Clone, Debug)]
-pub struct Chart {
-    /// Loops and unknowns only; the unknowns of ball joints are small rotations about x, y, z.
-    pub mechanism: Mechanism,
-    /// The scene's order of solution, for `mechanism`.
-    pub structure: Structure,
-    /// The ball joints, none of which is held.
-    pub balls: Vec<Ball>,
-    /// Places of the constant rotations in `mechanism`, for every ball.
-    places: Vec<Vec<Place>>,
-    /// Present rotations.
-    rotations: Vec<DMat3>,
-}
-
-impl Chart {
-    /// `None` if there is no ball joint.
-    pub fn new(mechanism: &Mechanism, structure: &Structure) -> Option<Self> {
-        let balls = balls(mechanism, structure);
-        if balls.is_empty() {
-            return None;
-        }
-        let mut charted = Mechanism {
-            bodies: Vec::new(),
-            traces: Vec::new(),
-            outputs: Vec::new(),
-            ..mechanism.clone()
-        };
-        let mut places = Vec::new();
-        for ball in &balls {
-            for (argument, slot) in ball.arguments.iter().zip(ball.slots) {
-                charted.arguments[*argument] = Argument::Affine(Affine {
-                    terms: vec![(slot, 1.0)],
-                    constant: 0.0,
-                });
-            }
-        }
-        for (index, item) in charted.loops.iter_mut().enumerate() {
-            places.extend(rewrite(&mut item.chain, index, &balls));
-        }
-        let of_ball = |k: usize| {
-            let own = places.iter().filter(|(ball, _)| *ball == k);
-            own.map(|(_, place)| *place).collect()
-        };
-        Some(Self {
-            places: (0..balls.len()).map(of_ball).collect(),
-            rotations: vec![DMat3::IDENTITY; balls.len()],
-            mechanism: charted,
-            structure: structure.clone(),
-            balls,
-        })
-    }
-
-    /// Whether the scene's angles are bad coordinates of some joint here.
-    pub fn is_needed(&self, coordinates: &[f64]) -> bool {
-        self.balls
-            .iter()
-            .any(|b| b.lock(coordinates).length() < NEAR)
-    }
-
-    /// Describes the joints from the scene's `coordinates` on; returns the chart's coordinates of that pose.
-    pub fn base(&mut self, coordinates: &[f64]) -> Vec<f64> {
-        let mut own = coordinates.to_vec();
-        for (k, ball) in self.balls.iter().enumerate() {
-            let rotation = ball.rotation(coordinates);
-            self.rotations[k] = rotation;
-            ball.slots.iter().for_each(|slot| own[*slot] = 0.0);
-            for place in &self.places[k] {
-                let rotation = if place.is_inverse {
-                    rotation.transpose()
-                } else {
-                    rotation
-                };
-                let steps = &mut self.mechanism.loops[place.loop_index].chain.steps;
-                steps[place.step] = Step::Fixed(Pose {
-                    rotation,
-                    translation: DVec3::ZERO,
-                });
-            }
-        }
-        for item in &mut self.structure.blocks {
-            let (loops, equations) = (item.loops.clone(), item.equations.clone());
-            *item = block(&self.mechanism, loops, equations, item.unknowns.clone());
-        }
-        own
-    }
-
-    /// The scene's coordinates for the chart's: of all names of the pose the one nearest to `near`.
-    pub fn scene(&self, own: &[f64], near: &[f64]) -> Vec<f64> {
-        let mut coordinates = own.to_vec();
-        for (ball, base) in self.balls.iter().zip(&self.rotations) {
-            let turn = |k: usize| Pose::from_axis_rotation(k, own[ball.slots[k]]).rotation;
-            let rotation = *base * turn(0) * turn(1) * turn(2);
-            ball.slots
-                .iter()
-                .for_each(|slot| coordinates[*slot] = near[*slot]);
-            ball.read(&rotation, &mut coordinates);
-        }
-        coordinates
-    }
-
-    /// Gives the joints of a pose in the scene's `coordinates` the names nearest to `near`, without moving them.
-    pub fn rename(&self, coordinates: &mut [f64], near: &[f64]) {
-        for ball in &self.balls {
-            let rotation = ball.rotation(coordinates);
-            ball.slots
-                .iter()
-                .for_each(|slot| coordinates[*slot] = near[*slot]);
-            ball.read(&rotation, coordinates);
-        }
-    }
-
-    /// Rates of the scene's unknowns for rates at the pose that the chart was based on; see [`Ball::rates`].
-    pub fn scene_rates(&self, coordinates: &[f64], rates: &mut [f64]) {
-        for (ball, base) in self.balls.iter().zip(&self.rotations) {
-            let turn = *base * DVec3::from_array(ball.slots.map(|slot| rates[slot]));
-            for (slot, rate) in ball.slots.iter().zip(ball.rates(coordinates, turn)) {
-                rates[*slot] = rate;
-            }
-        }
-    }
-}
-
-/// Puts a constant rotation before every ball joint of a chain (after, where it stands inverted), and small
-/// rotations in its place. Returns the constants' places with the index of their ball.
-fn rewrite(chain: &mut Chain, loop_index: usize, balls: &[Ball]) -> Vec<(usize, Place)> {
-    let mut steps: Vec<Step> = Vec::new();
-    let mut places = Vec::new();
-    let mut k = 0;
-    while k < chain.steps.len() {
-        let known = balls.iter().enumerate().find_map(|(index, ball)| {
-            let window = chain.steps.get(k..k + 3)?;
-            stands_at(ball, window).map(|is_inverse| (index, ball, is_inverse))
-        });
-        let Some((index, ball, is_inverse)) = known else {
-            steps.push(chain.steps[k]);
-            k += 1;
-            continue;
-        };
-        let small = |axis: usize, sign: f64| Step::Joint {
-            motion: Motion::Rotation,
-            axis,
-            argument: ball.arguments[axis],
-            sign,
-        };
-        let first = steps.len();
-        if is_inverse {
-            steps.extend([2, 1, 0].map(|axis| small(axis, -1.0)));
-            steps.push(Step::Fixed(Pose::IDENTITY));
-        } else {
-            steps.push(Step::Fixed(Pose::IDENTITY));
-            steps.extend([0, 1, 2].map(|axis| small(axis, 1.0)));
-        }
-        let place = Place {
-            loop_index,
-            step: if is_inverse { first + 3 } else { first },
-            is_inverse,
-        };
-        places.push((index, place));
-        k += 3;
-    }
-    chain.steps = steps;
-    places
 }
 
 /// Axis, argument and sign of a rotation.
@@ -314,7 +136,7 @@ fn rotation_of(step: &Step) -> Option<(usize, usize, f64)> {
 }
 
 /// Whether three steps are the ball joint: as it is, or inverted.
-fn stands_at(ball: &Ball, window: &[Step]) -> Option<bool> {
+pub(super) fn stands_at(ball: &Ball, window: &[Step]) -> Option<bool> {
     let found = [
         rotation_of(&window[0])?,
         rotation_of(&window[1])?,

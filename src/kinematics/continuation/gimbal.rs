@@ -1,12 +1,12 @@
 //! Passing poses where the angles of a ball joint are locked though the mechanism is not, and saying where they are.
 //!
-//! Next to such a pose everything is solved in the chart of [`ball`](super::super::ball); the scene's angles are read
+//! Next to such a pose everything is solved in a [`Chart`]; the scene's angles are read
 //! from the result so that they go on smoothly.
 
 use super::super::assembly::{Assembled, NotClosed, assemble};
-use super::super::ball::Chart;
 use super::super::branch::BranchState;
 use super::super::certificate::{Certificate, Reason};
+use super::super::chart::Chart;
 use super::super::newton::{Correction, Corrector, Pace};
 use super::super::trajectory::EventKind;
 use super::{Follower, Stand};

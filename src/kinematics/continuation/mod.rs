@@ -8,9 +8,9 @@ mod record;
 mod step;
 
 use super::assembly::NotClosed;
-use super::ball::Chart;
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
+use super::chart::Chart;
 use super::newton::Corrector;
 use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
