@@ -134,7 +134,8 @@ impl Chart {
         }
     }
 
-    /// Rates of the scene's unknowns for rates at the pose that the chart was based on; see [`Ball::rates`].
+    /// Rates of the scene's unknowns for rates at the pose that the chart was based on: those of a joint's first and last
+    /// angle are NaN where they are locked.
     pub fn scene_rates(&self, coordinates: &[f64], rates: &mut [f64]) {
         for (ball, base) in self.balls.iter().zip(&self.rotations) {
             let turn = *base * DVec3::from_array(ball.slots.map(|slot| rates[slot]));

@@ -84,7 +84,8 @@ fn of_block(
 ) -> Result<Vec<Held>, StructureError> {
     let columns = block.unknowns.len();
     let freedoms = columns - closed.of(block);
-    let pose = &closed.poses[0];
+    let poses = closed.regular(block);
+    let pose = poses[0];
     let mut null = null_vectors(mechanism, block, pose, freedoms);
     eliminate(&mut null, |_| 1.0);
     let site = Site {
@@ -108,7 +109,7 @@ fn of_block(
         if pure[j] { last } else { IMPURE * last }
     };
     let pivots = eliminate(&mut null, weight);
-    for pose in &closed.poses[1..] {
+    for pose in poses.into_iter().skip(1) {
         let others: Vec<Vec<f64>> = released(mechanism, block, pose, &pivots);
         let site = Site { pose, ..site };
         let moves = |rates: &&Vec<f64>| site.with(rates).idle_lines().is_none();

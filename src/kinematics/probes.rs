@@ -109,6 +109,28 @@ impl<'a> Ranks<'a> {
         largest
     }
 
+    /// The poses at which the block has its largest rank, the most regular one first.
+    pub fn regular(&self, block: &Block) -> Vec<&'a [f64]> {
+        let mut workspace = BlockWorkspace::default();
+        let mut qr = PivotedQr::default();
+        let largest = self.of(block);
+        let mut list: Vec<(f64, &'a [f64])> = Vec::new();
+        for pose in self.poses {
+            workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
+            qr.factor(
+                &workspace.jacobian,
+                block.rows(),
+                block.unknowns.len(),
+                RANK,
+            );
+            if qr.rank() == largest {
+                list.push((qr.smallest_pivot(), pose));
+            }
+        }
+        list.sort_by(|a, b| b.0.total_cmp(&a.0));
+        list.into_iter().map(|(_, pose)| pose).collect()
+    }
+
     /// Whether the equations do not determine the block's unknowns.
     pub fn lacks(&self, block: &Block) -> bool {
         self.of(block) < block.unknowns.len()
