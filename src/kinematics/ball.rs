@@ -18,6 +18,9 @@ use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+/// Distance from a locked pose, in half turns, at which |cos(b + mu)| is 0.2.
+const NEAR: f64 = 0.064_094_216_849;
+
 /// Below this |cos(b + mu)| the last angle is kept and not read: the first then carries an error of this size in
 /// radians at most, no more than rounding of a long chain.
 const UNREADABLE: f64 = 4e-15;
@@ -51,6 +54,26 @@ impl Ball {
     pub fn lock(&self, coordinates: &[f64]) -> DVec2 {
         let s = self.canonical(&self.rotation(coordinates));
         DVec2::new(s.x_axis.x, s.y_axis.x)
+    }
+
+    /// Whether |cos(b + mu)| is below 0.2: the angles then lose a digit of the rotation, and soon more. Needs no cosine,
+    /// since it is asked at every step.
+    pub fn is_nearly_locked(&self, coordinates: &[f64]) -> bool {
+        let part = self.half_turns(coordinates);
+        (part - part.round()).abs() < NEAR
+    }
+
+    /// Whether the locked pose lies between two poses, or one of them is near it.
+    pub fn may_have_locked(&self, a: &[f64], b: &[f64]) -> bool {
+        self.half_turns(a).floor() != self.half_turns(b).floor()
+            || self.is_nearly_locked(a)
+            || self.is_nearly_locked(b)
+    }
+
+    /// Half turns of b + mu from a locked pose.
+    fn half_turns(&self, coordinates: &[f64]) -> f64 {
+        let b = self.signs[1] * (coordinates[self.slots[1]] + self.offsets[1]);
+        (b + self.mu) / PI - 0.5
     }
 
     /// Sign of the determinant of the map from rates of the unknowns to the joint's angular velocity.
@@ -319,6 +342,9 @@ mod tests {
                     let truth = [0.7, middle, -2.0];
                     let rotation = ball.rotation(&truth);
                     assert!((ball.lock(&truth).length() - near_lock.sin().abs()).abs() < 1e-15);
+                    assert_eq!(ball.is_nearly_locked(&truth), near_lock.sin().abs() < 0.2);
+                    let beyond = [0.0, signs[1] * (FRAC_PI_2 - ball.mu + 1.0), 0.0];
+                    assert_eq!(ball.may_have_locked(&truth, &beyond), near_lock >= -0.2);
                     // From nearby the same angles come back; from anywhere the same rotation.
                     let mut found = truth.map(|v| v + 1e-3);
                     ball.read(&rotation, &mut found);

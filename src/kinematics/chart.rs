@@ -11,9 +11,6 @@ use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 
-/// Below this |cos(b + mu)| the chart is used: the angles then lose at most one digit of the rotation.
-const NEAR: f64 = 0.2;
-
 /// Where a ball joint stands in the loops.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -77,9 +74,7 @@ impl Chart {
 
     /// Whether the scene's angles are bad coordinates of some joint here.
     pub fn is_needed(&self, coordinates: &[f64]) -> bool {
-        self.balls
-            .iter()
-            .any(|b| b.lock(coordinates).length() < NEAR)
+        self.balls.iter().any(|b| b.is_nearly_locked(coordinates))
     }
 
     /// Describes the joints from the scene's `coordinates` on; returns the chart's coordinates of that pose.

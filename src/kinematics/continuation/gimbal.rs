@@ -179,6 +179,10 @@ impl Follower<'_> {
         let balls = self.chart.as_ref().map_or(0, |chart| chart.balls.len());
         let before = self.last_kept.take();
         for index in 0..balls {
+            let from = before.as_ref().unwrap_or(stand);
+            if !self.may_have_locked(index, from, stand) {
+                continue;
+            }
             let now = self.lock_of(index, &stand.coordinates);
             let Some(before) = &before else {
                 if now.length() <= NEAR_LOCK {
@@ -204,6 +208,11 @@ impl Follower<'_> {
             self.kept_before = before;
             self.last_kept = Some(stand.clone());
         }
+    }
+
+    fn may_have_locked(&self, index: usize, a: &Stand, b: &Stand) -> bool {
+        let ball = self.chart.as_ref().map(|chart| &chart.balls[index]);
+        ball.is_some_and(|ball| ball.may_have_locked(&a.coordinates, &b.coordinates))
     }
 
     fn lock_of(&self, index: usize, coordinates: &[f64]) -> DVec2 {
