@@ -1,8 +1,7 @@
 //! Which equations say something, and in which order loops can be solved: blocks of loops that share unknowns.
 //!
 //! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve. The order
-//! itself is found in `order`, the poses that
-//! decide on ranks in `probes`, idle freedoms in `idle`.
+//! itself is found in `order`, the poses that decide on ranks in `probes`, idle freedoms in `idle`.
 
 use super::closure::{BlockWorkspace, Want};
 use super::idle::{self, Held};
