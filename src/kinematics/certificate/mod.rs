@@ -66,6 +66,8 @@ pub enum Reason {
     Formula,
     /// Too near a singular pose (or too far from a closed one) for the test to succeed.
     Singular,
+    /// The angles of a ball joint are nearly locked: they have no bound, though the position has an error of rounding.
+    GimbalLock,
     /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
     HalfTurn,
     /// An equation that the proof leaves out does not hold.
@@ -80,6 +82,7 @@ impl Reason {
         match self {
             Self::Formula => "formula",
             Self::Singular => "near-singular",
+            Self::GimbalLock => "gimbal-lock",
             Self::HalfTurn => "half-turn",
             Self::Open => "open",
             Self::NotAsked => "not-asked",

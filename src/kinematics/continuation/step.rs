@@ -47,6 +47,7 @@ impl Follower<'_> {
         if !correction.converged || correction.first_step > allowed {
             return Ok(None);
         }
+        self.rename(&base, time, &mut coordinates);
         let stand = self.stand(time, coordinates);
         let same = stand
             .branch
@@ -72,16 +73,20 @@ impl Follower<'_> {
         branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
     }
 
-    fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
-        let correction = self
-            .corrector
-            .correct(self.mechanism, self.structure, coordinates, pace);
+    pub(super) fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
+        let correction = self.correct_in_chart(coordinates, pace).unwrap_or_else(|| {
+            self.corrector
+                .correct(self.mechanism, self.structure, coordinates, pace)
+        });
         self.iterations += correction.iterations;
         correction
     }
 
     /// Tangent prediction to new inputs, and the length of the step in scaled unknowns.
-    fn predict(&mut self, here: &Stand, inputs: &[f64]) -> (Vec<f64>, f64) {
+    pub(super) fn predict(&mut self, here: &Stand, inputs: &[f64]) -> (Vec<f64>, f64) {
+        if let Some(predicted) = self.predict_in_chart(here, inputs) {
+            return predicted;
+        }
         let n = self.mechanism.unknowns.len();
         let mut change: Vec<f64> = vec![0.0; here.coordinates.len()];
         for (k, input) in inputs.iter().enumerate() {
@@ -116,6 +121,7 @@ impl Follower<'_> {
         let n = self.mechanism.unknowns.len();
         let mut coordinates = [&end.coordinates[..n], &inputs].concat();
         let correction = self.correct(&mut coordinates, Pace::Patient);
+        self.rename(end, time, &mut coordinates);
         (correction.converged && correction.first_step <= MAX_CORRECTION)
             .then(|| self.stand(time, coordinates))
     }
@@ -133,6 +139,7 @@ impl Follower<'_> {
             let correction = self.correct(&mut coordinates, Pace::Brisk);
             let allowed = (CORRECTION_OF_STEP * length).min(MAX_CORRECTION);
             if correction.converged && correction.first_step <= allowed && beyond > end.time {
+                self.rename(&anchor, beyond, &mut coordinates);
                 return Some(self.stand(beyond, coordinates));
             }
             reach = if reach < limit {
@@ -146,12 +153,7 @@ impl Follower<'_> {
 
     /// Observes a closed pose.
     pub(super) fn stand(&mut self, time: f64, coordinates: Vec<f64>) -> Stand {
-        let branch = self.watch.observe(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &coordinates,
-        );
+        let branch = self.observe(&coordinates);
         if branch.sigma_min.is_finite() {
             self.best_sigma = self.best_sigma.max(branch.sigma_min);
         }
@@ -164,6 +166,7 @@ impl Follower<'_> {
 
     /// Remembers an accepted pose as an anchor if it is well away from singular ones.
     pub(super) fn keep(&mut self, stand: Stand) -> Stand {
+        self.watch_gimbals(&stand);
         if self.is_trusted(&stand.branch) {
             self.anchor = Some(stand.clone());
         }
