@@ -3,6 +3,7 @@
 //! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve.
 
 use super::closure::{BlockWorkspace, Want};
+use super::plan::BlockPlan;
 use super::qr::PivotedQr;
 use crate::model::mechanism::{Kind, Mechanism};
 
@@ -28,6 +29,8 @@ pub struct Block {
     pub column_of: Vec<Option<usize>>,
     /// Arguments that its loops use.
     pub arguments: Vec<usize>,
+    /// Layout for evaluation.
+    pub plan: BlockPlan,
 }
 
 impl Block {
@@ -352,12 +355,14 @@ fn block(
         .collect();
     arguments.sort_unstable();
     arguments.dedup();
+    let plan = BlockPlan::new(mechanism, &loops, &equations, &arguments, &column_of);
     Block {
         loops,
         equations,
         unknowns,
         column_of,
         arguments,
+        plan,
     }
 }
 

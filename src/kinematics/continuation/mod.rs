@@ -10,6 +10,7 @@ use super::assembly::{NotClosed, assemble};
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
 use super::newton::Corrector;
+use super::predictor::Predictor;
 use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -47,6 +48,7 @@ struct Follower<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
     corrector: Corrector,
+    predictor: Predictor,
     watch: BranchWatch,
     certifier: Certifier<'m>,
     /// Last pose that is well away from singular ones: where crossings start from.
@@ -63,6 +65,7 @@ impl<'m> Follower<'m> {
             mechanism,
             structure,
             corrector: Corrector::new(structure),
+            predictor: Predictor::default(),
             watch: BranchWatch::default(),
             certifier: Certifier::new(mechanism, structure),
             anchor: None,

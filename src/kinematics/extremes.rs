@@ -1,0 +1,165 @@
+//! Smallest and largest singular value of a regular matrix from its inverse and itself, by iteration from the vectors of
+//! the pose before.
+//!
+//! Power iteration on A Aᵀ with a Rayleigh quotient: the distance of the quotient θ from some eigenvalue is at most the
+//! length of its residual. That it is the largest one is proved by the sum of all eigenvalues, the squared Frobenius
+//! norm: what is left of it after θ holds no larger one. Where neither is reached the caller decomposes exactly.
+
+use super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups};
+
+/// Relative error of the smallest singular value. Half of what the eigenvalue, its square, is allowed.
+pub const SMALLEST_ERROR: f64 = 1e-6;
+
+/// Relative error of the largest singular value, and with it of the condition number.
+pub const LARGEST_ERROR: f64 = 1e-3;
+
+/// Iterations after which the exact decomposition is cheaper.
+const MOST_ITERATIONS: usize = 24;
+
+/// Vectors that a block's iterations start from.
+#[derive(Clone, Debug, Default)]
+pub struct Extremes {
+    small: PowerIteration,
+    large: PowerIteration,
+}
+
+impl Extremes {
+    /// Smallest and largest singular value of the matrix whose rows are `transposed` and whose inverse (or
+    /// pseudo-inverse) has the rows of `inverse`; both have one row per unknown. `None` where the iterations do not
+    /// decide.
+    pub fn of(&mut self, transposed: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
+        let (small, sum) = self.small.largest(inverse, SMALLEST_ERROR)?;
+        // Rounding of the sum is far below the quotient.
+        if sum - small > small {
+            return None;
+        }
+        let (large, _) = self.large.largest(transposed, LARGEST_ERROR)?;
+        Some((1.0 / small.sqrt(), large.sqrt()))
+    }
+}
+
+/// One eigenvector.
+#[derive(Clone, Debug, Default)]
+struct PowerIteration {
+    vector: Vec<Lanes>,
+    image: Vec<Lanes>,
+    inner: Vec<Lanes>,
+    size: usize,
+}
+
+impl PowerIteration {
+    /// An eigenvalue of A Aᵀ, nearly always the largest, and the sum of all; `error` is that of its root.
+    fn largest(&mut self, a: &LaneMatrix, error: f64) -> Option<(f64, f64)> {
+        let n = a.rows().len();
+        if self.size != n {
+            self.start(n);
+        }
+        let sum: f64 = a.rows().map(|row| dot(row, row)).sum();
+        for _ in 0..MOST_ITERATIONS {
+            self.multiply(a);
+            let value = dot(&self.vector, &self.image);
+            let square = dot(&self.image, &self.image);
+            if !(value > 0.0 && square.is_finite()) {
+                self.size = 0;
+                return None;
+            }
+            // The squared residual by Pythagoras, rounding included.
+            let residual = (square - value * value).abs() + 4.0 * f64::EPSILON * square;
+            let scale = 1.0 / square.sqrt();
+            for (v, w) in self.vector.iter_mut().zip(&self.image) {
+                for k in 0..4 {
+                    v[k] = w[k] * scale;
+                }
+            }
+            if residual <= (2.0 * error * value) * (2.0 * error * value) {
+                return Some((value, sum));
+            }
+        }
+        None
+    }
+
+    /// A vector without a preferred direction.
+    fn start(&mut self, n: usize) {
+        self.size = n;
+        super::lanes::pack(
+            &mut self.vector,
+            (0..n).map(|k| 1.0 + 0.37 * ((k * 7) % 5) as f64),
+        );
+        let length = dot(&self.vector, &self.vector).sqrt();
+        for group in &mut self.vector {
+            group.iter_mut().for_each(|v| *v /= length);
+        }
+    }
+
+    fn multiply(&mut self, a: &LaneMatrix) {
+        self.inner.clear();
+        self.inner.resize(a.stride(), [0.0; 4]);
+        for (row, x) in a.rows().zip(self.vector.as_flattened()) {
+            add_scaled(&mut self.inner, *x, row);
+        }
+        self.image.clear();
+        self.image.resize(groups(self.size), [0.0; 4]);
+        for (row, y) in a.rows().zip(self.image.as_flattened_mut()) {
+            *y = dot(row, &self.inner);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::qr::PivotedQr;
+    use super::super::rank::conditioning;
+    use super::*;
+
+    /// A repeatable matrix with entries in -1..1; the last column leaves the span of the others by `gap`.
+    fn matrix(rows: usize, columns: usize, seed: u64, gap: f64) -> Vec<f64> {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut a: Vec<f64> = (0..rows * columns).map(|_| random()).collect();
+        if gap < 1.0 && columns > 1 {
+            for i in 0..rows {
+                let last = (columns - 1) * rows + i;
+                a[last] = a[i] + gap * a[last];
+            }
+        }
+        a
+    }
+
+    #[test]
+    fn iterated_values_are_those_of_the_exact_decomposition() {
+        let (mut decided, mut tried) = (0, 0);
+        let mut qr = PivotedQr::default();
+        let (mut inverse, mut transposed) = (LaneMatrix::default(), LaneMatrix::default());
+        for (rows, columns) in [(1, 1), (3, 3), (6, 6), (6, 4), (12, 12), (18, 18)] {
+            for gap in [1.0, 1e-2, 1e-4, 1e-6] {
+                let mut extremes = Extremes::default();
+                for seed in 0..50 {
+                    let a = matrix(rows, columns, seed, gap);
+                    qr.factor(&a, rows, columns, 1e-12);
+                    assert!(qr.invert(&mut inverse));
+                    transposed.copy_rows(&a, columns, rows);
+                    let exact = conditioning(&a, rows, columns);
+                    tried += 1;
+                    let Some((small, large)) = extremes.of(&transposed, &inverse) else {
+                        continue;
+                    };
+                    decided += 1;
+                    let small = (small / exact.sigma_min - 1.0).abs();
+                    let large = (large / exact.sigma_max - 1.0).abs();
+                    // The inverse of a matrix with condition 1e8 has lost half of its digits.
+                    assert!(
+                        small <= SMALLEST_ERROR,
+                        "{rows}x{columns} {gap} {seed}: {small:e}"
+                    );
+                    assert!(large <= 0.3, "{rows}x{columns} {gap} {seed}: {large:e}");
+                }
+            }
+        }
+        assert!(10 * decided > 6 * tried, "{decided} of {tried}");
+    }
+}
