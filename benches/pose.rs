@@ -90,7 +90,7 @@ impl Course<'_> {
         let mut corrector = Corrector::new(self.structure);
         let mut predictor = Predictor::default();
         let mut watch = BranchWatch::default();
-        let certifier = Certifier::new(self.mechanism, self.structure);
+        let mut certifier = Certifier::new(self.mechanism, self.structure);
         let mut here = self.first.clone();
         watch.observe(self.mechanism, self.structure, &mut corrector, &here);
         let mut pass = Pass {
@@ -117,7 +117,7 @@ impl Course<'_> {
             }
             kept.copy_from_slice(&here);
             if depth >= Depth::Certificate {
-                match certifier.certify(kept, watch.bases()) {
+                match certifier.polish(kept, watch.bases()) {
                     Certificate::Certified { error_bound, .. } => {
                         pass.worst_bound = pass.worst_bound.max(error_bound);
                     }

@@ -19,7 +19,9 @@ impl Follower<'_> {
 
     pub(super) fn record(&mut self, stand: &Stand) {
         let n = self.mechanism.unknowns.len();
-        let coordinates = &stand.coordinates;
+        let mut coordinates = stand.coordinates.clone();
+        let certificate = self.certifier.polish(&mut coordinates, self.watch.bases());
+        let coordinates = &coordinates;
         let bodies = forward::body_poses(self.mechanism, coordinates);
         let traces = forward::trace_points(self.mechanism, &bodies);
         let outputs = forward::outputs(self.mechanism, coordinates, &traces);
@@ -40,7 +42,7 @@ impl Follower<'_> {
             condition: stand.branch.condition,
             rank: stand.branch.rank,
             branch: stand.branch.signature(),
-            certificate: self.certifier.certify(coordinates, self.watch.bases()),
+            certificate,
             iterations: self.iterations,
         };
         let inputs = coordinates[n..].to_vec();
