@@ -220,6 +220,12 @@ fn main() {
             repetitions,
         ));
     }
+    // Words on the command line choose mechanisms by parts of their names.
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
+    cases.retain(|case| wanted.is_empty() || wanted.iter().any(|w| case.0.contains(w.as_str())));
     for (name, source, count, repetitions) in cases {
         let scene = source.as_ref().and_then(read);
         let line = scene.and_then(|s| measure(&name, &s.mechanism, count, repetitions));

@@ -5,7 +5,7 @@
 //! length of its residual. That it is the largest one is proved by the sum of all eigenvalues, the squared Frobenius
 //! norm: what is left of it after θ holds no larger one. Where neither is reached the caller decomposes exactly.
 
-use super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups};
+use super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups, scale};
 
 /// Relative error of the smallest singular value. Half of what the eigenvalue, its square, is allowed.
 pub const SMALLEST_ERROR: f64 = 1e-6;
@@ -65,12 +65,8 @@ impl PowerIteration {
             }
             // The squared residual by Pythagoras, rounding included.
             let residual = (square - value * value).abs() + 4.0 * f64::EPSILON * square;
-            let scale = 1.0 / square.sqrt();
-            for (v, w) in self.vector.iter_mut().zip(&self.image) {
-                for k in 0..4 {
-                    v[k] = w[k] * scale;
-                }
-            }
+            std::mem::swap(&mut self.vector, &mut self.image);
+            scale(&mut self.vector, 1.0 / square.sqrt());
             if residual <= (2.0 * error * value) * (2.0 * error * value) {
                 return Some((value, sum));
             }
@@ -86,9 +82,7 @@ impl PowerIteration {
             (0..n).map(|k| 1.0 + 0.37 * ((k * 7) % 5) as f64),
         );
         let length = dot(&self.vector, &self.vector).sqrt();
-        for group in &mut self.vector {
-            group.iter_mut().for_each(|v| *v /= length);
-        }
+        scale(&mut self.vector, 1.0 / length);
     }
 
     fn multiply(&mut self, a: &LaneMatrix) {

@@ -1,6 +1,8 @@
-//! Rows of small dense matrices in groups of four numbers, which compilers turn into vector instructions.
+//! Rows of small dense matrices in groups of four numbers, four at a time.
 //!
 //! Rows are padded with zeros to whole groups. Sums run in a fixed order, so that results are the same everywhere.
+
+use wide::f64x4;
 
 /// Four neighbours of a row.
 pub type Lanes = [f64; 4];
@@ -14,23 +16,48 @@ pub fn groups(length: usize) -> usize {
 /// `target += factor · row`.
 #[inline]
 pub fn add_scaled(target: &mut [Lanes], factor: f64, row: &[Lanes]) {
+    let factor = f64x4::splat(factor);
     for (t, r) in target.iter_mut().zip(row) {
-        for k in 0..4 {
-            t[k] += factor * r[k];
-        }
+        *t = (f64x4::new(*t) + factor * f64x4::new(*r)).to_array();
     }
 }
 
 /// The scalar product.
 #[inline]
 pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
-    let mut sums = [0.0; 4];
+    let mut sums = f64x4::ZERO;
     for (a, b) in a.iter().zip(b) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
+        sums += f64x4::new(*a) * f64x4::new(*b);
     }
-    total(sums)
+    total(sums.to_array())
+}
+
+/// The sum of |a| b for positive b.
+#[inline]
+pub fn dot_of_sizes(a: &[Lanes], b: &[Lanes]) -> f64 {
+    let mut sums = f64x4::ZERO;
+    for (a, b) in a.iter().zip(b) {
+        sums += f64x4::new(*a).abs() * f64x4::new(*b);
+    }
+    total(sums.to_array())
+}
+
+/// Adds the squares of a row.
+#[inline]
+pub fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {
+    for (sum, r) in sums.iter_mut().zip(row) {
+        let r = f64x4::new(*r);
+        *sum = (f64x4::new(*sum) + r * r).to_array();
+    }
+}
+
+/// `target · factor`.
+#[inline]
+pub fn scale(target: &mut [Lanes], factor: f64) {
+    let factor = f64x4::splat(factor);
+    for t in target {
+        *t = (f64x4::new(*t) * factor).to_array();
+    }
 }
 
 /// The sum of a group.

@@ -3,7 +3,7 @@
 //! Golub and Van Loan, Matrix Computations, 4th ed., algorithm 5.4.1. Matrices come in column by column and are kept
 //! by rows, so that reflections add rows to rows.
 
-use super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups};
+use super::lanes::{LaneMatrix, Lanes, add_scaled, add_squares, dot, groups, scale};
 
 /// A factorisation in reusable buffers.
 #[derive(Clone, Debug, Default)]
@@ -156,9 +156,7 @@ impl PivotedQr {
                 add_scaled(row, -self.factors.at(k, j), solved);
             }
             let reciprocal = 1.0 / self.factors.at(k, k);
-            row.as_flattened_mut()
-                .iter_mut()
-                .for_each(|v| *v *= reciprocal);
+            scale(&mut row[..stride], reciprocal);
         }
         inverse.reset(n, m);
         for k in 0..n {
@@ -197,7 +195,7 @@ impl PivotedQr {
         let beta = if alpha > 0.0 { -norm } else { norm };
         // A column that is already zero below the diagonal needs no reflection.
         let is_zero = (k + 1..self.rows).all(|i| self.factors.at(i, k) == 0.0);
-        let (tau, scale) = match is_zero {
+        let (tau, share) = match is_zero {
             true => (0.0, 0.0),
             false => ((beta - alpha) / beta, 1.0 / (alpha - beta)),
         };
@@ -214,12 +212,10 @@ impl PivotedQr {
             .iter_mut()
             .zip(below.chunks_exact(stride))
         {
-            *v = other[start][k % 4] * scale;
+            *v = other[start][k % 4] * share;
             add_scaled(sums, *v, &other[start..]);
         }
-        for group in sums.iter_mut() {
-            group.iter_mut().for_each(|s| *s *= tau);
-        }
+        scale(sums, tau);
         // Columns that are done keep what they have.
         sums[0][..=k % 4].fill(0.0);
         add_scaled(row, -1.0, sums);
@@ -237,15 +233,6 @@ impl PivotedQr {
             add_squares(squares, other);
         }
         self.scalars[k] = tau;
-    }
-}
-
-#[inline]
-fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {
-    for (sum, r) in sums.iter_mut().zip(row) {
-        for k in 0..4 {
-            sum[k] += r[k] * r[k];
-        }
     }
 }
 

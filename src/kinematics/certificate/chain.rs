@@ -220,11 +220,10 @@ impl LoopAtPose {
     ) {
         let product = self.walk(plan, arguments);
         let (open, total) = self.reaches(plan, arguments, play, size);
-        let r = &product.rotation;
-        let skew =
-            |i: (usize, usize), j: (usize, usize)| (r[i.0].at(i.1) - r[j.0].at(j.1)).hi * 0.5;
+        let r = product.rotation.map(|column| column.entries());
+        let skew = |i: (usize, usize), j: (usize, usize)| (r[i.0][i.1] - r[j.0][j.1]).hi * 0.5;
         let t = product.translation.leading() / size;
-        self.trace = r[0].at(0).hi + r[1].at(1).hi + r[2].at(2).hi;
+        self.trace = r[0][0].hi + r[1][1].hi + r[2][2].hi;
         self.residual = [
             skew((1, 2), (2, 1)),
             skew((2, 0), (0, 2)),
@@ -241,7 +240,10 @@ impl LoopAtPose {
             open[0] + lost + turned.fold(0.0, f64::max),
             open[1] + lost * (1.0 + total) + last(t.length()),
         ];
-        let rotation = DMat3::from_cols(r[0].leading(), r[1].leading(), r[2].leading());
+        let rotation = {
+            let [x, y, z] = product.rotation.map(|column| column.leading());
+            DMat3::from_cols(x, y, z)
+        };
         self.spin_to_skew = (DMat3::from_diagonal(DVec3::splat(self.trace)) - rotation) * 0.5;
         self.translation = product.translation.leading();
         self.size = size;

@@ -14,7 +14,7 @@ pub struct Double {
 }
 
 /// 2^27 + 1: parts a 53-bit number into two halves of at most 26 bits.
-const SPLITTER: f64 = 134_217_729.0;
+pub const SPLITTER: f64 = 134_217_729.0;
 
 impl From<f64> for Double {
     fn from(hi: f64) -> Self {

@@ -1,6 +1,6 @@
 //! The Newton-Kantorovich test of one square system.
 
-use super::super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups};
+use super::super::lanes::{LaneMatrix, Lanes, add_scaled, dot, dot_of_sizes, groups, scale};
 use super::chain::U;
 use super::system::{BlockSystem, Row};
 use super::{BALL, Reason};
@@ -247,9 +247,7 @@ impl Kantorovich {
             *self.matrix.at_mut(k, k) = 1.0;
             let reciprocal = 1.0 / value;
             let row = self.matrix.row_mut(k);
-            row.as_flattened_mut()
-                .iter_mut()
-                .for_each(|v| *v *= reciprocal);
+            scale(row, reciprocal);
             self.pivot_row.clear();
             self.pivot_row.extend_from_slice(row);
             let (_, all) = self.matrix.split_at_row(0);
@@ -268,18 +266,6 @@ impl Kantorovich {
         }
         true
     }
-}
-
-/// The sum of |a| b for positive b.
-#[inline]
-fn dot_of_sizes(a: &[Lanes], b: &[Lanes]) -> f64 {
-    let mut sums = [0.0; 4];
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..4 {
-            sums[k] += a[k].abs() * b[k];
-        }
-    }
-    super::super::lanes::total(sums)
 }
 
 /// The larger, and a number that is none wins.
