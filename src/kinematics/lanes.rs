@@ -60,6 +60,82 @@ pub fn scale(target: &mut [Lanes], factor: f64) {
     }
 }
 
+/// `target = Σ factorₖ · rowₖ` over rows as long as the target.
+#[inline]
+pub fn combine(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
+    // The usual lengths by themselves, so that the sums stay in registers.
+    match target.len() {
+        1 => combine_fixed::<1>(target, factors, rows),
+        2 => combine_fixed::<2>(target, factors, rows),
+        3 => combine_fixed::<3>(target, factors, rows),
+        4 => combine_fixed::<4>(target, factors, rows),
+        length => {
+            target.fill([0.0; 4]);
+            for (factor, row) in factors.iter().zip(rows.chunks_exact(length.max(1))) {
+                add_scaled(target, *factor, row);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn combine_fixed<const G: usize>(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
+    let mut sums = [f64x4::ZERO; G];
+    for (factor, row) in factors.iter().zip(rows.as_chunks::<G>().0) {
+        let factor = f64x4::splat(*factor);
+        for g in 0..G {
+            sums[g] += factor * f64x4::new(row[g]);
+        }
+    }
+    for (t, sum) in target.iter_mut().zip(sums) {
+        *t = sum.to_array();
+    }
+}
+
+/// Subtracts from every row the multiple of `pivot_row` that clears its entry `column`; `clear` says whether the entry
+/// is set to zero before.
+#[inline]
+pub fn clear_column(rows: &mut [Lanes], pivot_row: &[Lanes], column: usize, clear: bool) {
+    match pivot_row.len() {
+        1 => clear_fixed::<1>(rows, pivot_row, column, clear),
+        2 => clear_fixed::<2>(rows, pivot_row, column, clear),
+        3 => clear_fixed::<3>(rows, pivot_row, column, clear),
+        4 => clear_fixed::<4>(rows, pivot_row, column, clear),
+        length => {
+            for row in rows.chunks_exact_mut(length.max(1)) {
+                let factor = row[column / 4][column % 4];
+                if clear {
+                    row[column / 4][column % 4] = 0.0;
+                }
+                add_scaled(row, -factor, pivot_row);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn clear_fixed<const G: usize>(
+    rows: &mut [Lanes],
+    pivot_row: &[Lanes],
+    column: usize,
+    clear: bool,
+) {
+    let mut pivot = [f64x4::ZERO; G];
+    for (p, row) in pivot.iter_mut().zip(pivot_row) {
+        *p = f64x4::new(*row);
+    }
+    let (group, lane) = (column / 4 % G, column % 4);
+    for row in rows.as_chunks_mut::<G>().0 {
+        let factor = f64x4::splat(row[group][lane]);
+        if clear {
+            row[group][lane] = 0.0;
+        }
+        for g in 0..G {
+            row[g] = (f64x4::new(row[g]) - factor * pivot[g]).to_array();
+        }
+    }
+}
+
 /// The sum of a group.
 #[inline]
 pub fn total(lanes: Lanes) -> f64 {
@@ -135,6 +211,12 @@ impl LaneMatrix {
     #[inline]
     pub fn rows(&self) -> std::slice::ChunksExact<'_, Lanes> {
         self.entries.chunks_exact(self.stride.max(1))
+    }
+
+    /// All rows, one after the other.
+    #[inline]
+    pub fn groups(&self) -> &[Lanes] {
+        &self.entries
     }
 
     /// The rows up to `row`, and those from it on.

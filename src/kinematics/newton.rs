@@ -73,6 +73,8 @@ pub(super) struct BlockBuffers {
     at: Vec<f64>,
     inverse: LaneMatrix,
     has_inverse: bool,
+    /// Sign of the determinant, zero unless square and regular.
+    sign: i8,
     transposed: LaneMatrix,
     extremes: Extremes,
     right_side: Vec<f64>,
@@ -206,6 +208,12 @@ impl Corrector {
         }
     }
 
+    /// The inverse of a block's Jacobian at the last linearisation, if it has one.
+    pub fn inverse(&self, block: usize) -> Option<&LaneMatrix> {
+        let buffers = self.blocks.get(block)?;
+        (buffers.stage == Stage::Factored && buffers.has_inverse).then_some(&buffers.inverse)
+    }
+
     /// Jacobian (column-major), singular values and sign of the determinant (zero unless square) of every block at a
     /// closed pose.
     pub fn conditions(
@@ -218,8 +226,7 @@ impl Corrector {
         for (index, (block, buffers)) in structure.blocks.iter().zip(&mut self.blocks).enumerate() {
             buffers.linearise(mechanism, block, coordinates);
             let values = buffers.singular_values(block);
-            let sign = buffers.qr.determinant_sign();
-            each(index, &buffers.workspace.jacobian, values, sign);
+            each(index, &buffers.workspace.jacobian, values, buffers.sign);
         }
     }
 }
@@ -256,8 +263,16 @@ impl BlockBuffers {
         if self.stage < Stage::Factored {
             let (rows, columns) = (block.rows(), block.unknowns.len());
             let jacobian = &self.workspace.jacobian;
-            self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
-            self.has_inverse = self.qr.invert(&mut self.inverse);
+            let eliminated = match rows == columns {
+                true => self.elimination.invert(jacobian, rows, &mut self.inverse),
+                false => None,
+            };
+            self.has_inverse = eliminated.is_some();
+            self.sign = eliminated.unwrap_or_else(|| {
+                self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
+                self.has_inverse = self.qr.invert(&mut self.inverse);
+                self.qr.determinant_sign()
+            });
             self.stage = Stage::Factored;
         }
     }

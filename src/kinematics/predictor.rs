@@ -170,7 +170,11 @@ impl Predictor {
                 .zip(&mut self.joints[range])
             {
                 let rates = &self.arguments[joint.argument];
-                series.advance(rates, k, &mut link, &mut sum);
+                match k {
+                    1 => series.advance::<1>(rates, &mut link, &mut sum),
+                    2 => series.advance::<2>(rates, &mut link, &mut sum),
+                    _ => series.advance::<3>(rates, &mut link, &mut sum),
+                }
             }
             let (turn, shift) = (sum.angular * share, sum.linear * share);
             let six = residual_of(turn, shift, size);
@@ -182,29 +186,27 @@ impl Predictor {
 }
 
 impl JointSeries {
-    /// Coefficient `k` of the joint's twist, from the coefficients up to `k` of its argument. `link` is coefficient
-    /// `k - 1` of the twist of the link before, then of the one after; to `sum` goes what the twist's change
-    /// contributes to coefficient `k` of the loop's whole twist.
-    fn advance(
+    /// Coefficient `K` of the joint's twist, from the coefficients up to `K` of its argument. `link` is coefficient
+    /// `K - 1` of the twist of the link before, then of the one after; to `sum` goes what the twist's change
+    /// contributes to coefficient `K` of the loop's whole twist.
+    #[inline]
+    fn advance<const K: usize>(
         &mut self,
         argument: &[f64; HIGHEST_ORDER + 1],
-        k: usize,
         link: &mut Twist,
         sum: &mut Twist,
     ) {
         let rate = |i: usize| i as f64 * argument[i];
-        self.before[k - 1] = *link;
+        self.before[K - 1] = *link;
         let mut next = Twist::default();
-        for i in 0..k {
-            link.add(&self.own[i], rate(k - i));
-            next.add(
-                &self.before[i].bracket(&self.own[k - 1 - i]),
-                1.0 / k as f64,
-            );
+        for i in 0..K {
+            link.add(&self.own[i], rate(K - i));
+            next.add(&self.before[i].bracket(&self.own[K - 1 - i]), 1.0);
         }
-        self.own[k] = next;
-        for i in 1..=k {
-            sum.add(&self.own[i], rate(k + 1 - i));
+        self.own[K] = Twist::default();
+        self.own[K].add(&next, 1.0 / K as f64);
+        for i in 1..=K {
+            sum.add(&self.own[i], rate(K + 1 - i));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The Newton-Kantorovich test of one square system.
 
-use super::super::lanes::{LaneMatrix, Lanes, add_scaled, dot, dot_of_sizes, groups, scale};
+use super::super::elimination::Elimination;
+use super::super::lanes::{LaneMatrix, Lanes, combine, dot, dot_of_sizes, groups};
 use super::chain::U;
 use super::system::{BlockSystem, Row};
 use super::{BALL, Reason};
@@ -61,9 +62,11 @@ type RowWeights = Lanes;
 #[derive(Clone, Debug, Default)]
 pub struct Kantorovich {
     matrix: LaneMatrix,
+    /// R: any matrix serves the proof; how good it is is measured.
     inverse: LaneMatrix,
-    order: Vec<usize>,
-    pivot_row: Vec<Lanes>,
+    elimination: Elimination,
+    /// Rows of the basis by forms.
+    columns: LaneMatrix,
     /// Residuals at the earlier blocks' Newton steps.
     residuals: Vec<f64>,
     weights: Vec<RowWeights>,
@@ -84,21 +87,27 @@ impl Kantorovich {
         &mut self,
         system: &BlockSystem,
         basis: &[usize],
+        inverse: Option<&LaneMatrix>,
         earlier: &mut Earlier,
     ) -> Result<(f64, f64), Reason> {
         let n = basis.len();
         if n == 0 {
             return Ok((f64::INFINITY, 0.0));
         }
-        self.fill_matrix(system, basis);
-        if !self.invert(n) {
-            return Err(Reason::Singular);
+        self.columns.reset(n, system.forms.len());
+        for (row, from) in basis.iter().enumerate() {
+            let columns = system.columns.row(*from);
+            self.columns.row_mut(row).copy_from_slice(columns);
+        }
+        match inverse {
+            Some(inverse) => self.inverse.clone_from(inverse),
+            None => self.invert(system, n)?,
         }
         self.weigh(system, basis, earlier);
         self.constants.clear();
         let (mut eta, mut q, mut k) = (0.0, 0.0, 0.0);
         for i in 0..n {
-            let constants = self.constants_of(i, system, basis, earlier);
+            let constants = self.constants_of(i, n, system, earlier);
             eta = worse(eta, constants.eta());
             q = worse(q, constants.q);
             k = worse(k, constants.k);
@@ -120,18 +129,22 @@ impl Kantorovich {
         Ok((radius, error))
     }
 
-    /// Row-major Jacobian of the basis by the block's unknowns.
-    fn fill_matrix(&mut self, system: &BlockSystem, basis: &[usize]) {
-        self.matrix.reset(basis.len(), basis.len());
-        for (row, from) in basis.iter().enumerate() {
+    /// Inverts the Jacobian of the basis by the block's unknowns.
+    fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
+        self.matrix.reset(n, n);
+        for row in 0..n {
             let out = self.matrix.row_mut(row).as_flattened_mut();
-            let values = system.columns.row(*from).as_flattened();
+            let values = self.columns.row(row).as_flattened();
             for (form, value) in system.forms.iter().zip(values) {
                 for (column, rate) in &form.own {
                     out[*column] += value * rate;
                 }
             }
         }
+        let sign = self
+            .elimination
+            .invert_matrix(&self.matrix, &mut self.inverse);
+        sign.map(|_| ()).ok_or(Reason::Singular)
     }
 
     /// Residuals, weights of the rows, and what the forms change by.
@@ -156,9 +169,9 @@ impl Kantorovich {
         let sums = (2 * basis.len() + forms.len() + 8) as f64 * U;
         self.residuals.clear();
         self.weights.clear();
-        for index in basis {
+        for (k, index) in basis.iter().enumerate() {
             let row: &Row = &system.rows[*index];
-            let columns = system.columns.row(*index);
+            let columns = self.columns.row(k);
             let rounding = sums * (row.residual.abs() + dot_of_sizes(columns, &self.drifts));
             self.residuals
                 .push(row.residual - dot(columns, &self.stepped));
@@ -180,11 +193,11 @@ impl Kantorovich {
     fn constants_of(
         &mut self,
         i: usize,
+        n: usize,
         system: &BlockSystem,
-        basis: &[usize],
         earlier: &Earlier,
     ) -> Constants {
-        let inverse = &self.inverse.row(i).as_flattened()[..basis.len()];
+        let inverse = &self.inverse.row(i).as_flattened()[..n];
         let mut newton = 0.0;
         let mut weighted = [0.0; 4];
         self.product.clear();
@@ -194,10 +207,10 @@ impl Kantorovich {
             for (sum, weight) in weighted.iter_mut().zip(&self.weights[k]) {
                 *sum += r.abs() * weight;
             }
-            add_scaled(&mut self.product, *r, system.columns.row(basis[k]));
         }
+        combine(&mut self.product, inverse, self.columns.groups());
         self.identity.clear();
-        self.identity.resize(basis.len(), 0.0);
+        self.identity.resize(n, 0.0);
         self.before.clear();
         self.before.resize(system.before.len(), 0.0);
         let mut rest = 0.0;
@@ -224,74 +237,9 @@ impl Kantorovich {
             k: weighted[2] * GROW,
         }
     }
-
-    /// Inverts the matrix by Gauss and Jordan with row pivots; false where it has none. Any result serves the proof: how
-    /// good it is is measured afterwards.
-    fn invert(&mut self, n: usize) -> bool {
-        self.order.clear();
-        self.order.extend(0..n);
-        let stride = self.matrix.stride();
-        for k in 0..n {
-            let (mut best, mut value) = (k, self.matrix.at(k, k));
-            for i in k + 1..n {
-                let entry = self.matrix.at(i, k);
-                if entry.abs() > value.abs() {
-                    (best, value) = (i, entry);
-                }
-            }
-            if value == 0.0 || !value.is_finite() {
-                return false;
-            }
-            self.matrix.swap_rows(k, best);
-            self.order.swap(k, best);
-            *self.matrix.at_mut(k, k) = 1.0;
-            let reciprocal = 1.0 / value;
-            let row = self.matrix.row_mut(k);
-            scale(row, reciprocal);
-            self.pivot_row.clear();
-            self.pivot_row.extend_from_slice(row);
-            let (_, all) = self.matrix.split_at_row(0);
-            for (i, other) in all.chunks_exact_mut(stride).enumerate() {
-                if i != k {
-                    let factor = std::mem::take(&mut other[k / 4][k % 4]);
-                    add_scaled(other, -factor, &self.pivot_row);
-                }
-            }
-        }
-        self.inverse.reset(n, n);
-        for (k, column) in self.order.iter().enumerate() {
-            for i in 0..n {
-                *self.inverse.at_mut(i, *column) = self.matrix.at(i, k);
-            }
-        }
-        true
-    }
 }
 
 /// The larger, and a number that is none wins.
 fn worse(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inverse_times_matrix_is_the_identity() {
-        let a = [0.0, 2.0, 1.0, 1.0, 0.5, -3.0, 4.0, 1.0, 0.25];
-        let mut buffers = Kantorovich::default();
-        buffers.matrix.copy_rows(&a, 3, 3);
-        assert!(buffers.invert(3));
-        for i in 0..3 {
-            for j in 0..3 {
-                let entry: f64 = (0..3)
-                    .map(|k| buffers.inverse.at(i, k) * a[k * 3 + j])
-                    .sum();
-                assert!((entry - f64::from(i == j)).abs() < 1e-15);
-            }
-        }
-        buffers.matrix.copy_rows(&[1.0, 2.0, 2.0, 4.0], 2, 2);
-        assert!(!buffers.invert(2));
-    }
 }

@@ -31,6 +31,7 @@ mod kantorovich;
 mod product;
 mod system;
 
+use super::newton::Corrector;
 use super::structure::Structure;
 use crate::model::chain::Argument;
 use crate::model::expression::Affine;
@@ -126,16 +127,22 @@ impl<'m> Certifier<'m> {
     /// Tries to prove the pose at `coordinates` (unknowns, then inputs). `bases` are the rows that each block is
     /// proved on, as [`BranchWatch::bases`](super::branch::BranchWatch::bases) has them.
     pub fn certify(&mut self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
-        match self.prove(coordinates, bases) {
+        match self.prove(coordinates, bases, None) {
             Ok(radius) => self.certificate(self.earlier.largest, radius),
             Err(reason) => Certificate::Refused { reason },
         }
     }
 
     /// Like [`certify`](Self::certify), and moves the unknowns by the Newton step of the proof to the nearest numbers:
-    /// the certificate is then of the pose so moved. A refused pose stays.
-    pub fn polish(&mut self, coordinates: &mut [f64], bases: &[Vec<usize>]) -> Certificate {
-        let radius = match self.prove(coordinates, bases) {
+    /// the certificate is then of the pose so moved. A refused pose stays. The inverses of `corrector` serve the proof;
+    /// if they are of another pose, it is loose or fails.
+    pub fn polish(
+        &mut self,
+        coordinates: &mut [f64],
+        bases: &[Vec<usize>],
+        corrector: &Corrector,
+    ) -> Certificate {
+        let radius = match self.prove(coordinates, bases, Some(corrector)) {
             Ok(radius) => radius,
             Err(reason) => return Certificate::Refused { reason },
         };
@@ -166,7 +173,12 @@ impl<'m> Certifier<'m> {
     }
 
     /// Fills `earlier` with the bounds of all unknowns; the radius of uniqueness in radians and sizes.
-    fn prove(&mut self, coordinates: &[f64], bases: &[Vec<usize>]) -> Result<f64, Reason> {
+    fn prove(
+        &mut self,
+        coordinates: &[f64],
+        bases: &[Vec<usize>],
+        corrector: Option<&Corrector>,
+    ) -> Result<f64, Reason> {
         let blank = Affine::default();
         self.arguments.clear();
         let arguments = self.forms[..self.mechanism.arguments.len()].iter();
@@ -175,7 +187,7 @@ impl<'m> Certifier<'m> {
         );
         self.earlier.reset(self.mechanism.unknowns.len());
         let mut radius = f64::INFINITY;
-        for (system, basis) in self.systems.iter_mut().zip(bases) {
+        for (index, (system, basis)) in self.systems.iter_mut().zip(bases).enumerate() {
             if system.has_formula {
                 return Err(Reason::Formula);
             }
@@ -183,7 +195,12 @@ impl<'m> Certifier<'m> {
             if system.left_out_rows_are_open(basis) {
                 return Err(Reason::Open);
             }
-            let (unique, error) = self.kantorovich.prove(system, basis, &mut self.earlier)?;
+            let inverse = corrector.and_then(|c| c.inverse(index)).filter(|inverse| {
+                inverse.rows().len() == basis.len() && system.rows.len() == basis.len()
+            });
+            let (unique, error) =
+                self.kantorovich
+                    .prove(system, basis, inverse, &mut self.earlier)?;
             if system.may_be_half_turned(error.max(self.earlier.largest)) {
                 return Err(Reason::HalfTurn);
             }

@@ -20,7 +20,9 @@ impl Follower<'_> {
     pub(super) fn record(&mut self, stand: &Stand) {
         let n = self.mechanism.unknowns.len();
         let mut coordinates = stand.coordinates.clone();
-        let certificate = self.certifier.polish(&mut coordinates, self.watch.bases());
+        let certificate =
+            self.certifier
+                .polish(&mut coordinates, self.watch.bases(), &self.corrector);
         let coordinates = &coordinates;
         let bodies = forward::body_poses(self.mechanism, coordinates);
         let traces = forward::trace_points(self.mechanism, &bodies);
