@@ -92,7 +92,7 @@ impl Course<'_> {
         let mut watch = BranchWatch::default();
         let mut certifier = Certifier::new(self.mechanism, self.structure);
         let mut here = self.first.clone();
-        watch.observe(self.mechanism, self.structure, &mut corrector, &here);
+        let mut state = watch.observe(self.mechanism, self.structure, &mut corrector, &here);
         let mut pass = Pass {
             poses: vec![here.clone(); self.inputs.len()],
             ..Pass::default()
@@ -113,7 +113,8 @@ impl Course<'_> {
             assert!(correction.converged);
             pass.iterations += correction.iterations;
             if depth >= Depth::Branch {
-                std::hint::black_box(watch.observe(mechanism, structure, &mut corrector, &here));
+                watch.observe_into(mechanism, structure, &mut corrector, &here, &mut state);
+                std::hint::black_box(&state);
             }
             kept.copy_from_slice(&here);
             if depth >= Depth::Certificate {

@@ -18,7 +18,7 @@ pub struct BranchWatch {
 }
 
 /// State of an assembly at a pose.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BranchState {
     /// Determinant sign of every block; 0 at a singular pose.
     pub signs: Vec<i8>,
@@ -62,12 +62,24 @@ impl BranchWatch {
         corrector: &mut Corrector,
         coordinates: &[f64],
     ) -> BranchState {
-        let mut state = BranchState {
-            signs: Vec::with_capacity(structure.blocks.len()),
-            sigma_min: f64::INFINITY,
-            condition: 1.0,
-            rank: 0,
-        };
+        let mut state = BranchState::default();
+        self.observe_into(mechanism, structure, corrector, coordinates, &mut state);
+        state
+    }
+
+    /// The same into a state whose storage is reused.
+    pub fn observe_into(
+        &mut self,
+        mechanism: &Mechanism,
+        structure: &Structure,
+        corrector: &mut Corrector,
+        coordinates: &[f64],
+        state: &mut BranchState,
+    ) {
+        state.signs.clear();
+        state.sigma_min = f64::INFINITY;
+        state.condition = 1.0;
+        state.rank = 0;
         let (rows_of, qr, square) = (&mut self.rows, &mut self.qr, &mut self.square);
         corrector.conditions(
             mechanism,
@@ -97,7 +109,6 @@ impl BranchWatch {
                 state.rank += c.rank;
             },
         );
-        state
     }
 }
 

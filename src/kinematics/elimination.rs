@@ -78,7 +78,7 @@ impl Elimination {
 
     /// The same for a matrix that is already in rows, however small its pivots.
     pub fn invert_matrix(&mut self, a: &LaneMatrix, inverse: &mut LaneMatrix) -> Option<i8> {
-        self.matrix.clone_from(a);
+        self.matrix.copy(a);
         self.invert_rows(a.rows().len(), 0.0, inverse)
     }
 

@@ -3,7 +3,9 @@
 //!
 //! Power iteration on A Aᵀ with a Rayleigh quotient: the distance of the quotient θ from some eigenvalue is at most the
 //! length of its residual. That it is the largest one is proved by the sum of all eigenvalues, the squared Frobenius
-//! norm: what is left of it after θ holds no larger one. Where neither is reached the caller decomposes exactly.
+//! norm of A, or by that of their squares, of A Aᵀ: what is left of it after θ holds no larger one. Where this is not
+//! reached the caller decomposes exactly. (The largest singular value of the matrix itself has no such proof: there the
+//! iteration starts anew with every pose from a vector that has a part in every direction.)
 
 use super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups, scale};
 
@@ -15,6 +17,15 @@ pub const LARGEST_ERROR: f64 = 1e-3;
 
 /// Iterations after which the exact decomposition is cheaper.
 const MOST_ITERATIONS: usize = 24;
+
+/// How much of a fixed vector is mixed into the start of the largest value.
+const MIXED: f64 = 0.05;
+
+/// Entry of a vector without a preferred direction; signs alternate in no regular way.
+fn spread(k: usize) -> f64 {
+    let size = 1.0 + 0.37 * ((k * 7) % 5) as f64;
+    if (k * k + k / 3) % 4 < 2 { size } else { -size }
+}
 
 /// Vectors that a block's iterations start from.
 #[derive(Clone, Debug, Default)]
@@ -29,12 +40,25 @@ impl Extremes {
     /// decide.
     pub fn of(&mut self, transposed: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
         let (small, sum) = self.small.largest(inverse, SMALLEST_ERROR)?;
-        // Rounding of the sum is far below the quotient.
-        if sum - small > small {
+        // Rounding of the sums is far below the quotient.
+        if sum - small > small && self.sum_of_squares(inverse) - small * small > small * small {
             return None;
         }
+        self.large.mix();
         let (large, _) = self.large.largest(transposed, LARGEST_ERROR)?;
         Some((1.0 / small.sqrt(), large.sqrt()))
+    }
+}
+
+impl Extremes {
+    /// Sum of the squares of the eigenvalues of A Aᵀ.
+    fn sum_of_squares(&self, a: &LaneMatrix) -> f64 {
+        let mut sum = 0.0;
+        for (i, row) in a.rows().enumerate() {
+            let beside: f64 = a.rows().take(i).map(|other| dot(row, other).powi(2)).sum();
+            sum += dot(row, row).powi(2) + 2.0 * beside;
+        }
+        sum
     }
 }
 
@@ -74,13 +98,24 @@ impl PowerIteration {
         None
     }
 
+    /// Gives the vector a part in every direction, so that it cannot stay with an eigenvalue that has been overtaken.
+    fn mix(&mut self) {
+        for (k, v) in self.vector.as_flattened_mut()[..self.size]
+            .iter_mut()
+            .enumerate()
+        {
+            *v += MIXED * spread(k);
+        }
+        let length = dot(&self.vector, &self.vector).sqrt();
+        if length > 0.0 {
+            scale(&mut self.vector, 1.0 / length);
+        }
+    }
+
     /// A vector without a preferred direction.
     fn start(&mut self, n: usize) {
         self.size = n;
-        super::lanes::pack(
-            &mut self.vector,
-            (0..n).map(|k| 1.0 + 0.37 * ((k * 7) % 5) as f64),
-        );
+        super::lanes::pack(&mut self.vector, (0..n).map(spread));
         let length = dot(&self.vector, &self.vector).sqrt();
         scale(&mut self.vector, 1.0 / length);
     }
@@ -126,7 +161,7 @@ mod tests {
 
     #[test]
     fn iterated_values_are_those_of_the_exact_decomposition() {
-        let (mut decided, mut tried) = (0, 0);
+        let (mut decided, mut tried, mut worst) = (0, 0, 0.0_f64);
         let mut qr = PivotedQr::default();
         let (mut inverse, mut transposed) = (LaneMatrix::default(), LaneMatrix::default());
         for (rows, columns) in [(1, 1), (3, 3), (6, 6), (6, 4), (12, 12), (18, 18)] {
@@ -150,10 +185,15 @@ mod tests {
                         small <= SMALLEST_ERROR,
                         "{rows}x{columns} {gap} {seed}: {small:e}"
                     );
-                    assert!(large <= 0.3, "{rows}x{columns} {gap} {seed}: {large:e}");
+                    assert!(
+                        large <= LARGEST_ERROR,
+                        "{rows}x{columns} {gap} {seed}: {large:e}"
+                    );
+                    worst = worst.max(large);
                 }
             }
         }
-        assert!(10 * decided > 6 * tried, "{decided} of {tried}");
+        assert!(worst > 0.0);
+        assert!(10 * decided > 8 * tried, "{decided} of {tried}");
     }
 }

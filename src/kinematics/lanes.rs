@@ -157,6 +157,13 @@ impl LaneMatrix {
         self.entries.resize(rows * self.stride, [0.0; 4]);
     }
 
+    /// Takes over another matrix without new storage.
+    pub fn copy(&mut self, other: &Self) {
+        self.stride = other.stride;
+        self.entries.clear();
+        self.entries.extend_from_slice(&other.entries);
+    }
+
     /// Takes over a column-major matrix.
     pub fn copy_columns(&mut self, a: &[f64], rows: usize, columns: usize) {
         self.reset(rows, columns);

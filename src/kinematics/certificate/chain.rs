@@ -194,8 +194,10 @@ fn open_fixed(pose: &Pose) -> [f64; 2] {
     let quarter_turns = r.to_cols_array().iter().all(|v| v.fract() == 0.0);
     let length = pose.translation.length();
     if quarter_turns {
-        let whole = pose.translation.to_array().iter().all(|v| v.fract() == 0.0);
-        return [0.0, if whole { 0.0 } else { 2.0 * U * length }];
+        // Only the parts that are no whole numbers are rounded.
+        let rounded = |v: f64| if v.fract() == 0.0 { 0.0 } else { v };
+        let parts = DVec3::from_array(pose.translation.to_array().map(rounded));
+        return [0.0, 2.0 * U * parts.length()];
     }
     let defect = (r.transpose() * r - DMat3::IDENTITY)
         .to_cols_array()

@@ -100,7 +100,7 @@ impl Kantorovich {
             self.columns.row_mut(row).copy_from_slice(columns);
         }
         match inverse {
-            Some(inverse) => self.inverse.clone_from(inverse),
+            Some(inverse) => self.inverse.copy(inverse),
             None => self.invert(system, n)?,
         }
         self.weigh(system, basis, earlier);
