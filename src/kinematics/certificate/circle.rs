@@ -140,7 +140,8 @@ const fn quotient(a: Double, divisor: f64) -> Double {
 
 /// Sine and cosine of an angle in radians; no numbers above [`LARGEST_ANGLE`].
 pub fn sin_cos(angle: Double) -> (Factor, Factor) {
-    if !(angle.hi.abs() <= LARGEST_ANGLE) {
+    let reducible = angle.hi.abs() <= LARGEST_ANGLE;
+    if !reducible {
         let none = Factor::new(Double::from(f64::NAN));
         return (none, none);
     }

@@ -52,7 +52,8 @@ impl Follower<'_> {
         let allowed =
             (CORRECTION_OF_STEP * predicted.length + CORRECTION_FLOOR).min(MAX_CORRECTION);
         // Measured from the tangent, whatever the order of the prediction.
-        if !correction.converged || !(correction.first_step + predicted.bend <= allowed) {
+        let is_near = correction.first_step + predicted.bend <= allowed;
+        if !correction.converged || !is_near {
             return Ok(None);
         }
         let stand = self.stand(time, coordinates);
