@@ -1,15 +1,16 @@
 //! Smallest and largest singular value of a regular matrix from its inverse and itself, by iteration from the vectors of
 //! the pose before.
 //!
-//! Power iteration on A Aᵀ with a Rayleigh quotient: the distance of the quotient θ from some eigenvalue is at most the
-//! length of its residual. That it is the largest one is proved by the sum of all eigenvalues, the squared Frobenius
-//! norm of A, or by that of their squares, of A Aᵀ: what is left of it after θ holds no larger one. Where this is not
-//! reached the caller decomposes exactly. (The largest singular value of the matrix itself has no such proof: there the
-//! iteration starts anew with every pose from a vector that has a part in every direction.)
+//! Power iteration on A Aᵀ with a Rayleigh quotient θ and its residual ρ. The sum of all eigenvalues is the squared
+//! Frobenius norm of A, so that all but the largest are at most b = sum - θ; where b is below θ, the largest is at most
+//! θ + ρ² / (θ - b) (Temple's inequality; Parlett, The Symmetric Eigenvalue Problem, chapter 10). The sum of their squares,
+//! the same of A Aᵀ, gives a better b where it is needed. So the smallest singular value is proved; where no b serves, the
+//! caller decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
+//! part in every direction, so that it cannot stay with a value that has been overtaken.
 
-use super::lanes::{LaneMatrix, Lanes, add_scaled, dot, groups, scale};
+use super::lanes::{LaneMatrix, Lanes, combine, dot, groups, scale};
 
-/// Relative error of the smallest singular value. Half of what the eigenvalue, its square, is allowed.
+/// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much.
 pub const SMALLEST_ERROR: f64 = 1e-6;
 
 /// Relative error of the largest singular value, and with it of the condition number.
@@ -19,7 +20,10 @@ pub const LARGEST_ERROR: f64 = 1e-3;
 const MOST_ITERATIONS: usize = 24;
 
 /// How much of a fixed vector is mixed into the start of the largest value.
-const MIXED: f64 = 0.05;
+const MIXED: f64 = 0.01;
+
+/// Others than the largest eigenvalue are bounded well enough below this share of it.
+const CLEAR_SHARE: f64 = 0.9;
 
 /// Entry of a vector without a preferred direction; signs alternate in no regular way.
 fn spread(k: usize) -> f64 {
@@ -39,27 +43,35 @@ impl Extremes {
     /// pseudo-inverse) has the rows of `inverse`; both have one row per unknown. `None` where the iterations do not
     /// decide.
     pub fn of(&mut self, transposed: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
-        let (small, sum) = self.small.largest(inverse, SMALLEST_ERROR)?;
-        // Rounding of the sums is far below the quotient.
-        if sum - small > small && self.sum_of_squares(inverse) - small * small > small * small {
-            return None;
-        }
+        let sum: f64 = inverse.rows().map(|row| dot(row, row)).sum();
+        let mut squares = None;
+        // Rounding of the sums is far below what is clear.
+        let small = self.small.largest(inverse, |value, residual| {
+            let mut others = sum - value;
+            if others > CLEAR_SHARE * value {
+                let squares = *squares.get_or_insert_with(|| sum_of_squares(inverse));
+                others = (squares - value * value).max(0.0).sqrt();
+            }
+            others <= CLEAR_SHARE * value
+                && residual <= 2.0 * SMALLEST_ERROR * value * (value - others)
+        })?;
         self.large.mix();
-        let (large, _) = self.large.largest(transposed, LARGEST_ERROR)?;
+        let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
+        let large = self.large.largest(transposed, |value, residual| {
+            residual <= allowed * value * value
+        })?;
         Some((1.0 / small.sqrt(), large.sqrt()))
     }
 }
 
-impl Extremes {
-    /// Sum of the squares of the eigenvalues of A Aᵀ.
-    fn sum_of_squares(&self, a: &LaneMatrix) -> f64 {
-        let mut sum = 0.0;
-        for (i, row) in a.rows().enumerate() {
-            let beside: f64 = a.rows().take(i).map(|other| dot(row, other).powi(2)).sum();
-            sum += dot(row, row).powi(2) + 2.0 * beside;
-        }
-        sum
+/// Sum of the squares of the eigenvalues of A Aᵀ.
+fn sum_of_squares(a: &LaneMatrix) -> f64 {
+    let mut sum = 0.0;
+    for (i, row) in a.rows().enumerate() {
+        let beside: f64 = a.rows().take(i).map(|other| dot(row, other).powi(2)).sum();
+        sum += dot(row, row).powi(2) + 2.0 * beside;
     }
+    sum
 }
 
 /// One eigenvector.
@@ -72,13 +84,13 @@ struct PowerIteration {
 }
 
 impl PowerIteration {
-    /// An eigenvalue of A Aᵀ, nearly always the largest, and the sum of all; `error` is that of its root.
-    fn largest(&mut self, a: &LaneMatrix, error: f64) -> Option<(f64, f64)> {
+    /// An eigenvalue of A Aᵀ, nearly always the largest, once its Rayleigh quotient and the square of its residual are
+    /// accepted.
+    fn largest(&mut self, a: &LaneMatrix, mut accept: impl FnMut(f64, f64) -> bool) -> Option<f64> {
         let n = a.rows().len();
         if self.size != n {
             self.start(n);
         }
-        let sum: f64 = a.rows().map(|row| dot(row, row)).sum();
         for _ in 0..MOST_ITERATIONS {
             self.multiply(a);
             let value = dot(&self.vector, &self.image);
@@ -87,12 +99,12 @@ impl PowerIteration {
                 self.size = 0;
                 return None;
             }
-            // The squared residual by Pythagoras, rounding included.
+            // By Pythagoras, rounding included.
             let residual = (square - value * value).abs() + 4.0 * f64::EPSILON * square;
             std::mem::swap(&mut self.vector, &mut self.image);
             scale(&mut self.vector, 1.0 / square.sqrt());
-            if residual <= (2.0 * error * value) * (2.0 * error * value) {
-                return Some((value, sum));
+            if accept(value, residual) {
+                return Some(value);
             }
         }
         None
@@ -121,11 +133,12 @@ impl PowerIteration {
     }
 
     fn multiply(&mut self, a: &LaneMatrix) {
-        self.inner.clear();
         self.inner.resize(a.stride(), [0.0; 4]);
-        for (row, x) in a.rows().zip(self.vector.as_flattened()) {
-            add_scaled(&mut self.inner, *x, row);
-        }
+        combine(
+            &mut self.inner,
+            &self.vector.as_flattened()[..self.size],
+            a.groups(),
+        );
         self.image.clear();
         self.image.resize(groups(self.size), [0.0; 4]);
         for (row, y) in a.rows().zip(self.image.as_flattened_mut()) {
