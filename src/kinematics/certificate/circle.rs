@@ -23,6 +23,9 @@ const PI: [f64; 3] = [
 const STEPS: usize = 64;
 const QUARTER: usize = STEPS / 2;
 
+/// Rounds by its size.
+const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
+
 /// A number whose leading part is also split in halves for exact products.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Factor {
@@ -145,17 +148,18 @@ pub fn sin_cos(angle: Double) -> (Factor, Factor) {
         let none = Factor::new(Double::from(f64::NAN));
         return (none, none);
     }
-    let count = (angle.hi * (STEPS as f64 / PI[0])).round_ties_even();
+    // Adding and taking away three halves of 2^52 rounds what is below 2^51.
+    let count = (angle.hi * (STEPS as f64 / PI[0]) + ROUNDING) - ROUNDING;
     let step = |part: usize| Double::product(-count, PI[part] / STEPS as f64);
     let rest = Double::from(angle.hi) + step(0);
     let rest = rest + (Double::from(angle.lo) + step(1)) + Double::from(step(2).hi);
     let (sin, cos) = near_zero(rest);
     let place = count as i64;
-    let (table_sin, table_cos) = &TABLE[place.rem_euclid(QUARTER as i64) as usize];
+    let (table_sin, table_cos) = &TABLE[(place & (QUARTER as i64 - 1)) as usize];
     let minus = sin.signed(-1.0);
     let whole_sin = Factor::new(Factor::two_products(table_sin, &cos, table_cos, &sin));
     let whole_cos = Factor::new(Factor::two_products(table_cos, &cos, table_sin, &minus));
-    match place.div_euclid(QUARTER as i64).rem_euclid(4) {
+    match (place >> QUARTER.trailing_zeros()) & 3 {
         0 => (whole_sin, whole_cos),
         1 => (whole_cos, whole_sin.signed(-1.0)),
         2 => (whole_sin.signed(-1.0), whole_cos.signed(-1.0)),
