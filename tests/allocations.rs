@@ -54,6 +54,7 @@ fn a_pose_allocates_nothing_once_the_buffers_stand() {
         let mut certifier = Certifier::new(&mechanism, &structure);
         let mut state = watch.observe(&mechanism, &structure, &mut corrector, &here);
         let (mut certified, mut iterations) = (0, 0);
+        let is_formula = mechanism.equations.len() == 1;
         let mut pose = |inputs: &[f64]| {
             let (m, s) = (&mechanism, &structure);
             predictor.predict(m, s, &mut corrector, &mut here, inputs, HIGHEST_ORDER);
@@ -61,8 +62,11 @@ fn a_pose_allocates_nothing_once_the_buffers_stand() {
             assert!(correction.converged);
             iterations += correction.iterations;
             watch.observe_into(m, s, &mut corrector, &here, &mut state);
-            let certificate = certifier.polish(&mut here, watch.bases(), &corrector);
-            certified += u32::from(matches!(certificate, Certificate::Certified { .. }));
+            // Proofs of formulas are made with intervals, whose lists come and go.
+            if !is_formula {
+                let certificate = certifier.polish(&mut here, watch.bases(), &corrector);
+                certified += u32::from(matches!(certificate, Certificate::Certified { .. }));
+            }
         };
         // The buffers grow with the first poses.
         trajectory.samples[1..4]
@@ -73,8 +77,13 @@ fn a_pose_allocates_nothing_once_the_buffers_stand() {
         });
         assert_eq!(counted.count_total, 0, "{}", mechanism.title);
         assert!(iterations >= 59, "{}", mechanism.title);
-        let is_formula = mechanism.equations.len() == 1;
-        assert_eq!(certified > 0, !is_formula, "{}", mechanism.title);
+        let all = trajectory.samples.len() as u32 - 1;
+        assert_eq!(
+            certified,
+            if is_formula { 0 } else { all },
+            "{}",
+            mechanism.title
+        );
     }
 }
 
@@ -82,7 +91,8 @@ fn a_pose_allocates_nothing_once_the_buffers_stand() {
 fn a_sample_allocates_no_more_than_it_keeps_and_a_few_buffers() {
     /// Vectors of a sample and its pose, the stand and its copies.
     const MOST: u64 = 40;
-    for mechanism in mechanisms() {
+    // Proofs of formulas are made with intervals, whose lists come and go.
+    for mechanism in mechanisms().into_iter().filter(|m| m.equations.is_empty()) {
         let count = |samples: usize| {
             let times = even_times(&mechanism, samples);
             measure(|| drop(solve(&mechanism, &times).unwrap())).count_total

@@ -21,15 +21,18 @@
 //! to q and eta through the second derivatives.
 //!
 //! Limits: equations that the structure found empty at random poses are taken as empty. Of an over-determined
-//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Arguments and
-//! equations that are no affine forms are refused.
+//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Where arguments
+//! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
+//! simpler, and a few times less sharp. The motion between poses is proved there too.
 
 pub mod chain;
 pub mod circle;
 pub mod double;
+pub mod interval;
 mod kantorovich;
 mod product;
 mod system;
+pub mod tube;
 
 use super::newton::Corrector;
 use super::structure::Structure;
@@ -66,7 +69,7 @@ pub enum Certificate {
 /// Why a pose has no certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// An argument or equation is a general formula, whose second derivatives are not bounded here.
+    /// A formula has no bounded derivatives here: a kink, a pole, the end of its range.
     Formula,
     /// Too near a singular pose (or too far from a closed one) for the test to succeed.
     Singular,
@@ -74,6 +77,8 @@ pub enum Reason {
     HalfTurn,
     /// An equation that the proof leaves out does not hold.
     Open,
+    /// Nobody wanted one.
+    NotAsked,
 }
 
 impl Reason {
@@ -84,6 +89,7 @@ impl Reason {
             Self::Singular => "near-singular",
             Self::HalfTurn => "half-turn",
             Self::Open => "open",
+            Self::NotAsked => "not-asked",
         }
     }
 }
@@ -91,10 +97,12 @@ impl Reason {
 /// Affine forms of the arguments, then of the equations; `None` for formulas.
 type Forms = [Option<Affine>];
 
-/// Proves poses of one mechanism. Laid out once; proving allocates nothing.
+/// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
+/// involved.
 #[derive(Clone, Debug)]
 pub struct Certifier<'m> {
     mechanism: &'m Mechanism,
+    structure: &'m Structure,
     forms: Vec<Option<Affine>>,
     systems: Vec<BlockSystem>,
     kantorovich: Kantorovich,
@@ -104,7 +112,7 @@ pub struct Certifier<'m> {
 
 impl<'m> Certifier<'m> {
     /// Prepares the proof.
-    pub fn new(mechanism: &'m Mechanism, structure: &Structure) -> Self {
+    pub fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
         let arguments = mechanism.arguments.iter().map(|a| match a {
             Argument::Affine(affine) => Some(affine.clone()),
             Argument::Formula(expression) => expression.affine(),
@@ -114,6 +122,7 @@ impl<'m> Certifier<'m> {
         let blocks = structure.blocks.iter();
         Self {
             mechanism,
+            structure,
             systems: blocks
                 .map(|block| BlockSystem::new(mechanism, block, &forms))
                 .collect(),
@@ -129,12 +138,13 @@ impl<'m> Certifier<'m> {
     pub fn certify(&mut self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
         match self.prove(coordinates, bases, None) {
             Ok(radius) => self.certificate(self.earlier.largest, radius),
+            Err(Reason::Formula) => self.certify_formulas(coordinates, bases),
             Err(reason) => Certificate::Refused { reason },
         }
     }
 
     /// Like [`certify`](Self::certify), and moves the unknowns by the Newton step of the proof to the nearest numbers:
-    /// the certificate is then of the pose so moved. A refused pose stays. The inverses of `corrector` serve the proof;
+    /// the certificate is then of the pose so moved. A refused pose stays, as does one with formulas. The inverses of `corrector` serve the proof;
     /// if they are of another pose, it is loose or fails.
     pub fn polish(
         &mut self,
@@ -144,6 +154,7 @@ impl<'m> Certifier<'m> {
     ) -> Certificate {
         let radius = match self.prove(coordinates, bases, Some(corrector)) {
             Ok(radius) => radius,
+            Err(Reason::Formula) => return self.certify_formulas(coordinates, bases),
             Err(reason) => return Certificate::Refused { reason },
         };
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
@@ -162,6 +173,14 @@ impl<'m> Certifier<'m> {
             }
         }
         self.certificate(error, radius - moved)
+    }
+
+    /// The proof where arguments or equations are no affine forms.
+    fn certify_formulas(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
+        match tube::pose(self.mechanism, self.structure, coordinates, bases) {
+            Ok((error, radius)) => self.certificate(error, radius),
+            Err(reason) => Certificate::Refused { reason },
+        }
     }
 
     /// From radians and sizes.

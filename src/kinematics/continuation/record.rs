@@ -1,5 +1,6 @@
 //! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
 
+use super::super::certificate::{Certificate, Reason};
 use super::super::forward;
 use super::super::trajectory::{ClosedPose, Sample};
 use super::{Follower, Stand};
@@ -20,9 +21,7 @@ impl Follower<'_> {
     pub(super) fn record(&mut self, stand: &Stand) {
         let n = self.mechanism.unknowns.len();
         let mut coordinates = stand.coordinates.clone();
-        let certificate =
-            self.certifier
-                .polish(&mut coordinates, self.watch.bases(), &self.corrector);
+        let certificate = self.polish(&mut coordinates);
         let coordinates = &coordinates;
         let bodies = forward::body_poses(self.mechanism, coordinates);
         let traces = forward::trace_points(self.mechanism, &bodies);
@@ -53,6 +52,16 @@ impl Follower<'_> {
             inputs,
             pose: Some(pose),
         });
+    }
+
+    /// The certificate of a pose, which it moves to the nearest numbers.
+    fn polish(&mut self, coordinates: &mut [f64]) -> Certificate {
+        match &mut self.certifier {
+            Some(certifier) => certifier.polish(coordinates, self.watch.bases(), &self.corrector),
+            None => Certificate::Refused {
+                reason: Reason::NotAsked,
+            },
+        }
     }
 
     /// Rates of the unknowns per second: the tangent along the drive's own rate.
