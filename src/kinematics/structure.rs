@@ -6,6 +6,7 @@
 use super::closure::{BlockWorkspace, Want};
 use super::idle::{self, Held};
 use super::order::{Group, Member, System, unknowns_of};
+use super::plan::BlockPlan;
 use super::probes::{Ranks, closed_poses, random_poses};
 use crate::model::mechanism::Mechanism;
 
@@ -31,6 +32,8 @@ pub struct Block {
     pub column_of: Vec<Option<usize>>,
     /// Arguments that its loops use.
     pub arguments: Vec<usize>,
+    /// Layout for evaluation.
+    pub plan: BlockPlan,
 }
 
 impl Block {
@@ -304,11 +307,13 @@ pub fn block(
         .collect();
     arguments.sort_unstable();
     arguments.dedup();
+    let plan = BlockPlan::new(mechanism, &loops, &equations, &arguments, &column_of);
     Block {
         loops,
         equations,
         unknowns,
         column_of,
         arguments,
+        plan,
     }
 }

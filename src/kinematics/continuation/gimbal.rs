@@ -147,18 +147,26 @@ impl Follower<'_> {
         state
     }
 
-    /// The certificate of a pose; what fails for the angles alone is called by its name.
-    pub(super) fn certified(&self, coordinates: &[f64]) -> Certificate {
-        let Some(certifier) = &self.certifier else {
-            return Certificate::Refused {
-                reason: Reason::NotAsked,
-            };
-        };
-        let certificate = certifier.certify(coordinates, self.watch.bases());
+    /// The certificate of a pose, which it may move within its error; what fails for the angles alone is called by its
+    /// name.
+    pub(super) fn certified(&mut self, coordinates: &mut [f64]) -> Certificate {
         let needed = self
             .chart
             .as_ref()
             .is_some_and(|c| c.is_needed(coordinates));
+        if needed {
+            // The pose was observed in the chart; the proof is about the scene's angles.
+            let (mechanism, structure) = (self.mechanism, self.structure);
+            let _ = self
+                .watch
+                .observe(mechanism, structure, &mut self.corrector, coordinates);
+        }
+        let Some(certifier) = &mut self.certifier else {
+            return Certificate::Refused {
+                reason: Reason::NotAsked,
+            };
+        };
+        let certificate = certifier.polish(coordinates, self.watch.bases(), &self.corrector);
         match certificate {
             Certificate::Refused {
                 reason: Reason::Singular,
@@ -240,7 +248,7 @@ impl Follower<'_> {
             let time = a.time + s * span;
             let inputs = follower.inputs(time).ok()?;
             let iterations = follower.iterations;
-            let (mut coordinates, _) = follower.predict(base, &inputs);
+            let (mut coordinates, _) = follower.predict(base, &inputs, 1);
             let correction = follower.correct(&mut coordinates, Pace::Patient);
             follower.iterations = iterations;
             let lock = follower.lock_of(index, &coordinates);
@@ -273,6 +281,8 @@ impl Follower<'_> {
             s = (s + change).clamp(0.0, 1.0);
             step = change.abs().clamp(1e-9, 1e-3);
         }
+        // The proof of the stand shares what was observed last.
+        let _ = self.observe(&b.coordinates);
         (a.time + best.0 * span, best.1)
     }
 

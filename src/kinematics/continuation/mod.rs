@@ -12,6 +12,7 @@ use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
 use super::chart::Chart;
 use super::newton::Corrector;
+use super::predictor::Predictor;
 use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -64,6 +65,7 @@ struct Follower<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
     corrector: Corrector,
+    predictor: Predictor,
     watch: BranchWatch,
     certifier: Option<Certifier<'m>>,
     /// Another description of ball joints, used where their angles are nearly locked; `None` without such joints.
@@ -86,6 +88,7 @@ impl<'m> Follower<'m> {
             mechanism,
             structure,
             corrector: Corrector::new(structure),
+            predictor: Predictor::default(),
             watch: BranchWatch::default(),
             certifier: Some(Certifier::new(mechanism, structure)),
             chart: Chart::new(mechanism, structure),

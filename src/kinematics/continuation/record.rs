@@ -19,7 +19,9 @@ impl Follower<'_> {
 
     pub(super) fn record(&mut self, stand: &Stand) {
         let n = self.mechanism.unknowns.len();
-        let coordinates = &stand.coordinates;
+        let mut coordinates = stand.coordinates.clone();
+        let certificate = self.certified(&mut coordinates);
+        let coordinates = &coordinates;
         let bodies = forward::body_poses(self.mechanism, coordinates);
         let traces = forward::trace_points(self.mechanism, &bodies);
         let outputs = forward::outputs(self.mechanism, coordinates, &traces);
@@ -41,7 +43,7 @@ impl Follower<'_> {
             // Holding an idle freedom is an equation more.
             rank: stand.branch.rank + self.structure.held.len(),
             branch: stand.branch.signature(),
-            certificate: self.certified(coordinates),
+            certificate,
             iterations: self.iterations,
         };
         let inputs = coordinates[n..].to_vec();
