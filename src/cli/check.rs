@@ -5,6 +5,7 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{inputs_table, open_scene, report};
 use crate::diag::nearest;
+use crate::export::events::gaps;
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
@@ -95,6 +96,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "refused": proof.refused,
         "refused_because": proof.reasons,
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "gaps": gaps(mechanism, &trajectory),
         "result": verdict,
     });
     Ok((text, document, outcome))

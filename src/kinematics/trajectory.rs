@@ -49,7 +49,7 @@ pub struct Sample {
 /// Something between two samples that the user must know.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// Seconds: last time before the event at which there was a pose (or the first after it).
+    /// Seconds: the last time at which there is a pose, or the first; of a singular pose its own.
     pub time: f64,
     /// Inputs at that time.
     pub inputs: Vec<f64>,
@@ -62,9 +62,9 @@ pub struct Event {
 pub enum EventKind {
     /// No closed pose exists beyond: a fold or the end of the feasible range.
     MotionEnds,
-    /// The drive has come back into the feasible range; the pose was assembled again from the last one.
+    /// The drive has come into the feasible range (again); the pose was assembled anew.
     MotionResumes {
-        /// The branch is the one before the gap.
+        /// The branch is the one before the gap, or there was none before.
         same_branch: bool,
     },
     /// The pose is singular; the motion was continued straight through it.
@@ -87,6 +87,39 @@ pub enum EventKind {
     OtherStart,
 }
 
+/// One place on the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant {
+    /// Seconds.
+    pub time: f64,
+    /// Inputs: radians, or the scene's length unit.
+    pub inputs: Vec<f64>,
+}
+
+/// How far a mechanism stays from closing where it cannot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lack {
+    /// The sample.
+    pub at: Instant,
+    /// Loop or equation with the largest remaining gap.
+    pub name: String,
+    /// Remaining rotation, radians; not zero only where rotations alone cannot close.
+    pub angle: f64,
+    /// Remaining distance in the scene's unit, or value of the equation.
+    pub distance: f64,
+}
+
+/// A stretch of the drive without a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// The last place with a pose, located by halving; `None` if the drive begins inside.
+    pub from: Option<Instant>,
+    /// The first place with a pose again, likewise; `None` if the drive ends inside.
+    pub until: Option<Instant>,
+    /// The sample at which most is lacking, of those inside.
+    pub widest: Option<Lack>,
+}
+
 /// The motion over the drive.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Trajectory {
@@ -94,6 +127,8 @@ pub struct Trajectory {
     pub samples: Vec<Sample>,
     /// Events in the order of time.
     pub events: Vec<Event>,
+    /// Stretches without a pose in the order of time.
+    pub gaps: Vec<Gap>,
 }
 
 impl Trajectory {

@@ -3,10 +3,12 @@
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated. Single steps are
 //! in `step`, what is kept of a pose in `record`.
 
+mod gaps;
+mod locate;
 mod record;
 mod step;
 
-use super::assembly::{NotClosed, assemble};
+use super::assembly::{assemble, smallest_gap};
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
 use super::newton::Corrector;
@@ -14,9 +16,9 @@ use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
 
-/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-11
+/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
 /// of that interval.
-const SMALLEST_STEP: f64 = 1e-11;
+const SMALLEST_STEP: f64 = 1e-12;
 
 /// Solves `mechanism` at the given ascending times.
 ///
@@ -51,6 +53,10 @@ struct Follower<'m> {
     certifier: Certifier<'m>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
+    /// A crossing that has been made and not been located yet.
+    crossing: Option<locate::Crossing>,
+    /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
+    elsewhere: Option<Stand>,
     best_sigma: f64,
     interval: f64,
     iterations: u32,
@@ -66,6 +72,8 @@ impl<'m> Follower<'m> {
             watch: BranchWatch::default(),
             certifier: Certifier::new(mechanism, structure),
             anchor: None,
+            crossing: None,
+            elsewhere: None,
             best_sigma: 0.0,
             interval: mechanism.duration,
             iterations: 0,
@@ -151,60 +159,35 @@ impl<'m> Follower<'m> {
                 if found.start > 0 {
                     self.event(time, EventKind::OtherStart);
                 }
-                if !self.trajectory.samples.is_empty() {
-                    self.event(time, EventKind::MotionResumes { same_branch: true });
-                }
                 let stand = self.stand(time, found.coordinates);
-                Ok(self.keep(stand))
+                let stand = self.keep(stand);
+                if self.trajectory.samples.is_empty() {
+                    return Ok(stand);
+                }
+                self.enter(stand)
             }
-            Err(NotClosed {
-                name,
-                angle,
-                distance,
-            }) => {
+            Err(best) => {
+                let lack = smallest_gap(self.mechanism, self.structure, best);
+                self.note_lack(time, &lack);
                 if persist {
-                    self.event(
-                        time,
-                        EventKind::StartNotClosed {
-                            name,
-                            angle,
-                            distance,
-                        },
-                    );
+                    let kind = EventKind::StartNotClosed {
+                        name: lack.name,
+                        angle: lack.angle,
+                        distance: lack.distance,
+                    };
+                    self.event(time, kind);
                 }
                 Err(None)
             }
         }
     }
 
-    /// After a gap: assembles again from the last pose, without searching.
-    fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
-        let Ok(inputs) = self.inputs(time) else {
-            return Err(None);
-        };
-        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
-        let start = [unknowns, &inputs].concat();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            false,
-        ) {
-            Ok(found) => {
-                self.iterations += found.iterations;
-                let stand = self.stand(time, found.coordinates);
-                let same_branch = stand.branch.signs == last.branch.signs;
-                self.event(time, EventKind::MotionResumes { same_branch });
-                Ok(self.keep(stand))
-            }
-            Err(_) => Err(None),
-        }
-    }
-
     /// From the last sample to `time`, by as many steps as it takes.
     fn advance(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
         let mut here = last;
+        if self.inputs(time).is_ok_and(|inputs| here.coordinates.ends_with(&inputs)) {
+            return Ok(Stand { time, ..here });
+        }
         loop {
             match self.follow(here, time) {
                 Ok(stand) => return Ok(stand),
@@ -220,37 +203,41 @@ impl<'m> Follower<'m> {
                         return Ok(beyond);
                     }
                     Some(beyond) => {
-                        self.event(stand.time, EventKind::SingularPosePassed);
+                        self.passed(stand.time);
                         here = self.keep(beyond);
                     }
                     None => {
                         self.event(stand.time, EventKind::MotionEnds);
-                        return Err(Some(stand));
+                        self.open_gap(Some(stand.time));
+                        // The drive may be feasible again before the next sample.
+                        return self.resume(stand, time);
                     }
                 },
             }
         }
     }
 
-    /// Steps with halving until `time`, or until the steps become too small.
+    /// Steps with halving until `time`, before or after, or until the steps become too small.
     fn follow(&mut self, mut here: Stand, time: f64) -> Result<Stand, Stop> {
         let smallest = SMALLEST_STEP * self.interval;
-        let mut step = time - here.time;
-        while here.time < time {
-            let next = if here.time + step >= time {
+        let direction = (time - here.time).signum();
+        let mut step = (time - here.time).abs();
+        while here.time != time {
+            let next = if step >= (time - here.time).abs() {
                 time
             } else {
-                here.time + step
+                here.time + direction * step
             };
+            let length = (next - here.time).abs();
             match self.step(&here, next) {
                 Ok(Some(stand)) => {
-                    step = (2.0 * (next - here.time)).max(smallest);
+                    step = (2.0 * length).max(smallest);
                     here = self.keep(stand);
                 }
-                Ok(None) => step = 0.5 * (next - here.time),
+                Ok(None) => step = 0.5 * length,
                 Err(index) => return Err(Stop::Undefined(index, here)),
             }
-            if step < smallest || here.time + step == here.time {
+            if step < smallest || here.time + direction * step == here.time {
                 return Err(Stop::Ends(here));
             }
         }

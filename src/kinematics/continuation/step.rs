@@ -2,7 +2,6 @@
 
 use super::super::branch::BranchState;
 use super::super::newton::{Correction, Pace};
-use super::super::trajectory::EventKind;
 use super::{Follower, Stand};
 
 /// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
@@ -57,7 +56,7 @@ impl Follower<'_> {
         let fine = same || !usable || !self.is_usable(&stand.branch);
         // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
         if fine && !usable && !same && self.is_usable(&stand.branch) {
-            self.event(here.time, EventKind::SingularPosePassed);
+            self.passed(here.time);
         }
         Ok(fine.then_some(stand))
     }
@@ -72,7 +71,7 @@ impl Follower<'_> {
         branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
     }
 
-    fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
+    pub(super) fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
         let correction = self
             .corrector
             .correct(self.mechanism, self.structure, coordinates, pace);
@@ -165,6 +164,7 @@ impl Follower<'_> {
     /// Remembers an accepted pose as an anchor if it is well away from singular ones.
     pub(super) fn keep(&mut self, stand: Stand) -> Stand {
         if self.is_trusted(&stand.branch) {
+            self.locate_crossing(&stand);
             self.anchor = Some(stand.clone());
         }
         stand
