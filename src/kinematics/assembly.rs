@@ -11,6 +11,10 @@ use std::f64::consts::{PI, TAU};
 /// Most iterations per block and start.
 const MAX_ITERATIONS: u32 = 200;
 
+/// Most iterations per block and weight for a remaining gap: far from closing, the linear model sees one part of the
+/// curvature only, and convergence is linear.
+const GAP_ITERATIONS: u32 = 3000;
+
 /// Longest step in scaled unknowns (radians, or mechanism sizes): beyond it the linear model says nothing.
 const MAX_STEP: f64 = 0.5;
 
@@ -23,9 +27,9 @@ const FIRST_DAMPING: f64 = 1e-3;
 /// Damping at which no step can reduce the residual any more: a local minimum.
 const LAST_DAMPING: f64 = 1e10;
 
-/// Weight of rotations against distances over the size when the remaining distance is measured: what is left of the
-/// compromise is one over its square.
-const TURNS_FIRST: f64 = 1e4;
+/// Weights of rotations against distances over the size when the remaining distance is measured: what is left of the
+/// compromise is one over the last one's square. The valley is too narrow to be followed at once.
+const TURNS_FIRST: [f64; 4] = [1e1, 1e2, 1e3, 1e4];
 
 /// Perturbed starts that are tried after the given one, with growing amplitude.
 const EXTRA_STARTS: usize = 24;
@@ -101,13 +105,18 @@ pub fn assemble(
 /// then the distance is made small. A plain least-squares pose trades one for the other.
 pub fn smallest_gap(mechanism: &Mechanism, structure: &Structure, best: NotClosed) -> NotClosed {
     let mut descent = Descent {
-        turn_weight: TURNS_FIRST,
+        most: GAP_ITERATIONS,
         ..Descent::default()
     };
     let mut coordinates = best.coordinates.clone();
     for block in &structure.blocks {
-        let closed = descent.minimise(mechanism, block, &mut coordinates).1 <= HAND_OVER;
-        if !closed {
+        let mut left = f64::INFINITY;
+        for weight in TURNS_FIRST {
+            descent.turn_weight = weight;
+            left = descent.minimise(mechanism, block, &mut coordinates).1;
+        }
+        // A NaN is not closed either.
+        if !(left <= HAND_OVER) {
             return gap(mechanism, block, &coordinates);
         }
     }
@@ -197,6 +206,7 @@ pub(super) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
 }
 
 struct Descent {
+    most: u32,
     /// Rows of rotations count this many times.
     turn_weight: f64,
     weights: Vec<f64>,
@@ -211,6 +221,7 @@ struct Descent {
 impl Default for Descent {
     fn default() -> Self {
         Self {
+            most: MAX_ITERATIONS,
             turn_weight: 1.0,
             weights: Vec::new(),
             workspace: BlockWorkspace::default(),
@@ -238,7 +249,7 @@ impl Descent {
         self.workspace
             .evaluate(mechanism, block, coordinates, Want::Jacobian);
         let mut value = self.norm(&self.workspace.residual);
-        while iterations < MAX_ITERATIONS && damping < LAST_DAMPING && !block.unknowns.is_empty() {
+        while iterations < self.most && damping < LAST_DAMPING && !block.unknowns.is_empty() {
             if value.is_nan() || self.workspace.residual_norm() <= HAND_OVER {
                 break;
             }
@@ -291,8 +302,13 @@ impl Descent {
             self.matrix[j * tall + rows + j] = damping.sqrt();
         }
         self.right_side.clear();
-        self.right_side
-            .extend(self.workspace.residual.iter().zip(&self.weights).map(|(r, w)| -r * w));
+        self.right_side.extend(
+            self.workspace
+                .residual
+                .iter()
+                .zip(&self.weights)
+                .map(|(r, w)| -r * w),
+        );
         self.right_side.resize(tall, 0.0);
         self.step.resize(columns, 0.0);
         self.qr.factor(&self.matrix, tall, columns, 0.0);

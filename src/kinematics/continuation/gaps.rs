@@ -9,8 +9,9 @@ use super::super::newton::Pace;
 use super::super::trajectory::{EventKind, Gap, Instant, Lack};
 use super::{Follower, Stand, Stop};
 
-/// How far from its end the other of two branches that meet there is looked for, as a share of what was followed back.
-const BESIDE_FOLD: f64 = 0.05;
+/// How far from its end the other of two branches that meet there is looked for, as shares of what was followed back:
+/// as far as mirroring at the fold is a good picture of it.
+const BESIDE_FOLD: [f64; 5] = [3e-2, 3e-3, 3e-4, 3e-5, 3e-6];
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
 const SAME_POSE: f64 = 1e-6;
@@ -26,6 +27,7 @@ impl Follower<'_> {
     /// A stretch without a pose begins.
     pub(super) fn open_gap(&mut self, from: Option<f64>) {
         self.elsewhere = None;
+        self.widest = None;
         self.trajectory.gaps.push(Gap {
             from: from.map(|time| self.instant(time)),
             until: None,
@@ -33,25 +35,38 @@ impl Follower<'_> {
         });
     }
 
-    /// Keeps how much is lacking at a sample, if it is more than at the others of the gap.
-    pub(super) fn note_lack(&mut self, time: f64, lack: &NotClosed) {
-        if self.trajectory.gaps.last().is_none_or(|g| g.until.is_some()) {
+    /// Keeps the sample of a gap at which most is lacking.
+    pub(super) fn note_lack(&mut self, time: f64, best: NotClosed) {
+        if self
+            .trajectory
+            .gaps
+            .last()
+            .is_none_or(|g| g.until.is_some())
+        {
             self.open_gap(None);
         }
-        let at = self.instant(time);
         let size = self.mechanism.size;
-        let amount = |angle: f64, distance: f64| angle.max(distance / size);
+        let amount = |lack: &NotClosed| lack.angle.max(lack.distance / size);
+        let known = self.widest.as_ref();
+        if known.is_none_or(|(_, known)| amount(known) < amount(&best)) {
+            self.widest = Some((time, best));
+        }
+    }
+
+    /// Measures what is lacking at the sample kept: worth its time once a gap.
+    pub(super) fn measure_gap(&mut self) {
+        let Some((time, best)) = self.widest.take() else {
+            return;
+        };
+        let lack = smallest_gap(self.mechanism, self.structure, best);
+        let at = self.instant(time);
         if let Some(gap) = self.trajectory.gaps.last_mut() {
-            let known = gap.widest.as_ref();
-            if known.is_none_or(|k| amount(k.angle, k.distance) < amount(lack.angle, lack.distance))
-            {
-                gap.widest = Some(Lack {
-                    at,
-                    name: lack.name.clone(),
-                    angle: lack.angle,
-                    distance: lack.distance,
-                });
-            }
+            gap.widest = Some(Lack {
+                at,
+                name: lack.name,
+                angle: lack.angle,
+                distance: lack.distance,
+            });
         }
     }
 
@@ -73,8 +88,7 @@ impl Follower<'_> {
                 self.re_enter(&last, stand)
             }
             Err(best) => {
-                let lack = smallest_gap(self.mechanism, self.structure, best);
-                self.note_lack(time, &lack);
+                self.note_lack(time, best);
                 Err(None)
             }
         }
@@ -120,29 +134,37 @@ impl Follower<'_> {
         }
     }
 
-    /// The other of the two branches that meet at `first`, at the time of `found`: mirrored at the fold, then followed.
+    /// The other of the two branches that meet at `first`, at the time of `found`.
     fn other_branch(&mut self, first: &Stand, found: &Stand, last: &Stand) -> Option<Stand> {
         let events = self.trajectory.events.len();
-        let time = first.time + BESIDE_FOLD * (found.time - first.time);
-        self.anchor = Some(found.clone());
-        let beside = self.follow(found.clone(), time).ok();
-        let mirrored = beside.and_then(|beside| {
-            let n = self.mechanism.unknowns.len();
-            let mut coordinates = beside.coordinates.clone();
-            for (q, fold) in coordinates[..n].iter_mut().zip(&first.coordinates) {
-                *q = 2.0 * fold - *q;
-            }
-            let correction = self.correct(&mut coordinates, Pace::Brisk);
-            let stand = correction.converged.then(|| self.stand(time, coordinates))?;
+        let other = BESIDE_FOLD.iter().find_map(|share| {
+            let time = first.time + share * (found.time - first.time);
+            let mirrored = self.mirrored(first, found, time)?;
+            (mirrored.branch.signs == last.branch.signs).then_some(mirrored)
+        });
+        let reached = other.and_then(|stand| {
             self.anchor = Some(stand.clone());
             self.follow(stand, found.time).ok()
         });
         self.trajectory.events.truncate(events);
         self.crossing = None;
-        mirrored.filter(|stand| stand.branch.signs == last.branch.signs)
+        reached
+    }
+
+    /// The pose at `time` of the branch that `found` is not on, mirrored at the fold where both begin.
+    fn mirrored(&mut self, fold: &Stand, found: &Stand, time: f64) -> Option<Stand> {
+        self.anchor = Some(found.clone());
+        let mut coordinates = self.follow(found.clone(), time).ok()?.coordinates;
+        let n = self.mechanism.unknowns.len();
+        for (q, fold) in coordinates[..n].iter_mut().zip(&fold.coordinates) {
+            *q = 2.0 * fold - *q;
+        }
+        let correction = self.correct(&mut coordinates, Pace::Brisk);
+        correction.converged.then(|| self.stand(time, coordinates))
     }
 
     fn close_gap(&mut self, found: &Stand, time: f64, same_branch: bool) {
+        self.measure_gap();
         let until = self.instant(time);
         if let Some(gap) = self.trajectory.gaps.last_mut() {
             gap.until = Some(until);
@@ -192,7 +214,9 @@ impl Follower<'_> {
         let same = reached.is_ok_and(|there| {
             let pairs = there.coordinates.iter().zip(&found.coordinates).take(n);
             let scaled = pairs.enumerate();
-            scaled.into_iter().all(|(k, (a, b))| (a - b).abs() <= SAME_POSE * self.mechanism.scale_of(k))
+            scaled
+                .into_iter()
+                .all(|(k, (a, b))| (a - b).abs() <= SAME_POSE * self.mechanism.scale_of(k))
         });
         if same {
             self.elsewhere = Some(found.clone());

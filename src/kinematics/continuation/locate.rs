@@ -83,7 +83,10 @@ impl Follower<'_> {
                 }
             }
             zero = inverse_at_zero(&nodes)?;
-            let near = nodes.iter().map(|n| n.value.abs()).fold(f64::INFINITY, f64::min);
+            let near = nodes
+                .iter()
+                .map(|n| n.value.abs())
+                .fold(f64::INFINITY, f64::min);
             if near < NEAR_ENOUGH * self.best_sigma {
                 return Some(zero);
             }

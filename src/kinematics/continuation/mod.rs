@@ -8,7 +8,7 @@ mod locate;
 mod record;
 mod step;
 
-use super::assembly::{assemble, smallest_gap};
+use super::assembly::{NotClosed, assemble, smallest_gap};
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
 use super::newton::Corrector;
@@ -57,6 +57,8 @@ struct Follower<'m> {
     crossing: Option<locate::Crossing>,
     /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
     elsewhere: Option<Stand>,
+    /// Of the samples of the present gap the one that is farthest from closing.
+    widest: Option<(f64, NotClosed)>,
     best_sigma: f64,
     interval: f64,
     iterations: u32,
@@ -74,6 +76,7 @@ impl<'m> Follower<'m> {
             anchor: None,
             crossing: None,
             elsewhere: None,
+            widest: None,
             best_sigma: 0.0,
             interval: mechanism.duration,
             iterations: 0,
@@ -109,6 +112,7 @@ impl<'m> Follower<'m> {
                 }
             }
         }
+        self.measure_gap();
         self.trajectory
     }
 
@@ -167,9 +171,9 @@ impl<'m> Follower<'m> {
                 self.enter(stand)
             }
             Err(best) => {
-                let lack = smallest_gap(self.mechanism, self.structure, best);
-                self.note_lack(time, &lack);
+                self.note_lack(time, best.clone());
                 if persist {
+                    let lack = smallest_gap(self.mechanism, self.structure, best);
                     let kind = EventKind::StartNotClosed {
                         name: lack.name,
                         angle: lack.angle,
@@ -185,7 +189,10 @@ impl<'m> Follower<'m> {
     /// From the last sample to `time`, by as many steps as it takes.
     fn advance(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
         let mut here = last;
-        if self.inputs(time).is_ok_and(|inputs| here.coordinates.ends_with(&inputs)) {
+        if self
+            .inputs(time)
+            .is_ok_and(|inputs| here.coordinates.ends_with(&inputs))
+        {
             return Ok(Stand { time, ..here });
         }
         loop {
