@@ -72,7 +72,10 @@ fn a_hundred_drag_links_keep_their_digits() {
         let Certificate::Certified { error_bound, .. } = pose.certificate else {
             panic!("{n}: {:?}", pose.certificate)
         };
-        assert!(error_bound >= 100.0 * error && error_bound < 1e-9, "{error_bound:e}");
+        assert!(
+            error_bound >= 100.0 * error && error_bound < 1e-9,
+            "{error_bound:e}"
+        );
         assert_eq!(Structure::new(&row).unwrap().blocks.len(), n);
     }
     for (scene, n) in [("h28-four-bar-1", 1), ("h28-four-bars-10", 10)] {

@@ -21,9 +21,7 @@ const STARTS: u64 = 10_000;
 fn product(mechanism: &Mechanism, chain: &Chain, coordinates: &[f64]) -> DMat4 {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let factors = chain.steps.iter().map(|step| match *step {
-        Step::Fixed(pose) => {
-            DMat4::from_mat3_translation(pose.rotation, pose.translation)
-        }
+        Step::Fixed(pose) => DMat4::from_mat3_translation(pose.rotation, pose.translation),
         Step::Joint {
             motion,
             axis,
@@ -94,7 +92,11 @@ fn run(mechanism: &Mechanism) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
             }
         }
     }
-    println!("{}: {} closed, refused {refused:?}", mechanism.title, poses.len());
+    println!(
+        "{}: {} closed, refused {refused:?}",
+        mechanism.title,
+        poses.len()
+    );
     (poses, refused)
 }
 

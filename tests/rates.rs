@@ -109,7 +109,10 @@ fn the_hooke_joint_has_the_derivatives_of_its_closed_form() {
     }
     for (k, expected) in expected.iter().enumerate() {
         let error = series[slot(&mechanism, "t2")].derivative(k) - expected;
-        assert!(error.abs() < 1e-13 * 3.0_f64.powi(k as i32), "{k} {error:e}");
+        assert!(
+            error.abs() < 1e-13 * 3.0_f64.powi(k as i32),
+            "{k} {error:e}"
+        );
     }
 }
 
@@ -123,7 +126,9 @@ fn arm_derivatives(l: f64, order: usize) -> Vec<f64> {
     let mut w = vec![l / (a * d * s[0])];
     for k in 1..order {
         let chain = |f: &[f64]| -> f64 {
-            (0..k).map(|j| binomial(k - 1, j) * f[j] * w[k - 1 - j]).sum()
+            (0..k)
+                .map(|j| binomial(k - 1, j) * f[j] * w[k - 1 - j])
+                .sum()
         };
         let (next_s, next_c) = (chain(&c), -chain(&s));
         s.push(next_s);

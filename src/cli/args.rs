@@ -144,6 +144,10 @@ pub struct SolveArgs {
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
+    /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
+    /// written to JSON.
+    #[arg(long)]
+    pub events: bool,
     /// Format of the table if the file name does not tell.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,

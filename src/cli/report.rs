@@ -6,7 +6,7 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use crate::export::{ExportError, Output, Stream, Target};
 use crate::kinematics::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
 use serde_json::Value;
 use std::path::Path;
 
@@ -29,7 +29,9 @@ pub fn events(
     let told = |e: &&Event| {
         !matches!(
             e.kind,
-            EventKind::MotionEnds | EventKind::MotionResumes { same_branch: true }
+            EventKind::MotionEnds
+                | EventKind::MotionResumes { same_branch: true }
+                | EventKind::LimitPosition { .. }
         )
     };
     let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
@@ -40,6 +42,10 @@ pub fn events(
     }
     if lines.len() > MAX_LINES {
         term.warning(&format!("and {} more events", lines.len() - MAX_LINES));
+    }
+    let limits = trajectory.events.iter();
+    for event in limits.filter(|e| matches!(e.kind, EventKind::LimitPosition { .. })) {
+        term.note(&sentence(mechanism, event));
     }
     let missing = trajectory.missing();
     if missing == 0 && trajectory.gaps.is_empty() {
@@ -92,6 +98,16 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             format!("poses exist again from {at} on, on another branch than before")
         }
         EventKind::SingularPosePassed => format!("singular pose near {at}, passed straight on"),
+        EventKind::LimitPosition {
+            name,
+            measure,
+            value,
+            is_largest,
+        } => {
+            let extreme = if *is_largest { "largest" } else { "smallest" };
+            let value = with_unit(mechanism, *measure, *value);
+            format!("`{name}` is {extreme} at {at}: {value}")
+        }
         EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
         EventKind::StartNotClosed {
             name,
@@ -111,18 +127,10 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
 
 /// `p = -17 mm, phi = 0.2 rad`.
 pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
-    use crate::model::mechanism::Kind;
-    let texts = mechanism.inputs.iter().zip(values).map(|(input, value)| {
-        let unit = match input.kind {
-            Kind::Angle => format!(" {}", mechanism.angle_unit.name),
-            Kind::Length => format!(" {}", mechanism.length_unit),
-            Kind::Number => String::new(),
-        };
-        format!(
-            "{} = {:.9}{unit}",
-            input.name,
-            value * mechanism.file_units(input.kind)
-        )
+    let pairs = mechanism.inputs.iter().zip(values);
+    let texts = pairs.map(|(input, value)| {
+        let value = with_unit(mechanism, input.kind, *value);
+        format!("{} = {value}", input.name)
     });
     let list = texts.collect::<Vec<_>>().join(", ");
     if list.is_empty() {
@@ -130,6 +138,16 @@ pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
     } else {
         list
     }
+}
+
+/// `-17.000000000 mm`.
+fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
+    let unit = match kind {
+        Kind::Angle => format!(" {}", mechanism.angle_unit.name),
+        Kind::Length => format!(" {}", mechanism.length_unit),
+        Kind::Number => String::new(),
+    };
+    format!("{:.9}{unit}", value * mechanism.file_units(kind))
 }
 
 fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {

@@ -7,6 +7,7 @@ use super::{CANCEL, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
 use crate::kinematics::continuation::solve;
+use crate::kinematics::limits::add_limits;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::model::mechanism::Mechanism;
@@ -34,6 +35,9 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let mut trajectory = solve(&scene.mechanism, &times)?;
     refuse_interrupted()?;
+    if args.events {
+        add_limits(&scene.mechanism, &mut trajectory)?;
+    }
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }

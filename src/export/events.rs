@@ -15,11 +15,36 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
         EventKind::MotionEnds => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
         EventKind::SingularPosePassed => "singular-pose-passed",
+        EventKind::LimitPosition { .. } => "limit-position",
         EventKind::InputUndefined { .. } => "input-undefined",
         EventKind::StartNotClosed { .. } => "start-not-closed",
         EventKind::OtherStart => "other-start",
     };
-    json!({ "kind": kind, "time": event.time, "inputs": inputs(mechanism, &event.inputs) })
+    let mut object = Map::new();
+    object.insert("kind".to_owned(), json!(kind));
+    object.insert("time".to_owned(), json!(event.time));
+    object.insert("inputs".to_owned(), inputs(mechanism, &event.inputs).into());
+    match &event.kind {
+        EventKind::MotionResumes { same_branch } => {
+            object.insert("same_branch".to_owned(), json!(same_branch));
+        }
+        EventKind::LimitPosition {
+            name,
+            measure,
+            value,
+            is_largest,
+        } => {
+            let extreme = if *is_largest { "largest" } else { "smallest" };
+            object.insert("coordinate".to_owned(), json!(name));
+            object.insert(
+                "value".to_owned(),
+                json!(value * mechanism.file_units(*measure)),
+            );
+            object.insert("extreme".to_owned(), json!(extreme));
+        }
+        _ => {}
+    }
+    object.into()
 }
 
 /// All stretches without a pose: where poses end, where they begin again, and how much is lacking in between; null

@@ -2,6 +2,7 @@
 
 use super::certificate::Certificate;
 use crate::math::Pose;
+use crate::model::mechanism::Kind;
 use glam::DVec3;
 
 /// A closed pose with its proof.
@@ -69,6 +70,17 @@ pub enum EventKind {
     },
     /// The pose is singular; the motion was continued straight through it.
     SingularPosePassed,
+    /// A coordinate or an output turns back while the drive goes on: a dead point. Only where it was asked for.
+    LimitPosition {
+        /// Name of the unknown or output.
+        name: String,
+        /// What it measures.
+        measure: Kind,
+        /// Its value there.
+        value: f64,
+        /// The value is larger than those around it, not smaller.
+        is_largest: bool,
+    },
     /// An input has no value (division by zero in its formula, say).
     InputUndefined {
         /// Name of the input.
