@@ -7,6 +7,7 @@ mod reference;
 
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::feasible::feasible_inputs;
 use mechanim::kinematics::sampling::even_times;
 use mechanim::kinematics::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::model::mechanism::Mechanism;
@@ -327,6 +328,26 @@ fn a_drive_that_begins_without_a_pose_says_where_poses_begin() {
         assert!(gap.from.is_none());
         assert!((begins - (PI - 0.75_f64.asin())).abs() < 1e-9, "{begins}");
     }
+}
+
+#[test]
+fn an_input_without_a_pose_is_told_which_values_have_one() {
+    for (phi, l) in [("90", "60"), ("-95", "79"), ("450", "30")] {
+        let changes = [("input", "phi", phi), ("param", "L", l)];
+        let mechanism = hard("h10-rod-too-short", &changes);
+        let [feasible] = &feasible_inputs(&mechanism)[..] else {
+            panic!("one input")
+        };
+        let limit = (l.parse::<f64>().unwrap() / 80.0).asin();
+        let ends: Vec<f64> = feasible.stretches.iter().flatten().copied().collect();
+        // From half a turn before the value to half a turn behind it there are two stretches.
+        assert_eq!(ends.len(), 4, "{feasible:?}");
+        for end in ends {
+            let off = [limit, -limit, PI - limit, PI + limit].map(|side| turned(end - side));
+            assert!(off.into_iter().fold(PI, f64::min) < 1e-9, "{phi} {end}");
+        }
+    }
+    assert!(feasible_inputs(&hard("h10-four-bar-too-short", &[])).is_empty());
 }
 
 #[test]

@@ -116,6 +116,35 @@ fn a_drive_that_turns_back_or_rests_makes_no_limit_positions() {
 }
 
 #[test]
+fn tables_and_reports_have_the_stretches_without_a_pose() {
+    let w = Workspace::new();
+    let scene = format!(
+        "{}/tests/hard/h10-rod-too-short.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let limit = 0.75_f64.asin().to_degrees();
+    let solve = ["solve", &scene, "--out", "-", "--format", "json"];
+    for arguments in [&solve[..], &["check", &scene, "--json", "-"]] {
+        let run = w
+            .run(arguments)
+            .exits(4)
+            .says(&["48.590377891 deg", "stays 20.000000 mm open"]);
+        let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        let gaps = document["gaps"].as_array().unwrap();
+        assert_eq!(gaps.len(), 2);
+        for (end, exact) in [("from", limit), ("until", 180.0 - limit)] {
+            let found = gaps[0][end]["inputs"]["phi"].as_f64().unwrap();
+            assert!((found - exact).abs() < 5e-8, "{found}");
+        }
+        assert_eq!(gaps[0]["widest"]["loop"], "A");
+    }
+    let never = ["check", &scene, "--input", "phi=90"];
+    w.run(&never)
+        .exits(4)
+        .says(&["poses were found for `phi` from -48.590377891 deg to 48.590377891 deg"]);
+}
+
+#[test]
 fn the_table_has_them_when_asked() {
     let w = Workspace::new();
     let arguments = ["solve", "slider-crank", "--out", "-", "--format", "json"];

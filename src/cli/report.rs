@@ -5,6 +5,7 @@ use super::open_scene;
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use crate::export::{ExportError, Output, Stream, Target};
+use crate::kinematics::feasible::feasible_inputs;
 use crate::kinematics::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
 use serde_json::Value;
@@ -156,11 +157,24 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
         || "no pose was found".to_owned(),
         |event| sentence(mechanism, event),
     );
-    let hints = vec![
+    let mut hints = vec![
         "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
             .to_owned(),
         "or change the inputs: the mechanism may not reach this far".to_owned(),
     ];
+    for feasible in feasible_inputs(mechanism) {
+        let input = &mechanism.inputs[feasible.input];
+        let value = |v: f64| with_unit(mechanism, input.kind, v);
+        let stretches = feasible.stretches.iter();
+        let list: Vec<String> = stretches
+            .map(|[from, to]| format!("{} to {}", value(*from), value(*to)))
+            .collect();
+        hints.push(format!(
+            "poses were found for `{}` from {}",
+            input.name,
+            list.join(", and from ")
+        ));
+    }
     Failure::NeverClosed { message, hints }
 }
 

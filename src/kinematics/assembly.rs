@@ -115,8 +115,7 @@ pub fn smallest_gap(mechanism: &Mechanism, structure: &Structure, best: NotClose
             descent.turn_weight = weight;
             left = descent.minimise(mechanism, block, &mut coordinates).1;
         }
-        // A NaN is not closed either.
-        if !(left <= HAND_OVER) {
+        if left > HAND_OVER {
             return gap(mechanism, block, &coordinates);
         }
     }

@@ -7,6 +7,7 @@ pub mod branch;
 pub mod certificate;
 pub mod closure;
 pub mod continuation;
+pub mod feasible;
 pub mod forward;
 pub mod limits;
 pub mod modes;
