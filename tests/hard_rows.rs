@@ -1,5 +1,7 @@
 //! Long rows of loops, written as a user would generate them: nothing is lost on the way to the hundredth.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// Published numbers keep the digits they were published with.
+#![allow(clippy::excessive_precision)]
 
 mod reference;
 

@@ -1,5 +1,7 @@
 //! Rates of any order against closed forms, against differences of solved poses, and as predictions.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// Published numbers keep the digits they were published with.
+#![allow(clippy::excessive_precision)]
 
 mod program;
 mod reference;
