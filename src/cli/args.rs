@@ -144,6 +144,10 @@ pub struct SolveArgs {
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
+    /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
+    /// written to JSON.
+    #[arg(long)]
+    pub events: bool,
     /// What is proved: nothing, every pose, or also the motion between the samples.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
