@@ -21,6 +21,7 @@ fn keys_of_the_reader() -> BTreeSet<String> {
         "rows",
         "rows::<3>",
         "rows::<2>",
+        "rows::<4>",
         "table",
         "tables",
         "named",

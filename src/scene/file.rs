@@ -42,6 +42,8 @@ pub struct SceneFile {
     pub outputs: Vec<NamedFormula>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[[plots]]`
+    pub plots: Vec<PlotFile>,
     /// `[view]`
     pub view: ViewFile,
     /// Whole sections could not be read: what refers to them cannot be judged.
@@ -49,7 +51,7 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
     "parameters",
     "inputs",
     "chains",
@@ -60,6 +62,7 @@ const SECTIONS: [&str; 10] = [
     "traces",
     "outputs",
     "labels",
+    "plots",
 ];
 
 /// One entry of `[inputs]`.
@@ -129,6 +132,25 @@ pub struct LabelFile {
     pub span: Span,
 }
 
+/// One entry of `[[plots]]`.
+#[derive(Clone, Debug, Default)]
+pub struct PlotFile {
+    /// `title`
+    pub title: Option<String>,
+    /// `x`: `time`, which is also meant if absent, or a quantity.
+    pub x: Option<FormulaText>,
+    /// `y`: quantities.
+    pub y: Vec<FormulaText>,
+    /// `equal`
+    pub equal: bool,
+    /// `marks`: points.
+    pub marks: Vec<[FormulaText; 2]>,
+    /// `lines`: begin and end of each.
+    pub lines: Vec<[FormulaText; 4]>,
+    /// `angle`: unit of angles in this plot.
+    pub angle: Option<Spanned<String>>,
+}
+
 /// `[view]`
 #[derive(Clone, Debug, Default)]
 #[allow(missing_docs)]
@@ -193,6 +215,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
+        plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }
@@ -293,6 +316,23 @@ fn label(r: &mut TableReader) -> Option<LabelFile> {
         colour,
         size,
         span,
+    })
+}
+
+fn plot(r: &mut TableReader) -> Option<PlotFile> {
+    let (title, x) = (r.string("title"), r.formula("x"));
+    let y = required(r, "y", |r, k| r.formulas(k));
+    let (equal, angle) = (r.boolean("equal"), r.string("angle"));
+    let marks = r.rows::<2>("marks");
+    let lines = r.rows::<4>("lines");
+    Some(PlotFile {
+        title: title.map(|t| t.value),
+        x,
+        y: y?.value,
+        equal: equal.unwrap_or(false),
+        marks: marks.map_or_else(Vec::new, |m| m.value),
+        lines: lines.map_or_else(Vec::new, |l| l.value),
+        angle,
     })
 }
 

@@ -6,9 +6,10 @@ mod joints;
 mod names;
 mod outputs;
 mod parsed;
+mod plots;
 mod view;
 
-use super::file::{InputFile, SceneFile};
+use super::file::{InputFile, PlotFile, SceneFile};
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
@@ -66,6 +67,14 @@ pub fn apply_overrides(file: &mut SceneFile, overrides: &Overrides, diagnostics:
             outside(text),
         ));
     }
+    if let Some(plot) = &overrides.plot {
+        file.plots = vec![PlotFile {
+            x: plot.x.as_deref().map(outside),
+            y: plot.y.iter().map(|text| outside(text)).collect(),
+            equal: plot.equal,
+            ..PlotFile::default()
+        }];
+    }
 }
 
 fn outside(text: &str) -> FormulaText {
@@ -91,6 +100,17 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let traces = bodies::traces(file, &names, &bodies, diagnostics);
     let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    let is_usable = |name: &str| outputs.iter().any(|o| o.name == name);
+    let declared = file.outputs.iter().map(|(name, _)| name.value.as_str());
+    let failed: Vec<&str> = declared.filter(|name| !is_usable(name)).collect();
+    let observed = outputs::Observed {
+        names: &names,
+        traces: &traces,
+        outputs: &outputs,
+        failed: &failed,
+        unit: &angle_unit,
+    };
+    let plots = plots::resolve(file, observed, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
@@ -131,6 +151,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         description,
         mechanism,
         view,
+        plots,
         warnings: Diagnostics::default(),
     })
 }

@@ -6,8 +6,59 @@ use super::super::formula::kinds::to_radians;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
-use crate::model::expression::Function;
+use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
+
+/// Everything that a formula about the motion may name.
+#[derive(Clone, Copy)]
+pub struct Observed<'a> {
+    pub names: &'a Names,
+    pub traces: &'a [Trace],
+    pub outputs: &'a [Output],
+    /// Outputs that were written but are faulty: what uses them is not judged.
+    pub failed: &'a [&'a str],
+    pub unit: &'a AngleUnit,
+}
+
+impl Observed<'_> {
+    /// The formula over the slots of outputs, and what it measures.
+    pub fn compile(&self, node: &Node) -> Result<(Expression, Kind), Diagnostic> {
+        let output = |used: &str| self.outputs.iter().find(|o| o.name == used);
+        let known = |used: &str| output(used).map(|o| o.kind);
+        let kind = kind_of(node, self.names, &known);
+        let is_angle = |n: &str| self.names.is_angle(n) || known(n) == Some(Kind::Angle);
+        let node = to_radians(node.clone(), Some(kind), self.unit.radians, &is_angle);
+        let expression = compile(&node, &|used, span| self.value(used, span))?;
+        Ok((expression, kind))
+    }
+
+    fn value(&self, used: &str, span: &Span) -> Result<Value, Diagnostic> {
+        let (names, traces) = (self.names, self.traces);
+        let coordinates = names.unknowns.len() + names.inputs.len();
+        if let Some(slot) = trace_slot(used, traces) {
+            return Ok(Value::Slot(coordinates + slot));
+        }
+        if let Some(earlier) = self.outputs.iter().position(|o| o.name == used) {
+            return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
+        }
+        let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
+        if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
+            return Err(Diagnostic::inherited());
+        }
+        if self.failed.contains(&used) {
+            return Err(Diagnostic::inherited());
+        }
+        names.coordinate(used, span).map_err(|d| {
+            let points: Vec<String> = traces
+                .iter()
+                .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
+                .collect();
+            let outputs = self.outputs.iter().map(|o| o.name.as_str());
+            d.suggest(used, points.iter().map(String::as_str).chain(outputs))
+                .label("no parameter, input, unknown, traced point or earlier output")
+        })
+    }
+}
 
 /// Resolves the outputs in the order of the file.
 pub fn resolve(
@@ -17,39 +68,18 @@ pub fn resolve(
     unit: &AngleUnit,
     diagnostics: &mut Diagnostics,
 ) -> Vec<Output> {
-    let coordinates = names.unknowns.len() + names.inputs.len();
     let mut outputs: Vec<Output> = Vec::new();
     let mut failed: Vec<&str> = Vec::new();
     for (name, node) in &parsed.outputs {
-        let known = |used: &str| outputs.iter().find(|o| o.name == used).map(|o| o.kind);
-        let kind = kind_of(node, names, &known);
-        let is_angle = |n: &str| names.is_angle(n) || known(n) == Some(Kind::Angle);
-        let node = to_radians(node.clone(), Some(kind), unit.radians, &is_angle);
-        let lookup = |used: &str, span: &Span| {
-            if let Some(slot) = trace_slot(used, traces) {
-                return Ok(Value::Slot(coordinates + slot));
-            }
-            if let Some(earlier) = outputs.iter().position(|o| o.name == used) {
-                return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
-            }
-            let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
-            if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
-                return Err(Diagnostic::inherited());
-            }
-            if failed.contains(&used) {
-                return Err(Diagnostic::inherited());
-            }
-            names.coordinate(used, span).map_err(|d| {
-                let points: Vec<String> = traces
-                    .iter()
-                    .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
-                    .collect();
-                d.suggest(used, points.iter().map(String::as_str))
-                    .label("no parameter, input, unknown, traced point or earlier output")
-            })
+        let observed = Observed {
+            names,
+            traces,
+            outputs: &outputs,
+            failed: &failed,
+            unit,
         };
-        match compile(&node, &lookup) {
-            Ok(expression) => outputs.push(Output {
+        match observed.compile(node) {
+            Ok((expression, kind)) => outputs.push(Output {
                 name: name.value.clone(),
                 expression,
                 kind,
