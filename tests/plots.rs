@@ -357,7 +357,7 @@ fn the_playhead_stands_on_the_curves() {
 fn texts_do_not_overlap() {
     for (r, l) in [(40.0, 80.0), (80.0, 60.0)] {
         let chart = charted(&crank(r, l), 361);
-        for size in [usual_size(&chart), [480, 700], [1600, 900]] {
+        for size in [usual_size(&chart), [480, 700], [1600, 900], [2400, 1800]] {
             let drawing = draw(&chart, size, Theme::LIGHT);
             let boxes: Vec<[f64; 4]> = drawing.primitives.iter().filter_map(extent).collect();
             for (k, a) in boxes.iter().enumerate() {
@@ -510,4 +510,61 @@ fn what_cannot_be_plotted_is_said() {
         w.run(&all).exits(2).prints_nothing().says(words);
         assert!(!w.path("a.svg").exists());
     }
+}
+
+#[test]
+fn a_panel_moves_with_the_animation() {
+    let w = Workspace::new();
+    w.write("ok.toml", crank(40.0, 80.0));
+    w.write("blocked.toml", crank(80.0, 60.0));
+    let frame = |at: &str, out: &str, panel: &str| {
+        let arguments = [
+            "render",
+            "ok.toml",
+            "--at",
+            at,
+            "--out",
+            out,
+            "--size",
+            "640x480",
+            "--renderer",
+            "cpu",
+            panel,
+        ];
+        w.run(&arguments).exits(0);
+        image::open(w.path(out)).unwrap().to_rgba8()
+    };
+    let (early, late) = (
+        frame("0.5", "a.png", "--panel"),
+        frame("2.5", "b.png", "--panel=Stroke"),
+    );
+    assert_eq!(early.dimensions(), (640, 480));
+    // The marker is a vertical line, darker than what was there, in the chart's part only: below the animation.
+    let differs = |x: u32| (300..480).any(|y| early.get_pixel(x, y) != late.get_pixel(x, y));
+    let columns: Vec<u32> = (0..640).filter(|x| differs(*x)).collect();
+    assert!(!columns.is_empty() && columns.len() < 60, "{columns:?}");
+    assert!(
+        columns[0] < 200 && columns[columns.len() - 1] > 300,
+        "{columns:?}"
+    );
+    assert_eq!(
+        early,
+        frame("0.5", "c.png", "--panel"),
+        "the same bytes again"
+    );
+    let blocked = [
+        "render",
+        "blocked.toml",
+        "--panel",
+        "--at",
+        "1",
+        "--out",
+        "d.png",
+        "--renderer",
+        "cpu",
+    ];
+    w.run(&blocked).exits(4);
+    w.run(&["render", "ok.toml", "--panel=Strok", "--out", "e.png"])
+        .exits(2)
+        .says(&["no plot `Strok`"]);
 }

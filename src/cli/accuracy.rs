@@ -13,7 +13,7 @@ use std::io::Write;
 use std::path::Path;
 
 /// Pixels of the chart.
-const CHART: [u32; 2] = [900, 620];
+const CHART: [u32; 2] = [840, 520];
 
 /// What the report is written as.
 enum Format {

@@ -121,6 +121,9 @@ pub struct RenderArgs {
     /// Print where the time went, stage by stage.
     #[arg(long)]
     pub timings: bool,
+    /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
+    #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub panel: Option<String>,
 }
 
 /// `mechanim solve`

@@ -10,6 +10,7 @@ use crate::kinematics::continuation::solve;
 use crate::kinematics::trajectory::{EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
 use crate::model::plot::Plot;
+use crate::plot::companion::Companion;
 use crate::plot::motion::{chart, default_plot};
 use crate::plot::raster::Painter;
 use crate::plot::{Chart, Theme, draw, svg};
@@ -177,14 +178,37 @@ pub fn chosen(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> 
     })
 }
 
+/// The chart of `--panel`: the scene's first plot or that with the given title, at even samples and at those of the
+/// frames in `trajectory`.
+pub fn companion(
+    title: &str,
+    scene: &Scene,
+    trajectory: &Trajectory,
+    size: [u32; 2],
+) -> Result<Companion, Failure> {
+    let mut plots = chosen(Some(title).filter(|t| !t.is_empty()), scene)?;
+    plots.truncate(1);
+    let mechanism = &scene.mechanism;
+    let fine = solve_with_ends(mechanism, even(mechanism, USUAL_SAMPLES))?;
+    let mut whole = chart(mechanism, &plots, &fine)?;
+    // The animation bears the title.
+    whole.title.clear();
+    let frames = chart(mechanism, &plots, trajectory)?;
+    Ok(Companion::new(&whole, frames, size, scene.view.background))
+}
+
 /// Evenly over the motion, both ends included.
+fn even(mechanism: &Mechanism, count: usize) -> Vec<f64> {
+    let share = |k: usize| k as f64 / (count - 1) as f64;
+    (0..count).map(|k| mechanism.duration * share(k)).collect()
+}
+
+/// The samples asked for.
 fn times(args: &PlotArgs, mechanism: &Mechanism) -> Vec<f64> {
     if args.samples.is_none() && args.scene.table.is_some() {
         return super::inputs_table::row_times(mechanism);
     }
-    let count = args.samples.unwrap_or(USUAL_SAMPLES).max(2);
-    let share = |k: usize| k as f64 / (count - 1) as f64;
-    (0..count).map(|k| mechanism.duration * share(k)).collect()
+    even(mechanism, args.samples.unwrap_or(USUAL_SAMPLES).max(2))
 }
 
 /// Solves at `times` and once more with the places where the motion ends, so that curves reach there.

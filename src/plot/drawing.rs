@@ -136,11 +136,8 @@ fn words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, S
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
-    let mut words: Vec<(f64, String)> = panel
-        .events
-        .iter()
-        .map(|e| (e.x, e.label.clone()))
-        .collect();
+    // Where nothing is drawn comes first: of the rest the lines tell something.
+    let mut words: Vec<(f64, String)> = Vec::new();
     for shade in &panel.shades {
         let share = (shade.to - shade.from).abs() / (high - low);
         let fits = share * width > ruler.width(&shade.word, sizes.small) + 3.0 * sizes.gap;
@@ -148,6 +145,13 @@ fn words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, S
             words.push((0.5 * (shade.from + shade.to), shade.word.clone()));
         }
     }
+    let mut events: Vec<(f64, String)> = panel
+        .events
+        .iter()
+        .map(|e| (e.x, e.label.clone()))
+        .collect();
+    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    words.extend(events);
     words.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
     words
 }

@@ -9,10 +9,13 @@ use super::theme::Theme;
 use super::ticks::{Ticks, ticks};
 
 /// Pixels between two numbers of the vertical axis, in heights of the capitals.
-const ROOM_Y: f64 = 3.4;
+const ROOM_Y: f64 = 2.8;
 
 /// Pixels a number of the horizontal axis takes at least, in heights of the capitals.
 const ROOM_X: f64 = 6.5;
+
+/// An area keeps this height before words are put above it, in heights of the capitals.
+const WORDLESS: f64 = 9.0;
 
 /// Smallest side of an area in pixels: a picture that is too small shows little, but never turns inside out.
 const SMALLEST_AREA: f64 = 8.0;
@@ -73,7 +76,8 @@ impl Frame {
         let factor = ticks(&y, most_y(&area, sizes), &panel.y.unit).factor;
         let wide = cell.right - cell.left;
         let heading = Heading::new(panel, panel.y.heading(factor), wide, ruler, sizes);
-        let words = Words::new(words, &x, ruler, sizes);
+        let free = area.bottom - cell.top - heading.height(sizes) - WORDLESS * sizes.text;
+        let words = Words::new(words, &x, free, ruler, sizes);
         let above = heading.height(sizes) + words.height(sizes) + 0.5 * sizes.gap;
         area.top = (cell.top + above).round().min(area.bottom - SMALLEST_AREA);
         let (x, y) = scales(panel, &area);

@@ -141,14 +141,21 @@ pub struct Words {
 }
 
 impl Words {
-    /// Places each `(x, word)` above its place, in as few rows as hold them side by side.
-    pub fn new(words: &[(f64, String)], scale: &Scale, ruler: &Ruler, sizes: &Sizes) -> Self {
-        let mut sorted: Vec<(f64, &String)> = words.iter().map(|(x, w)| (*x, w)).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut ends = [f64::NEG_INFINITY; MOST_ROWS];
+    /// Places each `(x, word)` above its place, in as few rows as hold them side by side, the first of the list first.
+    /// `room` pixels are there for them.
+    pub fn new(
+        words: &[(f64, String)],
+        scale: &Scale,
+        room: f64,
+        ruler: &Ruler,
+        sizes: &Sizes,
+    ) -> Self {
+        let rows = (room / (0.9 * sizes.line(sizes.small))).floor();
+        let rows = (rows.max(0.0) as usize).min(MOST_ROWS);
+        let mut taken: Vec<Vec<[f64; 2]>> = vec![Vec::new(); rows];
         let mut list: Vec<Word> = Vec::new();
-        for (x, text) in sorted {
-            let Some(pixel) = scale.pixel(x) else {
+        for (x, text) in words {
+            let Some(pixel) = scale.pixel(*x) else {
                 continue;
             };
             if text.is_empty() {
@@ -160,9 +167,10 @@ impl Words {
                 (scale.end - half).max(scale.start + half),
             );
             let middle = pixel.clamp(first, last);
-            let row = ends.iter().position(|end| middle - half > end + sizes.gap);
-            if let Some(row) = row {
-                ends[row] = middle + half;
+            let [from, to] = [middle - half - sizes.gap, middle + half + sizes.gap];
+            let is_free = |row: &Vec<[f64; 2]>| row.iter().all(|t| to < t[0] || t[1] < from);
+            if let Some(row) = taken.iter().position(is_free) {
+                taken[row].push([middle - half, middle + half]);
                 list.push(Word {
                     text: text.clone(),
                     middle,

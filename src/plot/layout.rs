@@ -15,8 +15,18 @@ const EQUAL_ROW_HEIGHT: f64 = 470.0;
 const SMALLEST: f64 = 0.8;
 const LARGEST: f64 = 12.0;
 
-/// Panels from which on two columns are used.
+/// Width and height, as shares of the usual ones, below which texts shrink with the shorter side.
+const LEAST_SHARE: [f64; 2] = [0.6, 0.8];
+
+/// Panels from which on the usual size has two columns.
 const TWO_COLUMNS_FROM: usize = 4;
+
+/// Most columns of panels.
+const MOST_COLUMNS: usize = 4;
+
+/// Best ratio of width to height of a panel with its texts; of one whose axes are equally scaled.
+const ASPECT: f64 = 2.2;
+const EQUAL_ASPECT: f64 = 1.3;
 
 /// Lengths in pixels that grow with the picture. Texts are measured by the height of their capitals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +53,13 @@ impl Sizes {
     /// For a chart of the given pixels.
     pub fn new(chart: &Chart, size: [u32; 2]) -> Self {
         let usual = usual_size(chart).map(f64::from);
-        let scale = (f64::from(size[0]) / usual[0]).min(f64::from(size[1]) / usual[1]);
-        let s = scale.clamp(SMALLEST, LARGEST);
+        let [width, height] = size.map(f64::from);
+        // The width counts twice: it is what numbers and legends compete for.
+        let (wide, high) = (width / usual[0], height / usual[1]);
+        let s = libm::cbrt(wide * wide * high)
+            .min(wide / LEAST_SHARE[0])
+            .min(high / LEAST_SHARE[1])
+            .clamp(SMALLEST, LARGEST);
         Self {
             text: 8.4 * s,
             small: 7.6 * s,
@@ -65,7 +80,11 @@ impl Sizes {
 
 /// The size in pixels that suits a chart.
 pub fn usual_size(chart: &Chart) -> [u32; 2] {
-    let columns = columns(chart, USUAL_WIDTH / ROW_HEIGHT);
+    let columns = if chart.panels.len() >= TWO_COLUMNS_FROM {
+        2
+    } else {
+        1
+    };
     let rows = chart.panels.len().div_ceil(columns).max(1);
     let equal = chart.panels.iter().any(|p| p.equal);
     let row = if equal { EQUAL_ROW_HEIGHT } else { ROW_HEIGHT };
@@ -76,13 +95,18 @@ pub fn usual_size(chart: &Chart) -> [u32; 2] {
     ]
 }
 
-/// Columns of panels in a picture `aspect` times as wide as high.
-fn columns(chart: &Chart, aspect: f64) -> usize {
-    if chart.panels.len() >= TWO_COLUMNS_FROM && aspect > 0.8 {
-        2
-    } else {
-        1
-    }
+/// Columns that give the panels of a picture of these pixels the best shape.
+fn columns(chart: &Chart, [width, height]: [f64; 2]) -> usize {
+    let count = chart.panels.len().max(1);
+    let equal = chart.panels.iter().any(|p| p.equal);
+    let best = if equal { EQUAL_ASPECT } else { ASPECT };
+    let fault = |columns: usize| {
+        let rows = count.div_ceil(columns) as f64;
+        libm::log((width / columns as f64) / (height / rows) / best).abs()
+    };
+    let all = 1..=count.min(MOST_COLUMNS);
+    all.min_by(|a, b| fault(*a).total_cmp(&fault(*b)))
+        .unwrap_or(1)
 }
 
 /// Measures texts in the face they are drawn in.
@@ -129,7 +153,7 @@ impl Layout {
         let notes = (0..chart.notes.len())
             .map(|k| bottom + line * k as f64 + 0.5 * border + sizes.small)
             .collect();
-        let columns = columns(chart, width / height);
+        let columns = columns(chart, [width, bottom - top]);
         let rows = chart.panels.len().div_ceil(columns).max(1);
         let (wide, high) = (
             (width - 2.0 * border - 2.0 * sizes.gap * (columns - 1) as f64) / columns as f64,

@@ -325,6 +325,10 @@ fn plot(r: &mut TableReader) -> Option<PlotFile> {
     let (equal, angle) = (r.boolean("equal"), r.string("angle"));
     let marks = r.rows::<2>("marks");
     let lines = r.rows::<4>("lines");
+    if let Some(list) = y.as_ref().filter(|list| list.value.is_empty()) {
+        let diagnostic = Diagnostic::error("a plot needs at least one curve");
+        r.diagnostics.push(diagnostic.at(list.span.clone()));
+    }
     Some(PlotFile {
         title: title.map(|t| t.value),
         x,
