@@ -187,7 +187,8 @@ fn curves_in_the_svg_are_the_closed_form() {
         |p: f64| -r * p.sin() - r * r * p.sin() * p.cos() / (l * l - (r * p.sin()).powi(2)).sqrt();
     let step = 1e-5;
     let degree = 1f64.to_radians();
-    let expected: [(&str, usize, Box<dyn Fn(f64) -> f64>); 4] = [
+    type Form = Box<dyn Fn(f64) -> f64>;
+    let expected: [(&str, usize, Form); 4] = [
         ("stroke", 0, Box::new(stroke)),
         ("pin", 0, Box::new(move |p| r * p.cos())),
         ("dstroke/dphi", 1, Box::new(move |p| first(p) * degree)),

@@ -247,8 +247,8 @@ fn draw_events(
 
 fn draw_marks(panel: &Panel, area: &Area, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
     let stroke = Stroke {
-        dashes: Dashes::Short,
-        ..Stroke::solid(theme.mark, sizes.hair)
+        dashes: Dashes::Long,
+        ..Stroke::solid(theme.mark, 1.2 * sizes.hair)
     };
     for [from, to] in &panel.lines {
         if let (Some(from), Some(to)) = (area.pixel(*from), area.pixel(*to)) {

@@ -24,9 +24,8 @@ const TWO_COLUMNS_FROM: usize = 4;
 /// Most columns of panels.
 const MOST_COLUMNS: usize = 4;
 
-/// Best ratio of width to height of a panel with its texts; of one whose axes are equally scaled.
-const ASPECT: f64 = 2.2;
-const EQUAL_ASPECT: f64 = 1.3;
+/// Width of a panel that looks best with these heights.
+const BEST_WIDTH: f64 = 550.0;
 
 /// Lengths in pixels that grow with the picture. Texts are measured by the height of their capitals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,26 +84,35 @@ pub fn usual_size(chart: &Chart) -> [u32; 2] {
     } else {
         1
     };
-    let rows = chart.panels.len().div_ceil(columns).max(1);
-    let equal = chart.panels.iter().any(|p| p.equal);
-    let row = if equal { EQUAL_ROW_HEIGHT } else { ROW_HEIGHT };
+    let rows: f64 = row_heights(chart, columns).iter().sum();
     let notes = 20.0 * chart.notes.len() as f64;
     [
         USUAL_WIDTH as u32,
-        (40.0 + row * rows as f64 + notes) as u32,
+        (40.0 + rows.max(ROW_HEIGHT) + notes) as u32,
     ]
+}
+
+/// Usual heights of the rows of panels; a row is as high as its highest panel.
+fn row_heights(chart: &Chart, columns: usize) -> Vec<f64> {
+    let rows = chart.panels.chunks(columns);
+    rows.map(|row| {
+        if row.iter().any(|p| p.equal) {
+            EQUAL_ROW_HEIGHT
+        } else {
+            ROW_HEIGHT
+        }
+    })
+    .collect()
 }
 
 /// Columns that give the panels of a picture of these pixels the best shape.
 fn columns(chart: &Chart, [width, height]: [f64; 2]) -> usize {
-    let count = chart.panels.len().max(1);
-    let equal = chart.panels.iter().any(|p| p.equal);
-    let best = if equal { EQUAL_ASPECT } else { ASPECT };
     let fault = |columns: usize| {
-        let rows = count.div_ceil(columns) as f64;
-        libm::log((width / columns as f64) / (height / rows) / best).abs()
+        let high: f64 = row_heights(chart, columns).iter().sum();
+        let best = columns as f64 * BEST_WIDTH / high.max(ROW_HEIGHT);
+        libm::log(width / height / best).abs()
     };
-    let all = 1..=count.min(MOST_COLUMNS);
+    let all = 1..=chart.panels.len().clamp(1, MOST_COLUMNS);
     all.min_by(|a, b| fault(*a).total_cmp(&fault(*b)))
         .unwrap_or(1)
 }
@@ -154,23 +162,23 @@ impl Layout {
             .map(|k| bottom + line * k as f64 + 0.5 * border + sizes.small)
             .collect();
         let columns = columns(chart, [width, bottom - top]);
-        let rows = chart.panels.len().div_ceil(columns).max(1);
-        let (wide, high) = (
-            (width - 2.0 * border - 2.0 * sizes.gap * (columns - 1) as f64) / columns as f64,
-            (bottom - top) / rows as f64,
-        );
-        let cells = (0..chart.panels.len())
-            .map(|k| {
-                let left = border + (k % columns) as f64 * (wide + 2.0 * sizes.gap);
-                let top = top + (k / columns) as f64 * high;
-                Rect {
+        let wide = (width - 2.0 * border - 2.0 * sizes.gap * (columns - 1) as f64) / columns as f64;
+        let heights = row_heights(chart, columns);
+        let share = (bottom - top) / heights.iter().sum::<f64>();
+        let mut edge = top;
+        let mut cells = Vec::with_capacity(chart.panels.len());
+        for (row, height) in chart.panels.chunks(columns).zip(&heights) {
+            for column in 0..row.len() {
+                let left = border + column as f64 * (wide + 2.0 * sizes.gap);
+                cells.push(Rect {
                     left,
-                    top,
+                    top: edge,
                     right: left + wide,
-                    bottom: top + high,
-                }
-            })
-            .collect();
+                    bottom: edge + height * share,
+                });
+            }
+            edge += height * share;
+        }
         Self {
             cells,
             columns,

@@ -41,12 +41,12 @@ pub fn ticks(scale: &Scale, most: usize, unit: &str) -> Ticks {
 /// The smallest round step of which no more than `most` fit into `range`.
 pub fn round_step(range: f64, most: usize, unit: &str) -> f64 {
     let least = range / most as f64;
-    if unit == "deg" || unit == "°" {
-        if let Some(step) = DEGREES.into_iter().find(|s| *s >= least) {
-            if least > DEGREES[0] * 0.5 {
-                return step;
-            }
-        }
+    let is_angle = unit == "deg" || unit == "°";
+    let parts = DEGREES
+        .into_iter()
+        .filter(|_| is_angle && least > 0.5 * DEGREES[0]);
+    if let Some(step) = parts.into_iter().find(|s| *s >= least) {
+        return step;
     }
     let decade = libm::pow(10.0, libm::floor(libm::log10(least)));
     let step = STEPS
