@@ -182,9 +182,10 @@ fn curves_in_the_svg_are_the_closed_form() {
         all.iter()
             .any(|e| e.name == "desc" && e.text.contains("against phi [deg]"))
     );
-    let stroke = |p: f64| r * p.cos() + (l * l - (r * p.sin()).powi(2)).sqrt();
-    let first =
-        |p: f64| -r * p.sin() - r * r * p.sin() * p.cos() / (l * l - (r * p.sin()).powi(2)).sqrt();
+    let stroke = move |p: f64| r * p.cos() + (l * l - (r * p.sin()).powi(2)).sqrt();
+    let first = move |p: f64| {
+        -r * p.sin() - r * r * p.sin() * p.cos() / (l * l - (r * p.sin()).powi(2)).sqrt()
+    };
     let step = 1e-5;
     let degree = 1f64.to_radians();
     type Form = Box<dyn Fn(f64) -> f64>;

@@ -76,10 +76,12 @@ pub fn text(mechanism: &Mechanism, study: &Study) -> String {
     ));
     text.push_str(&match study.reference_bound {
         Some(bound) => {
-            format!("True poses were proved to {bound:.1e} {unit} and corrected once more.\n")
+            format!("The true poses are those of `mechanim solve`, proved to {bound:.1e} {unit}.\n")
         }
-        None => "True poses could not be proved for this mechanism; they are closed to rounding.\n"
-            .to_owned(),
+        None => {
+            "The true poses are those of `mechanim solve`; there is no proof for this mechanism.\n"
+                .to_owned()
+        }
     });
     if !study.drift.is_empty() {
         let mut rows = vec![["route", "turns", "error", "closure_error"].map(str::to_owned)];

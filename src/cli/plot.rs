@@ -211,16 +211,18 @@ fn times(args: &PlotArgs, mechanism: &Mechanism) -> Vec<f64> {
     even(mechanism, args.samples.unwrap_or(USUAL_SAMPLES).max(2))
 }
 
-/// Solves at `times` and once more with the places where the motion ends, so that curves reach there.
+/// Solves at `times` and once more with the places where the motion ends and resumes, so that curves reach there.
 fn solve_with_ends(mechanism: &Mechanism, mut times: Vec<f64>) -> Result<Trajectory, Failure> {
     let trajectory = solve(mechanism, &times)?;
-    let ends = trajectory
-        .events
-        .iter()
-        .filter(|e| e.kind == EventKind::MotionEnds);
+    let ends = trajectory.events.iter().filter(|event| {
+        matches!(
+            event.kind,
+            EventKind::MotionEnds | EventKind::MotionResumes { .. }
+        )
+    });
     let ends: Vec<f64> = ends
-        .map(|e| e.time)
-        .filter(|t| !times.contains(t))
+        .map(|event| event.time)
+        .filter(|time| !times.contains(time))
         .collect();
     if ends.is_empty() {
         return Ok(trajectory);

@@ -24,38 +24,46 @@ pub(super) fn short(value: f64) -> String {
     text.replace('-', "−")
 }
 
-/// Ranges of the axis over runs of marked samples, each up to the next sample that is not, overlapping ones joined.
-pub(super) fn shades(marked: &[bool], x: &[f64], word: &str) -> Vec<Shade> {
-    let mut ranges: Vec<[f64; 2]> = Vec::new();
+/// Ranges of the axis over runs of samples without a pose or without a value, each up to the next sample that has
+/// one; overlapping ones are joined.
+pub(super) fn shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Vec<Shade> {
+    let is_marked = |k: usize| poseless[k] || valueless[k];
+    let mut ranges: Vec<Shade> = Vec::new();
     let mut k = 0;
-    while k < marked.len() {
-        if !marked[k] {
+    while k < x.len() {
+        if !is_marked(k) {
             k += 1;
             continue;
         }
-        let end = (k..marked.len())
-            .find(|j| !marked[*j])
-            .unwrap_or(marked.len());
+        let end = (k..x.len()).find(|j| !is_marked(*j)).unwrap_or(x.len());
+        // At the very end of a motion rates have no value; that belongs to the range behind it.
+        let word = if poseless[k..end].contains(&true) {
+            "no pose"
+        } else {
+            "no value"
+        };
         let around = &x[k.saturating_sub(1)..(end + 1).min(x.len())];
         let finite = around.iter().copied().filter(|v| v.is_finite());
-        let range = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| {
-            [l.min(v), h.max(v)]
+        let (from, to) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
         });
-        if range[0] <= range[1] {
-            ranges.push(range);
-        }
-        k = end;
-    }
-    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut shades: Vec<Shade> = Vec::new();
-    for [from, to] in ranges {
-        match shades.last_mut() {
-            Some(last) if from <= last.to => last.to = last.to.max(to),
-            _ => shades.push(Shade {
+        if from <= to {
+            ranges.push(Shade {
                 from,
                 to,
                 word: word.to_owned(),
-            }),
+            });
+        }
+        k = end;
+    }
+    ranges.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let mut shades: Vec<Shade> = Vec::new();
+    for range in ranges {
+        match shades.last_mut() {
+            Some(last) if range.from <= last.to && range.word == last.word => {
+                last.to = last.to.max(range.to);
+            }
+            _ => shades.push(range),
         }
     }
     shades
@@ -106,21 +114,21 @@ mod tests {
     fn runs_without_values_reach_to_their_neighbours() {
         let x = [0.0, 1.0, 2.0, 3.0, 2.5, 1.5, 0.5];
         let marked = [false, false, true, true, true, false, false];
-        let found = shades(&marked, &x, "w");
-        assert_eq!(
-            found,
-            vec![Shade {
-                from: 1.0,
-                to: 3.0,
-                word: "w".into()
-            }]
-        );
-        let all = shades(&[true; 7], &x, "w");
-        assert_eq!((all[0].from, all[0].to), (0.0, 3.0));
-        assert!(shades(&[false; 7], &x, "w").is_empty());
-        let twice = shades(&[true, false, false, false, false, false, true], &x, "w");
+        let none = [false; 7];
+        let shade = |from: f64, to: f64, word: &str| Shade {
+            from,
+            to,
+            word: word.to_owned(),
+        };
+        assert_eq!(shades(&marked, &none, &x), [shade(1.0, 3.0, "no pose")]);
+        assert_eq!(shades(&none, &marked, &x), [shade(1.0, 3.0, "no value")]);
+        assert_eq!(shades(&[true; 7], &none, &x), [shade(0.0, 3.0, "no pose")]);
+        assert!(shades(&none, &none, &x).is_empty());
         // Both runs reach into each other on the axis: the motion comes back.
-        assert_eq!((twice.len(), twice[0].from, twice[0].to), (1, 0.0, 1.5));
+        let twice = [true, false, false, false, false, false, true];
+        assert_eq!(shades(&twice, &none, &x), [shade(0.0, 1.5, "no pose")]);
+        let beside = [false, true, false, false, false, false, false];
+        assert_eq!(shades(&marked, &beside, &x), [shade(0.0, 3.0, "no pose")]);
     }
 
     #[test]

@@ -219,8 +219,7 @@ impl Motion<'_> {
             if is_known {
                 panel.events = self.events(&plot.x);
                 let missing: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
-                panel.shades = shades(&missing, &x, "no pose");
-                panel.shades.extend(shades(&valueless, &x, "no value"));
+                panel.shades = shades(&missing, &valueless, &x);
             }
             chart.panels.push(panel);
         }

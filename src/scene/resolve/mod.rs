@@ -98,19 +98,10 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let equations = joints.equations(&parsed, diagnostics);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let traces = bodies::traces(file, &names, &bodies, diagnostics);
-    let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
+    let scope = outputs::Scope::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
-    let is_usable = |name: &str| outputs.iter().any(|o| o.name == name);
-    let declared = file.outputs.iter().map(|(name, _)| name.value.as_str());
-    let failed: Vec<&str> = declared.filter(|name| !is_usable(name)).collect();
-    let observed = outputs::Observed {
-        names: &names,
-        traces: &traces,
-        outputs: &outputs,
-        failed: &failed,
-        unit: &angle_unit,
-    };
-    let plots = plots::resolve(file, observed, diagnostics);
+    let plots = plots::resolve(file, &scope, diagnostics);
+    let outputs = scope.outputs;
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {

@@ -9,30 +9,60 @@ use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
 
-/// Everything that a formula about the motion may name.
-#[derive(Clone, Copy)]
-pub struct Observed<'a> {
+/// What formulas of poses may use.
+pub struct Scope<'a> {
     pub names: &'a Names,
     pub traces: &'a [Trace],
-    pub outputs: &'a [Output],
-    /// Outputs that were written but are faulty: what uses them is not judged.
-    pub failed: &'a [&'a str],
     pub unit: &'a AngleUnit,
+    /// Outputs so far.
+    pub outputs: Vec<Output>,
+    /// Names of outputs that are faulty.
+    failed: Vec<String>,
 }
 
-impl Observed<'_> {
-    /// The formula over the slots of outputs, and what it measures.
+impl<'a> Scope<'a> {
+    /// Resolves the outputs in the order of the file.
+    pub fn resolve(
+        parsed: &Parsed,
+        names: &'a Names,
+        traces: &'a [Trace],
+        unit: &'a AngleUnit,
+        diagnostics: &mut Diagnostics,
+    ) -> Self {
+        let mut scope = Self {
+            names,
+            traces,
+            unit,
+            outputs: Vec::new(),
+            failed: Vec::new(),
+        };
+        for (name, node) in &parsed.outputs {
+            match scope.compile(node) {
+                Ok((expression, kind)) => scope.outputs.push(Output {
+                    name: name.value.clone(),
+                    expression,
+                    kind,
+                }),
+                Err(diagnostic) => {
+                    diagnostics.push(diagnostic);
+                    scope.failed.push(name.value.clone());
+                }
+            }
+        }
+        scope
+    }
+
+    /// A formula over coordinates, traced points and the outputs so far, and what it measures.
     pub fn compile(&self, node: &Node) -> Result<(Expression, Kind), Diagnostic> {
-        let output = |used: &str| self.outputs.iter().find(|o| o.name == used);
-        let known = |used: &str| output(used).map(|o| o.kind);
+        let known = |used: &str| self.outputs.iter().find(|o| o.name == used).map(|o| o.kind);
         let kind = kind_of(node, self.names, &known);
         let is_angle = |n: &str| self.names.is_angle(n) || known(n) == Some(Kind::Angle);
         let node = to_radians(node.clone(), Some(kind), self.unit.radians, &is_angle);
-        let expression = compile(&node, &|used, span| self.value(used, span))?;
-        Ok((expression, kind))
+        let formula = compile(&node, &|used, span| self.lookup(used, span))?;
+        Ok((formula, kind))
     }
 
-    fn value(&self, used: &str, span: &Span) -> Result<Value, Diagnostic> {
+    fn lookup(&self, used: &str, span: &Span) -> Result<Value, Diagnostic> {
         let (names, traces) = (self.names, self.traces);
         let coordinates = names.unknowns.len() + names.inputs.len();
         if let Some(slot) = trace_slot(used, traces) {
@@ -45,7 +75,7 @@ impl Observed<'_> {
         if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
             return Err(Diagnostic::inherited());
         }
-        if self.failed.contains(&used) {
+        if self.failed.iter().any(|name| name == used) {
             return Err(Diagnostic::inherited());
         }
         names.coordinate(used, span).map_err(|d| {
@@ -53,44 +83,10 @@ impl Observed<'_> {
                 .iter()
                 .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
                 .collect();
-            let outputs = self.outputs.iter().map(|o| o.name.as_str());
-            d.suggest(used, points.iter().map(String::as_str).chain(outputs))
+            d.suggest(used, points.iter().map(String::as_str))
                 .label("no parameter, input, unknown, traced point or earlier output")
         })
     }
-}
-
-/// Resolves the outputs in the order of the file.
-pub fn resolve(
-    parsed: &Parsed,
-    names: &Names,
-    traces: &[Trace],
-    unit: &AngleUnit,
-    diagnostics: &mut Diagnostics,
-) -> Vec<Output> {
-    let mut outputs: Vec<Output> = Vec::new();
-    let mut failed: Vec<&str> = Vec::new();
-    for (name, node) in &parsed.outputs {
-        let observed = Observed {
-            names,
-            traces,
-            outputs: &outputs,
-            failed: &failed,
-            unit,
-        };
-        match observed.compile(node) {
-            Ok((expression, kind)) => outputs.push(Output {
-                name: name.value.clone(),
-                expression,
-                kind,
-            }),
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                failed.push(&name.value);
-            }
-        }
-    }
-    outputs
 }
 
 /// `M.x` to 3·index + component.

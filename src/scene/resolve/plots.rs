@@ -4,7 +4,7 @@ use super::super::file::{PlotFile, SceneFile};
 use super::super::formula::compile::constant;
 use super::super::reader::FormulaText;
 use super::OUTSIDE;
-use super::outputs::Observed;
+use super::outputs::Scope;
 use super::parsed::expression;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::kinematics::rates::MAX_ORDER;
@@ -17,19 +17,19 @@ const TIME: [&str; 2] = ["time", "t"];
 
 /// What the plots of a scene are resolved with.
 struct Site<'a> {
-    observed: Observed<'a>,
+    scope: &'a Scope<'a>,
     length_unit: &'a str,
     angle_unit: AngleUnit,
 }
 
 /// Resolves all plots of the file.
-pub fn resolve(file: &SceneFile, observed: Observed, diagnostics: &mut Diagnostics) -> Vec<Plot> {
+pub fn resolve(file: &SceneFile, scope: &Scope, diagnostics: &mut Diagnostics) -> Vec<Plot> {
     let mut plots = Vec::new();
     for plot in &file.plots {
         let site = Site {
-            observed,
+            scope,
             length_unit: file.length_unit.as_deref().unwrap_or("m"),
-            angle_unit: angle_unit(plot, observed.unit, diagnostics),
+            angle_unit: angle_unit(plot, scope.unit, diagnostics),
         };
         plots.extend(site.plot(plot, diagnostics));
     }
@@ -106,7 +106,7 @@ impl Site<'_> {
     /// A constant: parameters may be used.
     fn number(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = expression(text, diagnostics)?;
-        let names = self.observed.names;
+        let names = self.scope.names;
         match constant(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {
@@ -164,7 +164,7 @@ impl Site<'_> {
         text: &FormulaText,
         diagnostics: &mut Diagnostics,
     ) -> Option<Curve> {
-        let (expression, kind) = match self.observed.compile(node) {
+        let (expression, kind) = match self.scope.compile(node) {
             Ok(compiled) => compiled,
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);
@@ -197,7 +197,7 @@ impl Site<'_> {
         diagnostics: &mut Diagnostics,
     ) -> Option<(Per, (String, f64))> {
         let name = text.text.trim();
-        let inputs = &self.observed.names.inputs;
+        let inputs = &self.scope.names.inputs;
         if let Some(index) = inputs.iter().position(|c| c.name == name) {
             return Some((Per::Input(index), self.unit(inputs[index].kind)));
         }
