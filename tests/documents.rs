@@ -9,7 +9,9 @@ fn read(path: &str) -> String {
 
 /// Keys that the scene reader asks for: the first text argument of its reading functions.
 fn keys_of_the_reader() -> BTreeSet<String> {
-    let source = read("src/scene/file.rs");
+    let source = ["file", "plots"]
+        .map(|room| read(&format!("src/scene/{room}.rs")))
+        .concat();
     let readers = [
         "string",
         "strings",

@@ -259,7 +259,8 @@ impl<'m> Walker<'m> {
 
 /// Skew part of the rotation exp(w), and the map from rates of w to rates of it.
 ///
-/// With R' = s × R, column by column, the skew part changes by (tr(R) I - R) s / 2, and w' is the inverse left Jacobian times s.
+/// With R' = s × R, column by column, the skew part changes by (tr(R) I - R) s / 2; w' is the inverse left Jacobian
+/// times s.
 fn skew_of(w: DVec3) -> (DVec3, DMat3) {
     let angle = w.length();
     let rotation = DMat3::from_quat(DQuat::from_scaled_axis(w));

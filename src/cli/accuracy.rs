@@ -1,9 +1,9 @@
 //! `mechanim accuracy`: routes along a motion, their time against their true error.
 
-use super::args::AccuracyArgs;
 use super::open_scene;
 use super::outcome::{Failure, Outcome};
 use super::plot::{PlotFormat, open, write};
+use super::plot_args::AccuracyArgs;
 use super::term::Term;
 use crate::analysis::precision_report;
 use crate::analysis::work_precision::{Study, StudyError, study};

@@ -10,6 +10,7 @@ mod modes;
 mod open_scene;
 mod outcome;
 mod plot;
+pub mod plot_args;
 mod progress;
 mod render;
 mod report;

@@ -1,7 +1,7 @@
 //! `mechanim plot`: curves of the motion as SVG or PNG.
 
-use super::args::{PlotArgs, ThemeArg};
 use super::outcome::{Failure, Outcome};
+use super::plot_args::{PlotArgs, ThemeArg};
 use super::term::Term;
 use super::{open_scene, report};
 use crate::export::png::{Effort, encode};

@@ -1,6 +1,7 @@
-//! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
-//! looked up.
+//! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
+//! anything is looked up.
 
+use super::plots::{PlotFile, plot};
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
 use super::shapes::{ShapeFile, shape};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
@@ -130,25 +131,6 @@ pub struct LabelFile {
     pub size: Option<FormulaText>,
     /// The whole entry.
     pub span: Span,
-}
-
-/// One entry of `[[plots]]`.
-#[derive(Clone, Debug, Default)]
-pub struct PlotFile {
-    /// `title`
-    pub title: Option<String>,
-    /// `x`: `time`, which is also meant if absent, or a quantity.
-    pub x: Option<FormulaText>,
-    /// `y`: quantities.
-    pub y: Vec<FormulaText>,
-    /// `equal`
-    pub equal: bool,
-    /// `marks`: points.
-    pub marks: Vec<[FormulaText; 2]>,
-    /// `lines`: begin and end of each.
-    pub lines: Vec<[FormulaText; 4]>,
-    /// `angle`: unit of angles in this plot.
-    pub angle: Option<Spanned<String>>,
 }
 
 /// `[view]`
@@ -316,27 +298,6 @@ fn label(r: &mut TableReader) -> Option<LabelFile> {
         colour,
         size,
         span,
-    })
-}
-
-fn plot(r: &mut TableReader) -> Option<PlotFile> {
-    let (title, x) = (r.string("title"), r.formula("x"));
-    let y = required(r, "y", |r, k| r.formulas(k));
-    let (equal, angle) = (r.boolean("equal"), r.string("angle"));
-    let marks = r.rows::<2>("marks");
-    let lines = r.rows::<4>("lines");
-    if let Some(list) = y.as_ref().filter(|list| list.value.is_empty()) {
-        let diagnostic = Diagnostic::error("a plot needs at least one curve");
-        r.diagnostics.push(diagnostic.at(list.span.clone()));
-    }
-    Some(PlotFile {
-        title: title.map(|t| t.value),
-        x,
-        y: y?.value,
-        equal: equal.unwrap_or(false),
-        marks: marks.map_or_else(Vec::new, |m| m.value),
-        lines: lines.map_or_else(Vec::new, |l| l.value),
-        angle,
     })
 }
 

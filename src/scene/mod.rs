@@ -5,6 +5,7 @@
 pub mod builtin;
 pub mod file;
 pub mod formula;
+pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;

@@ -9,7 +9,8 @@ mod parsed;
 mod plots;
 mod view;
 
-use super::file::{InputFile, PlotFile, SceneFile};
+use super::file::{InputFile, SceneFile};
+use super::plots::PlotFile;
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};

@@ -1,7 +1,8 @@
 //! The entries of `[[plots]]`: quantities with their labels and units.
 
-use super::super::file::{PlotFile, SceneFile};
+use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
+use super::super::plots::PlotFile;
 use super::super::reader::FormulaText;
 use super::OUTSIDE;
 use super::outputs::Scope;
