@@ -156,73 +156,65 @@ struct Motion<'a> {
 impl Motion<'_> {
     /// Adds the panels of a plot: one per unit.
     fn add(&mut self, plot: &Plot, chart: &mut Chart) {
-        let x = self.abscissa(&plot.x);
+        let places = self.abscissa(&plot.x);
+        let mut units: Vec<&str> = Vec::new();
+        for curve in &plot.y {
+            if !units.contains(&curve.unit.as_str()) {
+                units.push(&curve.unit);
+            }
+        }
+        for (k, unit) in units.into_iter().enumerate() {
+            let curves: Vec<&Curve> = plot.y.iter().filter(|c| c.unit == unit).collect();
+            let mut panel = self.panel(plot, &curves, &places);
+            // Reference points belong to the first quantity.
+            if k == 0 {
+                panel.title.clone_from(&plot.title);
+                panel.marks.clone_from(&plot.marks);
+                panel.lines.clone_from(&plot.lines);
+            }
+            chart.notes.extend(leave_out_outliers(&mut panel));
+            chart.panels.push(panel);
+        }
+    }
+
+    /// Curves of one unit.
+    fn panel(&mut self, plot: &Plot, curves: &[&Curve], places: &[f64]) -> Panel {
         let is_known = self.places_of_all(&plot.x);
         let (label, unit) = match &plot.x {
             Abscissa::Time => ("time", "s"),
             Abscissa::Quantity(curve) => (curve.label.as_str(), curve.unit.as_str()),
         };
-        let mut units: Vec<&str> = plot.y.iter().map(|c| c.unit.as_str()).collect();
-        let mut seen = Vec::new();
-        units.retain(|u| {
-            !seen.contains(u) && {
-                seen.push(u);
-                true
-            }
-        });
-        for (k, y_unit) in units.into_iter().enumerate() {
-            let curves: Vec<&Curve> = plot.y.iter().filter(|c| c.unit == y_unit).collect();
-            let mut panel = Panel {
-                title: if k == 0 {
-                    plot.title.clone()
-                } else {
-                    String::new()
-                },
-                x: Axis {
-                    label: label.to_owned(),
-                    unit: unit.to_owned(),
-                    scale: ScaleKind::Linear,
-                    tight: is_known && !plot.equal,
-                },
-                y: Axis {
-                    label: if curves.len() == 1 {
-                        curves[0].label.clone()
-                    } else {
-                        String::new()
-                    },
-                    unit: y_unit.to_owned(),
-                    ..Axis::default()
-                },
-                marks: if k == 0 {
-                    plot.marks.clone()
-                } else {
-                    Vec::new()
-                },
-                lines: if k == 0 {
-                    plot.lines.clone()
-                } else {
-                    Vec::new()
-                },
-                equal: plot.equal,
-                samples: x.clone(),
-                ..Panel::default()
-            };
-            let mut valueless = vec![false; x.len()];
-            for curve in curves {
-                panel
-                    .series
-                    .push(self.series_of(curve, &plot.x, &x, &mut valueless));
-            }
-            if let Some(note) = leave_out_outliers(&mut panel) {
-                chart.notes.push(note);
-            }
-            if is_known {
-                panel.events = self.events(&plot.x);
-                let missing: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
-                panel.shades = shades(&missing, &valueless, &x);
-            }
-            chart.panels.push(panel);
+        let alone = match curves {
+            [only] => only.label.clone(),
+            _ => String::new(),
+        };
+        let mut panel = Panel {
+            x: Axis {
+                label: label.to_owned(),
+                unit: unit.to_owned(),
+                scale: ScaleKind::Linear,
+                tight: is_known && !plot.equal,
+            },
+            y: Axis {
+                label: alone,
+                unit: curves.first().map_or_else(String::new, |c| c.unit.clone()),
+                ..Axis::default()
+            },
+            equal: plot.equal,
+            samples: places.to_vec(),
+            ..Panel::default()
+        };
+        let mut valueless = vec![false; places.len()];
+        for curve in curves {
+            let series = self.series_of(curve, &plot.x, places, &mut valueless);
+            panel.series.push(series);
         }
+        if is_known {
+            panel.events = self.events(&plot.x);
+            let poseless: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
+            panel.shades = shades(&poseless, &valueless, places);
+        }
+        panel
     }
 
     fn series_of(
