@@ -2,6 +2,7 @@
 
 mod accuracy;
 pub mod args;
+mod certify;
 mod check;
 mod completions;
 mod info;
