@@ -4,7 +4,7 @@
 mod program;
 mod reference;
 
-use mechanim::analysis::observer::{distance, positions};
+use mechanim::analysis::observer::distance;
 use mechanim::analysis::reference::Reference;
 use mechanim::analysis::routes::{RotationForm, Route, Walker};
 use mechanim::analysis::work_precision::{Row, Study, StudyError, study};
@@ -19,6 +19,10 @@ fn scene_of_data(name: &str) -> Mechanism {
     let path = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap();
     mechanism(&Source { name: path, text }, &[])
+}
+
+fn builtin(name: &str) -> Mechanism {
+    mechanism(&mechanim::scene::builtin::find(name).unwrap(), &[])
 }
 
 fn row<'a>(study: &'a Study, family: &str, steps: usize) -> &'a Row {
@@ -76,7 +80,7 @@ fn integration_errors_are_those_of_the_independent_computation() {
 
 #[test]
 fn orders_of_the_routes() {
-    let study = study(&scene_of_data("dyads-loops"), 90, 1).unwrap();
+    let study = study(&builtin("dyads"), 90, 1).unwrap();
     assert!(study.rows.iter().all(|r| r.lost == 0));
     let error = |family, steps| row(&study, family, steps).error;
     let fourth = error("Runge-Kutta 4", 180) / error("Runge-Kutta 4", 360);
@@ -109,28 +113,6 @@ fn orders_of_the_routes() {
         .collect();
     assert_eq!(tight.len(), 4);
     assert!(tight.windows(2).all(|w| w[0] > w[1]), "{tight:?}");
-}
-
-#[test]
-fn the_reference_is_the_mechanism() {
-    let table = Table::read("interval_mech10_path");
-    let mechanism = scene_of_data("dyads-loops");
-    let structure = Structure::new(&mechanism).unwrap();
-    let times: Vec<f64> = (0..table.len())
-        .map(|k| table.value(k, "phi_deg") / 90.0)
-        .collect();
-    assert!(times.len() > 30);
-    let reference = Reference::new(&mechanism, &structure, times).unwrap();
-    for (line, pose) in reference.poses.iter().enumerate() {
-        let places = positions(&mechanism, pose.as_ref().unwrap());
-        for point in 0..9 {
-            for (axis, letter) in ["x", "y"].iter().enumerate() {
-                let expected = table.value(line, &format!("{letter}{point}"));
-                let error = (places[3 * point + axis] - expected).abs();
-                assert!(error < 1e-9, "{letter}{point} in line {line}: {error:e}");
-            }
-        }
-    }
 }
 
 #[test]

@@ -98,6 +98,7 @@ fn pictures_in_the_documents_exist() {
     for document in [
         "README.md",
         "docs/performance.md",
+        "docs/accuracy.md",
         "docs/certificates.md",
         "ARCHITECTURE.md",
     ] {
