@@ -4,5 +4,6 @@ pub mod chain;
 pub mod drive;
 pub mod expression;
 pub mod mechanism;
+pub mod plot;
 pub mod shape;
 pub mod view;

@@ -1,6 +1,7 @@
-//! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
-//! looked up.
+//! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
+//! anything is looked up.
 
+use super::plots::{PlotFile, plot};
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
 use super::shapes::{ShapeFile, shape};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
@@ -42,6 +43,8 @@ pub struct SceneFile {
     pub outputs: Vec<NamedFormula>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[[plots]]`
+    pub plots: Vec<PlotFile>,
     /// `[view]`
     pub view: ViewFile,
     /// Whole sections could not be read: what refers to them cannot be judged.
@@ -49,7 +52,7 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
     "parameters",
     "inputs",
     "chains",
@@ -60,6 +63,7 @@ const SECTIONS: [&str; 10] = [
     "traces",
     "outputs",
     "labels",
+    "plots",
 ];
 
 /// One entry of `[inputs]`.
@@ -193,6 +197,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
+        plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }
