@@ -2,9 +2,15 @@
 
 pub mod args;
 mod check;
+mod clock;
 mod completions;
+mod diff;
+mod encode;
+mod file_args;
+mod files;
 mod info;
 mod inputs_table;
+mod models;
 mod modes;
 mod open_scene;
 mod outcome;
@@ -12,6 +18,7 @@ mod progress;
 mod render;
 mod report;
 mod scenes;
+mod snapshot;
 mod solve;
 mod term;
 
@@ -43,6 +50,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Solve(args) => solve::run(&args, &term),
         Command::Check(args) => check::run(&args, &term),
         Command::Modes(args) => modes::run(&args, &term),
+        Command::Encode(args) => encode::run(&args, &term),
+        Command::Diff(args) => diff::run(&args, &term),
+        Command::Snapshot(args) => snapshot::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),
