@@ -6,7 +6,7 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use crate::export::Format;
 use crate::import::film::png_files;
-use crate::import::{ImportError, natural, read_png};
+use crate::import::{ImportError, has_alpha, natural, read_png};
 use image::{Rgba, RgbaImage};
 use std::path::{Path, PathBuf};
 
@@ -126,7 +126,7 @@ impl Frames<'_> {
             return Ok(false);
         }
         for path in self.paths {
-            if is_translucent(&read_png(path)?) {
+            if has_alpha(path)? && is_translucent(&read_png(path)?) {
                 return Ok(true);
             }
         }

@@ -230,7 +230,7 @@ impl Film<'_> {
         let schedule = Schedule::new(self.times(), 0.0)?;
         if let Some(clamp) = schedule.clamp() {
             term.warning(&format!(
-                "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s",
+                "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s; an .apng keeps its rate",
                 clamp.written_seconds, clamp.asked_seconds
             ));
         }

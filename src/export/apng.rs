@@ -133,7 +133,7 @@ impl ApngSink {
             let rows = area.rows(frame, width).zip(area.rows(&self.shown, width));
             let pixels = rows.flat_map(|(new, old)| new.iter().zip(old));
             let kept = |(new, old): (&[u8; 4], &[u8; 4])| if new == old { LEFT_OUT } else { *new };
-            self.bytes.extend(pixels.map(kept).flatten());
+            self.bytes.extend(pixels.flat_map(kept));
         }
         let [left, top] = [area.left as u32, area.top as u32];
         let [width, height] = [area.width as u32, area.height as u32];

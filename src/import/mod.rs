@@ -6,7 +6,8 @@ pub mod order;
 pub use film::{Film, FilmFrame, Plays};
 pub use order::natural;
 
-use image::{ImageFormat, ImageReader, Limits, RgbaImage};
+use image::codecs::png::PngDecoder;
+use image::{ImageDecoder, ImageFormat, ImageReader, Limits, RgbaImage};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -78,6 +79,16 @@ pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
     reader.limits(limits());
     let picture = reader.decode().map_err(|e| ImportError::decode(path, e))?;
     Ok(picture.into_rgba8())
+}
+
+/// Whether a PNG has room for transparency, read off its head; its pixels may still all be opaque.
+///
+/// Errors: as [`read_png`].
+pub fn has_alpha(path: &Path) -> Result<bool, ImportError> {
+    let file = std::fs::File::open(path).map_err(|e| ImportError::read(path, e))?;
+    let decoder = PngDecoder::with_limits(io::BufReader::new(file), limits());
+    let decoder = decoder.map_err(|e| ImportError::decode(path, e))?;
+    Ok(decoder.color_type().has_alpha())
 }
 
 fn limits() -> Limits {
