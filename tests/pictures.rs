@@ -286,6 +286,10 @@ fn models_come_from_the_command_line() {
         .exits(0)
         .says(&["a.glb: 1 bodies, ", "5 keys over 0.50 s"]);
     let gltf = gltf::Gltf::from_slice(&w.read("a.glb")).unwrap();
+    // A drive that ends where it began has its end as a key: viewers repeat without a jump.
+    w.run(&["render", "slider-crank", "--out", "b.glb"])
+        .exits(0)
+        .says(&["81 keys over 4.00 s"]);
     assert_eq!(gltf.animations().count(), 1);
     let still = w
         .run(&[

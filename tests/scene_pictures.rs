@@ -115,7 +115,7 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
         assert_snapshot(
             file.trim_end_matches(".png"),
             &drawn,
-            snapshot::Allowed {
+            mechanim::snapshot::Allowed {
                 tolerance: 24,
                 pixels: 27,
             },

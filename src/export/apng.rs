@@ -2,12 +2,13 @@
 
 use super::delta::Area;
 use super::error::ExportError;
-use super::png::{Effort, check_size};
+use super::png::{Effort, PngSettings, check_size, smallest};
 use super::target::Output;
 use super::timing::{FrameTimes, Schedule, fraction};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use ::png::{BitDepth, BlendOp, ColorType, Compression, DisposeOp, Encoder, Filter, Writer};
 use image::RgbaImage;
+use image::codecs::png::FilterType;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -76,10 +77,9 @@ impl ApngSink {
         encoder.set_depth(BitDepth::Eight);
         encoder.set_compression(match settings.effort {
             Effort::Fast => Compression::Fast,
-            Effort::Balanced => Compression::Balanced,
-            Effort::Small => Compression::High,
+            // On what changes between frames the highest level saves nothing; the choice of filter does.
+            Effort::Balanced | Effort::Small => Compression::Balanced,
         });
-        encoder.set_filter(Filter::Adaptive);
         // Laid over, a pixel that does not change can be left out; a translucent one would show what was below.
         let blend = if settings.alpha {
             BlendOp::Source
@@ -119,6 +119,35 @@ impl ApngSink {
         Ok(())
     }
 
+    /// Sets the filter for the bytes that wait, pixels of a rectangle of `size`.
+    fn choose_filter(&mut self, size: [u32; 2]) -> Result<(), ExportError> {
+        let filter = match self.effort {
+            Effort::Fast => Filter::Adaptive,
+            Effort::Balanced if self.is_mostly_left_out() => Filter::NoFilter,
+            Effort::Balanced => Filter::Adaptive,
+            Effort::Small => {
+                let settings = PngSettings {
+                    size,
+                    effort: Effort::Balanced,
+                    alpha: true,
+                };
+                match smallest(&self.bytes, settings)?.0 {
+                    FilterType::NoFilter => Filter::NoFilter,
+                    _ => Filter::Adaptive,
+                }
+            }
+        };
+        self.writer.set_filter(filter);
+        Ok(())
+    }
+
+    /// Whether half of the bytes that wait are pixels that do not change: then a filter smears more than it gains.
+    fn is_mostly_left_out(&self) -> bool {
+        let (pixels, _) = self.bytes.as_chunks::<4>();
+        let left_out = pixels.iter().filter(|p| **p == LEFT_OUT).count();
+        !self.alpha && 2 * left_out >= pixels.len()
+    }
+
     /// Encodes the pixels of `frame` inside `area`.
     fn put(&mut self, area: &Area, frame: &[[u8; 4]], delay: u16) -> Result<(), ExportError> {
         self.bytes.clear();
@@ -127,14 +156,12 @@ impl ApngSink {
             let rows = area.rows(frame, width);
             rows.for_each(|row| self.bytes.extend(row.as_flattened()));
         } else {
-            if self.effort != Effort::Fast {
-                self.writer.set_filter(Filter::NoFilter);
-            }
             let rows = area.rows(frame, width).zip(area.rows(&self.shown, width));
             let pixels = rows.flat_map(|(new, old)| new.iter().zip(old));
             let kept = |(new, old): (&[u8; 4], &[u8; 4])| if new == old { LEFT_OUT } else { *new };
             self.bytes.extend(pixels.flat_map(kept));
         }
+        self.choose_filter([area.width as u32, area.height as u32])?;
         let [left, top] = [area.left as u32, area.top as u32];
         let [width, height] = [area.width as u32, area.height as u32];
         let writer = &mut self.writer;

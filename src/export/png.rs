@@ -19,7 +19,7 @@ pub enum Effort {
     Fast,
     /// For a single still.
     Balanced,
-    /// The smallest file, at several times the time of `Balanced`.
+    /// The smallest file, at two to three times the time of `Balanced`.
     Small,
 }
 
@@ -54,8 +54,48 @@ fn drop_alpha(rgba: &[u8], rgb: &mut Vec<u8>) {
     rgb.extend(rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]));
 }
 
+/// Filters worth trying. Pictures of flat surfaces and text pack a sixth better without one, photographs far better
+/// with one chosen row by row.
+fn filters(effort: Effort) -> &'static [FilterType] {
+    match effort {
+        Effort::Fast => &[FilterType::Adaptive],
+        Effort::Balanced | Effort::Small => &[FilterType::NoFilter, FilterType::Adaptive],
+    }
+}
+
+/// Appends the smallest file that the effort finds.
 fn encode_bytes(bytes: &[u8], settings: PngSettings, out: &mut Vec<u8>) -> Result<(), ExportError> {
     check_size(settings.size)?;
+    if let [only] = filters(settings.effort) {
+        return encode_with(*only, bytes, settings, out);
+    }
+    let (_, file) = smallest(bytes, settings)?;
+    out.extend_from_slice(&file);
+    Ok(())
+}
+
+/// The filter that makes the smallest file, and the file.
+pub(super) fn smallest(
+    bytes: &[u8],
+    settings: PngSettings,
+) -> Result<(FilterType, Vec<u8>), ExportError> {
+    let mut best = (FilterType::Adaptive, Vec::new());
+    for filter in filters(settings.effort) {
+        let mut file = Vec::new();
+        encode_with(*filter, bytes, settings, &mut file)?;
+        if best.1.is_empty() || file.len() < best.1.len() {
+            best = (*filter, file);
+        }
+    }
+    Ok(best)
+}
+
+fn encode_with(
+    filter: FilterType,
+    bytes: &[u8],
+    settings: PngSettings,
+    out: &mut Vec<u8>,
+) -> Result<(), ExportError> {
     let compression = match settings.effort {
         Effort::Fast => CompressionType::Fast,
         Effort::Balanced => CompressionType::Default,
@@ -66,7 +106,7 @@ fn encode_bytes(bytes: &[u8], settings: PngSettings, out: &mut Vec<u8>) -> Resul
     } else {
         ExtendedColorType::Rgb8
     };
-    let encoder = PngEncoder::new_with_quality(out, compression, FilterType::Adaptive);
+    let encoder = PngEncoder::new_with_quality(out, compression, filter);
     let done = encoder.write_image(bytes, settings.size[0], settings.size[1], colour);
     done.map_err(|e| ExportError::Encode {
         name: "PNG".to_owned(),
