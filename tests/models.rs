@@ -315,7 +315,7 @@ fn measured(triangles: impl Iterator<Item = [DVec3; 3]>) -> (f64, [DVec3; 2]) {
 }
 
 fn exact(model: &Model) -> (f64, [DVec3; 2]) {
-    measured(model.triangles().flat_map(|(_, part, pose)| {
+    measured(model.placed_parts().flat_map(|(_, part, pose)| {
         let mesh = part.mesh.clone();
         mesh.triangles
             .into_iter()

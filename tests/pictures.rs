@@ -436,6 +436,61 @@ fn animations_are_compared_frame_by_frame_with_their_times() {
     );
 }
 
+/// Every prefix and many flipped bytes: an error or some frames, and no more memory than the size allows.
+#[test]
+fn damaged_pictures_are_refused_in_order() {
+    use mechanim::import::Film;
+    let w = workspace();
+    for out in ["a.gif", "a.apng", "f0.png"] {
+        if out != "f0.png" {
+            run(&w, "encode", &names(0..4), &["--out", out]).exits(0);
+        }
+        let whole = w.read(out);
+        let frames = |bytes: &[u8]| {
+            let path = w.write("damaged", bytes);
+            let Ok(film) = Film::open(&path) else {
+                return None;
+            };
+            film.take(20).collect::<Result<Vec<_>, _>>().ok()
+        };
+        assert!(frames(&whole).is_some());
+        let step = (whole.len() / 150).max(1);
+        let mut refused = 0;
+        for at in (0..whole.len()).step_by(step) {
+            let mut flipped = whole.clone();
+            flipped[at] ^= 1 << (at % 8);
+            for damaged in [&whole[..at], &flipped] {
+                refused += usize::from(frames(damaged).is_none());
+            }
+        }
+        assert!(refused > 20, "{out}: only {refused} refused");
+    }
+    w.write("damaged", &w.read("f0.png")[..60]);
+    let run = w.run(&["diff", "f0.png", "damaged"]).exits(2);
+    run.prints_nothing().says(&["damaged"]);
+}
+
+/// A few bytes can ask for terabytes.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_huge_picture_is_refused_without_memory() {
+    let w = workspace();
+    let mut gif = b"GIF89a\xff\xff\xff\xff\x80\0\0\0\0\0\xff\xff\xff".to_vec();
+    gif.extend(b"\x2c\0\0\0\0\x01\0\x01\0\0\x02\x02\x44\x01\0\x3b");
+    w.write("huge.gif", gif);
+    let line = "ulimit -v 3000000; exec \"$0\" diff huge.gif huge.gif";
+    let program = w.command::<&str>(&[]).get_program().to_owned();
+    let mut command = std::process::Command::new("sh");
+    command
+        .args(["-c", line])
+        .arg(program)
+        .current_dir(w.path(""));
+    command.stderr(std::process::Stdio::piped());
+    finish(command.spawn().unwrap())
+        .exits(2)
+        .says(&["huge.gif"]);
+}
+
 #[test]
 fn folders_are_compared_file_by_file() {
     let w = workspace();

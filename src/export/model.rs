@@ -72,8 +72,8 @@ pub struct ModelCamera {
 }
 
 impl Model {
-    /// The triangles of every body in the world at the first key, with body and colour.
-    pub fn triangles(&self) -> impl Iterator<Item = (&ModelBody, &ModelPart, Pose)> {
+    /// Every solid with its body and the body's pose at the first key.
+    pub fn placed_parts(&self) -> impl Iterator<Item = (&ModelBody, &ModelPart, Pose)> {
         self.bodies.iter().flat_map(|body| {
             let pose = body.poses.first().copied().unwrap_or(Pose::IDENTITY);
             body.parts.iter().map(move |part| (body, part, pose))

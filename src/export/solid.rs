@@ -12,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 /// Errors: no triangles, a failed write.
 pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
     let mut triangles = Vec::new();
-    for (_, part, pose) in model.triangles() {
+    for (_, part, pose) in model.placed_parts() {
         let corner = |index: u32| pose.transform_point(part.mesh.positions[index as usize]);
         for triangle in &part.mesh.triangles {
             let [a, b, c] = triangle.map(corner);
@@ -33,7 +33,7 @@ pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary
 ///
 /// Errors: no triangles, a failed write.
 pub fn write_obj(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
-    let parts = model.triangles();
+    let parts = model.placed_parts();
     let triangles = parts.map(|(_, part, _)| part.mesh.triangles.len()).sum();
     finish(output, "an OBJ", triangles, |file| obj(model, file))
 }
@@ -43,7 +43,7 @@ fn obj(model: &Model, file: &mut dyn Write) -> io::Result<()> {
     // Corners are counted from 1 over the whole file.
     let mut base = 1;
     let mut object = None;
-    for (body, part, pose) in model.triangles() {
+    for (body, part, pose) in model.placed_parts() {
         if object != Some(&body.name) {
             writeln!(file, "o {}", one_line(&body.name).replace(' ', "_"))?;
             object = Some(&body.name);
