@@ -543,7 +543,7 @@ fn snapshots_are_written_once_and_kept_to() {
     );
     assert!(w.path("shots/start.new.png").exists() && !w.path("shots/start.png").exists());
     assert!(
-        snapshot(&["--update", "new"])
+        snapshot(&["--update=new"])
             .exits(0)
             .text()
             .contains("written  later.png")
@@ -570,14 +570,14 @@ fn snapshots_are_written_once_and_kept_to() {
     );
     assert_eq!(json["pictures"][0]["verdict"], "failed");
     assert!(w.path("shots/start.diff.png").exists());
-    snapshot(&["--update", "new"]).exits(1);
+    snapshot(&["--update=new"]).exits(1);
     snapshot(&["--update", "--only", "start"]).exits(0);
     let text = snapshot(&[]).exits(1).text();
     assert!(
         text.contains("passed   start.png") && text.contains("failed   later.png"),
         "{text}"
     );
-    snapshot(&["--update", "all"]).exits(0);
+    snapshot(&["--update=all"]).exits(0);
     snapshot(&[]).exits(0);
     snapshot(&["--only", "nothing"])
         .exits(2)
@@ -595,7 +595,7 @@ fn snapshots_are_not_written_in_ci_nor_without_a_list() {
         .exits(2)
         .says(&["cannot read ./snapshots.toml", "[[picture]]"]);
     w.write("snapshots.toml", LIST);
-    let mut command = w.command(&["snapshot", ".", "--update"]);
+    let mut command = w.command(&["snapshot", "--update", "."]);
     let run = finish(command.env("CI", "true").spawn().unwrap());
     run.exits(2).says(&["--update is refused where CI is set"]);
     assert!(!w.path("start.png").exists());

@@ -1,5 +1,6 @@
 //! `mechanim diff`: are two pictures, animations or folders the same, and where are they not.
 
+use super::CANCEL;
 use super::file_args::DiffArgs;
 use super::outcome::{Failure, Outcome};
 use super::report;
@@ -13,6 +14,7 @@ use image::RgbaImage;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 
 /// Most frames that are named one by one.
 const MAX_LINES: usize = 12;
@@ -33,9 +35,20 @@ pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
         pixels: args.max_pixels,
     };
     let plays = [a.plays, b.plays];
-    let found = compare_films(a, b, plays, allowed)?;
-    if let (Some(path), Some((_, left, right))) = (&args.out, &found.worst) {
-        write_png(path, &triptych(left, right, args.tolerance))?;
+    let going = |film: Film| film.take_while(|_| !CANCEL.load(Ordering::Relaxed));
+    let found = compare_films(going(a), going(b), plays, allowed)?;
+    if CANCEL.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    match (&args.out, &found.worst) {
+        (Some(path), Some((_, left, right))) => {
+            write_png(path, &triptych(left, right, args.tolerance))?;
+        }
+        (Some(path), None) => term.warning(&format!(
+            "no picture is in both: {} was not written",
+            path.display()
+        )),
+        (None, _) => {}
     }
     if let Some(path) = &args.json {
         report::write_document(path, &document(args, kind, &found))?;

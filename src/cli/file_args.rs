@@ -77,9 +77,9 @@ pub struct DiffArgs {
 pub struct SnapshotArgs {
     /// Folder with `snapshots.toml` and the golden pictures.
     pub folder: PathBuf,
-    /// Write golden pictures in place of comparing: those that are missing (new), those that fail too (failing,
-    /// which is meant by the bare option), or all. Refused where the variable CI is set.
-    #[arg(long, value_enum, num_args = 0..=1, default_missing_value = "failing")]
+    /// Write golden pictures in place of comparing: those that are missing (--update=new), those that fail too (the
+    /// bare option), or all. Refused where the variable CI is set.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "failing")]
     pub update: Option<UpdateArg>,
     /// Only pictures whose file name contains this text. May be repeated.
     #[arg(long = "only", value_name = "TEXT")]
