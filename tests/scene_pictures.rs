@@ -171,7 +171,7 @@ fn a_frame_does_not_depend_on_the_frames_before_it() {
 
 #[test]
 fn every_body_is_seen_and_the_camera_holds_the_whole_motion() {
-    for name in ["gearshift", "slider-crank", "seven-r"] {
+    for name in ["gearshift", "slider-crank", "seven-r", "dyads"] {
         let (scene, trajectory) = solved(name);
         let staging = Staging::new(&scene, &trajectory, SMALL);
         for index in (0..staging.frame_count()).step_by(11) {
