@@ -9,7 +9,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 7] = [
+const WALLS: [Wall; 8] = [
     Wall {
         words: &["wgpu::"],
         rooms: &["render/"],
@@ -19,12 +19,16 @@ const WALLS: [Wall; 7] = [
         rooms: &["geometry/", "clearance/"],
     },
     Wall {
-        words: &["gif::Encoder", "gif::Frame", "PngEncoder", "image::codecs"],
+        words: &["Encoder::new", "PngEncoder", "GifEncoder", "stl_io::write"],
         rooms: &["export/"],
     },
     Wall {
         words: &["tiny_skia::"],
         rooms: &["plot/"],
+    },
+    Wall {
+        words: &["image::codecs"],
+        rooms: &["export/", "import/"],
     },
     Wall {
         words: &["clap::", "clap_complete::"],
@@ -126,6 +130,7 @@ fn a_planted_fault_is_found() {
         ("let d = parry3d_f64::query::distance();", "clearance/a.rs"),
         ("let e = PngEncoder::new(w);", "export/a.rs"),
         ("let p = tiny_skia::Paint::default();", "plot/a.rs"),
+        ("use image::codecs::png::PngDecoder;", "import/a.rs"),
         ("use clap::Parser;", "cli/a.rs"),
         ("    println!(\"x\");", "cli/a.rs"),
         ("std::process::exit(1)", "main.rs"),

@@ -1,5 +1,6 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
+use super::file_args::{DiffArgs, EncodeArgs, FileArgs, SnapshotArgs};
 use super::plot_args::{AccuracyArgs, PlotArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -25,7 +26,7 @@ adapter; 4 the mechanism could not be closed over the whole motion; 70 internal 
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draw the motion into a GIF, a PNG still or a sequence of PNG frames.
+    /// Draw the motion into an animation, a still, a sequence of frames or raw video; or write it as a 3-D model.
     Render(RenderArgs),
     /// Solve the motion and write every coordinate with its proof (CSV or JSON).
     Solve(SolveArgs),
@@ -37,6 +38,12 @@ pub enum Command {
     Plot(PlotArgs),
     /// Measure time per pose against true error for many ways along the motion (table, JSON, CSV, chart).
     Accuracy(AccuracyArgs),
+    /// Assemble PNG frames made elsewhere into an animation.
+    Encode(EncodeArgs),
+    /// Compare two pictures, two animations or two folders of pictures.
+    Diff(DiffArgs),
+    /// Draw a list of pictures and compare them with the golden ones beside it.
+    Snapshot(SnapshotArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.
@@ -83,9 +90,9 @@ pub struct RenderArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// File to write: .gif, .png, a folder, or a pattern such as frame-%04d.png.
-    #[arg(long, short, value_name = "FILE")]
-    pub out: PathBuf,
+    /// What is written.
+    #[command(flatten)]
+    pub file: FileArgs,
     /// Picture size in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
     pub size: [u32; 2],
@@ -104,21 +111,12 @@ pub struct RenderArgs {
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = samples)]
     pub samples: u32,
-    /// Quality of a GIF, 1 to 100: below 100 pixels may miss their colour a little where that makes the file smaller.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = quality)]
-    pub quality: u8,
     /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
     #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
     pub renderer: RendererArg,
     /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Worker threads of the built-in renderer; all cores if absent. The pictures do not depend on it.
-    #[arg(long, value_name = "N", value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
-    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
-    pub progress: ProgressArg,
     /// Print where the time went, stage by stage.
     #[arg(long)]
     pub timings: bool,
@@ -222,15 +220,6 @@ pub enum RendererArg {
     Cpu,
 }
 
-/// `--progress`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum ProgressArg {
-    Auto,
-    Plain,
-    None,
-}
-
 /// `--color`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[allow(missing_docs)]
@@ -283,7 +272,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok(size)
 }
 
-fn frame_rate(text: &str) -> Result<f64, String> {
+pub(super) fn frame_rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(rate) if (0.01..=1000.0).contains(&rate) => Ok(rate),
         _ => Err("a frame rate is between 0.01 and 1000".to_owned()),
@@ -305,14 +294,14 @@ fn samples(text: &str) -> Result<u32, String> {
     }
 }
 
-fn quality(text: &str) -> Result<u8, String> {
+pub(super) fn quality(text: &str) -> Result<u8, String> {
     match text.parse() {
         Ok(quality) if (1..=100).contains(&quality) => Ok(quality),
         _ => Err("between 1 and 100".to_owned()),
     }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub(super) fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if (1..=256).contains(&count) => Ok(count),
         _ => Err("between 1 and 256".to_owned()),

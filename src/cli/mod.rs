@@ -4,10 +4,16 @@ mod accuracy;
 pub mod args;
 mod certify;
 mod check;
+mod clock;
 mod completions;
+mod diff;
+mod encode;
+mod file_args;
+mod files;
 mod freedoms;
 mod info;
 mod inputs_table;
+mod models;
 mod modes;
 mod open_scene;
 mod outcome;
@@ -17,6 +23,7 @@ mod progress;
 mod render;
 mod report;
 mod scenes;
+mod snapshot;
 mod solve;
 mod term;
 
@@ -50,6 +57,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Modes(args) => modes::run(&args, &term),
         Command::Plot(args) => plot::run(&args, &term),
         Command::Accuracy(args) => accuracy::run(&args, &term),
+        Command::Encode(args) => encode::run(&args, &term),
+        Command::Diff(args) => diff::run(&args, &term),
+        Command::Snapshot(args) => snapshot::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),

@@ -1,7 +1,7 @@
 //! Progress on standard error: a bar with rate and remaining time on a terminal, a line per tenth elsewhere if
 //! asked for.
 
-use super::args::ProgressArg;
+use super::file_args::ProgressArg;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};

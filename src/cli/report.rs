@@ -247,15 +247,20 @@ fn contradiction(mechanism: &Mechanism, event: &Event) -> Option<String> {
 
 /// Writes a report to a file, or to standard output for `-`; never over an input of the command.
 pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<(), Failure> {
+    if path != Path::new("-") && open_scene::is_scene_file(scene, path) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", path.display()),
+            Vec::new(),
+        ));
+    }
+    write_document(path, document)
+}
+
+/// Writes a JSON document to a file, or to standard output for `-`.
+pub fn write_document(path: &Path, document: &Value) -> Result<(), Failure> {
     let mut output: Box<dyn Output> = if path == Path::new("-") {
         Box::new(Stream::new("standard output", std::io::stdout()))
     } else {
-        if open_scene::is_scene_file(scene, path) {
-            return Err(Failure::usage(
-                format!("{} is an input of this command", path.display()),
-                Vec::new(),
-            ));
-        }
         Box::new(Target::create(path)?)
     };
     let written = output.write_all(format!("{document:#}\n").as_bytes());

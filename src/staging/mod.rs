@@ -4,6 +4,7 @@
 
 mod bounds;
 mod captions;
+pub mod model;
 mod parts;
 
 use crate::kinematics::trajectory::{ClosedPose, Trajectory};
