@@ -56,6 +56,9 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             format!("the motion resumes before {at}, on another branch than before")
         }
         EventKind::SingularPosePassed => format!("singular pose near {at}, passed straight on"),
+        EventKind::SingularStart => format!(
+            "the motion starts at {at} on a singular pose, where rates are infinite; it goes on from the start values"
+        ),
         EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
         EventKind::StartNotClosed {
             name,

@@ -85,6 +85,7 @@ fn event(mechanism: &Mechanism, event: &crate::kinematics::trajectory::Event) ->
         EventKind::MotionEnds => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
         EventKind::SingularPosePassed => "singular-pose-passed",
+        EventKind::SingularStart => "singular-start",
         EventKind::InputUndefined { .. } => "input-undefined",
         EventKind::StartNotClosed { .. } => "start-not-closed",
         EventKind::OtherStart => "other-start",

@@ -69,6 +69,8 @@ pub enum EventKind {
     },
     /// The pose is singular; the motion was continued straight through it.
     SingularPosePassed,
+    /// The first pose is a fold, where rates are infinite; the motion was taken up beyond it from the start values.
+    SingularStart,
     /// An input has no value (division by zero in its formula, say).
     InputUndefined {
         /// Name of the input.

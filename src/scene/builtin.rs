@@ -18,11 +18,20 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 4] = builtin![
+pub const ALL: [Builtin; 13] = builtin![
     "gearshift",
     "gearshift-optimised",
+    "gearshift-left",
+    "twin-steer",
     "slider-crank",
-    "seven-r"
+    "feeder",
+    "rope-drum",
+    "lifting-arm",
+    "seven-r",
+    "four-bar",
+    "peaucellier",
+    "hooke-joint",
+    "bennett",
 ];
 
 /// The built-in scene of that name.

@@ -224,12 +224,32 @@ impl<'m> Follower<'m> {
                         here = self.keep(beyond);
                     }
                     None => {
-                        self.event(stand.time, EventKind::MotionEnds);
-                        return Err(Some(stand));
+                        let left = self.leave_start(&stand, time);
+                        return left.ok_or_else(|| {
+                            self.event(stand.time, EventKind::MotionEnds);
+                            Some(stand)
+                        });
                     }
                 },
             }
         }
+    }
+
+    /// A motion that starts at a fold has no tangent to leave it by: the next pose is assembled from the start values,
+    /// which say on which of the branches that meet there the motion goes on.
+    fn leave_start(&mut self, stand: &Stand, time: f64) -> Option<Stand> {
+        let is_start = self.trajectory.samples.len() == 1;
+        if !is_start || stand.time > self.trajectory.samples[0].time {
+            return None;
+        }
+        let inputs = self.inputs(time).ok()?;
+        let start = [self.mechanism.guess.clone(), inputs].concat();
+        let corrector = &mut self.corrector;
+        let found = assemble(self.mechanism, self.structure, corrector, &start, false).ok()?;
+        self.iterations += found.iterations;
+        self.event(stand.time, EventKind::SingularStart);
+        let beyond = self.stand(time, found.coordinates);
+        Some(self.keep(beyond))
     }
 
     /// Steps with halving until `time`, or until the steps become too small.
