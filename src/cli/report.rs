@@ -66,6 +66,11 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             distance,
         } => {
             let unit = &mechanism.length_unit;
+            if mechanism.contacts.contains(name) {
+                return format!(
+                    "contact `{name}` cannot be made at {at}: the best pose found leaves {distance:.6} {unit} between the surfaces"
+                );
+            }
             format!(
                 "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"
             )

@@ -4,7 +4,7 @@
 
 use super::closure::{BlockWorkspace, Want};
 use super::qr::PivotedQr;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::{Closes, Kind, Mechanism};
 
 /// The part of a loop that a block solves.
 #[derive(Clone, Debug, PartialEq)]
@@ -186,8 +186,12 @@ fn live_equations(
             }
             constant.copy_from_slice(&workspace.residual);
         }
-        let components: Vec<usize> = (0..6).filter(|k| live[*k]).collect();
-        for k in (0..6).filter(|k| !live[*k]) {
+        let wanted = match mechanism.loops[index].closes {
+            Closes::Frame => 0..6,
+            Closes::Point => 3..6,
+        };
+        let components: Vec<usize> = wanted.clone().filter(|k| live[*k]).collect();
+        for k in wanted.filter(|k| !live[*k]) {
             if constant[k].abs() > EMPTY {
                 let (gap, unit) = if k < 3 {
                     (constant[k], "rad")

@@ -18,7 +18,7 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 13] = builtin![
+pub const ALL: [Builtin; 21] = builtin![
     "gearshift",
     "gearshift-optimised",
     "gearshift-left",
@@ -27,11 +27,19 @@ pub const ALL: [Builtin; 13] = builtin![
     "feeder",
     "rope-drum",
     "lifting-arm",
+    "torus-torus",
     "seven-r",
+    "sphere-torus",
+    "rsrrr",
+    "sphere-sphere",
+    "rsur",
+    "rrsrr",
     "four-bar",
     "peaucellier",
     "hooke-joint",
     "bennett",
+    "bricard",
+    "sarrus",
 ];
 
 /// The built-in scene of that name.

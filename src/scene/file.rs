@@ -1,6 +1,7 @@
 //! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
 //! looked up.
 
+use super::contacts::{ContactFile, surfaces};
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
 use super::shapes::{ShapeFile, shape};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
@@ -32,6 +33,8 @@ pub struct SceneFile {
     pub loops: Vec<NamedFormula>,
     /// `[equations]`
     pub equations: Vec<NamedFormula>,
+    /// `[contacts]`
+    pub contacts: Vec<ContactFile>,
     /// `[guess]`
     pub guess: Vec<NamedFormula>,
     /// `[[bodies]]`
@@ -49,12 +52,13 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
     "parameters",
     "inputs",
     "chains",
     "loops",
     "equations",
+    "contacts",
     "guess",
     "bodies",
     "traces",
@@ -188,6 +192,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         chains: r.named_formulas("chains"),
         loops: r.named_formulas("loops"),
         equations: r.named_formulas("equations"),
+        contacts: contacts(r, text),
         guess: r.named_formulas("guess"),
         bodies: r.tables("bodies", body).into_iter().flatten().collect(),
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
@@ -223,6 +228,23 @@ fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String
             }
         };
         list.push((name, input.unwrap_or(InputFile::Unread)));
+    }
+    list
+}
+
+fn contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("contacts") {
+        let place = format!("contact `{}`", name.value);
+        let surfaces = match value.as_table() {
+            Some(table) => read_table(table, text, span, place, r.diagnostics, surfaces),
+            None => {
+                let message = format!("{place} must be a table with `first` and `second`");
+                r.diagnostics.push(Diagnostic::error(message).at(span));
+                None
+            }
+        };
+        list.push(ContactFile { name, surfaces });
     }
     list
 }

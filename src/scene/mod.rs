@@ -3,6 +3,7 @@
 #![allow(clippy::result_large_err)]
 
 pub mod builtin;
+pub mod contacts;
 pub mod file;
 pub mod formula;
 pub mod reader;

@@ -200,7 +200,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
     }
 
     /// A table whose keys are names of the user's choice, in the order of the file.
-    pub fn named(&mut self, key: &'static str) -> Vec<(Spanned<String>, &'t DeValue<'t>, Span)> {
+    pub fn named(&mut self, key: &'static str) -> Vec<Entry<'t>> {
         let Some((value, span)) = self.get(key) else {
             return Vec::new();
         };
@@ -225,10 +225,10 @@ impl<'t, 'd> TableReader<'t, 'd> {
         entries
     }
 
-    /// A table of names to formulas.
+    /// A table of names to formulas. A name with a dot, which TOML reads as a table, is put together again.
     pub fn named_formulas(&mut self, key: &'static str) -> Vec<(Spanned<String>, FormulaText)> {
         let mut list = Vec::new();
-        for (name, value, span) in self.named(key) {
+        for (name, value, span) in self.named(key).into_iter().flat_map(undotted) {
             match formula_of(value, span.clone(), self.text) {
                 Some(formula) => list.push((name, formula)),
                 None => {
@@ -348,6 +348,27 @@ pub fn read_table<'t, T>(
     let value = read(&mut reader);
     reader.finish();
     value
+}
+
+type Entry<'t> = (Spanned<String>, &'t DeValue<'t>, Span);
+
+/// The entries of a dotted key; an entry that is no table stays as it is.
+fn undotted((name, value, span): Entry) -> Vec<Entry> {
+    let Some(table) = value.as_table().filter(|table| !table.is_empty()) else {
+        return vec![(name, value, span)];
+    };
+    let mut inner: Vec<Entry> = table
+        .iter()
+        .map(|(key, value)| {
+            let full = Spanned {
+                value: format!("{}.{}", name.value, key.get_ref()),
+                span: key.span(),
+            };
+            (full, value.get_ref(), value.span())
+        })
+        .collect();
+    inner.sort_by_key(|(key, _, _)| key.span.start);
+    inner
 }
 
 /// The part of `span` on its first line.

@@ -6,6 +6,7 @@ use super::chain::{ArgumentDouble, LoopAtPose, U, affine_value, evaluate};
 use super::kantorovich::{Earlier, UnknownBound, prove};
 use super::{BALL, Certifier, Reason};
 use crate::model::chain::Motion;
+use crate::model::mechanism::Closes;
 
 /// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.
 const COLUMN_ROUNDING: f64 = 64.0 * U;
@@ -113,6 +114,7 @@ impl BlockProof<'_, '_> {
         }
     }
 
+    /// Rows of all loops, and those loops that must not be turned by π.
     fn loop_rows(
         &self,
         forms: &mut [FormUse],
@@ -125,7 +127,9 @@ impl BlockProof<'_, '_> {
             let steps = &mechanism.loops[part.index].chain.steps;
             let play = |a: usize| forms[position[a]].rate() * BALL;
             let item = evaluate(steps, self.arguments, play, mechanism.size);
-            if item.trace.is_nan() || item.trace <= LEAST_TRACE {
+            // Where a point closes the loop may be turned by anything.
+            let may_turn = mechanism.loops[part.index].closes == Closes::Point;
+            if !may_turn && (item.trace.is_nan() || item.trace <= LEAST_TRACE) {
                 return Err(Reason::HalfTurn);
             }
             for joint in &item.joints {
@@ -138,7 +142,9 @@ impl BlockProof<'_, '_> {
                 form.open = form.open.max(open);
             }
             self.add_rows(&item, &part.components, forms, position, &mut rows);
-            loops.push(item);
+            if !may_turn {
+                loops.push(item);
+            }
         }
         Ok((rows, loops))
     }

@@ -1,11 +1,13 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
 mod bodies;
+mod contacts;
 mod coordinates;
 mod joints;
 mod names;
 mod outputs;
 mod parsed;
+mod symbolic;
 mod view;
 
 use super::file::{InputFile, SceneFile};
@@ -13,6 +15,7 @@ use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use contacts::closure::Contacts;
 use names::Names;
 use parsed::Parsed;
 use std::path::Path;
@@ -85,11 +88,21 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     let mut joints = joints::Joints::new(&names, &angle_unit);
-    let loops = joints.loops(&parsed, diagnostics);
-    let equations = joints.equations(&parsed, diagnostics);
+    let mut loops = joints.loops(&parsed, diagnostics);
+    let mut equations = joints.equations(&parsed, diagnostics);
+    let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
+    loops.append(&mut contacts.loops);
+    equations.append(&mut contacts.equations);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let traces = bodies::traces(file, &names, &bodies, diagnostics);
-    let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
+    let outputs = outputs::resolve(
+        &parsed,
+        &names,
+        &traces,
+        &contacts,
+        &angle_unit,
+        diagnostics,
+    );
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
@@ -119,6 +132,11 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         arguments,
         loops,
         equations,
+        contacts: parsed
+            .contacts
+            .iter()
+            .map(|c| c.name.value.clone())
+            .collect(),
         bodies,
         traces,
         outputs,

@@ -3,6 +3,7 @@
 use super::super::formula::compile::{Value, compile};
 use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
+use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
@@ -14,6 +15,7 @@ pub fn resolve(
     parsed: &Parsed,
     names: &Names,
     traces: &[Trace],
+    contacts: &Contacts,
     unit: &AngleUnit,
     diagnostics: &mut Diagnostics,
 ) -> Vec<Output> {
@@ -21,7 +23,10 @@ pub fn resolve(
     let mut outputs: Vec<Output> = Vec::new();
     let mut failed: Vec<&str> = Vec::new();
     for (name, node) in &parsed.outputs {
-        let known = |used: &str| outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+        let known = |used: &str| {
+            let earlier = outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+            earlier.or_else(|| contacts.scalar(used).map(|(_, kind, _)| *kind))
+        };
         let kind = kind_of(node, names, &known);
         let is_angle = |n: &str| names.is_angle(n) || known(n) == Some(Kind::Angle);
         let node = to_radians(node.clone(), Some(kind), unit.radians, &is_angle);
@@ -31,6 +36,15 @@ pub fn resolve(
             }
             if let Some(earlier) = outputs.iter().position(|o| o.name == used) {
                 return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
+            }
+            if let Some((_, _, scalar)) = contacts.scalar(used) {
+                return match scalar {
+                    Ok(formula) => Ok(Value::Formula(formula.clone())),
+                    Err(why) => Err(Diagnostic::error(format!(
+                        "`{used}` has no value here: {why}"
+                    ))
+                    .at(span.clone())),
+                };
             }
             let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
             if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
@@ -44,8 +58,9 @@ pub fn resolve(
                     .iter()
                     .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
                     .collect();
-                d.suggest(used, points.iter().map(String::as_str))
-                    .label("no parameter, input, unknown, traced point or earlier output")
+                let scalars = contacts.scalars.iter().map(|(name, ..)| name.as_str());
+                d.suggest(used, points.iter().map(String::as_str).chain(scalars))
+                    .label("no parameter, input, unknown, traced point, contact or earlier output")
             })
         };
         match compile(&node, &lookup) {
@@ -76,10 +91,10 @@ fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) ->
     match &node.kind {
         NodeKind::Number(_) => Kind::Number,
         NodeKind::Radians(_) => Kind::Angle,
-        NodeKind::Name(name) if name.contains('.') => Kind::Length,
         NodeKind::Name(name) => names
             .kind(name)
             .or_else(|| output(name))
+            .or_else(|| name.contains('.').then_some(Kind::Length))
             .unwrap_or(Kind::Number),
         NodeKind::Negate(inner) => kind_of(inner, names, output),
         NodeKind::Binary(sign, a, b) => {

@@ -1,0 +1,608 @@
+//! The mechanisms of the sources against the numbers printed there or computed from their closed forms.
+//!
+//! `data/*.csv` were computed in 40-digit arithmetic; `docs/sources.md` tells where the print differs.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// References keep the digits they were given with.
+#![allow(clippy::excessive_precision)]
+
+mod reference;
+
+use mechanim::diag::Source;
+use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, find_modes};
+use mechanim::kinematics::rates::{By, RateColumns, add_derivatives};
+use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::model::mechanism::{Kind, Mechanism};
+use mechanim::scene::{Overrides, builtin, load};
+use reference::{Table, drive_by_rows};
+use std::f64::consts::TAU;
+
+fn scene(name: &str, parameters: &[(&str, &str)], guess: &[(&str, &str)]) -> Mechanism {
+    let pairs = |list: &[(&str, &str)]| -> Vec<(String, String)> {
+        let owned = list.iter().map(|(n, v)| (n.to_string(), v.to_string()));
+        owned.collect()
+    };
+    let overrides = Overrides {
+        parameters: pairs(parameters),
+        guess: pairs(guess),
+        ..Overrides::default()
+    };
+    let loaded = load(&builtin::find(name).unwrap(), &overrides);
+    loaded
+        .unwrap_or_else(|e| panic!("{name}: {:#?}", e.diagnostics))
+        .mechanism
+}
+
+fn written(text: &str) -> Mechanism {
+    let source = Source {
+        name: "test".to_owned(),
+        text: text.to_owned(),
+    };
+    let loaded = load(&source, &Overrides::default());
+    loaded
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+        .mechanism
+}
+
+/// An unknown or output by its name, in the file's units.
+fn value(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
+    if let Some(k) = mechanism.unknowns.iter().position(|c| c.name == name) {
+        return pose.unknowns[k] * mechanism.file_units(mechanism.unknowns[k].kind);
+    }
+    let k = mechanism.outputs.iter().position(|o| o.name == name);
+    let k = k.unwrap_or_else(|| panic!("no `{name}`"));
+    pose.outputs[k] * mechanism.file_units(mechanism.outputs[k].kind)
+}
+
+fn whole(trajectory: &Trajectory) -> Vec<&ClosedPose> {
+    assert_eq!(trajectory.missing(), 0, "{:?}", trajectory.events);
+    trajectory.poses().collect()
+}
+
+/// Difference of two angles, up to whole turns.
+fn turned(difference: f64, turn: f64) -> f64 {
+    difference - turn * (difference / turn).round()
+}
+
+/// A scene, a table that drives it, and the columns that are compared.
+struct Case {
+    scene: &'static str,
+    guess: &'static [(&'static str, &'static str)],
+    table: &'static str,
+    /// Our name, column of the table, largest difference; angles are compared up to whole turns.
+    columns: Vec<(String, String, f64)>,
+}
+
+fn same(names: &[&str], tolerance: f64) -> Vec<(String, String, f64)> {
+    let named = names
+        .iter()
+        .map(|n| (n.to_string(), n.to_string(), tolerance));
+    named.collect()
+}
+
+fn numbered(letter: &str, count: usize, tolerance: f64) -> Vec<(String, String, f64)> {
+    let names: Vec<String> = (1..=count).map(|k| format!("{letter}{k}")).collect();
+    same(
+        &names.iter().map(String::as_str).collect::<Vec<_>>(),
+        tolerance,
+    )
+}
+
+#[test]
+fn poses_match_the_tables_at_every_row() {
+    let pair =
+        |ours: &str, theirs: &str, tolerance| (ours.to_owned(), theirs.to_owned(), tolerance);
+    let lever = [("handle_x", "xM"), ("handle_y", "yM")].map(|(a, b)| pair(a, b, 1e-9));
+    let wheels =
+        ["1L", "1R", "2L", "2R"].map(|w| pair(&format!("wheel_{w}"), &format!("w{w}"), 1e-12));
+    let ackermann =
+        ["1R", "2L", "2R"].map(|w| pair(&format!("ackermann_{w}"), &format!("ack{w}"), 1e-12));
+    let cases = [
+        Case {
+            scene: "gearshift-left",
+            guess: &[],
+            table: "gearshift6_30",
+            columns: [numbered("a", 36, 1e-11), lever.to_vec()].concat(),
+        },
+        Case {
+            scene: "twin-steer",
+            guess: &[],
+            table: "twinsteer",
+            columns: [
+                numbered("b", 30, 1e-12),
+                wheels.to_vec(),
+                ackermann.to_vec(),
+            ]
+            .concat(),
+        },
+        Case {
+            scene: "feeder",
+            guess: &[],
+            table: "feeder_cycle",
+            columns: [same(&["psi13"], 1e-13), same(&["p14"], 1e-11)].concat(),
+        },
+        Case {
+            scene: "feeder",
+            guess: &[("psi13", "3.3"), ("p14", "-100")],
+            table: "feeder_cycle",
+            columns: vec![
+                pair("psi13", "psi13_crossed", 1e-13),
+                pair("p14", "p14_crossed", 1e-11),
+            ],
+        },
+    ];
+    for case in cases {
+        let table = Table::read(case.table);
+        let mut mechanism = scene(case.scene, &[], case.guess);
+        let times = drive_by_rows(&mut mechanism, &table);
+        let trajectory = solve(&mechanism, &times).unwrap();
+        for (row, pose) in whole(&trajectory).into_iter().enumerate() {
+            assert_eq!(
+                pose.rank,
+                mechanism.unknowns.len(),
+                "{} row {row}",
+                case.scene
+            );
+            for (ours, theirs, tolerance) in &case.columns {
+                let difference = value(&mechanism, pose, ours) - table.value(row, theirs);
+                let is_length = mechanism
+                    .unknowns
+                    .iter()
+                    .any(|c| c.name == *ours && c.kind == Kind::Length);
+                let error = if is_length {
+                    difference
+                } else {
+                    turned(difference, TAU)
+                };
+                let place = format!("{} {ours} row {row}", case.scene);
+                assert!(error.abs() < *tolerance, "{place}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn dimensions_of_the_scenes_are_those_of_the_tables() {
+    for (name, file) in [
+        ("gearshift-left", "gearshift6_dims"),
+        ("twin-steer", "twinsteer_dims"),
+    ] {
+        let table = Table::read(file);
+        let text = builtin::find(name).unwrap().text;
+        for row in 0..table.len() {
+            let wanted = table.text(row, "name");
+            let line = text
+                .lines()
+                .find(|l| l.split('=').next().is_some_and(|n| n.trim() == wanted));
+            let line = line.unwrap_or_else(|| panic!("{name} has no {wanted}"));
+            let number = line.split('=').nth(1).unwrap().split('#').next().unwrap();
+            let number: f64 = number.trim().parse().unwrap();
+            assert_eq!(number, table.value(row, "value"), "{name} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn loops_and_unknowns_are_as_many_as_the_sources_say() {
+    for (name, loops, unknowns, blocks) in [
+        ("gearshift-left", 6, 36, 4),
+        ("twin-steer", 5, 30, 5),
+        ("feeder", 1, 2, 1),
+    ] {
+        let mechanism = scene(name, &[], &[]);
+        assert_eq!(
+            (mechanism.loops.len(), mechanism.unknowns.len()),
+            (loops, unknowns),
+            "{name}"
+        );
+        let structure = Structure::new(&mechanism).unwrap();
+        assert_eq!(structure.equation_count(), unknowns, "{name}");
+        assert_eq!(structure.blocks.len(), blocks, "{name}");
+    }
+}
+
+#[test]
+fn wheels_follow_ackermann_as_closely_as_computed() {
+    let mut mechanism = scene("twin-steer", &[], &[]);
+    let times = drive_by_rows(&mut mechanism, &Table::read("twinsteer"));
+    let trajectory = solve(&mechanism, &times).unwrap();
+    for (wheel, degrees) in [("1R", 0.333), ("2L", 0.644), ("2R", 0.575)] {
+        let errors = whole(&trajectory).into_iter();
+        let errors = errors.map(|p| {
+            value(&mechanism, p, &format!("error_{wheel}"))
+                .to_degrees()
+                .abs()
+        });
+        let largest = errors.fold(0.0, f64::max);
+        assert!((largest - degrees).abs() < 5e-4, "{wheel}: {largest}");
+    }
+}
+
+#[test]
+fn feeder_has_the_derivatives_of_its_closed_form() {
+    let table = Table::read("feeder_cycle");
+    let mut mechanism = scene("feeder", &[], &[]);
+    let times = drive_by_rows(&mut mechanism, &table);
+    let mut trajectory = solve(&mechanism, &times).unwrap();
+    let columns = RateColumns {
+        order: 2,
+        by: By::Input(0),
+    };
+    add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+    let headings = columns.headings(&mechanism);
+    for (row, pose) in whole(&trajectory).into_iter().enumerate() {
+        for (heading, column) in [
+            ("d(psi13)/d(psi12)", "dpsi13"),
+            ("d(p14)/d(psi12)", "dp14"),
+            ("d2(psi13)/d(psi12)2", "ddpsi13"),
+            ("d2(p14)/d(psi12)2", "ddp14"),
+        ] {
+            let k = headings
+                .iter()
+                .position(|(name, _)| name == heading)
+                .unwrap();
+            let error = pose.derivatives[k] - table.value(row, column);
+            assert!(error.abs() < 1e-11, "{heading} row {row}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn rope_turns_the_drum_as_the_closed_form_says_and_its_start_is_named_singular() {
+    let table = Table::read("drum");
+    let mechanism = scene("rope-drum", &[], &[]);
+    let mut trajectory = solve(&mechanism, &table.column("t")).unwrap();
+    let columns = RateColumns {
+        order: 2,
+        by: By::Time,
+    };
+    add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+    let headings = columns.headings(&mechanism);
+    let place = |name: &str| headings.iter().position(|(n, _)| n == name).unwrap();
+    let (first, second) = (place("d(phi)/dt"), place("d2(phi)/dt2"));
+    let [event] = trajectory.events.as_slice() else {
+        panic!("{:?}", trajectory.events)
+    };
+    assert_eq!((&event.kind, event.time), (&EventKind::SingularStart, 0.0));
+    for (row, pose) in whole(&trajectory).into_iter().enumerate() {
+        let phi = value(&mechanism, pose, "phi");
+        assert!((phi - table.value(row, "phi")).abs() < 1e-13, "row {row}");
+        if row == 0 {
+            assert!(
+                pose.derivatives.is_empty(),
+                "infinite at the rim: no number is given"
+            );
+            assert_eq!(table.text(0, "alpha"), "-inf");
+            continue;
+        }
+        // Near the rim the acceleration grows like 1/sqrt(t), and its rounding with it.
+        for (k, column) in [(first, "omega"), (second, "alpha")] {
+            let error = pose.derivatives[k] - table.value(row, column);
+            assert!(error.abs() < 1e-11, "{column} row {row}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn lifting_arm_is_exact_where_it_exists_and_25_samples_do_not() {
+    let table = Table::read("lifting_arm");
+    let mut mechanism = scene("lifting-arm", &[], &[]);
+    let mut rows = drive_by_rows(&mut mechanism, &table);
+    rows.truncate(table.len());
+    let trajectory = solve(&mechanism, &rows).unwrap();
+    assert_eq!(trajectory.samples.len(), 101);
+    assert_eq!(trajectory.missing(), 25, "impossible samples of the source");
+    for (row, sample) in trajectory.samples.iter().enumerate() {
+        let exists = table.text(row, "phi") != "nan";
+        assert_eq!(sample.pose.is_some(), exists, "row {row}");
+        let Some(pose) = &sample.pose else { continue };
+        let error = value(&mechanism, pose, "phi") - table.value(row, "phi");
+        // At the ends of the range the pose is a double root and loses half its digits.
+        assert!(error.abs() < 1e-12, "row {row}: {error:e}");
+        for (axis, column) in [(0, "xC"), (1, "yC")] {
+            let error = pose.traces[0][axis] - table.value(row, column);
+            assert!(error.abs() < 4e-12, "row {row} {column}: {error:e}");
+        }
+        let mu = table.value(row, "mu");
+        let error = value(&mechanism, pose, "transmission") / mu - 1.0;
+        assert!(error.abs() < 1e-11, "row {row} mu: {error:e}");
+    }
+}
+
+#[test]
+fn lifting_arm_ends_where_its_triangle_does() {
+    let text = builtin::find("lifting-arm").unwrap();
+    let overrides = Overrides {
+        inputs: vec![("l".to_owned(), "4*L*(t/T)*(1 - t/T)".to_owned())],
+        ..Overrides::default()
+    };
+    let mechanism = load(&text, &overrides).unwrap().mechanism;
+    let times: Vec<f64> = (0..=80).map(|k| 0.1 + 0.01 * k as f64).collect();
+    let trajectory = solve(&mechanism, &times).unwrap();
+    let ends: Vec<f64> = trajectory
+        .events
+        .iter()
+        .filter(|e| e.kind == EventKind::MotionEnds)
+        .map(|e| e.time)
+        .collect();
+    let [end] = ends.as_slice() else {
+        panic!("{:?}", trajectory.events)
+    };
+    assert!((end - 0.84249948671333249).abs() < 1e-9, "{end}");
+    assert!(trajectory.samples.iter().all(|s| {
+        let inside = (0.15750051328666751..=0.84249948671333249).contains(&s.time);
+        s.pose.is_some() == inside
+    }));
+}
+
+/// A scene of the series and the rows of the reference that belong to it.
+struct Pair {
+    scene: &'static str,
+    parameters: &'static [(&'static str, &'static str)],
+    mechanism: &'static str,
+    /// Column of the pressure angle, where the scene has one.
+    pressure: Option<&'static str>,
+}
+
+const fn pair(
+    scene: &'static str,
+    mechanism: &'static str,
+    pressure: Option<&'static str>,
+) -> Pair {
+    Pair {
+        scene,
+        parameters: &[],
+        mechanism,
+        pressure,
+    }
+}
+
+#[test]
+fn higher_pairs_and_their_lower_pair_twins_turn_alike() {
+    let table = Table::read("torus_ref");
+    for case in [
+        pair("torus-torus", "torus-torus", Some("mu_deg")),
+        pair("seven-r", "torus-torus", None),
+        pair("sphere-torus", "sphere-torus", Some("mu_drawn_deg")),
+        Pair {
+            parameters: &[("s1", "0"), ("s2", "8.86")],
+            ..pair("sphere-torus", "sphere-torus", Some("mu_deg"))
+        },
+        pair("rsrrr", "sphere-torus", None),
+        pair("sphere-sphere", "sphere-sphere", Some("mu_drawn_deg")),
+        Pair {
+            parameters: &[("s1", "0"), ("s2", "7.89")],
+            ..pair("sphere-sphere", "sphere-sphere", Some("mu_deg"))
+        },
+        Pair {
+            parameters: &[("c1", "2.74"), ("c2", "13.26"), ("s1", "0"), ("s2", "7.89")],
+            ..pair("sphere-sphere", "sphere-sphere-printed", Some("mu_deg"))
+        },
+        pair("rsur", "sphere-sphere", None),
+    ] {
+        let rows: Vec<usize> = (0..table.len())
+            .filter(|r| table.text(*r, "mechanism") == case.mechanism)
+            .collect();
+        assert_eq!(rows.len(), 72);
+        let mechanism = scene(case.scene, case.parameters, &[]);
+        let times: Vec<f64> = rows
+            .iter()
+            .map(|r| table.value(*r, "beta1_deg") / 60.0)
+            .collect();
+        let mut trajectory = solve(&mechanism, &times).unwrap();
+        let columns = RateColumns {
+            order: 1,
+            by: By::Input(0),
+        };
+        add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+        let ratio = columns
+            .headings(&mechanism)
+            .iter()
+            .position(|(n, _)| n == "d(beta2)/d(beta1)")
+            .unwrap();
+        for (row, pose) in rows.iter().zip(whole(&trajectory)) {
+            let at = format!("{} at {} deg", case.scene, table.value(*row, "beta1_deg"));
+            let error = turned(
+                value(&mechanism, pose, "beta2") - table.value(*row, "beta2_deg"),
+                360.0,
+            );
+            assert!(error.abs() < 1e-10, "{at}: {error:e}");
+            let error = pose.derivatives[ratio] - table.value(*row, "k");
+            assert!(error.abs() < 1e-12, "{at}, ratio: {error:e}");
+            if let Some(column) = case.pressure {
+                let error = value(&mechanism, pose, "pressure_angle") - table.value(*row, column);
+                assert!(error.abs() < 1e-10, "{at}, pressure angle: {error:e}");
+            }
+        }
+    }
+}
+
+/// Largest deviation of the ratio from 0.1 over 180 samples after `start` degrees, largest pressure angle of the turn,
+/// and length of the range in which driver and output turn alike.
+fn figures(mechanism: &Mechanism, start: usize) -> [f64; 3] {
+    let times: Vec<f64> = (0..=1440).map(|k| k as f64 / 240.0).collect();
+    let mut trajectory = solve(mechanism, &times).unwrap();
+    let columns = RateColumns {
+        order: 1,
+        by: By::Input(0),
+    };
+    add_derivatives(mechanism, &mut trajectory, columns).unwrap();
+    let place = columns
+        .headings(mechanism)
+        .iter()
+        .position(|(n, _)| n == "d(beta2)/d(beta1)")
+        .unwrap();
+    let poses = whole(&trajectory);
+    let ratio = |degrees: usize| poses[4 * (degrees % 360)].derivatives[place];
+    let deviation = (1..=180)
+        .map(|k| (ratio(start + k) - 0.1).abs())
+        .fold(0.0, f64::max);
+    let pressure = poses
+        .iter()
+        .map(|p| value(mechanism, p, "pressure_angle"))
+        .fold(0.0, f64::max);
+    // Zeros of the ratio by linear interpolation on a grid of a quarter of a degree.
+    let quarters = |k: usize| poses[k].derivatives[place];
+    let range = (0..1440).map(|k| {
+        let (a, b) = (quarters(k), quarters(k + 1));
+        match (a > 0.0, b > 0.0) {
+            (true, true) => 0.25,
+            (true, false) => 0.25 * a / (a - b),
+            (false, true) => 0.25 * b / (b - a),
+            (false, false) => 0.0,
+        }
+    });
+    [deviation, pressure, range.sum()]
+}
+
+#[test]
+fn nine_figures_of_the_torus_paper_come_out() {
+    let spheres = [("s1", "0"), ("s2", "8.86")];
+    let spheres2 = [("s1", "0"), ("s2", "7.89")];
+    let cases: [(&str, &[(&str, &str)], usize, [f64; 3]); 3] = [
+        ("torus-torus", &[], 70, [0.00818, 53.9366, 236.674]),
+        ("sphere-torus", &spheres, 118, [0.01512, 59.7165, 230.890]),
+        ("sphere-sphere", &spheres2, 38, [0.03385, 60.1216, 232.152]),
+    ];
+    for (name, parameters, start, expected) in cases {
+        let found = figures(&scene(name, parameters, &[]), start);
+        for ((found, expected), digit) in found.iter().zip(expected).zip([1e-5, 1e-3, 1e-3]) {
+            // Within a unit of the last digit given; the largest pressure angle lies between grid points.
+            assert!(
+                (found - expected).abs() < digit,
+                "{name}: {found} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn torus_pair_has_eight_assemblies_at_the_start() {
+    let mechanism = scene("torus-torus", &[], &[]);
+    let structure = Structure::new(&mechanism).unwrap();
+    let found = find_modes(&mechanism, &structure, &[0.0], DEFAULT_STARTS, &|| false);
+    let k = mechanism
+        .unknowns
+        .iter()
+        .position(|c| c.name == "beta2")
+        .unwrap();
+    let degrees = |mode: &Mode| mode.coordinates[k].to_degrees().rem_euclid(360.0);
+    let mut angles: Vec<f64> = found.list.iter().map(degrees).collect();
+    angles.sort_by(f64::total_cmp);
+    let expected = [
+        71.046417200,
+        93.305715278,
+        138.688320300,
+        163.667781238,
+        167.233992475,
+        168.970046123,
+        169.170372644,
+        178.562941313,
+    ];
+    assert_eq!(angles.len(), expected.len(), "{angles:?}");
+    for (found, expected) in angles.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+    }
+}
+
+#[test]
+fn gallery_keeps_its_closed_forms() {
+    let at = |name: &str| {
+        let mechanism = scene(name, &[], &[]);
+        let times: Vec<f64> = (0..96)
+            .map(|k| mechanism.duration * k as f64 / 96.0)
+            .collect();
+        let trajectory = solve(&mechanism, &times).unwrap();
+        let rows: Vec<(f64, ClosedPose)> = trajectory
+            .samples
+            .iter()
+            .map(|s| (s.inputs[0], s.pose.clone().expect(name)))
+            .collect();
+        (mechanism, rows)
+    };
+    let (mechanism, rows) = at("peaucellier");
+    for (_, pose) in &rows {
+        assert!(value(&mechanism, pose, "offset").abs() < 1e-12 * 110.0);
+    }
+    let (mechanism, rows) = at("hooke-joint");
+    for (t1, pose) in &rows {
+        let t2 = value(&mechanism, pose, "t2").to_radians();
+        let expected = (t1.sin() * 30f64.to_radians().cos()).atan2(t1.cos());
+        assert!(turned(t2 - expected, TAU).abs() < 1e-13, "{t1}");
+    }
+    let (mechanism, rows) = at("bennett");
+    for (t1, pose) in &rows {
+        let [t2, t3, t4] = ["t2", "t3", "t4"].map(|n| value(&mechanism, pose, n));
+        let expected = 2.0 * ((1.0 + 3f64.sqrt()) * (t1 / 2.0).cos()).atan2((t1 / 2.0).sin());
+        for error in [t2 - expected, t3 + t1, t4 + t2] {
+            assert!(turned(error, TAU).abs() < 1e-12, "{t1}: {error:e}");
+        }
+    }
+    let (mechanism, rows) = at("bricard");
+    let (c, s) = (60f64.to_radians().cos(), 60f64.to_radians().sin());
+    for (t1, pose) in &rows {
+        let [t2, t3, t4, t5, t6] =
+            ["t2", "t3", "t4", "t5", "t6"].map(|n| value(&mechanism, pose, n).to_radians());
+        let (c1, c2) = (t1.cos(), t2.cos());
+        let open =
+            c * c + s * s * (c1 + c2) + (1.0 + c * c) * c1 * c2 - 2.0 * c * t1.sin() * t2.sin();
+        for error in [open, t3 - t1, t5 - t1, t4 - t2, t6 - t2] {
+            assert!(turned(error, TAU).abs() < 1e-12, "{t1}: {error:e}");
+        }
+    }
+    let (mechanism, rows) = at("sarrus");
+    for (t1, pose) in &rows {
+        let error = value(&mechanism, pose, "height") - 100.0 * t1.sin();
+        assert!(error.abs() < 1e-12 * 100.0, "{t1}: {error:e}");
+    }
+    let (mechanism, rows) = at("four-bar");
+    for (phi, pose) in &rows {
+        // The diagonal from the crank's pin to the rocker's pivot, by the law of cosines from both sides.
+        let mu = value(&mechanism, pose, "mu").to_radians();
+        let (crank, coupler, rocker, ground) = (35.0_f64, 95.0, 80.0, 105.0);
+        let square = crank * crank + ground * ground - 2.0 * crank * ground * phi.cos();
+        let from_coupler = coupler * coupler + rocker * rocker - 2.0 * coupler * rocker * mu.cos();
+        assert!((square - from_coupler).abs() < 1e-9, "{phi}");
+    }
+}
+
+#[test]
+fn contacts_carry_slides_and_screws_as_well_as_turns() {
+    // A ball on a crank lifts a plane: a scotch yoke, z = 12 + 3 + 10 sin(beta), by hand.
+    let slide = "units = { length = \"mm\" }\nduration = 1\n[inputs]\nbeta = \"2*pi*t\"\n[chains]\n\
+        ball = \"Ry(-beta) Tx(10)\"\nyoke = \"Tz(z)\"\n[contacts.c]\n\
+        first = { sphere = { radius = 3 }, frame = \"ball\" }\n\
+        second = { plane = {}, frame = \"yoke Rx(pi)\" }\n[outputs]\nmu = \"c.pressure_angle\"\nx = \"c.point.x\"\n";
+    // The same yoke as a nut on a screw of pitch 8: z = 8 a / (2 pi).
+    let screw = slide.replace("Tz(z)", "Hz(8, a)");
+    for text in [slide.to_owned(), screw] {
+        let mechanism = written(&text);
+        let times: Vec<f64> = (0..40).map(|k| 0.025 * k as f64).collect();
+        let trajectory = solve(&mechanism, &times).unwrap();
+        for (time, pose) in times.iter().zip(whole(&trajectory)) {
+            let beta = TAU * time;
+            let height = 3.0 + 10.0 * beta.sin();
+            let is_screw = mechanism.unknowns.iter().any(|c| c.name == "a");
+            let (name, expected) = if is_screw {
+                ("a", height * TAU / 8.0)
+            } else {
+                ("z", height)
+            };
+            assert!(
+                (value(&mechanism, pose, name) - expected).abs() < 1e-11,
+                "{time} {name}"
+            );
+            assert!(
+                (value(&mechanism, pose, "x") - 10.0 * beta.cos()).abs() < 1e-11,
+                "{time}"
+            );
+            if !is_screw {
+                assert!(
+                    value(&mechanism, pose, "mu").abs() < 1e-12,
+                    "the plane is pushed straight"
+                );
+            }
+        }
+    }
+}
