@@ -1,6 +1,7 @@
 //! `mechanim check`: do all loops close over the motion; is an offered pose a closed one.
 
 use super::args::CheckArgs;
+use super::measured::{self, Measured};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{inputs_table, open_scene, report};
@@ -55,8 +56,10 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     super::solve::refuse_interrupted()?;
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
+    let measured = measured::take(mechanism, &trajectory)?;
     let outcome = match closed {
         Outcome::Done if worst > args.tolerance => Outcome::CheckFailed,
+        Outcome::Done if !measured.iter().all(Measured::holds) => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -67,9 +70,11 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let branches = branches(&trajectory);
     let proof = Proof::of(&trajectory);
     let verdict = verdict(outcome);
+    let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
+    let lines: String = lines.collect();
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{lines}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -94,6 +99,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "measures": measured.iter().map(Measured::json).collect::<Vec<_>>(),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "result": verdict,
     });

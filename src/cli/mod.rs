@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod info;
 mod inputs_table;
+mod measured;
 mod modes;
 mod open_scene;
 mod outcome;

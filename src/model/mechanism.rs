@@ -3,6 +3,7 @@
 use super::chain::{Argument, ArgumentValue, Chain};
 use super::drive::Drive;
 use super::expression::Expression;
+use super::measure::{Measure, Track};
 use super::shape::Shape;
 use glam::DVec3;
 
@@ -145,6 +146,10 @@ pub struct Mechanism {
     pub traces: Vec<Trace>,
     /// Named scalars.
     pub outputs: Vec<Output>,
+    /// Poses beside the drive.
+    pub tracks: Vec<Track>,
+    /// Scalars of the whole motion.
+    pub measures: Vec<Measure>,
     /// Characteristic length: what residuals and unknown lengths are measured against.
     pub size: f64,
     /// Length of the drive in seconds.

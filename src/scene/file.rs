@@ -2,8 +2,10 @@
 //! looked up.
 
 use super::contacts::{ContactFile, surfaces};
-use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
+use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
+use super::reader::{FormulaText, Spanned, TableReader, read_table};
 use super::shapes::{ShapeFile, shape};
+use super::values::formula_of;
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -43,6 +45,10 @@ pub struct SceneFile {
     pub traces: Vec<TraceFile>,
     /// `[outputs]`
     pub outputs: Vec<NamedFormula>,
+    /// `[tracks]`
+    pub tracks: Vec<TrackFile>,
+    /// `[measures]`
+    pub measures: Vec<MeasureFile>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
     /// `[view]`
@@ -52,7 +58,7 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 11] = [
+const SECTIONS: [&str; 13] = [
     "parameters",
     "inputs",
     "chains",
@@ -63,6 +69,8 @@ const SECTIONS: [&str; 11] = [
     "bodies",
     "traces",
     "outputs",
+    "tracks",
+    "measures",
     "labels",
 ];
 
@@ -197,6 +205,8 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         bodies: r.tables("bodies", body).into_iter().flatten().collect(),
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
         outputs: r.named_formulas("outputs"),
+        tracks: tracks(r, text),
+        measures: measures(r, text),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),
@@ -245,6 +255,38 @@ fn contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> 
             }
         };
         list.push(ContactFile { name, surfaces });
+    }
+    list
+}
+
+fn tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("tracks") {
+        let place = format!("track `{}`", name.value);
+        let Some(table) = value.as_table() else {
+            let message = format!("{place} must be a table with `samples` and `inputs`");
+            r.diagnostics.push(Diagnostic::error(message).at(span));
+            continue;
+        };
+        let read = |r: &mut TableReader<'t, '_>| track(r, name);
+        list.push(read_table(table, text, span, place, r.diagnostics, read));
+    }
+    list
+}
+
+fn measures<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<MeasureFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("measures") {
+        let place = format!("measure `{}`", name.value);
+        if let Some(table) = value.as_table() {
+            let read = |r: &mut TableReader<'t, '_>| measure(r, name);
+            list.push(read_table(table, text, span, place, r.diagnostics, read));
+        } else if let Some(formula) = formula_of(value, span.clone(), text) {
+            list.push(measure_formula((name, formula)));
+        } else {
+            let message = format!("{place} must be a formula of measures, or a table");
+            r.diagnostics.push(Diagnostic::error(message).at(span));
+        }
     }
     list
 }

@@ -6,9 +6,11 @@ pub mod builtin;
 pub mod contacts;
 pub mod file;
 pub mod formula;
+pub mod measures;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
+pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::mechanism::Mechanism;

@@ -1,5 +1,6 @@
 //! Typed reading of TOML tables: every value with its place, every mistake noted, reading goes on.
 
+use super::values::{formula_of, formulas_of, kind_of, parse_colour};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -119,6 +120,39 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 None
             }
         }
+    }
+
+    /// A number or formula, or a list of them.
+    pub fn formula_or_formulas(&mut self, key: &'static str) -> Option<Vec<FormulaText>> {
+        let is_list = self
+            .table
+            .get(key)
+            .is_some_and(|value| value.get_ref().is_array());
+        if is_list {
+            return self.formulas(key).map(|list| list.value);
+        }
+        self.formula(key).map(|one| vec![one])
+    }
+
+    /// A table of names to a number or formula, or to a list of two: where it starts and ends.
+    pub fn named_ranges(&mut self, key: &'static str) -> Vec<(Spanned<String>, [FormulaText; 2])> {
+        let mut list = Vec::new();
+        for (name, value, span) in self.named(key) {
+            let one = formula_of(value, span.clone(), self.text);
+            let ends = one.map(|one| [one.clone(), one]);
+            let ends =
+                ends.or_else(|| <[FormulaText; 2]>::try_from(formulas_of(value, self.text)?).ok());
+            match ends {
+                Some(ends) => list.push((name, ends)),
+                None => self.wrong(
+                    &name.value,
+                    "a number, a formula or a list of two",
+                    value,
+                    span,
+                ),
+            }
+        }
+        list
     }
 
     /// Exactly `N` numbers or formulas.
@@ -377,64 +411,4 @@ fn first_line(text: &str, span: Span) -> Span {
         .find('\n')
         .map_or(span.end, |n| span.start + n);
     span.start..end
-}
-
-fn formulas_of(value: &DeValue, text: &str) -> Option<Vec<FormulaText>> {
-    value
-        .as_array()?
-        .iter()
-        .map(|item| formula_of(item.get_ref(), item.span(), text))
-        .collect()
-}
-
-/// The text of a number or string value, with the place where it starts.
-pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText> {
-    match value {
-        DeValue::Integer(_) | DeValue::Float(_) => {
-            // Underscores are TOML's; signs and exponents are the same in both notations.
-            let literal = text[span.clone()].replace('_', "");
-            Some(FormulaText {
-                text: literal,
-                offset: span.start,
-                span,
-                is_unread: false,
-            })
-        }
-        DeValue::String(s) => {
-            // Escapes would shift the places; then every message points at the whole text.
-            let raw = &text[span.clone()];
-            let offset = raw
-                .find(s.as_ref())
-                .filter(|o| *o > 0 && !s.is_empty())
-                .map_or(span.start, |o| span.start + o);
-            Some(FormulaText {
-                text: s.to_string(),
-                offset,
-                span,
-                is_unread: false,
-            })
-        }
-        _ => None,
-    }
-}
-
-/// A colour written `#rrggbb`.
-pub fn parse_colour(text: &str) -> Option<[u8; 3]> {
-    let hex = text
-        .strip_prefix('#')
-        .filter(|h| h.len() == 6 && h.is_ascii())?;
-    let channel = |i: usize| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).ok();
-    Some([channel(0)?, channel(1)?, channel(2)?])
-}
-
-fn kind_of(value: &DeValue) -> &'static str {
-    match value {
-        DeValue::String(_) => "a text",
-        DeValue::Integer(_) => "an integer",
-        DeValue::Float(_) => "a number",
-        DeValue::Boolean(_) => "true or false",
-        DeValue::Datetime(_) => "a date",
-        DeValue::Array(_) => "a list",
-        DeValue::Table(_) => "a table",
-    }
 }

@@ -4,6 +4,7 @@ mod bodies;
 mod contacts;
 mod coordinates;
 mod joints;
+mod measures;
 mod names;
 mod outputs;
 mod parsed;
@@ -17,6 +18,7 @@ use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use contacts::closure::Contacts;
 use names::Names;
+use outputs::Scope;
 use parsed::Parsed;
 use std::path::Path;
 
@@ -95,7 +97,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     equations.append(&mut contacts.equations);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let traces = bodies::traces(file, &names, &bodies, diagnostics);
-    let outputs = outputs::resolve(
+    let scope = Scope::resolve(
         &parsed,
         &names,
         &traces,
@@ -105,6 +107,15 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     );
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
+    let start = coordinates.iter().flat_map(|c| &c.drives);
+    let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
+    // Without drives, which is said already, no track can be.
+    let tracks = match start.len() == names.inputs.len() {
+        true => measures::tracks(file, &scope, &start, diagnostics),
+        false => Vec::new(),
+    };
+    let measures = measures::measures(file, &scope, &tracks, diagnostics);
+    let outputs = scope.outputs;
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
@@ -124,7 +135,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
             .clone()
             .unwrap_or_else(|| "untitled mechanism".to_owned()),
         length_unit: file.length_unit.clone().unwrap_or_else(|| "m".to_owned()),
-        angle_unit,
+        angle_unit: angle_unit.clone(),
         unknowns: names.unknowns.clone(),
         guess: coordinates.guess,
         inputs: names.inputs.clone(),
@@ -140,6 +151,8 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         bodies,
         traces,
         outputs,
+        tracks,
+        measures,
         size: 1.0,
         duration: coordinates.duration,
     };

@@ -375,6 +375,7 @@ fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
         ("chain", file.chains.iter().map(|(n, _)| n).collect()),
         ("contact", file.contacts.iter().map(|c| &c.name).collect()),
         ("output", file.outputs.iter().map(|(n, _)| n).collect()),
+        ("measure", file.measures.iter().map(|m| &m.name).collect()),
         ("trace", file.traces.iter().map(|t| &t.name).collect()),
     ];
     for (section, list) in sections {
