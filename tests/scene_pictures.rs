@@ -43,11 +43,28 @@ fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaIma
 }
 
 /// A frame of every built-in scene that shows what matters in it.
-const VIEWS: [(&str, usize); 4] = [
+const VIEWS: [(&str, usize); 21] = [
     ("gearshift", 100),
     ("gearshift-optimised", 100),
+    ("gearshift-left", 30),
+    ("twin-steer", 90),
     ("slider-crank", 30),
+    ("feeder", 18),
+    ("rope-drum", 30),
+    ("lifting-arm", 30),
+    ("torus-torus", 80),
     ("seven-r", 80),
+    ("sphere-torus", 80),
+    ("rsrrr", 80),
+    ("sphere-sphere", 80),
+    ("rsur", 80),
+    ("rrsrr", 80),
+    ("four-bar", 20),
+    ("peaucellier", 12),
+    ("hooke-joint", 24),
+    ("bennett", 40),
+    ("bricard", 96),
+    ("sarrus", 24),
 ];
 
 #[test]
