@@ -9,6 +9,7 @@
 mod reference;
 
 use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::iterates::iterates;
 use mechanim::kinematics::measures::measures;
 use mechanim::kinematics::rates::{By, RateColumns, add_derivatives};
 use mechanim::kinematics::structure::Structure;
@@ -397,4 +398,59 @@ fn gallery_keeps_its_closed_forms() {
         let from_coupler = coupler * coupler + rocker * rocker - 2.0 * coupler * rocker * mu.cos();
         assert!((square - from_coupler).abs() < 1e-9, "{phi}");
     }
+}
+
+#[test]
+fn iterates_of_the_feeder_are_those_of_the_exercise() {
+    let table = Table::read("feeder_nrs_iterates");
+    let overrides = Overrides {
+        inputs: vec![("psi12".to_owned(), "60deg".to_owned())],
+        ..Overrides::default()
+    };
+    let mechanism = load(&builtin::find("feeder").unwrap(), &overrides)
+        .unwrap()
+        .mechanism;
+    let structure = Structure::new(&mechanism).unwrap();
+    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let (list, closed) = iterates(&mechanism, &structure, &start);
+    assert!(closed);
+    let slot = |name: &str| {
+        mechanism
+            .unknowns
+            .iter()
+            .position(|c| c.name == name)
+            .unwrap()
+    };
+    for (row, iterate) in list.iter().enumerate() {
+        for (name, tolerance) in [("psi13", 1e-14), ("p14", 1e-12)] {
+            let error = iterate.unknowns[slot(name)] - table.value(row, name);
+            assert!(error.abs() < tolerance, "{name} {row}: {error:e}");
+            if let Some(next) = list.get(row + 1) {
+                let sum = iterate.unknowns[slot(name)] + iterate.corrections[slot(name)];
+                assert_eq!(sum, next.unknowns[slot(name)]);
+            }
+        }
+        let item = &iterate.loops[0];
+        for (axis, column) in [(0, "f1"), (1, "f2")] {
+            let error = item.gap[axis] - table.value(row, column);
+            assert!(error.abs() < 1e-12 * 200.0, "{column} {row}: {error:e}");
+        }
+        // The opened polygon: pivot, crank's end, rod's end, and what is missing to the origin.
+        let sides: Vec<f64> = item
+            .polygon
+            .windows(2)
+            .map(|p| p[0].distance(p[1]))
+            .collect();
+        let lengths = [50.0, 60.0, 180.0, iterate.unknowns[slot("p14")]];
+        assert_eq!(sides.len(), lengths.len());
+        assert!(
+            sides
+                .iter()
+                .zip(lengths)
+                .all(|(a, b)| (a - b).abs() < 1e-12 * 200.0),
+            "{sides:?}"
+        );
+        assert!(item.polygon.last().unwrap().distance(item.gap) < 1e-12 * 200.0);
+    }
+    assert!((4..=7).contains(&list.len()), "{}", list.len());
 }

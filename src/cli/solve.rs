@@ -5,10 +5,12 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{CANCEL, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
-use crate::export::{Output, Stream, Target};
+use crate::export::{Output, Stream, Target, iterates as iterate_table};
 use crate::kinematics::continuation::solve;
+use crate::kinematics::iterates::iterates;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
 use std::path::Path;
@@ -32,6 +34,9 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         Box::new(Target::create(&args.out)?)
     };
+    if args.trace_iterations {
+        return trace_iterations(&scene.mechanism, format, output, term);
+    }
     let mut trajectory = solve(&scene.mechanism, &times)?;
     refuse_interrupted()?;
     if args.at.is_some() {
@@ -51,6 +56,28 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     output.commit()?;
     Ok(outcome)
+}
+
+/// Newton's iterates from the start values, as a table.
+fn trace_iterations(
+    mechanism: &Mechanism,
+    format: TableFormat,
+    mut output: Box<dyn Output>,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    let structure = Structure::new(mechanism)?;
+    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let (list, closed) = iterates(mechanism, &structure, &start);
+    match format {
+        TableFormat::Csv => iterate_table::write_csv(mechanism, &list, output.as_mut())?,
+        TableFormat::Json => iterate_table::write_json(mechanism, &list, closed, output.as_mut())?,
+    }
+    output.commit()?;
+    if closed {
+        return Ok(Outcome::Done);
+    }
+    term.warning("plain Newton does not close from these start values; the solver, which damps its steps, may");
+    Ok(Outcome::NotClosed)
 }
 
 /// Ends a run in order if Ctrl-C came while the motion was being solved.

@@ -18,6 +18,7 @@ pub mod format;
 pub mod gif;
 mod gif_blocks;
 mod histogram;
+pub mod iterates;
 mod kmeans;
 mod lzw;
 pub mod mapping;

@@ -8,6 +8,7 @@ pub mod certificate;
 pub mod closure;
 pub mod continuation;
 pub mod forward;
+pub mod iterates;
 pub mod measures;
 pub mod modes;
 pub mod newton;
