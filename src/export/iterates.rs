@@ -72,6 +72,8 @@ pub fn write_json(
     let rows = iterates.iter().map(|iterate| {
         let values = cells(mechanism, iterate).into_iter().map(|v| json!(v));
         let mut row: Map<String, Value> = names.iter().cloned().zip(values).collect();
+        row.insert("block".to_owned(), json!(iterate.block));
+        row.insert("iteration".to_owned(), json!(iterate.iteration));
         let loops = mechanism.loops.iter().zip(&iterate.loops);
         let polygons: Map<String, Value> = loops
             .map(|(item, open)| {
