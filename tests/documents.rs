@@ -92,7 +92,12 @@ fn the_scene_of_the_readme_works() {
 
 #[test]
 fn pictures_in_the_documents_exist() {
-    for document in ["README.md", "docs/performance.md", "ARCHITECTURE.md"] {
+    for document in [
+        "README.md",
+        "docs/performance.md",
+        "docs/certificates.md",
+        "ARCHITECTURE.md",
+    ] {
         for link in read(document).split("](").skip(1) {
             let target = link.split(')').next().unwrap();
             if target.starts_with("http") {
@@ -128,5 +133,24 @@ fn the_gallery_shows_every_scene() {
         let path = format!("{}/docs/gallery/{name}.png", env!("CARGO_MANIFEST_DIR"));
         let picture = image::open(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
         assert_eq!((picture.width(), picture.height()), (320, 240), "{name}");
+    }
+}
+
+#[test]
+fn every_reason_of_a_refusal_is_documented() {
+    use mechanim::kinematics::certificate::Reason;
+    use mechanim::kinematics::certificate::tube::Obstacle;
+    let document = read("docs/certificates.md");
+    let tests = [
+        Reason::Formula,
+        Reason::Singular,
+        Reason::HalfTurn,
+        Reason::Open,
+        Reason::NotAsked,
+    ];
+    let obstacles = [Obstacle::NoPose, Obstacle::Drive, Obstacle::NotJoined];
+    let words = tests.map(Obstacle::Test).into_iter().chain(obstacles);
+    for word in words.map(Obstacle::word) {
+        assert!(document.contains(&format!("| `{word}` |")), "{word}");
     }
 }

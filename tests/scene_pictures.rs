@@ -43,7 +43,7 @@ fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaIma
 }
 
 /// A frame of every built-in scene that shows what matters in it.
-const VIEWS: [(&str, usize); 21] = [
+const VIEWS: [(&str, usize); 22] = [
     ("gearshift", 100),
     ("gearshift-optimised", 100),
     ("gearshift-left", 30),
@@ -52,6 +52,7 @@ const VIEWS: [(&str, usize); 21] = [
     ("feeder", 18),
     ("rope-drum", 30),
     ("lifting-arm", 30),
+    ("dyads", 60),
     ("torus-torus", 80),
     ("seven-r", 80),
     ("sphere-torus", 80),
@@ -161,7 +162,7 @@ fn a_frame_does_not_depend_on_the_frames_before_it() {
 
 #[test]
 fn every_body_is_seen_and_the_camera_holds_the_whole_motion() {
-    for name in ["gearshift", "slider-crank", "seven-r"] {
+    for name in ["gearshift", "slider-crank", "seven-r", "dyads"] {
         let (scene, trajectory) = solved(name);
         let staging = Staging::new(&scene, &trajectory, SMALL);
         for index in (0..staging.frame_count()).step_by(11) {

@@ -1,13 +1,13 @@
 //! `mechanim check`: do all loops close over the motion; is an offered pose a closed one.
 
 use super::args::CheckArgs;
+use super::certify::{self, MotionProof};
 use super::measured::{self, Measured};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{inputs_table, open_scene, report};
 use crate::diag::nearest;
-use crate::kinematics::certificate::Certificate;
-use crate::kinematics::continuation::solve;
+use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::kinematics::trajectory::Trajectory;
@@ -52,14 +52,15 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
         None => frame_times(mechanism, scene.view.fps),
     };
-    let trajectory = solve(mechanism, &times)?;
-    super::solve::refuse_interrupted()?;
+    let trajectory = certify::motion(mechanism, &times, args.certify)?;
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
     let measured = measured::take(mechanism, &trajectory)?;
+    let motion = MotionProof::of(&trajectory, args.certify);
+    let whole = motion.as_ref().is_none_or(MotionProof::is_whole);
+    let holds = measured.iter().all(Measured::holds);
     let outcome = match closed {
-        Outcome::Done if worst > args.tolerance => Outcome::CheckFailed,
-        Outcome::Done if !measured.iter().all(Measured::holds) => Outcome::CheckFailed,
+        Outcome::Done if worst > args.tolerance || !whole || !holds => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -72,9 +73,17 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let verdict = verdict(outcome);
     let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
     let lines: String = lines.collect();
+    let assumptions = certify::assumptions(mechanism, args.certify)?;
+    let assumed = match assumptions.is_empty() {
+        true => String::new(),
+        false => format!("  assumed          {}\n", assumptions.join("; ")),
+    };
+    let motion_line = motion.as_ref().map_or_else(String::new, |proof| {
+        format!("  motion           {}\n", proof.sentence(mechanism))
+    });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{lines}  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{lines}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -100,6 +109,8 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "refused": proof.refused,
         "refused_because": proof.reasons,
         "measures": measured.iter().map(Measured::json).collect::<Vec<_>>(),
+        "assumed": assumptions,
+        "motion": motion.as_ref().map(MotionProof::json),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "result": verdict,
     });
@@ -151,11 +162,15 @@ impl Proof {
     }
 
     fn sentence(&self, mechanism: &Mechanism) -> String {
+        if self.reasons == [Reason::NotAsked.word()] {
+            return "not asked for".to_owned();
+        }
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {:.1e} {unit}, the only pose within {:.3} {unit}; ",
-                p.error_bound, p.unique_radius
+                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
+                p.error_bound,
+                report::radius(p.unique_radius)
             )
         });
         let reasons = if self.reasons.is_empty() {

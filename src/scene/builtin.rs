@@ -18,7 +18,7 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 21] = builtin![
+pub const ALL: [Builtin; 22] = builtin![
     "gearshift",
     "gearshift-optimised",
     "gearshift-left",
@@ -27,6 +27,7 @@ pub const ALL: [Builtin; 21] = builtin![
     "feeder",
     "rope-drum",
     "lifting-arm",
+    "dyads",
     "torus-torus",
     "seven-r",
     "sphere-torus",
