@@ -8,6 +8,7 @@ mod reference;
 
 use glam::DVec3;
 use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::certificate::tube::certify_motion;
 use mechanim::kinematics::continuation::solve;
 use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, find_modes};
 use mechanim::kinematics::rates::{By, RateColumns, add_derivatives};
@@ -274,6 +275,18 @@ fn nine_figures_of_the_torus_paper_come_out() {
                 "{name}: {found} {expected}"
             );
         }
+    }
+}
+
+#[test]
+fn motion_of_contacts_is_proved_between_the_samples() {
+    for name in ["torus-torus", "sphere-torus", "sphere-sphere"] {
+        let mechanism = scene(name, &[], &[]);
+        let times: Vec<f64> = (0..120).map(|k| 0.05 * k as f64).collect();
+        let trajectory = solve(&mechanism, &times).unwrap();
+        let proved = certify_motion(&mechanism, &trajectory).unwrap();
+        let refused = proved.iter().filter(|i| i.refused.is_some());
+        assert_eq!((proved.len(), refused.count()), (119, 0), "{name}");
     }
 }
 
