@@ -267,7 +267,7 @@ fn rope_turns_the_drum_as_the_closed_form_says_and_its_start_is_named_singular()
     let [event] = trajectory.events.as_slice() else {
         panic!("{:?}", trajectory.events)
     };
-    assert_eq!((&event.kind, event.time), (&EventKind::SingularStart, 0.0));
+    assert_eq!((&event.kind, event.time), (&EventKind::StartSingular, 0.0));
     for (row, pose) in whole(&trajectory).into_iter().enumerate() {
         let phi = value(&mechanism, pose, "phi");
         assert!((phi - table.value(row, "phi")).abs() < 1e-13, "row {row}");

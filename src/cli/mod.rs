@@ -4,6 +4,7 @@ pub mod args;
 mod certify;
 mod check;
 mod completions;
+mod freedoms;
 mod info;
 mod inputs_table;
 mod measured;

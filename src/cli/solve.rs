@@ -4,7 +4,7 @@ use super::args::{CertifyArg, SolveArgs, TableFormat};
 use super::certify::{self, MotionProof};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{CANCEL, inputs_table, open_scene, report};
+use super::{CANCEL, freedoms, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target, iterates as iterate_table};
 use crate::kinematics::iterates::iterates;
@@ -52,6 +52,10 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     let proof = MotionProof::of(&trajectory, args.certify);
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {
         term.warning(&format!("motion: {}", proof.sentence(&scene.mechanism)));
+    }
+    for held in &Structure::new(&scene.mechanism)?.held {
+        let idle = freedoms::idle(&scene.mechanism, held);
+        term.note(&format!("idle: {idle} at its start value"));
     }
     if let Some(wanted) = derivatives {
         add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;

@@ -93,9 +93,10 @@ fn event(mechanism: &Mechanism, event: &crate::kinematics::trajectory::Event) ->
         EventKind::MotionEnds => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
         EventKind::SingularPosePassed => "singular-pose-passed",
-        EventKind::SingularStart => "singular-start",
         EventKind::InputUndefined { .. } => "input-undefined",
         EventKind::StartNotClosed { .. } => "start-not-closed",
+        EventKind::GimbalLock { .. } => "gimbal-lock",
+        EventKind::StartSingular => "start-singular",
         EventKind::OtherStart => "other-start",
     };
     let inputs: Map<String, Value> = mechanism

@@ -4,6 +4,7 @@ mod bodies;
 mod contacts;
 mod coordinates;
 mod joints;
+mod loops;
 mod measures;
 mod names;
 mod outputs;
@@ -157,6 +158,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         duration: coordinates.duration,
     };
     mechanism.size = size(&mechanism, &names);
+    loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
