@@ -7,6 +7,7 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{freedoms, inputs_table, open_scene, report};
 use crate::diag::nearest;
+use crate::export::events::gaps;
 use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
@@ -117,6 +118,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "motion": motion.as_ref().map(MotionProof::json),
         "mobility": freedoms::document(mechanism, &mobility),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "gaps": gaps(mechanism, &trajectory),
         "result": verdict,
     });
     Ok((text, document, outcome))

@@ -14,6 +14,7 @@ use image::RgbaImage;
 mod costs;
 mod delta;
 pub mod error;
+pub mod events;
 pub mod format;
 pub mod gif;
 mod gif_blocks;

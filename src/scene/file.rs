@@ -1,8 +1,9 @@
-//! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
-//! looked up.
+//! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
+//! anything is looked up.
 
 use super::contacts::{ContactFile, surfaces};
 use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
+use super::plots::{PlotFile, plot};
 use super::reader::{FormulaText, Spanned, TableReader, read_table};
 use super::shapes::{ShapeFile, shape};
 use super::values::formula_of;
@@ -51,6 +52,8 @@ pub struct SceneFile {
     pub measures: Vec<MeasureFile>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[[plots]]`
+    pub plots: Vec<PlotFile>,
     /// `[view]`
     pub view: ViewFile,
     /// Whole sections could not be read: what refers to them cannot be judged.
@@ -58,7 +61,7 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 13] = [
+const SECTIONS: [&str; 14] = [
     "parameters",
     "inputs",
     "chains",
@@ -72,6 +75,7 @@ const SECTIONS: [&str; 13] = [
     "tracks",
     "measures",
     "labels",
+    "plots",
 ];
 
 /// One entry of `[inputs]`.
@@ -208,6 +212,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         tracks: tracks(r, text),
         measures: measures(r, text),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
+        plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }

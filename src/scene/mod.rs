@@ -7,6 +7,7 @@ pub mod contacts;
 pub mod file;
 pub mod formula;
 pub mod measures;
+pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
@@ -14,6 +15,7 @@ pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::mechanism::Mechanism;
+use crate::model::plot::Plot;
 use crate::model::view::View;
 use std::path::PathBuf;
 
@@ -26,6 +28,8 @@ pub struct Scene {
     pub mechanism: Mechanism,
     /// How it wants to be seen.
     pub view: View,
+    /// What of its motion it wants to be plotted.
+    pub plots: Vec<Plot>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }
@@ -39,8 +43,21 @@ pub struct Overrides {
     pub inputs: Vec<(String, String)>,
     /// `--guess NAME=FORMULA`
     pub guess: Vec<(String, String)>,
+    /// `plot --y …`: drawn in place of the scene's own plots.
+    pub plot: Option<PlotText>,
     /// Folder that relative file names in the scene start from.
     pub folder: PathBuf,
+}
+
+/// A plot asked for on the command line: formulas as in the scene's `[[plots]]`.
+#[derive(Clone, Debug, Default)]
+pub struct PlotText {
+    /// `--x`
+    pub x: Option<String>,
+    /// `--y`
+    pub y: Vec<String>,
+    /// `--equal`
+    pub equal: bool,
 }
 
 /// Reads and resolves `source`; all mistakes found are in the error.

@@ -9,10 +9,12 @@ mod measures;
 mod names;
 mod outputs;
 mod parsed;
+mod plots;
 mod symbolic;
 mod view;
 
 use super::file::{InputFile, SceneFile};
+use super::plots::PlotFile;
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
@@ -72,6 +74,14 @@ pub fn apply_overrides(file: &mut SceneFile, overrides: &Overrides, diagnostics:
             outside(text),
         ));
     }
+    if let Some(plot) = &overrides.plot {
+        file.plots = vec![PlotFile {
+            x: plot.x.as_deref().map(outside),
+            y: plot.y.iter().map(|text| outside(text)).collect(),
+            equal: plot.equal,
+            ..PlotFile::default()
+        }];
+    }
 }
 
 fn outside(text: &str) -> FormulaText {
@@ -107,6 +117,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         diagnostics,
     );
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    let plots = plots::resolve(file, &scope, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
@@ -164,6 +175,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         description,
         mechanism,
         view,
+        plots,
         warnings: Diagnostics::default(),
     })
 }
