@@ -609,6 +609,83 @@ fn colour_quiet_and_progress_do_as_they_are_told() {
         .says(&["none.toml"]);
 }
 
+#[test]
+fn iterates_are_traced_as_a_table_and_as_polygons() {
+    let workspace = Workspace::new();
+    let feeder = [
+        "solve",
+        "feeder",
+        "--input",
+        "psi12=60deg",
+        "--trace-iterations",
+        "--out",
+    ];
+    let table = workspace
+        .run(&[&feeder[..], &["-"]].concat())
+        .exits(0)
+        .text();
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(
+        lines[0].starts_with("block,iteration,psi13,p14,correction(psi13),correction(p14),A.gap.x")
+    );
+    assert!(lines[1].starts_with("0,0,-0.6,200,"), "{}", lines[1]);
+    workspace.run(&[&feeder[..], &["i.json"]].concat()).exits(0);
+    let text = std::fs::read_to_string(workspace.path("i.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["closed"], true);
+    assert_eq!(
+        document["iterates"][0]["polygons"]["A"]
+            .as_array()
+            .unwrap()
+            .len(),
+        5
+    );
+    // A start from which plain Newton cannot close says so.
+    let far = [
+        "solve",
+        "slider-crank",
+        "--param",
+        "L=30",
+        "--input",
+        "phi=1.5",
+        "--trace-iterations",
+        "--out",
+        "-",
+    ];
+    workspace.run(&far).exits(4);
+}
+
+#[test]
+fn measures_are_printed_and_their_limits_enforced() {
+    let workspace = Workspace::new();
+    let optimised = workspace
+        .run(&["check", "gearshift-optimised"])
+        .exits(0)
+        .text();
+    let line = optimised
+        .lines()
+        .find(|l| l.trim_start().starts_with("F "))
+        .unwrap();
+    assert_eq!(line.split_whitespace().nth(1), Some("0.00006509978899"));
+    let longer = [
+        "check",
+        "rope-drum",
+        "--input",
+        "x=R+6*v*t",
+        "--json",
+        "r.json",
+    ];
+    let run = workspace.run(&longer).exits(1);
+    assert!(
+        run.text()
+            .contains("is below the limit 0: the rope is shorter than its tangent")
+    );
+    let text = std::fs::read_to_string(workspace.path("r.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["measures"][0]["holds"], false);
+    assert_eq!(document["measures"][0]["min"], 0.0);
+}
+
 /// The crank as long as the rod: two motions meet at 90 degrees.
 const CHANGES: &str = r#"duration = 1
 units = { length = "mm", angle = "deg" }

@@ -184,6 +184,25 @@ fn pictures_in_the_documents_exist() {
 }
 
 #[test]
+fn the_gallery_shows_every_scene() {
+    let gallery = read("docs/gallery.md");
+    for scene in mechanim::scene::builtin::ALL {
+        let name = scene.name;
+        assert!(
+            gallery.contains(&format!("](gallery/{name}.png)")),
+            "{name}"
+        );
+        assert!(
+            gallery.contains(&format!("{name}:")),
+            "{name} is not in the command"
+        );
+        let path = format!("{}/docs/gallery/{name}.png", env!("CARGO_MANIFEST_DIR"));
+        let picture = image::open(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+        assert_eq!((picture.width(), picture.height()), (320, 240), "{name}");
+    }
+}
+
+#[test]
 fn every_reason_of_a_refusal_is_documented() {
     use mechanim::kinematics::certificate::Reason;
     use mechanim::kinematics::certificate::tube::Obstacle;

@@ -140,6 +140,10 @@ pub struct SolveArgs {
     /// Solve at this time in seconds only (following the motion up to it).
     #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
     pub at: Option<f64>,
+    /// Write Newton's iterates from the start values at the start of the drive instead of the motion: unknowns,
+    /// corrections and gaps of every loop; in JSON the opened polygons, too.
+    #[arg(long, conflicts_with_all = ["samples", "at", "rates", "order"])]
+    pub trace_iterations: bool,
     /// Add columns with the rates of the unknowns per second.
     #[arg(long)]
     pub rates: bool,

@@ -2,6 +2,7 @@
 
 use super::args::CheckArgs;
 use super::certify::{self, MotionProof};
+use super::measured::{self, Measured};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{freedoms, inputs_table, open_scene, report};
@@ -58,10 +59,12 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
+    let measured = measured::take(mechanism, &trajectory)?;
     let motion = MotionProof::of(&trajectory, args.certify);
     let whole = motion.as_ref().is_none_or(MotionProof::is_whole);
+    let holds = measured.iter().all(Measured::holds);
     let outcome = match closed {
-        Outcome::Done if worst > args.tolerance || !whole => Outcome::CheckFailed,
+        Outcome::Done if worst > args.tolerance || !whole || !holds => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -72,6 +75,8 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let branches = branches(&trajectory);
     let proof = Proof::of(&trajectory);
     let verdict = verdict(outcome);
+    let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
+    let lines: String = lines.collect();
     let assumptions = certify::assumptions(mechanism, args.certify)?;
     let assumed = match assumptions.is_empty() {
         true => String::new(),
@@ -82,7 +87,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}{lines}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -108,6 +113,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "measures": measured.iter().map(Measured::json).collect::<Vec<_>>(),
         "assumed": assumptions,
         "motion": motion.as_ref().map(MotionProof::json),
         "mobility": freedoms::document(mechanism, &mobility),

@@ -13,6 +13,7 @@ mod files;
 mod freedoms;
 mod info;
 mod inputs_table;
+mod measured;
 mod models;
 mod modes;
 mod open_scene;

@@ -120,6 +120,11 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             distance,
         } => {
             let unit = &mechanism.length_unit;
+            if mechanism.contacts.contains(name) {
+                return format!(
+                    "contact `{name}` cannot be made at {at}: the best pose found leaves {distance:.6} {unit} between the surfaces"
+                );
+            }
             format!(
                 "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"
             )
@@ -136,7 +141,7 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             )
         }
         EventKind::StartSingular => format!(
-            "the motion starts at a singular pose at {at}: assemblies may meet there, and which of them is followed is not determined"
+            "the motion starts at a singular pose at {at}: rates are infinite or not determined there, and assemblies may meet"
         ),
         EventKind::OtherStart => format!(
             "the start values lead to no pose at {at}; a perturbed start was used, which may be on another branch"

@@ -6,7 +6,8 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{CANCEL, freedoms, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
-use crate::export::{Output, Stream, Target};
+use crate::export::{Output, Stream, Target, iterates as iterate_table};
+use crate::kinematics::iterates::iterates;
 use crate::kinematics::limits::add_limits;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
@@ -41,6 +42,9 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         Box::new(Target::create(&args.out)?)
     };
+    if args.trace_iterations {
+        return trace_iterations(&scene.mechanism, format, output, term);
+    }
     let mut trajectory = certify::motion(&scene.mechanism, &times, args.certify)?;
     refuse_interrupted()?;
     if args.events {
@@ -72,6 +76,28 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     output.commit()?;
     Ok(outcome)
+}
+
+/// Newton's iterates from the start values, as a table.
+fn trace_iterations(
+    mechanism: &Mechanism,
+    format: TableFormat,
+    mut output: Box<dyn Output>,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    let structure = Structure::new(mechanism)?;
+    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let (list, closed) = iterates(mechanism, &structure, &start);
+    match format {
+        TableFormat::Csv => iterate_table::write_csv(mechanism, &list, output.as_mut())?,
+        TableFormat::Json => iterate_table::write_json(mechanism, &list, closed, output.as_mut())?,
+    }
+    output.commit()?;
+    if closed {
+        return Ok(Outcome::Done);
+    }
+    term.warning("plain Newton does not close from these start values; the solver, which damps its steps, may");
+    Ok(Outcome::NotClosed)
 }
 
 /// Ends a run in order if Ctrl-C came while the motion was being solved.

@@ -23,6 +23,7 @@ mod gif_blocks;
 pub mod glb;
 mod glb_buffer;
 mod histogram;
+pub mod iterates;
 mod kmeans;
 mod lzw;
 pub mod mapping;

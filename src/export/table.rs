@@ -226,7 +226,7 @@ fn csv_cell(cell: &Cell) -> String {
 }
 
 /// The shortest decimal that reads back as the same number.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) && value.is_finite() {
         format!("{value:e}")
@@ -247,7 +247,7 @@ fn json_cell(cell: Cell) -> Value {
 }
 
 /// A CSV cell, in quotes where a spreadsheet would misread it (a lone sign is taken for a formula).
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let plain = !text.contains([',', '"', '\n', '\r']) && !text.starts_with(['+', '-', '=', '@']);
     if plain {
         text.to_owned()

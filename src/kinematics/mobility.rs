@@ -12,7 +12,7 @@ use super::idle::Held;
 use super::newton::Corrector;
 use super::probes::{RANK, closed_poses, random_poses};
 use super::qr::PivotedQr;
-use super::structure::{Block, LoopPart, Structure, block};
+use super::structure::{Block, LoopPart, Structure, block, components_of};
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::mechanism::Mechanism;
@@ -189,7 +189,7 @@ impl Whole {
         let loops: Vec<LoopPart> = (0..lifted.loops.len())
             .map(|index| LoopPart {
                 index,
-                components: (0..6).collect(),
+                components: components_of(&lifted, index).collect(),
             })
             .collect();
         let used = |slot: &usize| {

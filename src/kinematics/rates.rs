@@ -6,7 +6,6 @@
 
 use super::closure::{BlockWorkspace, Want};
 use super::qr::PivotedQr;
-use super::rank::RANK_TOLERANCE;
 use super::structure::{Block, Structure, StructureError};
 use super::taylor::{Series, drive, evaluate};
 use super::trajectory::Trajectory;
@@ -16,6 +15,10 @@ use glam::{DMat3, DVec3};
 
 /// Highest order the command line offers; the cost grows with the third power.
 pub const MAX_ORDER: usize = 8;
+
+/// Pivots below this share of the largest one have no direction to divide by. A fold is found to the square root of
+/// rounding (1.5e-8), so a pose within four times that may be the fold itself, where rates are infinite.
+const FOLD_TOLERANCE: f64 = 6e-8;
 
 /// A pose as a series: coefficient matrices and vectors.
 struct PoseSeries {
@@ -51,7 +54,7 @@ pub fn rates(
     for block in &structure.blocks {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         workspace.evaluate(mechanism, block, coordinates, Want::Jacobian);
-        qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);
+        qr.factor(&workspace.jacobian, rows, columns, FOLD_TOLERANCE);
         if qr.rank() < columns {
             return None;
         }

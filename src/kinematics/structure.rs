@@ -8,7 +8,8 @@ use super::idle::{self, Held};
 use super::order::{Group, Member, System, unknowns_of};
 use super::plan::BlockPlan;
 use super::probes::{Ranks, closed_poses, random_poses};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Mechanism};
+use std::ops::Range;
 
 /// The part of a loop that a block solves.
 #[derive(Clone, Debug, PartialEq)]
@@ -223,6 +224,14 @@ fn refuse_unheld(
 
 type LiveEquations = (Vec<LoopPart>, Vec<(usize, usize)>);
 
+/// The equations of a loop: all six, or the translations where a point closes it.
+pub(super) fn components_of(mechanism: &Mechanism, index: usize) -> Range<usize> {
+    match mechanism.loops[index].closes {
+        Closes::Frame => 0..6,
+        Closes::Point => 3..6,
+    }
+}
+
 /// Splits every loop's six equations into those that say something and those that always hold.
 fn live_equations(
     mechanism: &Mechanism,
@@ -255,8 +264,9 @@ fn live_equations(
             }
             constant.copy_from_slice(&workspace.residual);
         }
-        let components: Vec<usize> = (0..6).filter(|k| live[*k]).collect();
-        for k in (0..6).filter(|k| !live[*k]) {
+        let wanted = components_of(mechanism, index);
+        let components: Vec<usize> = wanted.clone().filter(|k| live[*k]).collect();
+        for k in wanted.filter(|k| !live[*k]) {
             if constant[k].abs() > EMPTY {
                 let (gap, unit) = if k < 3 {
                     (constant[k], "rad")

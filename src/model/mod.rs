@@ -3,6 +3,7 @@
 pub mod chain;
 pub mod drive;
 pub mod expression;
+pub mod measure;
 pub mod mechanism;
 pub mod plot;
 pub mod shape;

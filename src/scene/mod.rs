@@ -3,12 +3,15 @@
 #![allow(clippy::result_large_err)]
 
 pub mod builtin;
+pub mod contacts;
 pub mod file;
 pub mod formula;
+pub mod measures;
 pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
+pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::mechanism::Mechanism;

@@ -2,6 +2,8 @@
 // Every test binary uses a part of this.
 #![allow(dead_code)]
 
+pub mod scenes;
+
 use mechanim::diag::Source;
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::mechanism::Mechanism;

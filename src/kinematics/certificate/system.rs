@@ -7,7 +7,7 @@ use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, U, affine_value};
 use super::{BALL, Forms, Reason};
 use crate::model::chain::Motion;
 use crate::model::expression::Affine;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Mechanism};
 
 /// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.
 const COLUMN_ROUNDING: f64 = 64.0 * U;
@@ -53,6 +53,15 @@ struct EquationRow {
     scale: f64,
 }
 
+/// A loop of the block.
+#[derive(Clone, Debug)]
+struct LoopRows {
+    plan: LoopPlan,
+    components: Vec<usize>,
+    /// A point closes it, so that it may be turned by anything.
+    may_turn: bool,
+}
+
 /// What is proved of a block, laid out once, and its rows at the last pose.
 #[derive(Clone, Debug, Default)]
 pub struct BlockSystem {
@@ -64,7 +73,7 @@ pub struct BlockSystem {
     pub forms: Vec<FormUse>,
     /// A form that is not affine is among them.
     pub has_formula: bool,
-    loops: Vec<(LoopPlan, Vec<usize>)>,
+    loops: Vec<LoopRows>,
     equations: Vec<EquationRow>,
     /// At the last pose.
     pub rows: Vec<Row>,
@@ -91,9 +100,11 @@ impl BlockSystem {
         for part in &block.loops {
             let place = |a: usize| block.arguments.iter().position(|b| *b == a).unwrap_or(0);
             let steps = &mechanism.loops[part.index].chain.steps;
-            system
-                .loops
-                .push((LoopPlan::new(steps, place), part.components.clone()));
+            system.loops.push(LoopRows {
+                plan: LoopPlan::new(steps, place),
+                components: part.components.clone(),
+                may_turn: mechanism.loops[part.index].closes == Closes::Point,
+            });
             system.at_pose.push(LoopAtPose::default());
         }
         for index in &block.equations {
@@ -156,11 +167,15 @@ impl BlockSystem {
 
     /// Fills the rows of a loop from `row` on; returns the row after them.
     fn loop_rows(&mut self, index: usize, row: usize, size: f64) -> Result<usize, Reason> {
-        let (plan, components) = &self.loops[index];
+        let LoopRows {
+            plan,
+            components,
+            may_turn,
+        } = &self.loops[index];
         let forms = &self.forms;
         let item = &mut self.at_pose[index];
         item.evaluate(plan, &self.arguments, |a| forms[a].rate * BALL, size);
-        if item.trace.is_nan() || item.trace <= LEAST_TRACE {
+        if !may_turn && (item.trace.is_nan() || item.trace <= LEAST_TRACE) {
             return Err(Reason::HalfTurn);
         }
         for joint in &item.joints {
@@ -231,7 +246,9 @@ impl BlockSystem {
 
     /// Whether a loop may be turned by π once the unknowns move by `distance`.
     pub fn may_be_half_turned(&self, distance: f64) -> bool {
-        self.at_pose.iter().any(|item| {
+        let loops = self.loops.iter().zip(&self.at_pose);
+        let mut fixed = loops.filter(|(rows, _)| !rows.may_turn);
+        fixed.any(|(_, item)| {
             let turned = item.first_derivatives(|a| self.forms[a].rate)[0];
             let least = item.trace - 2.0 * turned * distance;
             least.is_nan() || least <= LEAST_TRACE

@@ -240,6 +240,9 @@ impl<'m> Follower<'m> {
                         here = self.keep(beyond);
                     }
                     None => {
+                        if let Some(beyond) = self.leave_start(&stand, time) {
+                            return Ok(beyond);
+                        }
                         self.event(stand.time, EventKind::MotionEnds);
                         self.open_gap(Some(stand.time));
                         // The drive may be feasible again before the next sample.
@@ -248,6 +251,21 @@ impl<'m> Follower<'m> {
                 },
             }
         }
+    }
+
+    /// A motion that starts at a fold has no tangent to leave it by: the next pose is assembled from the start values,
+    /// which say on which of the branches that meet there the motion goes on.
+    fn leave_start(&mut self, stand: &Stand, time: f64) -> Option<Stand> {
+        let is_start = self.trajectory.samples.len() == 1;
+        if !is_start || stand.time > self.trajectory.samples[0].time {
+            return None;
+        }
+        let inputs = self.inputs(time).ok()?;
+        let start = [self.mechanism.guess.clone(), inputs].concat();
+        let found = self.assembled(&start, false).ok()?;
+        self.iterations += found.iterations;
+        let beyond = self.stand(time, found.coordinates);
+        Some(self.keep(beyond))
     }
 
     /// Steps with halving until `time`, before or after, or until the steps become too small.

@@ -10,7 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
-use crate::model::mechanism::{AngleUnit, Equation, Kind, Loop};
+use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
 use glam::DVec3;
 
 /// Largest fixed length or angle of a chain. The solver squares lengths and multiplies the squares; a fourth power
@@ -43,6 +43,7 @@ impl<'a> Joints<'a> {
                 loops.push(Loop {
                     name: name.value.clone(),
                     chain,
+                    closes: Closes::Frame,
                 });
             }
         }

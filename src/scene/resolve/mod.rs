@@ -1,13 +1,16 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
 mod bodies;
+mod contacts;
 mod coordinates;
 mod joints;
 mod loops;
+mod measures;
 mod names;
 mod outputs;
 mod parsed;
 mod plots;
+mod symbolic;
 mod view;
 
 use super::file::{InputFile, SceneFile};
@@ -16,7 +19,9 @@ use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use contacts::closure::Contacts;
 use names::Names;
+use outputs::Scope;
 use parsed::Parsed;
 use std::path::Path;
 
@@ -96,15 +101,33 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     let mut joints = joints::Joints::new(&names, &angle_unit);
-    let loops = joints.loops(&parsed, diagnostics);
-    let equations = joints.equations(&parsed, diagnostics);
+    let mut loops = joints.loops(&parsed, diagnostics);
+    let mut equations = joints.equations(&parsed, diagnostics);
+    let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
+    loops.append(&mut contacts.loops);
+    equations.append(&mut contacts.equations);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let traces = bodies::traces(file, &names, &bodies, diagnostics);
-    let scope = outputs::Scope::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
+    let scope = Scope::resolve(
+        &parsed,
+        &names,
+        &traces,
+        &contacts,
+        &angle_unit,
+        diagnostics,
+    );
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let plots = plots::resolve(file, &scope, diagnostics);
-    let outputs = scope.outputs;
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
+    let start = coordinates.iter().flat_map(|c| &c.drives);
+    let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
+    // Without drives, which is said already, no track can be.
+    let tracks = match start.len() == names.inputs.len() {
+        true => measures::tracks(file, &scope, &start, diagnostics),
+        false => Vec::new(),
+    };
+    let measures = measures::measures(file, &scope, &tracks, diagnostics);
+    let outputs = scope.outputs;
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
@@ -124,7 +147,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
             .clone()
             .unwrap_or_else(|| "untitled mechanism".to_owned()),
         length_unit: file.length_unit.clone().unwrap_or_else(|| "m".to_owned()),
-        angle_unit,
+        angle_unit: angle_unit.clone(),
         unknowns: names.unknowns.clone(),
         guess: coordinates.guess,
         inputs: names.inputs.clone(),
@@ -132,9 +155,16 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         arguments,
         loops,
         equations,
+        contacts: parsed
+            .contacts
+            .iter()
+            .map(|c| c.name.value.clone())
+            .collect(),
         bodies,
         traces,
         outputs,
+        tracks,
+        measures,
         size: 1.0,
         duration: coordinates.duration,
     };

@@ -87,6 +87,11 @@ impl Names {
             .flat_map(|(_, f)| f)
             .for_each(|f| visit_factor(f, &mut gather));
         parsed
+            .contacts
+            .iter()
+            .flat_map(|contact| contact.factors())
+            .for_each(|f| visit_factor(f, &mut gather));
+        parsed
             .equations
             .iter()
             .for_each(|(_, node)| node.visit_names(&mut gather));
@@ -197,6 +202,7 @@ impl Names {
             .loops
             .iter()
             .flat_map(|(_, f)| f)
+            .chain(parsed.contacts.iter().flat_map(|c| c.factors()))
             .chain(parsed.frames.iter().flatten())
         {
             if let Factor::Elementary(motion, _, node) = factor {
@@ -210,6 +216,10 @@ impl Names {
                 .chain(&parsed.outputs)
                 .map(|(_, node)| (node, None)),
         );
+        // The radii of two spheres stand in no chain.
+        let pairs = parsed.contacts.iter().filter(|c| c.is_of_spheres());
+        let radii = pairs.flat_map(|c| c.sides.iter().flat_map(|side| side.surface.sizes()));
+        sites.extend(radii.map(|(_, node)| (node, Some(Kind::Length))));
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
         }
@@ -363,7 +373,9 @@ fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
         ),
         ("input", file.inputs.iter().map(|(n, _)| n).collect()),
         ("chain", file.chains.iter().map(|(n, _)| n).collect()),
+        ("contact", file.contacts.iter().map(|c| &c.name).collect()),
         ("output", file.outputs.iter().map(|(n, _)| n).collect()),
+        ("measure", file.measures.iter().map(|m| &m.name).collect()),
         ("trace", file.traces.iter().map(|t| &t.name).collect()),
     ];
     for (section, list) in sections {

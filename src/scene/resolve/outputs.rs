@@ -3,6 +3,7 @@
 use super::super::formula::compile::{Value, compile};
 use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
+use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
@@ -13,6 +14,7 @@ use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
 pub struct Scope<'a> {
     pub names: &'a Names,
     pub traces: &'a [Trace],
+    pub contacts: &'a Contacts,
     pub unit: &'a AngleUnit,
     /// Outputs so far.
     pub outputs: Vec<Output>,
@@ -26,12 +28,14 @@ impl<'a> Scope<'a> {
         parsed: &Parsed,
         names: &'a Names,
         traces: &'a [Trace],
+        contacts: &'a Contacts,
         unit: &'a AngleUnit,
         diagnostics: &mut Diagnostics,
     ) -> Self {
         let mut scope = Self {
             names,
             traces,
+            contacts,
             unit,
             outputs: Vec::new(),
             failed: Vec::new(),
@@ -54,7 +58,10 @@ impl<'a> Scope<'a> {
 
     /// A formula over coordinates, traced points and the outputs so far, and what it measures.
     pub fn compile(&self, node: &Node) -> Result<(Expression, Kind), Diagnostic> {
-        let known = |used: &str| self.outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+        let known = |used: &str| {
+            let earlier = self.outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+            earlier.or_else(|| self.contacts.scalar(used).map(|(_, kind, _)| *kind))
+        };
         let kind = kind_of(node, self.names, &known);
         let is_angle = |n: &str| self.names.is_angle(n) || known(n) == Some(Kind::Angle);
         let node = to_radians(node.clone(), Some(kind), self.unit.radians, &is_angle);
@@ -71,6 +78,15 @@ impl<'a> Scope<'a> {
         if let Some(earlier) = self.outputs.iter().position(|o| o.name == used) {
             return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
         }
+        if let Some((_, _, scalar)) = self.contacts.scalar(used) {
+            return match scalar {
+                Ok(formula) => Ok(Value::Formula(formula.clone())),
+                Err(why) => {
+                    let message = format!("`{used}` has no value here: {why}");
+                    Err(Diagnostic::error(message).at(span.clone()))
+                }
+            };
+        }
         let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
         if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
             return Err(Diagnostic::inherited());
@@ -83,8 +99,9 @@ impl<'a> Scope<'a> {
                 .iter()
                 .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
                 .collect();
-            d.suggest(used, points.iter().map(String::as_str))
-                .label("no parameter, input, unknown, traced point or earlier output")
+            let scalars = self.contacts.scalars.iter().map(|(name, ..)| name.as_str());
+            d.suggest(used, points.iter().map(String::as_str).chain(scalars))
+                .label("no parameter, input, unknown, traced point, contact or earlier output")
         })
     }
 }
@@ -98,14 +115,14 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 }
 
 /// What a formula measures, from the bottom up.
-fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
+pub fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
     match &node.kind {
         NodeKind::Number(_) => Kind::Number,
         NodeKind::Radians(_) => Kind::Angle,
-        NodeKind::Name(name) if name.contains('.') => Kind::Length,
         NodeKind::Name(name) => names
             .kind(name)
             .or_else(|| output(name))
+            .or_else(|| name.contains('.').then_some(Kind::Length))
             .unwrap_or(Kind::Number),
         NodeKind::Negate(inner) => kind_of(inner, names, output),
         NodeKind::Binary(sign, a, b) => {

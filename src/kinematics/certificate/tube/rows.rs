@@ -6,8 +6,8 @@ use super::chain::{ArgumentSeries, LoopSeries, Reaches};
 use super::form::{Change, Form};
 use super::path::Path;
 use super::series::Series;
-use crate::kinematics::structure::Block;
-use crate::model::mechanism::Mechanism;
+use crate::kinematics::structure::{Block, LoopPart};
+use crate::model::mechanism::{Closes, Mechanism};
 
 /// A block over a stretch.
 pub struct Rows {
@@ -19,7 +19,7 @@ pub struct Rows {
     pub second: Vec<f64>,
     /// The same along those of earlier blocks too.
     pub second_all: Vec<f64>,
-    /// Of every loop: the trace of its rotation, and by how much it can turn along all unknowns.
+    /// Of every loop that must not be turned by π: the trace of its rotation, and by how much it can turn along all unknowns.
     pub traces: Vec<(Series, f64)>,
 }
 
@@ -65,6 +65,11 @@ impl Site<'_> {
         let turns = rows.traces.iter_mut().zip(traces);
         turns.for_each(|(entry, trace)| entry.0 = trace);
         Ok(rows)
+    }
+
+    /// Whether a loop could be closed but for a turn by π; one that closes in a point may turn.
+    fn must_not_turn(&self, part: &LoopPart) -> bool {
+        self.mechanism.loops[part.index].closes == Closes::Frame
     }
 
     fn equations(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
@@ -114,7 +119,9 @@ impl Site<'_> {
             let first = pass.jacobian.len();
             pass.residual
                 .extend(part.components.iter().map(|c| item.residual(*c)));
-            pass.traces.push(item.trace());
+            if self.must_not_turn(part) {
+                pass.traces.push(item.trace());
+            }
             pass.jacobian
                 .resize(first + part.components.len() * width, Series::ZERO);
             for joint in &item.joints {
@@ -182,8 +189,10 @@ impl Site<'_> {
                 rows.second.push(own[component / 3]);
                 rows.second_all.push(all_bounds[component / 3]);
             }
-            let turn = reaches.turn(|a| all[a].rate);
-            rows.traces.push((Series::ZERO, turn));
+            if self.must_not_turn(part) {
+                let turn = reaches.turn(|a| all[a].rate);
+                rows.traces.push((Series::ZERO, turn));
+            }
         }
         for (index, scale) in self.equations() {
             rows.second.push(own[index].bend * scale);

@@ -1,0 +1,250 @@
+//! Tracks and measures: names to indices, formulas over poses and over earlier measures.
+
+use super::super::file::SceneFile;
+use super::super::formula::compile::{Value, compile, constant};
+use super::super::formula::kinds::to_radians;
+use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
+use super::super::reader::{FormulaText, Spanned};
+use super::bodies::Constants;
+use super::names::Names;
+use super::outputs::{Scope, kind_of};
+use super::parsed::expression;
+use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use crate::model::measure::{Measure, MeasureSource, Taking, Track};
+use crate::model::mechanism::Kind;
+
+/// Most poses of a track: each is solved whenever the measures are asked for.
+const MOST_SAMPLES: f64 = 10_000.0;
+
+/// Resolves the tracks; `start` are the inputs at the start of the drive, which a track keeps where it says nothing.
+pub fn tracks(
+    file: &SceneFile,
+    scope: &Scope,
+    start: &[f64],
+    diagnostics: &mut Diagnostics,
+) -> Vec<Track> {
+    let tracks = file.tracks.iter();
+    tracks
+        .filter_map(|track| resolve_track(track, scope, start, diagnostics))
+        .collect()
+}
+
+fn resolve_track(
+    track: &TrackFile,
+    scope: &Scope,
+    start: &[f64],
+    diagnostics: &mut Diagnostics,
+) -> Option<Track> {
+    let names = scope.names;
+    let constants = Constants { names };
+    let text = track.samples.as_ref()?;
+    let samples = constants.value(text, diagnostics)?;
+    if samples.fract() != 0.0 || !(2.0..=MOST_SAMPLES).contains(&samples) {
+        let message = format!(
+            "a track has 2 to {MOST_SAMPLES} samples, found {}",
+            shown(samples)
+        );
+        diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+        return None;
+    }
+    let (mut from, mut to) = (start.to_vec(), start.to_vec());
+    for (name, ends) in &track.inputs {
+        let Some(k) = names
+            .inputs
+            .iter()
+            .position(|input| input.name == name.value)
+        else {
+            let known = names.inputs.iter().map(|input| input.name.as_str());
+            let message = format!("there is no input `{}`", name.value);
+            diagnostics.push(
+                Diagnostic::error(message)
+                    .at(name.span.clone())
+                    .suggest(&name.value, known),
+            );
+            return None;
+        };
+        let kind = names.inputs[k].kind;
+        let [first, last] = ends
+            .each_ref()
+            .map(|text| fixed(text, kind, scope, diagnostics));
+        (from[k], to[k]) = (first?, last?);
+    }
+    Some(Track {
+        name: track.name.value.clone(),
+        samples: samples as usize,
+        from,
+        to,
+    })
+}
+
+/// A constant of a known kind, in internal units.
+fn fixed(
+    text: &FormulaText,
+    kind: Kind,
+    scope: &Scope,
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
+    let node = expression(text, diagnostics)?;
+    let radians = scope.unit.radians;
+    let node = to_radians(node, Some(kind), radians, &|n| scope.names.is_angle(n));
+    let value = constant(&node, &|n, s| scope.names.constant(n, s));
+    value
+        .map_err(|diagnostic| diagnostics.push(diagnostic))
+        .ok()
+}
+
+/// Resolves the measures in the order of the file.
+pub fn measures(
+    file: &SceneFile,
+    scope: &Scope,
+    tracks: &[Track],
+    diagnostics: &mut Diagnostics,
+) -> Vec<Measure> {
+    let mut measures: Vec<Measure> = Vec::new();
+    for item in &file.measures {
+        if let Some(measure) = resolve_measure(item, file, scope, tracks, &measures, diagnostics) {
+            measures.push(measure);
+        }
+    }
+    measures
+}
+
+fn resolve_measure(
+    item: &MeasureFile,
+    file: &SceneFile,
+    scope: &Scope,
+    tracks: &[Track],
+    earlier: &[Measure],
+    diagnostics: &mut Diagnostics,
+) -> Option<Measure> {
+    let (source, kind) = match item.source.as_ref()? {
+        MeasureSourceFile::Formula(text) => formula(text, file, scope.names, earlier, diagnostics)?,
+        MeasureSourceFile::Over { track, of, take } => {
+            over(track, of, take, file, scope, tracks, diagnostics)?
+        }
+    };
+    let [min, max] = item.limits.each_ref().map(|text| match text {
+        None => Some(None),
+        Some(text) => fixed(text, kind, scope, diagnostics).map(Some),
+    });
+    Some(Measure {
+        name: item.name.value.clone(),
+        kind,
+        source,
+        min: min?,
+        max: max?,
+        why: item.why.clone(),
+    })
+}
+
+fn over(
+    track: &Option<Spanned<String>>,
+    of: &[FormulaText],
+    take: &Spanned<String>,
+    file: &SceneFile,
+    scope: &Scope,
+    tracks: &[Track],
+    diagnostics: &mut Diagnostics,
+) -> Option<(MeasureSource, Kind)> {
+    let track = match track {
+        None => None,
+        Some(name) => Some(track_index(name, file, tracks, diagnostics)?),
+    };
+    let known = Taking::NAMES.iter().find(|(name, _)| *name == take.value);
+    let Some((_, taking)) = known else {
+        let names = Taking::NAMES.map(|(name, _)| name);
+        diagnostics.push(
+            Diagnostic::error(format!("`{}` cannot be taken", take.value))
+                .at(take.span.clone())
+                .suggest(&take.value, names)
+                .hint(format!("one of {}", names.join(", "))),
+        );
+        return None;
+    };
+    if of.len() != taking.width() {
+        let (wanted, found) = (taking.width(), of.len());
+        let message = format!(
+            "`{}` takes {wanted} formula(s) in `of`, found {found}",
+            take.value
+        );
+        diagnostics.push(Diagnostic::error(message).at(take.span.clone()));
+        return None;
+    }
+    let mut kind = Kind::Number;
+    let mut formulas = Vec::new();
+    for text in of {
+        let node = expression(text, diagnostics)?;
+        match scope.compile(&node) {
+            Ok((formula, found)) => {
+                kind = found;
+                formulas.push(formula);
+            }
+            Err(diagnostic) => {
+                diagnostics.push(diagnostic);
+                return None;
+            }
+        }
+    }
+    let source = MeasureSource::Over {
+        track,
+        of: formulas,
+        taking: *taking,
+    };
+    Some((source, kind))
+}
+
+fn track_index(
+    name: &Spanned<String>,
+    file: &SceneFile,
+    tracks: &[Track],
+    diagnostics: &mut Diagnostics,
+) -> Option<usize> {
+    let found = tracks.iter().position(|t| t.name == name.value);
+    let declared = file.tracks.iter().any(|t| t.name.value == name.value);
+    if found.is_none() && !declared {
+        let known = tracks.iter().map(|t| t.name.as_str());
+        let message = format!("there is no track `{}`", name.value);
+        diagnostics.push(
+            Diagnostic::error(message)
+                .at(name.span.clone())
+                .suggest(&name.value, known),
+        );
+    }
+    found
+}
+
+/// A formula of earlier measures and parameters.
+fn formula(
+    text: &FormulaText,
+    file: &SceneFile,
+    names: &Names,
+    earlier: &[Measure],
+    diagnostics: &mut Diagnostics,
+) -> Option<(MeasureSource, Kind)> {
+    let node = expression(text, diagnostics)?;
+    let known = |used: &str| earlier.iter().find(|m| m.name == used).map(|m| m.kind);
+    let kind = kind_of(&node, names, &known);
+    let lookup = |used: &str, span: &Span| {
+        if let Some(slot) = earlier.iter().position(|m| m.name == used) {
+            return Ok(Value::Slot(slot));
+        }
+        if file.measures.iter().any(|m| m.name.value == used) {
+            return Err(Diagnostic::error(format!(
+                "measure `{used}` is defined further down, or faulty"
+            ))
+            .at(span.clone())
+            .hint("a measure may use only earlier ones"));
+        }
+        names.constant(used, span).map_err(|d| {
+            d.suggest(used, earlier.iter().map(|m| m.name.as_str()))
+                .hint("a value of single poses is measured over a track or the drive: { of = …, take = … }")
+        })
+    };
+    match compile(&node, &lookup) {
+        Ok(formula) => Some((MeasureSource::Formula(formula), kind)),
+        Err(diagnostic) => {
+            diagnostics.push(diagnostic);
+            None
+        }
+    }
+}
