@@ -139,6 +139,6 @@ pub enum ProgressArg {
 }
 
 fn colour(text: &str) -> Result<[u8; 3], String> {
-    crate::scene::reader::parse_colour(text)
+    crate::scene::values::parse_colour(text)
         .ok_or_else(|| "write #rrggbb, for example #c2452d".to_owned())
 }
