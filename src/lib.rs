@@ -3,6 +3,7 @@
 //! Data flows one way: scene file → [`model`] → trajectory ([`kinematics`]) → frames ([`render`]) → files
 //! ([`export`]). The library never prints and never exits.
 
+pub mod clearance;
 pub mod cli;
 pub mod compare;
 pub mod diag;

@@ -181,7 +181,7 @@ fn worse(a: f64, b: f64) -> f64 {
 
 /// Inverse of a row-major `n` × `n` matrix by Gauss and Jordan with row pivots. Any result serves the proof: how
 /// good it is is measured afterwards.
-fn invert(mut a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
+pub(super) fn invert(mut a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
     let mut order: Vec<usize> = (0..n).collect();
     let mut row = vec![0.0; n];
     for k in 0..n {

@@ -23,6 +23,7 @@
 
 pub mod chain;
 pub mod double;
+pub mod flow;
 mod kantorovich;
 mod system;
 
