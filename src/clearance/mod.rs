@@ -2,10 +2,17 @@
 //!
 //! Everything here is values in, values out; nothing prints.
 
+pub mod bodies;
+pub mod check;
 pub mod core;
 mod cores;
 mod depth;
+mod drive_rate;
 pub mod mesh;
+pub mod motion;
+pub mod neighbours;
 pub mod pair;
 mod point;
+mod relative;
 mod search;
+pub mod sweep;

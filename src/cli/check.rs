@@ -3,7 +3,7 @@
 use super::args::CheckArgs;
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{inputs_table, open_scene, report};
+use super::{clearance, inputs_table, open_scene, report};
 use crate::diag::nearest;
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
@@ -55,8 +55,10 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     super::solve::refuse_interrupted()?;
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
+    let clearances = clearance::run(args, scene, &times, term)?;
+    let collides = clearances.as_ref().is_some_and(|part| !part.passed);
     let outcome = match closed {
-        Outcome::Done if worst > args.tolerance => Outcome::CheckFailed,
+        Outcome::Done if worst > args.tolerance || collides => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -69,7 +71,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let verdict = verdict(outcome);
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -78,6 +80,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         mechanism.length_unit,
         branches.join(" "),
         proof.sentence(mechanism),
+        clearances.as_ref().map_or("", |part| &part.text),
     );
     let document = json!({
         "schema": "mechanim-check/1",
@@ -95,6 +98,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "refused": proof.refused,
         "refused_because": proof.reasons,
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "clearance": clearances.map(|part| part.document),
         "result": verdict,
     });
     Ok((text, document, outcome))

@@ -2,6 +2,8 @@
 
 pub mod args;
 mod check;
+mod clearance;
+mod clearance_picture;
 mod completions;
 mod info;
 mod inputs_table;

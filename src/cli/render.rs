@@ -1,11 +1,11 @@
 //! `mechanim render`: solve, stage, draw, encode.
 
-use super::args::{RenderArgs, RendererArg};
+use super::args::{RenderArgs, RendererArg, ShowArg};
 use super::outcome::{Failure, Outcome};
 use super::progress::Progress;
 use super::solve::up_to;
 use super::term::Term;
-use super::{CANCEL, inputs_table, open_scene, report};
+use super::{CANCEL, clearance_picture, inputs_table, open_scene, report};
 use crate::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use crate::export::palette::Palette;
 use crate::export::png::{SequenceSink, StillSink};
@@ -20,6 +20,7 @@ use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
 use crate::render::{RenderError, Renderer};
 use crate::scene::Scene;
+use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging};
 use image::RgbaImage;
 use std::path::Path;
@@ -46,7 +47,11 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         size: args.size,
         samples: args.samples,
     };
-    let staging = Staging::new(&scene, &trajectory, options);
+    let marks = match args.show {
+        Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &trajectory)?,
+        None => Marks::default(),
+    };
+    let staging = Staging::marked(&scene, &trajectory, options, marks);
     clock.lap("stage");
     let pictures = Pictures {
         staging: &staging,

@@ -112,6 +112,11 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
 
 /// Writes a report to a file, or to standard output for `-`; never over an input of the command.
 pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<(), Failure> {
+    write_text(scene, path, &format!("{document:#}\n"))
+}
+
+/// The same for any text.
+pub fn write_text(scene: &SceneArgs, path: &Path, text: &str) -> Result<(), Failure> {
     let mut output: Box<dyn Output> = if path == Path::new("-") {
         Box::new(Stream::new("standard output", std::io::stdout()))
     } else {
@@ -123,7 +128,7 @@ pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<()
         }
         Box::new(Target::create(path)?)
     };
-    let written = output.write_all(format!("{document:#}\n").as_bytes());
+    let written = output.write_all(text.as_bytes());
     written.map_err(|source| ExportError::write(output.name(), source))?;
     output.commit()?;
     Ok(())

@@ -11,6 +11,7 @@
 
 use image::RgbaImage;
 
+pub mod clearance;
 mod costs;
 mod delta;
 pub mod error;

@@ -1,6 +1,7 @@
 //! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
 //! looked up.
 
+use super::clearance::{self, ClearanceFile};
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
 use super::shapes::{ShapeFile, shape};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
@@ -42,6 +43,8 @@ pub struct SceneFile {
     pub outputs: Vec<NamedFormula>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[clearance]`
+    pub clearance: Option<ClearanceFile>,
     /// `[view]`
     pub view: ViewFile,
     /// Whole sections could not be read: what refers to them cannot be judged.
@@ -193,6 +196,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
+        clearance: r.table("clearance", clearance::read),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }

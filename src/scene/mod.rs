@@ -3,6 +3,7 @@
 #![allow(clippy::result_large_err)]
 
 pub mod builtin;
+pub mod clearance;
 pub mod file;
 pub mod formula;
 pub mod reader;
@@ -10,6 +11,7 @@ pub mod resolve;
 pub mod shapes;
 
 use crate::diag::{Diagnostics, SceneError, Source};
+use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 use crate::model::view::View;
 use std::path::PathBuf;
@@ -23,6 +25,8 @@ pub struct Scene {
     pub mechanism: Mechanism,
     /// How it wants to be seen.
     pub view: View,
+    /// Which clearances it asks for, if any.
+    pub clearance: Option<ClearanceRules>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }

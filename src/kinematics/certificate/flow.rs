@@ -1,10 +1,11 @@
 //! Bounds of the rates of all unknowns over a stretch of time around a proved pose.
 //!
-//! With x the pose in the middle, R near the inverse of its Jacobian, and the unknowns within rho of x for the whole
-//! stretch: q >= |I - R J| there, by the second derivatives of [`chain`]; the rate is then -R F_t to within
-//! g + q |rate|, where g is what R F_t changes over the stretch. A speed that cannot carry the unknowns out of the ball
-//! before the stretch ends proves that they stay in it. Blocks are taken in their order; unknowns of earlier blocks
-//! count as inputs of later ones.
+//! With x the pose in the middle and R near the inverse of its Jacobian J, the rate anywhere in the stretch is
+//! v + (I - R J) rate + R (change of the derivatives) (rate, rates of the inputs), v the rate in the middle. For a box of
+//! speeds s and the way that these make, the last terms are bounded by the second derivatives of [`chain`]. If
+//! |v| + these bounds < s for every unknown, then I - (what multiplies the rate) has an inverse everywhere in the box
+//! around x that the speeds can reach, the rate stays below s, the unknowns stay in the box, and no other pose closes in
+//! it. Blocks are taken in their order; unknowns of earlier blocks count as inputs of later ones.
 
 use super::chain::{ArgumentDouble, LoopAtPose, evaluate};
 use super::kantorovich::invert;
@@ -32,14 +33,20 @@ impl Drift {
     }
 }
 
-/// Contraction that is still accepted.
-const MAX_Q: f64 = 0.5;
+/// Largest error of a pose, in radians and sizes, that those who use the bounds may neglect as [`POSE_SLACK`] says.
+const WELL_PROVED: f64 = 1e-12;
+
+/// No point of a body, a hundred sizes of chain away, is farther from its exact place than this, in sizes.
+pub const POSE_SLACK: f64 = 1e-10;
+
+/// Speed that is granted to unknowns that stand still in the middle, as a part of the fastest one.
+const LEAST_SPEED: f64 = 1e-3;
 
 /// Rounding of the columns and of their products with the inverse, relative: far more than they need.
 const SLACK: f64 = 1e-12;
 
-/// How often the radius of the ball is enlarged.
-const ATTEMPTS: usize = 8;
+/// How often the box of speeds is enlarged.
+const ATTEMPTS: usize = 12;
 
 /// A form (argument or affine equation) over the stretch.
 #[derive(Clone, Default)]
@@ -76,6 +83,9 @@ impl Certifier<'_> {
             Certificate::Certified { error_bound, .. } => error_bound / self.mechanism.size,
             Certificate::Refused { .. } => return None,
         };
+        if error > WELL_PROVED {
+            return None;
+        }
         let blank = Affine::default();
         let arguments: Vec<ArgumentDouble> = self.forms[..self.mechanism.arguments.len()]
             .iter()
@@ -212,20 +222,14 @@ impl BlockFlow {
     }
 
     /// For every loop and kind of row, a bound of the second derivative along two directions in which the forms change
-    /// by at most `one` and `two`.
-    fn bends(
-        &self,
-        one: impl Fn(&FormDrift) -> f64,
-        two: impl Fn(&FormDrift) -> f64,
-    ) -> Vec<[f64; 2]> {
-        let form = |a: usize| &self.forms[self.position[a]];
+    /// by at most the two numbers of `ways`.
+    fn bends(&self, ways: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let way = |a: usize| ways[self.position[a]];
         let bend = |item: &LoopAtPose| {
-            let both = item.second_derivatives(|a| one(form(a)) + two(form(a)));
-            let (p, q) = (
-                item.second_derivatives(|a| one(form(a))),
-                item.second_derivatives(|a| two(form(a))),
-            );
-            [0, 1].map(|k| (0.5 * (both[k] - p[k] - q[k])).max(0.0) + SLACK * both[k])
+            let both = item.second_derivatives(|a| way(a)[0] + way(a)[1]);
+            let first = item.second_derivatives(|a| way(a)[0]);
+            let second = item.second_derivatives(|a| way(a)[1]);
+            [0, 1].map(|k| (0.5 * (both[k] - first[k] - second[k])).max(0.0) + SLACK * both[k])
         };
         self.loops.iter().map(bend).collect()
     }
@@ -240,65 +244,61 @@ impl BlockFlow {
     /// Rates, deviations and plays of the block's unknowns in scaled form.
     fn solve(&self, half: f64, error: f64) -> Option<Vec<Drift>> {
         let (n, m) = (self.n, self.forms.len());
-        let product = |i: usize| &self.products[i * m..(i + 1) * m];
+        let product = |i: usize| self.products[i * m..(i + 1) * m].iter().zip(&self.forms);
         let rates: Vec<f64> = (0..n)
-            .map(|i| -product(i).iter().zip(&self.forms).map(|(p, f)| p * f.rate).sum::<f64>())
+            .map(|i| -product(i).map(|(p, f)| p * f.rate).sum::<f64>())
             .collect();
-        let rounding = |i: usize| {
-            let terms = product(i).iter().zip(&self.forms);
-            SLACK * terms.map(|(p, f)| p.abs() * (f.own_sum + f.speed)).sum::<f64>()
-        };
-        let identity: Vec<f64> = (0..n).map(|i| self.identity_error(i) + rounding(i)).collect();
+        let loose: Vec<f64> = (0..n)
+            .map(|i| product(i).map(|(p, f)| p.abs() * f.deviation).sum())
+            .collect();
+        let identity: Vec<Vec<f64>> = (0..n).map(|i| self.identity_error(i)).collect();
         let fastest = rates.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-        let mut ball = 1.5 * fastest * half + 2.0 * error + f64::MIN_POSITIVE;
+        let least = LEAST_SPEED * fastest + error + f64::MIN_POSITIVE;
+        let mut speeds: Vec<f64> = rates.iter().map(|r| 1.1 * r.abs() + least).collect();
         for _ in 0..ATTEMPTS {
-            if !(ball <= BALL) {
+            let ball = |j: usize| speeds[j] * half + error;
+            if !(0..n).all(|j| ball(j) <= BALL) {
                 return None;
             }
-            let way = |f: &FormDrift| f.play + f.own_sum * ball;
-            let of_own = self.bends(|f| f.own_sum, way);
-            let of_time = self.bends(|f| f.speed, way);
-            let mut contraction: f64 = 0.0;
-            let mut speed: f64 = 0.0;
-            let bounds: Vec<[f64; 2]> = (0..n)
-                .map(|i| {
-                    let q = identity[i] + self.weighted(i, &of_own);
-                    let loose = product(i).iter().zip(&self.forms);
-                    let loose: f64 = loose.map(|(p, f)| p.abs() * f.deviation).sum();
-                    let g = loose + self.weighted(i, &of_time) + rounding(i);
-                    contraction = contraction.max(q);
-                    speed = speed.max(rates[i].abs() + g);
-                    [q, g]
-                })
+            let sum = |f: &FormDrift, of: &dyn Fn(usize) -> f64| -> f64 {
+                f.own.iter().map(|(j, c)| c.abs() * of(*j)).sum()
+            };
+            let ways: Vec<[f64; 2]> = self
+                .forms
+                .iter()
+                .map(|f| [f.play + sum(f, &ball), f.speed + sum(f, &|j| speeds[j])])
                 .collect();
-            if !(contraction < MAX_Q && speed.is_finite()) {
-                return None;
-            }
-            let speed = speed / (1.0 - contraction);
-            if speed * half + error <= ball {
-                let drift = |(i, [q, g]): (usize, &[f64; 2])| {
-                    let deviation = g + q * speed;
-                    Drift {
-                        rate: rates[i],
-                        deviation,
-                        play: ((rates[i].abs() + deviation) * half + error).min(ball),
-                        ball,
-                    }
+            let bends = self.bends(&ways);
+            let deviation = |i: usize| {
+                let rounding: f64 = product(i).zip(&ways).map(|((p, _), w)| p.abs() * w[1]).sum();
+                let mixed: f64 = identity[i].iter().zip(&speeds).map(|(e, s)| e * s).sum();
+                loose[i] + self.weighted(i, &bends) + mixed + SLACK * rounding
+            };
+            let deviations: Vec<f64> = (0..n).map(deviation).collect();
+            let fits = (0..n).all(|i| rates[i].abs() + deviations[i] < speeds[i]);
+            if fits {
+                let drift = |i: usize| Drift {
+                    rate: rates[i],
+                    deviation: deviations[i],
+                    play: (rates[i].abs() + deviations[i]) * half + error,
+                    ball: ball(i),
                 };
-                return Some(bounds.iter().enumerate().map(drift).collect());
+                return Some((0..n).map(drift).collect());
             }
-            ball = 1.3 * (speed * half + error);
+            let larger = |i: usize| 1.1 * (rates[i].abs() + deviations[i]) + least;
+            speeds = (0..n).map(larger).collect();
         }
         None
     }
 
-    fn identity_error(&self, i: usize) -> f64 {
+    /// Row `i` of I - R J.
+    fn identity_error(&self, i: usize) -> Vec<f64> {
         let mut row = vec![0.0; self.n];
         row[i] = -1.0;
         let m = self.forms.len();
         for (p, form) in self.products[i * m..(i + 1) * m].iter().zip(&self.forms) {
             form.own.iter().for_each(|(c, rate)| row[*c] += p * rate);
         }
-        row.iter().map(|v| v.abs()).sum()
+        row.iter().map(|v| v.abs()).collect()
     }
 }

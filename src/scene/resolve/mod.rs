@@ -1,6 +1,6 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
-mod bodies;
+pub mod bodies;
 mod coordinates;
 mod joints;
 mod names;
@@ -92,6 +92,10 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
+    let constants = bodies::Constants { names: &names };
+    let clearance = file.clearance.as_ref().map(|section| {
+        super::clearance::resolve(section, &constants, &bodies, diagnostics)
+    });
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
@@ -131,6 +135,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         description,
         mechanism,
         view,
+        clearance,
         warnings: Diagnostics::default(),
     })
 }
