@@ -94,7 +94,7 @@ pub fn drift(drive: &Drive, start: f64, end: f64) -> Option<Drift> {
         rate,
         deviation,
         play: (rate.abs() + deviation) * 0.5 * (end - start) * (1.0 + WIDER),
-        ball: f64::INFINITY,
+        tube: f64::INFINITY,
     };
     (drift.rate.is_finite() && drift.play.is_finite()).then_some(drift)
 }

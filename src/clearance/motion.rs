@@ -27,6 +27,9 @@ const MAX_SPANS: usize = 60_000;
 /// Times nearer than this (relative to the duration) are one.
 const SAME_TIME: f64 = 1e-12;
 
+/// Inputs that agree within this part of their value do not jump.
+const SAME_INPUT: f64 = 1e-9;
+
 /// Estimated rates may differ from the mean rate by this times the difference that three poses show ...
 const ESTIMATE_FACTOR: f64 = 2.0;
 
@@ -214,6 +217,13 @@ impl<'m> Motion<'m> {
         Some(self.spans.len() - 1)
     }
 
+    #[allow(missing_docs)]
+    pub fn debug(&mut self) {
+        let mut by = vec![[0usize; 2]; 16];
+        for s in &self.spans { by[s.depth as usize][usize::from(s.is_certified)] += 1; }
+        eprintln!("{} instants, spans by depth [no, yes]: {by:?}", self.instants.len());
+    }
+
     /// Proved drifts of all arguments; `None` if there is no proof.
     fn prove(&self, [start, middle, end]: [usize; 3], half: f64) -> Option<Vec<Drift>> {
         if !self.can_be_proved {
@@ -227,12 +237,13 @@ impl<'m> Motion<'m> {
         let here = &self.instants[middle].coordinates;
         let drifts = self.certifier.drift(here, &self.bases, &inputs, half)?;
         let n = self.mechanism.unknowns.len();
-        for other in [start, end] {
+        for (other, way) in [(start, -half), (end, half)] {
             let there = &self.instants[other].coordinates;
-            let off = |k: usize, far: f64| (there[k] - here[k]).abs() > far;
+            let off = |k: usize| (there[k] - here[k] - drifts[k].rate * way).abs();
             // A step of the drive at the end of the stretch is not part of its motion.
-            let jumps = (n..there.len()).any(|k| off(k, drifts[k].play * (1.0 + 1e-9) + 1e-12));
-            if !jumps && (0..n).any(|k| off(k, drifts[k].ball)) {
+            let still = |k: usize| 2.0 * drifts[k].play + SAME_INPUT * there[k].abs().max(1e-3);
+            let jumps = (n..there.len()).any(|k| off(k) > still(k));
+            if !jumps && (0..n).any(|k| off(k) > drifts[k].tube) {
                 return None;
             }
         }
@@ -257,7 +268,7 @@ impl<'m> Motion<'m> {
                 rate,
                 deviation,
                 play: (rate.abs() + deviation) * half,
-                ball: f64::INFINITY,
+                tube: f64::INFINITY,
             }
         };
         (0..a.len()).map(of).collect()

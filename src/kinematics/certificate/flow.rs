@@ -1,11 +1,17 @@
 //! Bounds of the rates of all unknowns over a stretch of time around a proved pose.
 //!
-//! With x the pose in the middle and R near the inverse of its Jacobian J, the rate anywhere in the stretch is
-//! v + (I - R J) rate + R (change of the derivatives) (rate, rates of the inputs), v the rate in the middle. For a box of
-//! speeds s and the way that these make, the last terms are bounded by the second derivatives of [`chain`]. If
-//! |v| + these bounds < s for every unknown, then I - (what multiplies the rate) has an inverse everywhere in the box
-//! around x that the speeds can reach, the rate stays below s, the unknowns stay in the box, and no other pose closes in
-//! it. Blocks are taken in their order; unknowns of earlier blocks count as inputs of later ones.
+//! With z the pose in the middle, A the derivatives of the residual by everything that moves, R near the inverse of
+//! their part by the unknowns, and w the rates in the middle, the rates differ from w by
+//! R (A(z(t)) - A(z)) (rates), where
+//!
+//! ```text
+//! A(z + tau w + e) - A(z) = tau A' + (second derivatives)(e) + 1/2 (third derivatives)(tau w + e, tau w + e)
+//! ```
+//!
+//! with A' the exact derivative of A along w. If these terms, taken for a box of deviations D (so |e| <= D half), are
+//! below D for every unknown, the rates stay within D of w, the unknowns within D half of the straight line, and no
+//! other pose closes so near to it: what multiplies the deviations is then a contraction. Blocks are taken in their
+//! order; unknowns of earlier blocks count as inputs of later ones.
 
 use super::chain::{ArgumentDouble, LoopAtPose, evaluate};
 use super::kantorovich::invert;
@@ -22,8 +28,8 @@ pub struct Drift {
     pub deviation: f64,
     /// It never is farther from its value in the middle than this.
     pub play: f64,
-    /// No other closed pose is within this distance of the middle, for the same inputs.
-    pub ball: f64,
+    /// No other closed pose is nearer to the straight line through the middle at the end of the stretch.
+    pub tube: f64,
 }
 
 impl Drift {
@@ -39,8 +45,8 @@ const WELL_PROVED: f64 = 1e-12;
 /// No point of a body, a hundred sizes of chain away, is farther from its exact place than this, in sizes.
 pub const POSE_SLACK: f64 = 1e-10;
 
-/// Speed that is granted to unknowns that stand still in the middle, as a part of the fastest one.
-const LEAST_SPEED: f64 = 1e-3;
+/// Deviation that is granted to unknowns of none, as a part of the largest one.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// Rounding of the columns and of their products with the inverse, relative: far more than they need.
 const SLACK: f64 = 1e-12;
@@ -54,16 +60,24 @@ struct FormDrift {
     /// Rate by the block's own unknowns in scaled form.
     own: Vec<(usize, f64)>,
     own_sum: f64,
-    /// Rate that comes from elsewhere, its deviation, its largest size, and the way it makes.
+    /// Rate that comes from elsewhere, its deviation, and the way it makes.
     rate: f64,
     deviation: f64,
+    play: f64,
+}
+
+/// A form for a given box of deviations: of its rate, of its value from the straight line; its speed, its whole way.
+#[derive(Clone, Copy)]
+struct Way {
+    deviation: f64,
+    off: f64,
     speed: f64,
     play: f64,
 }
 
 /// One row of the block: which loop and kind it is of, and its derivative by every form.
 struct FlowRow {
-    /// Loop and kind (0 rotation, 1 translation); `None` for affine equations.
+    /// Loop and component (0 to 2 rotation, 3 to 5 translation); `None` for affine equations.
     place: Option<(usize, usize)>,
     columns: Vec<f64>,
 }
@@ -86,6 +100,7 @@ impl Certifier<'_> {
         if error > WELL_PROVED {
             return None;
         }
+        let error = WELL_PROVED;
         let blank = Affine::default();
         let arguments: Vec<ArgumentDouble> = self.forms[..self.mechanism.arguments.len()]
             .iter()
@@ -101,7 +116,7 @@ impl Certifier<'_> {
                 drift.rate *= scale;
                 drift.deviation *= scale;
                 drift.play *= scale;
-                drift.ball *= scale;
+                drift.tube *= scale;
                 all[*unknown] = drift;
             }
         }
@@ -119,6 +134,8 @@ struct BlockFlow {
     inverse: Vec<f64>,
     /// Its products with the columns of all forms, row-major.
     products: Vec<f64>,
+    /// Its products with the rates of these columns along the motion, row-major.
+    bent: Vec<f64>,
     n: usize,
 }
 
@@ -147,7 +164,6 @@ impl BlockFlow {
                     let drift = &all[slot];
                     form.rate += c * drift.rate;
                     form.deviation += c.abs() * drift.deviation;
-                    form.speed += c.abs() * drift.speed();
                     form.play += c.abs() * drift.play;
                 }
             }
@@ -164,7 +180,7 @@ impl BlockFlow {
             let item = evaluate(steps, arguments, reach, mechanism.size);
             let start = rows.len();
             rows.extend(part.components.iter().map(|component| FlowRow {
-                place: Some((loops.len(), component / 3)),
+                place: Some((loops.len(), *component)),
                 columns: vec![0.0; forms.len()],
             }));
             for joint in &item.joints {
@@ -196,6 +212,7 @@ impl BlockFlow {
             position,
             inverse: Vec::new(),
             products: Vec::new(),
+            bent: Vec::new(),
             n,
         };
         flow.invert()?;
@@ -211,84 +228,142 @@ impl BlockFlow {
             }
         }
         self.inverse = invert(jacobian, n)?;
-        self.products = vec![0.0; n * m];
-        for i in 0..n {
-            for (r, row) in self.inverse[i * n..(i + 1) * n].iter().zip(&self.rows) {
-                let out = &mut self.products[i * m..(i + 1) * m];
-                out.iter_mut().zip(&row.columns).for_each(|(p, c)| *p += r * c);
-            }
-        }
+        let columns: Vec<&[f64]> = self.rows.iter().map(|r| &r.columns[..]).collect();
+        self.products = self.times_inverse(&columns, m);
         Some(())
     }
 
-    /// For every loop and kind of row, a bound of the second derivative along two directions in which the forms change
-    /// by at most the two numbers of `ways`.
-    fn bends(&self, ways: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    /// The inverse times rows of `m` numbers.
+    fn times_inverse(&self, rows: &[&[f64]], m: usize) -> Vec<f64> {
+        let n = self.n;
+        let mut out = vec![0.0; n * m];
+        for i in 0..n {
+            for (r, row) in self.inverse[i * n..(i + 1) * n].iter().zip(rows) {
+                let sums = out[i * m..(i + 1) * m].iter_mut();
+                sums.zip(*row).for_each(|(p, c)| *p += r * c);
+            }
+        }
+        out
+    }
+
+    /// Rates of the columns of all rows when the forms move at `rates`.
+    fn bend(&mut self, rates: &[f64]) {
+        let m = self.forms.len();
+        let mut all = vec![vec![0.0; m]; self.rows.len()];
+        for (index, item) in self.loops.iter().enumerate() {
+            let columns = item.column_rates(|a| rates[self.position[a]]);
+            for (joint, column) in item.joints.iter().zip(columns) {
+                let form = self.position[joint.argument];
+                for (row, out) in self.rows.iter().zip(&mut all) {
+                    if let Some((own, component)) = row.place
+                        && own == index
+                    {
+                        out[form] += column[component];
+                    }
+                }
+            }
+        }
+        let rows: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+        self.bent = self.times_inverse(&rows, m);
+    }
+
+    /// For every loop and kind of row, a bound of the terms of second and third order for the given ways.
+    fn remainders(&self, ways: &[Way]) -> Vec<[f64; 2]> {
         let way = |a: usize| ways[self.position[a]];
-        let bend = |item: &LoopAtPose| {
-            let both = item.second_derivatives(|a| way(a)[0] + way(a)[1]);
-            let first = item.second_derivatives(|a| way(a)[0]);
-            let second = item.second_derivatives(|a| way(a)[1]);
-            [0, 1].map(|k| (0.5 * (both[k] - first[k] - second[k])).max(0.0) + SLACK * both[k])
+        let bound = |item: &LoopAtPose| {
+            let both = item.second_derivatives(|a| way(a).off + way(a).speed);
+            let first = item.second_derivatives(|a| way(a).off);
+            let second = item.second_derivatives(|a| way(a).speed);
+            let third = item.third_derivatives(|a| way(a).play, |a| way(a).speed);
+            [0, 1].map(|k| {
+                let bilinear = (0.5 * (both[k] - first[k] - second[k])).max(0.0);
+                bilinear + SLACK * both[k] + 0.5 * third[k]
+            })
         };
-        self.loops.iter().map(bend).collect()
+        self.loops.iter().map(bound).collect()
     }
 
     /// Sums bounds over the rows, weighted with row `i` of the inverse.
     fn weighted(&self, i: usize, bends: &[[f64; 2]]) -> f64 {
         let weights = &self.inverse[i * self.n..(i + 1) * self.n];
-        let of = |row: &FlowRow| row.place.map_or(0.0, |(item, kind)| bends[item][kind]);
+        let of = |row: &FlowRow| row.place.map_or(0.0, |(item, component)| bends[item][component / 3]);
         weights.iter().zip(&self.rows).map(|(w, row)| w.abs() * of(row)).sum()
     }
 
     /// Rates, deviations and plays of the block's unknowns in scaled form.
-    fn solve(&self, half: f64, error: f64) -> Option<Vec<Drift>> {
+    fn solve(mut self, half: f64, error: f64) -> Option<Vec<Drift>> {
         let (n, m) = (self.n, self.forms.len());
-        let product = |i: usize| self.products[i * m..(i + 1) * m].iter().zip(&self.forms);
         let rates: Vec<f64> = (0..n)
-            .map(|i| -product(i).map(|(p, f)| p * f.rate).sum::<f64>())
+            .map(|i| -self.row(&self.products, i).map(|(p, f)| p * f.rate).sum::<f64>())
             .collect();
-        let loose: Vec<f64> = (0..n)
-            .map(|i| product(i).map(|(p, f)| p.abs() * f.deviation).sum())
+        let of_forms: Vec<f64> = self
+            .forms
+            .iter()
+            .map(|f| f.rate + f.own.iter().map(|(j, c)| c * rates[*j]).sum::<f64>())
             .collect();
+        self.bend(&of_forms);
+        let loose = |i: usize| -> f64 {
+            let ways = self.row(&self.products, i);
+            ways.map(|(p, f)| p.abs() * f.deviation).sum()
+        };
+        let turn = |i: usize| -> f64 {
+            let terms = self.bent[i * m..(i + 1) * m].iter().zip(&of_forms);
+            half * terms.map(|(p, r)| p * r).sum::<f64>().abs()
+        };
+        let known: Vec<f64> = (0..n).map(|i| loose(i) + turn(i)).collect();
         let identity: Vec<Vec<f64>> = (0..n).map(|i| self.identity_error(i)).collect();
+        let largest = known.iter().fold(0.0, |m: f64, r| m.max(*r));
         let fastest = rates.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-        let least = LEAST_SPEED * fastest + error + f64::MIN_POSITIVE;
-        let mut speeds: Vec<f64> = rates.iter().map(|r| 1.1 * r.abs() + least).collect();
+        let least = LEAST_SHARE * largest + SLACK * fastest + f64::MIN_POSITIVE;
+        let mut box_of: Vec<f64> = known.iter().map(|d| 1.2 * d + least).collect();
         for _ in 0..ATTEMPTS {
-            let ball = |j: usize| speeds[j] * half + error;
-            if !(0..n).all(|j| ball(j) <= BALL) {
+            let far = |j: usize| (rates[j].abs() + box_of[j]) * half + error;
+            if !(0..n).all(|j| far(j) <= BALL) {
                 return None;
             }
-            let sum = |f: &FormDrift, of: &dyn Fn(usize) -> f64| -> f64 {
-                f.own.iter().map(|(j, c)| c.abs() * of(*j)).sum()
-            };
-            let ways: Vec<[f64; 2]> = self
-                .forms
-                .iter()
-                .map(|f| [f.play + sum(f, &ball), f.speed + sum(f, &|j| speeds[j])])
-                .collect();
-            let bends = self.bends(&ways);
+            let ways: Vec<Way> = (0..m).map(|k| self.way(k, of_forms[k], &box_of, half, error)).collect();
+            let remainders = self.remainders(&ways);
             let deviation = |i: usize| {
-                let rounding: f64 = product(i).zip(&ways).map(|((p, _), w)| p.abs() * w[1]).sum();
-                let mixed: f64 = identity[i].iter().zip(&speeds).map(|(e, s)| e * s).sum();
-                loose[i] + self.weighted(i, &bends) + mixed + SLACK * rounding
+                let mixed: f64 = (0..n).map(|j| identity[i][j] * (rates[j].abs() + box_of[j])).sum();
+                let bent = self.bent[i * m..(i + 1) * m].iter().zip(&ways);
+                let bent: f64 = bent.map(|(p, w)| p.abs() * w.deviation).sum();
+                let rounding = self.row(&self.products, i).zip(&ways);
+                let rounding: f64 = rounding.map(|((p, _), w)| p.abs() * w.speed).sum();
+                known[i] + half * bent + mixed + self.weighted(i, &remainders) + SLACK * rounding
             };
             let deviations: Vec<f64> = (0..n).map(deviation).collect();
-            let fits = (0..n).all(|i| rates[i].abs() + deviations[i] < speeds[i]);
-            if fits {
+            if (0..n).all(|i| deviations[i] < box_of[i]) {
                 let drift = |i: usize| Drift {
                     rate: rates[i],
                     deviation: deviations[i],
                     play: (rates[i].abs() + deviations[i]) * half + error,
-                    ball: ball(i),
+                    tube: box_of[i] * half + error,
                 };
                 return Some((0..n).map(drift).collect());
             }
-            let larger = |i: usize| 1.1 * (rates[i].abs() + deviations[i]) + least;
-            speeds = (0..n).map(larger).collect();
+            box_of = deviations.iter().map(|d| 1.2 * d + least).collect();
         }
         None
+    }
+
+    /// Row `i` of a product with the columns, beside the forms.
+    fn row<'a>(&'a self, of: &'a [f64], i: usize) -> impl Iterator<Item = (&'a f64, &'a FormDrift)> {
+        let m = self.forms.len();
+        of[i * m..(i + 1) * m].iter().zip(&self.forms)
+    }
+
+    /// What form `k` does, if the unknowns' rates deviate by `box_of`.
+    fn way(&self, k: usize, rate: f64, box_of: &[f64], half: f64, error: f64) -> Way {
+        let form = &self.forms[k];
+        let own: f64 = form.own.iter().map(|(j, c)| c.abs() * box_of[*j]).sum();
+        let deviation = form.deviation + own;
+        let off = deviation * half + form.own_sum * error;
+        Way {
+            deviation,
+            off,
+            speed: rate.abs() + deviation,
+            play: rate.abs() * half + off,
+        }
     }
 
     /// Row `i` of I - R J.
