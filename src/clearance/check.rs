@@ -141,7 +141,6 @@ pub fn check(
             }
         }
     }
-    if std::env::var_os("DBG").is_some() { motion.debug(); }
     progress(all, all);
     report.gaps = motion.gaps;
     let rank = |p: &PairReport| match p.judgement {

@@ -18,6 +18,9 @@ use crate::model::chain::{Argument, ArgumentValue};
 use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
 
+/// After a proof one of this many times the length is tried.
+const GROWTH: f64 = 2.5;
+
 /// How often a stretch is halved for the sake of a proof before its rates are estimated.
 const MAX_DEPTH: u32 = 10;
 
@@ -80,6 +83,8 @@ pub struct Motion<'m> {
     certifier: Certifier<'m>,
     bases: Vec<Vec<usize>>,
     can_be_proved: bool,
+    /// Stretches of half this length or less are likely to be proved: no others are tried.
+    provable: f64,
     /// All poses solved.
     pub instants: Vec<Instant>,
     /// Indices of the poses at the sampled times.
@@ -121,6 +126,7 @@ impl<'m> Motion<'m> {
             certifier: Certifier::new(mechanism, structure),
             bases: Vec::new(),
             can_be_proved: false,
+            provable: f64::INFINITY,
             instants: Vec::new(),
             samples: Vec::new(),
             spans: Vec::new(),
@@ -201,8 +207,16 @@ impl<'m> Motion<'m> {
         }
         let middle = self.instant(time, coordinates);
         let half = 0.5 * (t1 - t0);
-        let proved = self.prove([start, middle, end], half);
         let may_halve = self.can_be_proved && depth < MAX_DEPTH;
+        let proved = if half <= self.provable || !may_halve {
+            self.prove([start, middle, end], half)
+        } else {
+            None
+        };
+        self.provable = match proved {
+            Some(_) => self.provable.max(GROWTH * half),
+            None => self.provable.min(half),
+        };
         self.spans.push(Span {
             start,
             end,
@@ -215,13 +229,6 @@ impl<'m> Motion<'m> {
             halves: None,
         });
         Some(self.spans.len() - 1)
-    }
-
-    #[allow(missing_docs)]
-    pub fn debug(&mut self) {
-        let mut by = vec![[0usize; 2]; 16];
-        for s in &self.spans { by[s.depth as usize][usize::from(s.is_certified)] += 1; }
-        eprintln!("{} instants, spans by depth [no, yes]: {by:?}", self.instants.len());
     }
 
     /// Proved drifts of all arguments; `None` if there is no proof.

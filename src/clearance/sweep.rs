@@ -146,13 +146,19 @@ impl<'a> PairSweep<'a> {
         let mut looks = 0;
         while let Some((ends, index)) = open.pop() {
             looks += 1;
+            // Where nothing is proved a look is wasted.
+            if motion.spans[index].wants_halving
+                && let Some(halves) = motion.halves(index)
+            {
+                open.extend(halves.map(|half| (f64::NEG_INFINITY, half)));
+                continue;
+            }
             let overlaps = best.found.proximity.distance < 0.0;
             let most = if overlaps { LOOKS_IN_OVERLAP } else { MAX_LOOKS };
             let lowest = self.look(motion, index, ends, &mut best);
             let near = best.found.proximity.distance;
             let target = near - self.tolerance * self.scale.max(near.abs());
-            let span = &motion.spans[index];
-            let is_fine = lowest >= target && !span.wants_halving;
+            let is_fine = lowest >= target;
             if !is_fine
                 && looks < most
                 && let Some(halves) = motion.halves(index)
