@@ -608,3 +608,103 @@ fn colour_quiet_and_progress_do_as_they_are_told() {
         .exits(2)
         .says(&["none.toml"]);
 }
+
+/// The crank as long as the rod: two motions meet at 90 degrees.
+const CHANGES: &str = r#"duration = 1
+units = { length = "mm", angle = "deg" }
+[inputs]
+phi = "60 + 60*t"
+[loops]
+A = "Rz(phi) Tx(80) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
+[guess]
+h = 140
+"#;
+
+#[test]
+fn motion_is_proved_on_request() {
+    let w = workspace();
+    w.write("changes.toml", CHANGES);
+    let check = |scene: &str, code: i32, more: &[&str]| {
+        let run = [
+            &["check", scene, "--samples", "45", "--certify", "motion"],
+            more,
+        ]
+        .concat();
+        w.run(&run).exits(code).text()
+    };
+    let text = check("dyads", 0, &[]);
+    assert!(
+        text.contains("45 of 45 intervals certified in 45 tubes"),
+        "{text}"
+    );
+    assert!(text.contains("assumed"), "{text}");
+    let text = check("changes.toml", 1, &[]);
+    assert!(text.contains("refused first after t = 0.5"), "{text}");
+    assert!(text.contains("near-singular"), "{text}");
+    let json = check("changes.toml", 1, &["--json", "-"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["motion"]["intervals"], 44);
+    assert_eq!(json["motion"]["certified"], 42);
+    let refused = json["motion"]["refused"].as_array().unwrap();
+    assert_eq!(refused[0]["after_sample"], 21);
+    assert_eq!(refused[0]["because"], "near-singular");
+
+    let solve = |out: &str, certify: &str, scene: &str| {
+        let run = [
+            "solve",
+            scene,
+            "--samples",
+            "5",
+            "--certify",
+            certify,
+            "--out",
+            out,
+        ];
+        w.run(&run).exits(0)
+    };
+    let csv = solve("-", "motion", "dyads").says_nothing().text();
+    let cell = |line: usize, name: &str| {
+        let column = csv
+            .lines()
+            .next()
+            .unwrap()
+            .split(',')
+            .position(|c| c == name);
+        let row = csv.lines().nth(line).unwrap();
+        row.split(',').nth(column.unwrap()).unwrap().to_owned()
+    };
+    // The drive is a whole turn: the last interval leads to its end.
+    for line in 1..=5 {
+        assert_eq!(cell(line, "motion_status"), "certified");
+        assert!(cell(line, "motion_tubes").parse::<usize>().unwrap() > 1);
+        assert!(cell(line, "motion_radius").parse::<f64>().unwrap() < 1.0);
+    }
+    solve("a.json", "motion", "changes.toml").says(&["motion: 2 of 4 intervals certified"]);
+    let json: serde_json::Value = serde_json::from_slice(&w.read("a.json")).unwrap();
+    assert_eq!(json["samples"][1]["motion_status"], "near-singular");
+    assert_eq!(json["samples"][3]["motion_status"], "certified");
+    assert!(json["samples"][4]["motion_status"].is_null());
+
+    let bare = solve("-", "none", "dyads").says_nothing().text();
+    assert!(
+        !bare.contains("motion_status"),
+        "only where it was asked for"
+    );
+    let text = w
+        .run(&["check", "dyads", "--certify", "none"])
+        .exits(0)
+        .text();
+    assert!(text.contains("not asked for"), "{text}");
+    w.run(&[
+        "solve",
+        "dyads",
+        "--at",
+        "1",
+        "--certify",
+        "motion",
+        "--out",
+        "-",
+    ])
+    .exits(2)
+    .says(&["no motion to certify"]);
+}

@@ -92,7 +92,12 @@ fn the_scene_of_the_readme_works() {
 
 #[test]
 fn pictures_in_the_documents_exist() {
-    for document in ["README.md", "docs/performance.md", "ARCHITECTURE.md"] {
+    for document in [
+        "README.md",
+        "docs/performance.md",
+        "docs/certificates.md",
+        "ARCHITECTURE.md",
+    ] {
         for link in read(document).split("](").skip(1) {
             let target = link.split(')').next().unwrap();
             if target.starts_with("http") {
@@ -109,5 +114,24 @@ fn pictures_in_the_documents_exist() {
                 "{document} links to {target}"
             );
         }
+    }
+}
+
+#[test]
+fn every_reason_of_a_refusal_is_documented() {
+    use mechanim::kinematics::certificate::Reason;
+    use mechanim::kinematics::certificate::tube::Obstacle;
+    let document = read("docs/certificates.md");
+    let tests = [
+        Reason::Formula,
+        Reason::Singular,
+        Reason::HalfTurn,
+        Reason::Open,
+        Reason::NotAsked,
+    ];
+    let obstacles = [Obstacle::NoPose, Obstacle::Drive, Obstacle::NotJoined];
+    let words = tests.map(Obstacle::Test).into_iter().chain(obstacles);
+    for word in words.map(Obstacle::word) {
+        assert!(document.contains(&format!("| `{word}` |")), "{word}");
     }
 }

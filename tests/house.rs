@@ -38,7 +38,12 @@ const WALLS: [Wall; 6] = [
     },
     // Nothing in the program knows a scene: they are data.
     Wall {
-        words: &["\"gearshift", "\"seven-r\"", "\"slider-crank\""],
+        words: &[
+            "\"gearshift",
+            "\"seven-r\"",
+            "\"slider-crank\"",
+            "\"dyads\"",
+        ],
         rooms: &["scene/builtin.rs"],
     },
 ];

@@ -43,11 +43,12 @@ fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaIma
 }
 
 /// A frame of every built-in scene that shows what matters in it.
-const VIEWS: [(&str, usize); 4] = [
+const VIEWS: [(&str, usize); 5] = [
     ("gearshift", 100),
     ("gearshift-optimised", 100),
     ("slider-crank", 30),
     ("seven-r", 80),
+    ("dyads", 60),
 ];
 
 #[test]
@@ -144,7 +145,7 @@ fn a_frame_does_not_depend_on_the_frames_before_it() {
 
 #[test]
 fn every_body_is_seen_and_the_camera_holds_the_whole_motion() {
-    for name in ["gearshift", "slider-crank", "seven-r"] {
+    for name in ["gearshift", "slider-crank", "seven-r", "dyads"] {
         let (scene, trajectory) = solved(name);
         let staging = Staging::new(&scene, &trajectory, SMALL);
         for index in (0..staging.frame_count()).step_by(11) {

@@ -147,6 +147,9 @@ pub struct SolveArgs {
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
+    /// What is proved: nothing, every pose, or also the motion between the samples.
+    #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
+    pub certify: CertifyArg,
     /// Format of the table if the file name does not tell.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,
@@ -167,6 +170,9 @@ pub struct CheckArgs {
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
+    /// What is proved: nothing, every pose, or also the motion between the samples, which then is part of the check.
+    #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
+    pub certify: CertifyArg,
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -202,6 +208,15 @@ pub struct ModesArgs {
     /// Write the list as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+/// `--certify`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum CertifyArg {
+    None,
+    Pose,
+    Motion,
 }
 
 /// `--renderer`

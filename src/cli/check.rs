@@ -1,12 +1,12 @@
 //! `mechanim check`: do all loops close over the motion; is an offered pose a closed one.
 
 use super::args::CheckArgs;
+use super::certify::{self, MotionProof};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{clearance, inputs_table, open_scene, report};
 use crate::diag::nearest;
-use crate::kinematics::certificate::Certificate;
-use crate::kinematics::continuation::solve;
+use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::kinematics::trajectory::Trajectory;
@@ -51,14 +51,18 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
         None => frame_times(mechanism, scene.view.fps),
     };
-    let trajectory = solve(mechanism, &times)?;
-    super::solve::refuse_interrupted()?;
+    let trajectory = certify::motion(mechanism, &times, args.certify)?;
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
+    let motion = MotionProof::of(&trajectory, args.certify);
     let clearances = clearance::run(args, scene, &times, term)?;
-    let collides = clearances.as_ref().is_some_and(|part| !part.passed);
+    let fails = [
+        worst > args.tolerance,
+        !motion.as_ref().is_none_or(MotionProof::is_whole),
+        clearances.as_ref().is_some_and(|part| !part.passed),
+    ];
     let outcome = match closed {
-        Outcome::Done if worst > args.tolerance || collides => Outcome::CheckFailed,
+        Outcome::Done if fails.contains(&true) => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -69,9 +73,17 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let branches = branches(&trajectory);
     let proof = Proof::of(&trajectory);
     let verdict = verdict(outcome);
+    let assumptions = certify::assumptions(mechanism, args.certify)?;
+    let assumed = match assumptions.is_empty() {
+        true => String::new(),
+        false => format!("  assumed          {}\n", assumptions.join("; ")),
+    };
+    let motion_line = motion.as_ref().map_or_else(String::new, |proof| {
+        format!("  motion           {}\n", proof.sentence(mechanism))
+    });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{}  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -97,6 +109,8 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "assumed": assumptions,
+        "motion": motion.as_ref().map(MotionProof::json),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "clearance": clearances.map(|part| part.document),
         "result": verdict,
@@ -149,11 +163,15 @@ impl Proof {
     }
 
     fn sentence(&self, mechanism: &Mechanism) -> String {
+        if self.reasons == [Reason::NotAsked.word()] {
+            return "not asked for".to_owned();
+        }
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {:.1e} {unit}, the only pose within {:.3} {unit}; ",
-                p.error_bound, p.unique_radius
+                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
+                p.error_bound,
+                report::radius(p.unique_radius)
             )
         });
         let reasons = if self.reasons.is_empty() {

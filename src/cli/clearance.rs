@@ -40,7 +40,7 @@ pub fn run(
         return Ok(None);
     };
     let mechanism = &scene.mechanism;
-    let progress = Progress::new(ProgressArg::Auto, term.quiet());
+    let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
     let found = check(mechanism, rules, times, args.bound_tolerance, &|done, all| {
         progress.show(done, all);
     });
@@ -61,7 +61,7 @@ pub fn run(
     Ok(Some(Part {
         text: table(mechanism, &found, args.worst),
         document: to_json(mechanism, &found),
-        passed: found.passed(),
+        passed: found.passed() && found.gaps.is_empty(),
     }))
 }
 

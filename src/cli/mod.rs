@@ -1,6 +1,7 @@
 //! The command line: one file a verb, outcome to exit code. The only room that prints.
 
 pub mod args;
+mod certify;
 mod check;
 mod clearance;
 mod clearance_picture;

@@ -73,6 +73,15 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
     }
 }
 
+/// A radius with as many digits as it needs.
+pub fn radius(value: f64) -> String {
+    if value < 0.01 {
+        format!("{value:.1e}")
+    } else {
+        format!("{value:.3}")
+    }
+}
+
 /// `p = -17 mm, phi = 0.2 rad`.
 pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
     use crate::model::mechanism::Kind;

@@ -1,12 +1,12 @@
 //! `mechanim solve`: the motion as a table.
 
-use super::args::{SolveArgs, TableFormat};
+use super::args::{CertifyArg, SolveArgs, TableFormat};
+use super::certify::{self, MotionProof};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{CANCEL, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
-use crate::kinematics::continuation::solve;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::model::mechanism::Mechanism;
@@ -24,6 +24,13 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
+    if args.at.is_some() && args.certify == CertifyArg::Motion {
+        let hints = vec!["leave out --at: the table has the times in its first column".to_owned()];
+        return Err(Failure::usage(
+            "a single instant has no motion to certify",
+            hints,
+        ));
+    }
     let scene = open_scene::open(&args.scene, term)?;
     let derivatives = derivatives(args, &scene.mechanism)?;
     let times = times(args, &scene)?;
@@ -32,18 +39,22 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         Box::new(Target::create(&args.out)?)
     };
-    let mut trajectory = solve(&scene.mechanism, &times)?;
-    refuse_interrupted()?;
+    let mut trajectory = certify::motion(&scene.mechanism, &times, args.certify)?;
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
     let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let proof = MotionProof::of(&trajectory, args.certify);
+    if let Some(proof) = proof.filter(|p| !p.is_whole()) {
+        term.warning(&format!("motion: {}", proof.sentence(&scene.mechanism)));
+    }
     if let Some(wanted) = derivatives {
         add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;
     }
     let columns = Columns {
         rates: args.rates,
         derivatives,
+        motion: args.certify == CertifyArg::Motion,
     };
     match format {
         TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,

@@ -15,6 +15,8 @@ pub struct Columns {
     pub rates: bool,
     /// Rates up to an order of unknowns, traced points and outputs.
     pub derivatives: Option<RateColumns>,
+    /// The proof of the motion up to the next sample.
+    pub motion: bool,
 }
 
 /// A cell of the table.
@@ -37,10 +39,13 @@ pub fn write_csv(
         .map(|name| quoted(name))
         .collect::<Vec<_>>()
         .join(",");
-    for sample in &trajectory.samples {
+    for (index, sample) in trajectory.samples.iter().enumerate() {
         line.push('\n');
         emit(&line, output)?;
         line = cells(mechanism, sample, columns)
+            .into_iter()
+            .chain(motion_cells(trajectory, index, columns))
+            .collect::<Vec<_>>()
             .iter()
             .map(csv_cell)
             .collect::<Vec<_>>()
@@ -61,8 +66,11 @@ pub fn write_json(
     let samples: Vec<Value> = trajectory
         .samples
         .iter()
-        .map(|sample| {
-            let values = cells(mechanism, sample, columns).into_iter().map(json_cell);
+        .enumerate()
+        .map(|(index, sample)| {
+            let cells = cells(mechanism, sample, columns).into_iter();
+            let values = cells.chain(motion_cells(trajectory, index, columns));
+            let values = values.map(json_cell);
             Value::Object(names.iter().cloned().zip(values).collect::<Map<_, _>>())
         })
         .collect();
@@ -144,6 +152,15 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
         "status",
     ];
     names.extend(proof.map(str::to_owned));
+    if columns.motion {
+        let motion = [
+            "motion_tubes",
+            "motion_radius",
+            "motion_unique",
+            "motion_status",
+        ];
+        names.extend(motion.map(str::to_owned));
+    }
     names
 }
 
@@ -152,7 +169,11 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     let inputs = mechanism.inputs.iter().zip(&sample.inputs);
     cells.extend(inputs.map(|(c, v)| Cell::Number(v * mechanism.file_units(c.kind))));
     let Some(pose) = &sample.pose else {
-        let missing = header(mechanism, columns).len() - cells.len() - 1;
+        let before_the_motion = Columns {
+            motion: false,
+            ..columns
+        };
+        let missing = header(mechanism, before_the_motion).len() - cells.len() - 1;
         cells.extend((0..missing).map(|_| Cell::Empty));
         cells.push(Cell::Text("no-pose".to_owned()));
         return cells;
@@ -195,6 +216,25 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     });
     cells.push(Cell::Whole(u64::from(pose.iterations)));
     cells.push(Cell::Text("ok".to_owned()));
+    cells
+}
+
+/// What is proved of the motion from sample `index` to the next one; empty after the last.
+fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<Cell> {
+    if !columns.motion {
+        return Vec::new();
+    }
+    let Some(interval) = trajectory.intervals.get(index) else {
+        return vec![Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty];
+    };
+    let mut cells = vec![Cell::Whole(interval.tubes as u64)];
+    if interval.tubes > 0 {
+        cells.extend([interval.radius, interval.unique_radius].map(Cell::Number));
+    } else {
+        cells.extend([Cell::Empty, Cell::Empty]);
+    }
+    let refused = interval.refused.map(|r| r.obstacle.word());
+    cells.push(Cell::Text(refused.unwrap_or("certified").to_owned()));
     cells
 }
 

@@ -1,6 +1,7 @@
 //! The solved motion as values: samples with their proof, and the events between them.
 
 use super::certificate::Certificate;
+use super::certificate::tube::IntervalCertificate;
 use crate::math::Pose;
 use glam::DVec3;
 
@@ -94,6 +95,9 @@ pub struct Trajectory {
     pub samples: Vec<Sample>,
     /// Events in the order of time.
     pub events: Vec<Event>,
+    /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
+    /// asked for.
+    pub intervals: Vec<IntervalCertificate>,
 }
 
 impl Trajectory {

@@ -18,11 +18,12 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 4] = builtin![
+pub const ALL: [Builtin; 5] = builtin![
     "gearshift",
     "gearshift-optimised",
     "slider-crank",
-    "seven-r"
+    "seven-r",
+    "dyads",
 ];
 
 /// The built-in scene of that name.

@@ -18,14 +18,17 @@
 //! to q and eta through the second derivatives.
 //!
 //! Limits: equations that the structure found empty at random poses are taken as empty. Of an over-determined
-//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Arguments and
-//! equations that are no affine forms are refused.
+//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Where arguments
+//! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
+//! simpler, and a few times less sharp. The motion between poses is proved there too.
 
 pub mod chain;
 pub mod double;
 pub mod flow;
+pub mod interval;
 mod kantorovich;
 mod system;
+pub mod tube;
 
 use super::structure::Structure;
 use crate::model::chain::Argument;
@@ -60,7 +63,7 @@ pub enum Certificate {
 /// Why a pose has no certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// An argument or equation is a general formula, whose second derivatives are not bounded here.
+    /// A formula has no bounded derivatives here: a kink, a pole, the end of its range.
     Formula,
     /// Too near a singular pose (or too far from a closed one) for the test to succeed.
     Singular,
@@ -68,6 +71,8 @@ pub enum Reason {
     HalfTurn,
     /// An equation that the proof leaves out does not hold.
     Open,
+    /// Nobody wanted one.
+    NotAsked,
 }
 
 impl Reason {
@@ -78,6 +83,7 @@ impl Reason {
             Self::Singular => "near-singular",
             Self::HalfTurn => "half-turn",
             Self::Open => "open",
+            Self::NotAsked => "not-asked",
         }
     }
 }
@@ -109,7 +115,11 @@ impl<'m> Certifier<'m> {
     /// Tries to prove the pose at `coordinates` (unknowns, then inputs). `bases` are the rows that each block is
     /// proved on, as [`BranchWatch::bases`](super::branch::BranchWatch::bases) has them.
     pub fn certify(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
-        match self.prove(coordinates, bases) {
+        let proof = match self.prove(coordinates, bases) {
+            Err(Reason::Formula) => tube::pose(self.mechanism, self.structure, coordinates, bases),
+            proof => proof,
+        };
+        match proof {
             Ok((error, radius)) => Certificate::Certified {
                 error_bound: error * self.mechanism.size * (1.0 + 1e-12),
                 unique_radius: radius * self.mechanism.size * (1.0 - 1e-12),

@@ -27,6 +27,17 @@ pub fn solve(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, Structu
     Ok(Follower::new(mechanism, &structure).run(times))
 }
 
+/// The same without certificates of the poses, which say that nobody asked for them.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_unproved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
+    let structure = Structure::new(mechanism)?;
+    let mut follower = Follower::new(mechanism, &structure);
+    follower.certifier = None;
+    Ok(follower.run(times))
+}
+
 /// A regular or singular pose on the way, with what is needed to go on from it.
 #[derive(Clone, Debug)]
 struct Stand {
@@ -48,7 +59,7 @@ struct Follower<'m> {
     structure: &'m Structure,
     corrector: Corrector,
     watch: BranchWatch,
-    certifier: Certifier<'m>,
+    certifier: Option<Certifier<'m>>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
     best_sigma: f64,
@@ -64,7 +75,7 @@ impl<'m> Follower<'m> {
             structure,
             corrector: Corrector::new(structure),
             watch: BranchWatch::default(),
-            certifier: Certifier::new(mechanism, structure),
+            certifier: Some(Certifier::new(mechanism, structure)),
             anchor: None,
             best_sigma: 0.0,
             interval: mechanism.duration,

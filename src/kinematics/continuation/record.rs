@@ -1,5 +1,6 @@
 //! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
 
+use super::super::certificate::{Certificate, Reason};
 use super::super::forward;
 use super::super::trajectory::{ClosedPose, Sample};
 use super::{Follower, Stand};
@@ -40,7 +41,7 @@ impl Follower<'_> {
             condition: stand.branch.condition,
             rank: stand.branch.rank,
             branch: stand.branch.signature(),
-            certificate: self.certifier.certify(coordinates, self.watch.bases()),
+            certificate: self.certificate(coordinates),
             iterations: self.iterations,
         };
         let inputs = coordinates[n..].to_vec();
@@ -49,6 +50,15 @@ impl Follower<'_> {
             inputs,
             pose: Some(pose),
         });
+    }
+
+    fn certificate(&self, coordinates: &[f64]) -> Certificate {
+        match &self.certifier {
+            Some(certifier) => certifier.certify(coordinates, self.watch.bases()),
+            None => Certificate::Refused {
+                reason: Reason::NotAsked,
+            },
+        }
     }
 
     /// Rates of the unknowns per second: the tangent along the drive's own rate.
