@@ -211,7 +211,7 @@ fn mutated_scenes_fail_with_the_right_pair() {
     ];
     for (what, text, pair, time) in cases {
         let text = if what == "input stretched" {
-            text.replace("minimum = 0.5", "minimum = 25")
+            text.replace("minimum = 0.5", "minimum = 31")
         } else {
             text
         };

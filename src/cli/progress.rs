@@ -78,7 +78,8 @@ impl Progress {
                 let mut stderr = std::io::stderr().lock();
                 let _ = write!(
                     stderr,
-                    "\r{bar} {done}/{total} frames, {}\x1b[K",
+                    "\r{bar} {done}/{total} {}, {}\x1b[K",
+                    self.what,
                     self.rate(done, total)
                 );
                 let _ = stderr.flush();
