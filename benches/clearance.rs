@@ -97,7 +97,9 @@ fn main() {
     }
     for scene in ["gearshift", "slider-crank", "seven-r"] {
         let path = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
-        let best = (0..3).map(|_| check_scene(&path)).fold(f64::INFINITY, f64::min);
+        let best = (0..3)
+            .map(|_| check_scene(&path))
+            .fold(f64::INFINITY, f64::min);
         println!("check {scene:<14} {best:>8.1} ms");
     }
 }

@@ -41,7 +41,10 @@ fn dense(scene: &Scene, pair: [usize; 2], count: usize) -> f64 {
     let hulls = pair.map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
     let at = |pose: &mechanim::kinematics::trajectory::ClosedPose| {
         let a_from_b = pose.bodies[pair[0]].inverse() * pose.bodies[pair[1]];
-        nearest(&hulls[0], &hulls[1], &a_from_b).unwrap().proximity.distance
+        nearest(&hulls[0], &hulls[1], &a_from_b)
+            .unwrap()
+            .proximity
+            .distance
     };
     trajectory.poses().map(at).fold(f64::INFINITY, f64::min)
 }
@@ -53,9 +56,16 @@ fn bars_of_the_dyad_mechanism_come_as_near_as_known() {
         let report = report(&scene, samples, 1e-3);
         let least = &report.judged[0].least;
         // Two radii of 1 less than the distance of the bars' centre lines, 4.710267.
-        assert!((least.distance - 2.710_267).abs() < 2e-4, "{}", least.distance);
+        assert!(
+            (least.distance - 2.710_267).abs() < 2e-4,
+            "{}",
+            least.distance
+        );
         assert!(least.is_certified && least.is_refined, "{least:?}");
-        assert!(least.bound <= 2.710_268 && least.bound > 2.710_267 * 0.99, "{least:?}");
+        assert!(
+            least.bound <= 2.710_268 && least.bound > 2.710_267 * 0.99,
+            "{least:?}"
+        );
     }
 }
 
@@ -70,9 +80,20 @@ fn bounds_hold_against_dense_samples() {
             let pair = names(&scene, p);
             if least.distance > 0.0 {
                 assert!(least.is_certified, "{name} {pair:?}: {least:?}");
-                assert!(least.bound <= dense, "{name} {pair:?}: {} > {dense}", least.bound);
-                assert!(least.bound >= 0.989 * least.distance, "{name} {pair:?}: {least:?}");
-                assert!(least.distance <= dense * 1.02, "{name} {pair:?}: {} {dense}", least.distance);
+                assert!(
+                    least.bound <= dense,
+                    "{name} {pair:?}: {} > {dense}",
+                    least.bound
+                );
+                assert!(
+                    least.bound >= 0.989 * least.distance,
+                    "{name} {pair:?}: {least:?}"
+                );
+                assert!(
+                    least.distance <= dense * 1.02,
+                    "{name} {pair:?}: {} {dense}",
+                    least.distance
+                );
             }
         }
     }
@@ -89,24 +110,40 @@ fn rates_stay_within_their_bounds() {
     let mut motion = Motion::new(mechanism, &structure, &even_times(mechanism, 480)).unwrap();
     let mut proved = 0;
     for root in (0..motion.roots).step_by(7) {
-        let Some(halves) = motion.halves(root) else { continue };
+        let Some(halves) = motion.halves(root) else {
+            continue;
+        };
         for first in halves {
-            let Some(quarters) = motion.halves(first) else { continue };
+            let Some(quarters) = motion.halves(first) else {
+                continue;
+            };
             for k in quarters {
                 let span = motion.spans[k].clone();
                 if !span.is_certified {
                     continue;
                 }
                 proved += 1;
-                let (from, to) = (motion.instants[span.start].time, motion.instants[span.end].time);
-                let times: Vec<f64> = (0..=20).map(|i| from + (to - from) * f64::from(i) / 20.0).collect();
-                let start: Vec<f64> = [0.0].into_iter().chain(even_times(mechanism, 480)).filter(|t| *t < from).collect();
+                let (from, to) = (
+                    motion.instants[span.start].time,
+                    motion.instants[span.end].time,
+                );
+                let times: Vec<f64> = (0..=20)
+                    .map(|i| from + (to - from) * f64::from(i) / 20.0)
+                    .collect();
+                let start: Vec<f64> = [0.0]
+                    .into_iter()
+                    .chain(even_times(mechanism, 480))
+                    .filter(|t| *t < from)
+                    .collect();
                 let trajectory = solve(mechanism, &[start.clone(), times].concat()).unwrap();
                 let middle = &motion.instants[span.middle];
                 for sample in &trajectory.samples[start.len()..] {
                     let pose = sample.pose.as_ref().unwrap();
-                    let values = mechanism.argument_values(&[pose.unknowns.as_slice(), &sample.inputs].concat());
-                    for ((drift, there), here) in span.arguments.iter().zip(&values).zip(&middle.arguments) {
+                    let values = mechanism
+                        .argument_values(&[pose.unknowns.as_slice(), &sample.inputs].concat());
+                    for ((drift, there), here) in
+                        span.arguments.iter().zip(&values).zip(&middle.arguments)
+                    {
                         let way = sample.time - middle.time;
                         let off = (there.value - here.value - drift.rate * way).abs();
                         let most = drift.deviation * way.abs() + 1e-9;
@@ -145,16 +182,32 @@ minimum = 0.1
 fn a_thin_fast_pair_between_two_samples_is_caught() {
     let scene = open(THIN_AND_FAST);
     let report = report(&scene, 5, 1e-3);
-    let sampled = report.judged[0].distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let sampled = report.judged[0]
+        .distances
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     assert!(sampled > 5.0, "the samples miss it: {sampled}");
     let worst = &report.judged[0];
     assert_eq!(worst.judgement, Judgement::Failed);
     assert_eq!(names(&scene, worst), ["arm", "pin"]);
-    let passes = [1.234 / 20.0, (1.234 + std::f64::consts::TAU) / 20.0, (1.234 + 2.0 * std::f64::consts::TAU) / 20.0];
-    assert!(passes.iter().any(|t| (worst.least.time - t).abs() < 1e-3), "{}", worst.least.time);
+    let passes = [
+        1.234 / 20.0,
+        (1.234 + std::f64::consts::TAU) / 20.0,
+        (1.234 + 2.0 * std::f64::consts::TAU) / 20.0,
+    ];
+    assert!(
+        passes.iter().any(|t| (worst.least.time - t).abs() < 1e-3),
+        "{}",
+        worst.least.time
+    );
     // Two joints lie between arm and hub; pin and hub are one part.
     assert_eq!(report.judged.len(), 2);
-    let joints: Vec<_> = report.excluded.iter().map(|p| p.judgement.clone()).collect();
+    let joints: Vec<_> = report
+        .excluded
+        .iter()
+        .map(|p| p.judgement.clone())
+        .collect();
     assert_eq!(joints, [Judgement::Neighbours("one rigid part")]);
 }
 
@@ -167,7 +220,9 @@ fn neighbours_of_the_gearshift() {
         .iter()
         .map(|p| {
             let [a, b] = names(&scene, p);
-            let Judgement::Neighbours(joint) = p.judgement else { panic!("{p:?}") };
+            let Judgement::Neighbours(joint) = p.judgement else {
+                panic!("{p:?}")
+            };
             format!("{a} - {b}: {joint}")
         })
         .collect();
@@ -200,14 +255,50 @@ fn mutated_scenes_fail_with_the_right_pair() {
     let crank = builtin("slider-crank");
     let bars = data("dyad-bars.toml");
     let cases = [
-        ("rocker's arm thickened", swap(&shift, r#"to = [0, 0, "L5h"], radius = 11"#, r#"to = [0, 0, "L5h"], radius = 90"#),
-         ["rocker", "short link"], Some(0.70)),
-        ("rail moved into the coupler's way", swap(&shift, "center = [455, 235, 150], size = [1450, 26, 110]", "center = [455, 205, 250], size = [1450, 26, 310]"),
-         ["frame", "short link"], None),
-        ("ignore removed", swap(&crank, "ignore = ", "# ignore = "), ["frame", "rod"], None),
-        ("bars thickened", bars.replace("radius = 1 ", "radius = 2.4 "), ["bar 0-5", "bar 8-9"], Some(1.47487)),
-        ("more room asked for", swap(&bars, "minimum = 1", "minimum = 2.8"), ["bar 0-5", "bar 8-9"], Some(1.47487)),
-        ("input stretched", swap(&shift, "[0.70, -17], [1.45, 17]", "[0.70, -17], [1.45, 26]"), ["frame", "coupler"], Some(1.45)),
+        (
+            "rocker's arm thickened",
+            swap(
+                &shift,
+                r#"to = [0, 0, "L5h"], radius = 11"#,
+                r#"to = [0, 0, "L5h"], radius = 90"#,
+            ),
+            ["rocker", "short link"],
+            Some(0.70),
+        ),
+        (
+            "rail moved into the coupler's way",
+            swap(
+                &shift,
+                "center = [455, 235, 150], size = [1450, 26, 110]",
+                "center = [455, 205, 250], size = [1450, 26, 310]",
+            ),
+            ["frame", "short link"],
+            None,
+        ),
+        (
+            "ignore removed",
+            swap(&crank, "ignore = ", "# ignore = "),
+            ["frame", "rod"],
+            None,
+        ),
+        (
+            "bars thickened",
+            bars.replace("radius = 1 ", "radius = 2.4 "),
+            ["bar 0-5", "bar 8-9"],
+            Some(1.47487),
+        ),
+        (
+            "more room asked for",
+            swap(&bars, "minimum = 1", "minimum = 2.8"),
+            ["bar 0-5", "bar 8-9"],
+            Some(1.47487),
+        ),
+        (
+            "input stretched",
+            swap(&shift, "[0.70, -17], [1.45, 17]", "[0.70, -17], [1.45, 26]"),
+            ["frame", "coupler"],
+            Some(1.45),
+        ),
     ];
     for (what, text, pair, time) in cases {
         let text = if what == "input stretched" {
@@ -222,7 +313,11 @@ fn mutated_scenes_fail_with_the_right_pair() {
         assert_eq!(names(&scene, worst), pair, "{what}");
         assert_eq!(worst.judgement, Judgement::Failed, "{what}");
         if let Some(time) = time {
-            assert!((worst.least.time - time).abs() < 0.02, "{what}: {}", worst.least.time);
+            assert!(
+                (worst.least.time - time).abs() < 0.02,
+                "{what}: {}",
+                worst.least.time
+            );
         }
     }
     for text in [shift, crank, bars] {
@@ -241,9 +336,19 @@ fn exclusions_that_are_not_needed_are_named() {
     let scene = open(&text);
     let report = report(&scene, 40, 1e-2);
     assert_eq!(report.judged.len(), 1);
-    assert!(report.warnings.iter().any(|w| w.contains("neighbours")), "{:?}", report.warnings);
-    let ignored = report.excluded.iter().find(|p| p.judgement == Judgement::Ignored("a brush".to_owned()));
-    assert!(ignored.is_some_and(|p| p.least.distance.is_finite()), "{ignored:?}");
+    assert!(
+        report.warnings.iter().any(|w| w.contains("neighbours")),
+        "{:?}",
+        report.warnings
+    );
+    let ignored = report
+        .excluded
+        .iter()
+        .find(|p| p.judgement == Judgement::Ignored("a brush".to_owned()));
+    assert!(
+        ignored.is_some_and(|p| p.least.distance.is_finite()),
+        "{ignored:?}"
+    );
 }
 
 /// A drive that is a general formula of time, and a joint that is one: bounds are proved for the first and estimated,

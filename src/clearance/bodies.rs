@@ -58,7 +58,12 @@ pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<BodyProximity> {
     let placed: Vec<Element> = b.elements.iter().map(|e| e.moved(a_from_b)).collect();
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, first) in a.elements.iter().enumerate() {
-        pairs.extend(placed.iter().enumerate().map(|(j, second)| (apart(first, second), i, j)));
+        pairs.extend(
+            placed
+                .iter()
+                .enumerate()
+                .map(|(j, second)| (apart(first, second), i, j)),
+        );
     }
     pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
     let mut best: Option<BodyProximity> = None;

@@ -6,8 +6,8 @@ use super::mesh::Enclosure;
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::sweep::{Least, PairSweep};
-use crate::kinematics::structure::StructureError;
 use crate::kinematics::structure::Structure;
+use crate::kinematics::structure::StructureError;
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 
@@ -106,7 +106,11 @@ pub fn check(
     let mut report = ClearanceReport {
         judged: Vec::new(),
         excluded: Vec::new(),
-        times: motion.samples.iter().map(|k| motion.instants[*k].time).collect(),
+        times: motion
+            .samples
+            .iter()
+            .map(|k| motion.instants[*k].time)
+            .collect(),
         gaps: Vec::new(),
         warnings: mesh_warnings(mechanism, &hulls),
         tolerance,
@@ -149,8 +153,12 @@ pub fn check(
         _ => 2,
     };
     let spare = |p: &PairReport| p.least.distance - p.minimum;
-    report.judged.sort_by(|p, q| rank(p).cmp(&rank(q)).then(spare(p).total_cmp(&spare(q))));
-    report.excluded.sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
+    report
+        .judged
+        .sort_by(|p, q| rank(p).cmp(&rank(q)).then(spare(p).total_cmp(&spare(q))));
+    report
+        .excluded
+        .sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
     Ok(report)
 }
 

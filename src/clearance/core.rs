@@ -269,7 +269,10 @@ pub fn elements(shapes: &[Shape]) -> Vec<Element> {
                 }
             }
             Solid::Triangles(soup) => {
-                add(Core::Mesh(Arc::new(MeshTree::new(soup)), Pose::IDENTITY), 0.0);
+                add(
+                    Core::Mesh(Arc::new(MeshTree::new(soup)), Pose::IDENTITY),
+                    0.0,
+                );
             }
         }
     }

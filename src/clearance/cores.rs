@@ -165,8 +165,10 @@ fn of_circle(a: &Core, circle: &Circle) -> CorePair {
     of_point(a, at(best.at).0)
 }
 
-/// Corners of a polyhedral core, and which of them its edges join.
-fn polyhedron(core: &Core) -> Option<([DVec3; 8], usize, &'static [[usize; 2]])> {
+/// Corners of a polyhedral core, how many there are, and which of them its edges join.
+type Polyhedron = ([DVec3; 8], usize, &'static [[usize; 2]]);
+
+fn polyhedron(core: &Core) -> Option<Polyhedron> {
     match core {
         Core::Box(block) => Some((block.corners(), 8, &BOX_EDGES)),
         Core::Triangle([a, b, c]) => {

@@ -89,7 +89,10 @@ pub fn overlap(a: &Core, b: &Core, near: CorePair) -> CorePair {
         }
     }
     let refined = starts.iter().map(|t| refine(a, b, *t));
-    let best = refined.fold((f64::INFINITY, DVec3::Z), |p, q| if q.0 < p.0 { q } else { p });
+    let best = refined.fold(
+        (f64::INFINITY, DVec3::Z),
+        |p, q| if q.0 < p.0 { q } else { p },
+    );
     CorePair {
         distance: -best.0.max(0.0),
         points: near.points,
@@ -108,7 +111,12 @@ fn refine(a: &Core, b: &Core, start: (f64, DVec3)) -> (f64, DVec3) {
         twist += 0.7;
         let (sin, cos) = sin_cos(twist);
         let (p, q) = (u * cos + v * sin, v * cos - u * sin);
-        let compass = [p, q, (p + q) * std::f64::consts::FRAC_1_SQRT_2, (p - q) * std::f64::consts::FRAC_1_SQRT_2];
+        let compass = [
+            p,
+            q,
+            (p + q) * std::f64::consts::FRAC_1_SQRT_2,
+            (p - q) * std::f64::consts::FRAC_1_SQRT_2,
+        ];
         let mut better = best;
         for d in compass.into_iter().flat_map(|d| [d, -d]) {
             let n = (best.1 + d * turn).normalize();

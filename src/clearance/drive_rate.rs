@@ -88,7 +88,10 @@ pub fn drift(drive: &Drive, start: f64, end: f64) -> Option<Drift> {
             }
         }
     };
-    let (rate, half) = (0.5 * (range.low + range.high), 0.5 * (range.high - range.low));
+    let (rate, half) = (
+        0.5 * (range.low + range.high),
+        0.5 * (range.high - range.low),
+    );
     let deviation = half + WIDER * (rate.abs() + half);
     let drift = Drift {
         rate,

@@ -100,8 +100,17 @@ pub struct Motion<'m> {
 /// The given times, the ends of the drive, and every key of an input, ascending.
 fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
     let last = mechanism.duration;
-    let breaks = mechanism.drives.iter().flat_map(drive_rate::breaks).copied();
-    let mut all: Vec<f64> = times.iter().copied().chain(breaks).chain([0.0, last]).collect();
+    let breaks = mechanism
+        .drives
+        .iter()
+        .flat_map(drive_rate::breaks)
+        .copied();
+    let mut all: Vec<f64> = times
+        .iter()
+        .copied()
+        .chain(breaks)
+        .chain([0.0, last])
+        .collect();
     all.retain(|t| (0.0..=last).contains(t));
     all.sort_by(f64::total_cmp);
     all.dedup_by(|b, a| *b - *a <= SAME_TIME * last);
@@ -161,7 +170,12 @@ impl<'m> Motion<'m> {
     fn fix_bases(&mut self, first: usize) {
         let mut watch = BranchWatch::default();
         let coordinates = &self.instants[first].coordinates;
-        watch.observe(self.mechanism, self.structure, &mut self.corrector, coordinates);
+        watch.observe(
+            self.mechanism,
+            self.structure,
+            &mut self.corrector,
+            coordinates,
+        );
         self.bases = watch.bases().to_vec();
         // Formulas are refused at every pose; then there is no use in halving.
         let affine = |a: &Argument| match a {
@@ -169,7 +183,11 @@ impl<'m> Motion<'m> {
             Argument::Formula(e) => e.affine().is_some(),
         };
         self.can_be_proved = self.mechanism.arguments.iter().all(affine)
-            && self.mechanism.equations.iter().all(|e| e.expression.affine().is_some());
+            && self
+                .mechanism
+                .equations
+                .iter()
+                .all(|e| e.expression.affine().is_some());
     }
 
     fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
@@ -199,7 +217,12 @@ impl<'m> Motion<'m> {
         let closed = finite
             && self
                 .corrector
-                .correct(self.mechanism, self.structure, &mut coordinates, Pace::Brisk)
+                .correct(
+                    self.mechanism,
+                    self.structure,
+                    &mut coordinates,
+                    Pace::Brisk,
+                )
                 .converged;
         if !closed {
             self.gaps.push([t0, t1]);

@@ -10,6 +10,7 @@ use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::mechanism::Mechanism;
 use glam::DMat3;
+use std::collections::HashMap;
 
 /// Fixed poses agree when they differ by less than this, relative to the mechanism's size.
 const SAME: f64 = 1e-9;
@@ -37,21 +38,26 @@ fn inverse(word: &[Step]) -> Word {
     back.collect()
 }
 
+fn motions(word: &[Step]) -> usize {
+    let joints = word.iter().filter(|s| matches!(s, Step::Joint { .. }));
+    joints.count()
+}
+
 /// Decides neighbourhood in one mechanism.
 pub struct Neighbours<'m> {
     mechanism: &'m Mechanism,
-    /// Every loop and its inverse, from every joint on, starting with that joint.
-    loops: Vec<Word>,
+    /// Every loop and its inverse, from every joint on, by the argument of that joint.
+    loops: HashMap<usize, Vec<Word>>,
 }
 
 impl<'m> Neighbours<'m> {
     /// Prepares the loops.
     pub fn new(mechanism: &'m Mechanism) -> Self {
-        let mut loops = Vec::new();
+        let mut loops: HashMap<usize, Vec<Word>> = HashMap::new();
         let short = |word: &Word| word.len() <= LONGEST;
         let scene = Self {
             mechanism,
-            loops: Vec::new(),
+            loops: HashMap::new(),
         };
         for item in &mechanism.loops {
             for word in [item.chain.steps.clone(), inverse(&item.chain.steps)] {
@@ -60,8 +66,9 @@ impl<'m> Neighbours<'m> {
                     continue;
                 }
                 for start in 0..word.len() {
-                    if matches!(word[start], Step::Joint { .. }) {
-                        loops.push([&word[start..], &word[..start]].concat());
+                    if let Step::Joint { argument, .. } = word[start] {
+                        let turned = [&word[start..], &word[..start]].concat();
+                        loops.entry(argument).or_default().push(turned);
                     }
                 }
             }
@@ -116,28 +123,45 @@ impl<'m> Neighbours<'m> {
         out
     }
 
-    /// Replaces the largest part that a loop can shorten; `None` if none can.
-    fn shortened(&self, word: &[Step]) -> Option<Word> {
-        let joints = |w: &[Step]| w.iter().filter(|s| matches!(s, Step::Joint { .. })).count();
-        let mut best: Option<(usize, Word)> = None;
-        for item in &self.loops {
-            let all = joints(item);
-            for start in 0..word.len() {
+    /// What loops can make of a word without adding motions.
+    fn moves(&self, word: &[Step]) -> Vec<Word> {
+        let mut found = Vec::new();
+        for (start, step) in word.iter().enumerate() {
+            let Step::Joint { argument, .. } = step else {
+                continue;
+            };
+            for item in self.loops.get(argument).into_iter().flatten() {
                 let pairs = word[start..].iter().zip(item);
                 let mut same = pairs.take_while(|(a, b)| self.matches(a, b)).count();
                 // The part ends with a motion; a fixed pose after it may be only half of the loop's.
                 while same > 0 && matches!(item[same - 1], Step::Fixed(_)) {
                     same -= 1;
                 }
-                let saved = (2 * joints(&item[..same])).saturating_sub(all);
-                if saved > best.as_ref().map_or(0, |b| b.0) {
-                    let rest = inverse(&item[same..]);
-                    let new = [&word[..start], &rest, &word[start + same..]].concat();
-                    best = Some((saved, new));
+                let replaced = motions(&item[..same]);
+                if 2 * replaced < motions(item) {
+                    continue;
                 }
+                let rest = inverse(&item[same..]);
+                let new = [&word[..start], &rest, &word[start + same..]].concat();
+                found.push(self.reduced(&new));
             }
         }
-        best.map(|b| b.1)
+        found
+    }
+
+    /// A word with fewer motions; `None` if no loop, and no loop after a detour of equal length, gives one.
+    fn shortened(&self, word: &[Step]) -> Option<Word> {
+        let now = motions(word);
+        let mut detours = Vec::new();
+        for new in self.moves(word) {
+            if motions(&new) < now {
+                return Some(new);
+            }
+            detours.push(new);
+        }
+        let beyond = detours.iter().flat_map(|detour| self.moves(detour));
+        let mut shorter = beyond.filter(|new| motions(new) < now);
+        shorter.next()
     }
 
     /// The shortest way found from body `a` to body `b`.
@@ -150,7 +174,7 @@ impl<'m> Neighbours<'m> {
         }
         // Every shortening saves a motion, so this ends.
         while let Some(shorter) = self.shortened(&word) {
-            word = self.reduced(&shorter);
+            word = shorter;
         }
         Some(word)
     }

@@ -93,7 +93,9 @@ pub fn is_inside(a: &Element, b: &Element) -> bool {
 
 fn far(core: &Core, points: &[DVec3]) -> f64 {
     let distances = points.iter().filter_map(|p| point_to(core, *p));
-    distances.map(|hit| hit.distance).fold(f64::NEG_INFINITY, f64::max)
+    distances
+        .map(|hit| hit.distance)
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn backwards(core: &Core, at: f64, point: DVec3, tangent: DVec3) -> Spot {

@@ -69,7 +69,8 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
         circle.directions()[0]
     };
     let nearest = circle.center + outward * circle.radius;
-    let distance = libm::hypot(rho - circle.radius, height);
+    // Lengths are far from overflow: a root is faster than `hypot` and as exact.
+    let distance = DVec2::new(rho - circle.radius, height).length();
     let normal = if distance > 0.0 {
         (outward * (rho - circle.radius) + circle.axis * height) / distance
     } else {

@@ -77,7 +77,9 @@ impl RelativeChain {
     /// The pose `a_from_b`.
     pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
         let mut pose = Pose::IDENTITY;
-        self.steps.iter().for_each(|step| step.advance(&mut pose, arguments));
+        self.steps
+            .iter()
+            .for_each(|step| step.advance(&mut pose, arguments));
         pose
     }
 

@@ -25,9 +25,6 @@ const PIECES: usize = 16;
 /// How often a piece is halved that could hide a smaller value.
 const HALVINGS: u32 = 3;
 
-/// Most spots: all pieces halved as often as allowed.
-const SPOTS: usize = PIECES * (1 << HALVINGS) + 1;
-
 /// Least spot of a convex function on [low, high].
 pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
     let (a, b) = (f(low), f(high));
@@ -45,43 +42,35 @@ pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
 /// Exact when no two minima of very different depth share a piece of 1/128 of the range that a bound of the slope
 /// cannot rule out.
 pub fn least(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> Spot) -> Spot {
-    let mut spots = [Spot::default(); SPOTS];
-    let mut count = PIECES + 1;
-    let mut best = Spot {
+    let place = |k: usize| low + (high - low) * (k as f64 / PIECES as f64);
+    let mut spots: Vec<Spot> = (0..=PIECES).map(|k| f(place(k))).collect();
+    let far = Spot {
         value: f64::INFINITY,
         ..Spot::default()
     };
-    for (k, spot) in spots[..count].iter_mut().enumerate() {
-        *spot = f(low + (high - low) * (k as f64 / PIECES as f64));
-        if spot.value < best.value {
-            best = *spot;
-        }
-    }
+    let mut best = spots
+        .iter()
+        .fold(far, |best, s| if s.value < best.value { *s } else { best });
     let hides = |a: &Spot, b: &Spot, best: &Spot| {
         let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
         lowest < best.value
     };
     for _ in 0..HALVINGS {
-        best = valleys(&spots[..count], best, &hides, &f);
-        let mut finer = [Spot::default(); SPOTS];
-        let mut filled = 0;
-        for k in 0..count {
-            finer[filled] = spots[k];
-            filled += 1;
-            let Some(next) = spots[..count].get(k + 1) else {
-                break;
-            };
-            if hides(&spots[k], next, &best) {
-                finer[filled] = f(0.5 * (spots[k].at + next.at));
-                filled += 1;
+        best = valleys(&spots, best, &hides, &f);
+        let mut finer = Vec::with_capacity(2 * spots.len());
+        for pair in spots.windows(2) {
+            finer.push(pair[0]);
+            if hides(&pair[0], &pair[1], &best) {
+                finer.push(f(0.5 * (pair[0].at + pair[1].at)));
             }
         }
-        if filled == count {
+        finer.extend(spots.last());
+        if finer.len() == spots.len() {
             return best;
         }
-        (spots, count) = (finer, filled);
+        spots = finer;
     }
-    valleys(&spots[..count], best, &hides, &f)
+    valleys(&spots, best, &hides, &f)
 }
 
 /// The best of all bracketed minima.

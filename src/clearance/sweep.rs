@@ -88,34 +88,48 @@ impl<'a> PairSweep<'a> {
 
     /// Distance at one pose.
     pub fn at(&self, motion: &Motion, instant: usize) -> Option<BodyProximity> {
-        nearest(self.hulls[0], self.hulls[1], &self.relative(motion, instant))
+        nearest(
+            self.hulls[0],
+            self.hulls[1],
+            &self.relative(motion, instant),
+        )
     }
 
     /// The least distance of the given poses, without a bound; fills `distances` with all of them.
-    pub fn sampled(&self, motion: &Motion, instants: &[usize], distances: &mut Vec<f64>) -> Option<Least> {
+    pub fn sampled(
+        &self,
+        motion: &Motion,
+        instants: &[usize],
+        distances: &mut Vec<f64>,
+    ) -> Option<Least> {
         let best = self.best_of(motion, instants, distances)?;
         let bound = best.found.proximity.distance;
         Some(self.least(motion, &best, bound, false, false))
     }
 
-    fn best_of(&self, motion: &Motion, instants: &[usize], distances: &mut Vec<f64>) -> Option<Best> {
+    fn best_of(
+        &self,
+        motion: &Motion,
+        instants: &[usize],
+        distances: &mut Vec<f64>,
+    ) -> Option<Best> {
         let mut best: Option<Best> = None;
         for &instant in instants {
             let found = self.at(motion, instant)?;
             let distance = found.proximity.distance;
             distances.push(distance);
-            if best.as_ref().is_none_or(|b| distance < b.found.proximity.distance) {
+            if best
+                .as_ref()
+                .is_none_or(|b| distance < b.found.proximity.distance)
+            {
                 best = Some(Best { found, instant });
             }
         }
         // Surfaces that never touch stay inside or outside of each other: the first pose tells.
         if let (Some(best), Some(&first)) = (&mut best, instants.first())
             && best.found.proximity.distance > 0.0
-            && let Some(elements) = enclosed(
-                self.hulls[0],
-                self.hulls[1],
-                &self.relative(motion, first),
-            )
+            && let Some(elements) =
+                enclosed(self.hulls[0], self.hulls[1], &self.relative(motion, first))
         {
             best.found.elements = elements;
             best.found.proximity.distance = 0.0;
@@ -130,8 +144,11 @@ impl<'a> PairSweep<'a> {
         let mut best = self.best_of(motion, &samples, distances)?;
         let mut bound = best.found.proximity.distance;
         let (mut is_certified, mut is_refined) = (true, true);
-        let at_samples: Vec<(usize, f64)> =
-            samples.iter().copied().zip(distances.iter().copied()).collect();
+        let at_samples: Vec<(usize, f64)> = samples
+            .iter()
+            .copied()
+            .zip(distances.iter().copied())
+            .collect();
         let value = |instant: usize| {
             let place = at_samples.binary_search_by(|(k, _)| k.cmp(&instant));
             place.map_or(f64::NEG_INFINITY, |k| at_samples[k].1)
@@ -154,7 +171,11 @@ impl<'a> PairSweep<'a> {
                 continue;
             }
             let overlaps = best.found.proximity.distance < 0.0;
-            let most = if overlaps { LOOKS_IN_OVERLAP } else { MAX_LOOKS };
+            let most = if overlaps {
+                LOOKS_IN_OVERLAP
+            } else {
+                MAX_LOOKS
+            };
             let lowest = self.look(motion, index, ends, &mut best);
             let near = best.found.proximity.distance;
             let target = near - self.tolerance * self.scale.max(near.abs());
@@ -222,7 +243,14 @@ impl<'a> PairSweep<'a> {
         lowest
     }
 
-    fn least(&self, motion: &Motion, best: &Best, bound: f64, is_certified: bool, is_refined: bool) -> Least {
+    fn least(
+        &self,
+        motion: &Motion,
+        best: &Best,
+        bound: f64,
+        is_certified: bool,
+        is_refined: bool,
+    ) -> Least {
         let instant = &motion.instants[best.instant];
         let world_from_a = instant.bodies[self.bodies[0]];
         let a_from_b = self.relative(motion, best.instant);
@@ -236,7 +264,11 @@ impl<'a> PairSweep<'a> {
         if distance < 0.0 {
             inside = [is_inside(first, &second), is_inside(&second, first)];
         }
-        let points = best.found.proximity.points.map(|p| world_from_a.transform_point(p));
+        let points = best
+            .found
+            .proximity
+            .points
+            .map(|p| world_from_a.transform_point(p));
         let mut least = Least {
             distance,
             time: instant.time,

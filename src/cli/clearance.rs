@@ -3,8 +3,8 @@
 use super::args::{CheckArgs, ProgressArg};
 use super::outcome::Failure;
 use super::progress::Progress;
-use super::term::Term;
 use super::report;
+use super::term::Term;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
 use crate::model::mechanism::Mechanism;
@@ -29,7 +29,11 @@ pub fn run(
     term: &Term,
 ) -> Result<Option<Part>, Failure> {
     let Some(rules) = &scene.clearance else {
-        for (option, path) in [("--junit", &args.junit), ("--csv", &args.csv), ("--render", &args.render)] {
+        for (option, path) in [
+            ("--junit", &args.junit),
+            ("--csv", &args.csv),
+            ("--render", &args.render),
+        ] {
             if path.is_some() {
                 return Err(Failure::usage(
                     format!("{option} reports clearances, and the scene asks for none"),
@@ -41,9 +45,15 @@ pub fn run(
     };
     let mechanism = &scene.mechanism;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
-    let found = check(mechanism, rules, times, args.bound_tolerance, &|done, all| {
-        progress.show(done, all);
-    });
+    let found = check(
+        mechanism,
+        rules,
+        times,
+        args.bound_tolerance,
+        &|done, all| {
+            progress.show(done, all);
+        },
+    );
     progress.end();
     let found = found?;
     for warning in &found.warnings {
@@ -81,7 +91,10 @@ fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String
     }
     if found.judged.len() > worst {
         let rest = found.judged.len() - worst;
-        text.push_str(&format!("    and {rest} more (--worst {})\n", found.judged.len()));
+        text.push_str(&format!(
+            "    and {rest} more (--worst {})\n",
+            found.judged.len()
+        ));
     }
     for p in &found.excluded {
         let [a, b] = names(mechanism, p);
@@ -97,7 +110,9 @@ fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String
         ));
     }
     for [start, end] in &found.gaps {
-        text.push_str(&format!("    not checked from t = {start:.6} s to {end:.6} s\n"));
+        text.push_str(&format!(
+            "    not checked from t = {start:.6} s to {end:.6} s\n"
+        ));
     }
     text
 }

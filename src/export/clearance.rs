@@ -45,7 +45,10 @@ fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
 /// The report as the `clearance` object of `mechanim-check/1`.
 pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport) -> Value {
     let pair = |p: &PairReport| {
-        let judged = matches!(p.judgement, Judgement::Passed | Judgement::Failed | Judgement::Undecided);
+        let judged = matches!(
+            p.judgement,
+            Judgement::Passed | Judgement::Failed | Judgement::Undecided
+        );
         let mut value = json!({
             "bodies": names(mechanism, p),
             "verdict": word(&p.judgement),
@@ -121,7 +124,11 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
 
 /// JUnit XML: one case a pair, excluded ones skipped with their reason.
 pub fn to_junit(mechanism: &Mechanism, report: &ClearanceReport) -> String {
-    let failures = report.judged.iter().filter(|p| p.judgement != Judgement::Passed).count();
+    let failures = report
+        .judged
+        .iter()
+        .filter(|p| p.judgement != Judgement::Passed)
+        .count();
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"{} clearance\" tests=\"{}\" failures=\"{failures}\" skipped=\"{}\">\n",
         escaped(&mechanism.title),
@@ -131,7 +138,9 @@ pub fn to_junit(mechanism: &Mechanism, report: &ClearanceReport) -> String {
     for p in report.judged.iter().chain(&report.excluded) {
         let [a, b] = names(mechanism, p);
         let name = escaped(&format!("{a} / {b}"));
-        text.push_str(&format!("    <testcase classname=\"clearance\" name=\"{name}\""));
+        text.push_str(&format!(
+            "    <testcase classname=\"clearance\" name=\"{name}\""
+        ));
         let message = escaped(&sentence(mechanism, p));
         match &p.judgement {
             Judgement::Passed => text.push_str("/>\n"),

@@ -82,16 +82,20 @@ pub fn resolve(
     rules
 }
 
-fn distance(text: &FormulaText, constants: &Constants, diagnostics: &mut Diagnostics) -> Option<f64> {
+fn distance(
+    text: &FormulaText,
+    constants: &Constants,
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
     let value = constants.value(text, diagnostics)?;
     if value >= 0.0 && value.is_finite() {
         return Some(value);
     }
     let message = format!("a clearance must not be negative, found {}", shown(value));
     diagnostics.push(
-        Diagnostic::error(message)
-            .at(text.span.clone())
-            .hint("0 lets bodies touch but not overlap; bodies that may overlap belong into `ignore`"),
+        Diagnostic::error(message).at(text.span.clone()).hint(
+            "0 lets bodies touch but not overlap; bodies that may overlap belong into `ignore`",
+        ),
     );
     None
 }
@@ -118,7 +122,10 @@ fn once(
     }
     let key = [a.min(b), a.max(b)];
     if let Some((_, other)) = seen.iter().find(|(k, _)| *k == key) {
-        let message = format!("the pair `{}`, `{}` stands twice", first.value, second.value);
+        let message = format!(
+            "the pair `{}`, `{}` stands twice",
+            first.value, second.value
+        );
         diagnostics.push(
             Diagnostic::error(message)
                 .at(pair.span.clone())

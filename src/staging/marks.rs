@@ -60,7 +60,11 @@ impl Marks {
                 None => instance.opacity *= FADED,
             }
             instance.casts_shadow = false;
-        } else if self.alarmed.get(index).is_some_and(|bodies| bodies.contains(&body)) {
+        } else if self
+            .alarmed
+            .get(index)
+            .is_some_and(|bodies| bodies.contains(&body))
+        {
             instance.colour = ALARM;
         }
     }
@@ -74,7 +78,8 @@ impl Marks {
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(part.positions);
             mesh.normals.extend(part.normals);
-            mesh.triangles.extend(part.triangles.iter().map(|t| t.map(|k| k + first)));
+            mesh.triangles
+                .extend(part.triangles.iter().map(|t| t.map(|k| k + first)));
         };
         let radius = LINE_PIXELS * pixel;
         if from.distance(to) > radius {

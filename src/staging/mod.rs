@@ -154,16 +154,15 @@ impl<'a> Staging<'a> {
     }
 
     fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
-        let solids = self
-            .parts
-            .iter()
-            .map(|part| {
-                let mut instance = part.instance(pose, &self.stage.meshes);
-                self.marks.colour(index, part.body(), &mut instance);
-                instance
-            });
+        let solids = self.parts.iter().map(|part| {
+            let mut instance = part.instance(pose, &self.stage.meshes);
+            self.marks.colour(index, part.body(), &mut instance);
+            instance
+        });
         let traces = self.traces.iter().map(|trace| trace.instance(index));
-        let line = self.measure.map(|mesh| Marks::line(mesh, &self.stage.meshes));
+        let line = self
+            .measure
+            .map(|mesh| Marks::line(mesh, &self.stage.meshes));
         solids.chain(traces).chain(line).collect()
     }
 

@@ -224,7 +224,9 @@ impl BlockFlow {
         let mut jacobian = vec![0.0; n * n];
         for (row, out) in self.rows.iter().zip(jacobian.chunks_exact_mut(n.max(1))) {
             for (form, value) in self.forms.iter().zip(&row.columns) {
-                form.own.iter().for_each(|(c, rate)| out[*c] += value * rate);
+                form.own
+                    .iter()
+                    .for_each(|(c, rate)| out[*c] += value * rate);
             }
         }
         self.inverse = invert(jacobian, n)?;
@@ -286,15 +288,27 @@ impl BlockFlow {
     /// Sums bounds over the rows, weighted with row `i` of the inverse.
     fn weighted(&self, i: usize, bends: &[[f64; 2]]) -> f64 {
         let weights = &self.inverse[i * self.n..(i + 1) * self.n];
-        let of = |row: &FlowRow| row.place.map_or(0.0, |(item, component)| bends[item][component / 3]);
-        weights.iter().zip(&self.rows).map(|(w, row)| w.abs() * of(row)).sum()
+        let of = |row: &FlowRow| {
+            row.place
+                .map_or(0.0, |(item, component)| bends[item][component / 3])
+        };
+        weights
+            .iter()
+            .zip(&self.rows)
+            .map(|(w, row)| w.abs() * of(row))
+            .sum()
     }
 
     /// Rates, deviations and plays of the block's unknowns in scaled form.
     fn solve(mut self, half: f64, error: f64) -> Option<Vec<Drift>> {
         let (n, m) = (self.n, self.forms.len());
         let rates: Vec<f64> = (0..n)
-            .map(|i| -self.row(&self.products, i).map(|(p, f)| p * f.rate).sum::<f64>())
+            .map(|i| {
+                -self
+                    .row(&self.products, i)
+                    .map(|(p, f)| p * f.rate)
+                    .sum::<f64>()
+            })
             .collect();
         let of_forms: Vec<f64> = self
             .forms
@@ -321,10 +335,14 @@ impl BlockFlow {
             if !(0..n).all(|j| far(j) <= BALL) {
                 return None;
             }
-            let ways: Vec<Way> = (0..m).map(|k| self.way(k, of_forms[k], &box_of, half, error)).collect();
+            let ways: Vec<Way> = (0..m)
+                .map(|k| self.way(k, of_forms[k], &box_of, half, error))
+                .collect();
             let remainders = self.remainders(&ways);
             let deviation = |i: usize| {
-                let mixed: f64 = (0..n).map(|j| identity[i][j] * (rates[j].abs() + box_of[j])).sum();
+                let mixed: f64 = (0..n)
+                    .map(|j| identity[i][j] * (rates[j].abs() + box_of[j]))
+                    .sum();
                 let bent = self.bent[i * m..(i + 1) * m].iter().zip(&ways);
                 let bent: f64 = bent.map(|(p, w)| p.abs() * w.deviation).sum();
                 let rounding = self.row(&self.products, i).zip(&ways);
@@ -347,7 +365,11 @@ impl BlockFlow {
     }
 
     /// Row `i` of a product with the columns, beside the forms.
-    fn row<'a>(&'a self, of: &'a [f64], i: usize) -> impl Iterator<Item = (&'a f64, &'a FormDrift)> {
+    fn row<'a>(
+        &'a self,
+        of: &'a [f64],
+        i: usize,
+    ) -> impl Iterator<Item = (&'a f64, &'a FormDrift)> {
         let m = self.forms.len();
         of[i * m..(i + 1) * m].iter().zip(&self.forms)
     }

@@ -93,9 +93,10 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let constants = bodies::Constants { names: &names };
-    let clearance = file.clearance.as_ref().map(|section| {
-        super::clearance::resolve(section, &constants, &bodies, diagnostics)
-    });
+    let clearance = file
+        .clearance
+        .as_ref()
+        .map(|section| super::clearance::resolve(section, &constants, &bodies, diagnostics));
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
