@@ -126,14 +126,13 @@ pub fn rotation_log(rotation: &DMat3) -> DVec3 {
     ) * 0.5;
     let cos = 0.5 * (r.x_axis.x + r.y_axis.y + r.z_axis.z - 1.0);
     let sin = skew.length();
-    let angle = sin.atan2(cos);
+    // sin/angle is smooth through zero; below 1e-8 the quotient is 1 to rounding.
+    if cos > 0.0 && sin < 1e-8 {
+        return skew;
+    }
+    let angle = libm::atan2(sin, cos);
     if cos > -0.9 {
-        // sin/angle is smooth through zero; below 1e-6 the quotient is 1 to rounding.
-        return if sin > 1e-6 {
-            skew * (angle / sin)
-        } else {
-            skew
-        };
+        return skew * (angle / sin);
     }
     // Next to π the axis is read from the symmetric part, whose largest column is well conditioned.
     let symmetric = (*r + r.transpose()) * 0.5 - DMat3::from_diagonal(DVec3::splat(cos));

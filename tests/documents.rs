@@ -126,6 +126,7 @@ fn every_reason_of_a_refusal_is_documented() {
         Reason::Formula,
         Reason::Singular,
         Reason::HalfTurn,
+        Reason::GimbalLock,
         Reason::Open,
         Reason::NotAsked,
     ];

@@ -255,7 +255,7 @@ impl<'m> Motion<'m> {
     }
 
     /// Proved drifts of all arguments; `None` if there is no proof.
-    fn prove(&self, [start, middle, end]: [usize; 3], half: f64) -> Option<Vec<Drift>> {
+    fn prove(&mut self, [start, middle, end]: [usize; 3], half: f64) -> Option<Vec<Drift>> {
         if !self.can_be_proved {
             return None;
         }

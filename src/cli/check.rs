@@ -4,11 +4,13 @@ use super::args::CheckArgs;
 use super::certify::{self, MotionProof};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{clearance, inputs_table, open_scene, report};
+use super::{clearance, freedoms, inputs_table, open_scene, report};
 use crate::diag::nearest;
 use crate::kinematics::certificate::{Certificate, Reason};
+use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
@@ -52,6 +54,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None => frame_times(mechanism, scene.view.fps),
     };
     let trajectory = certify::motion(mechanism, &times, args.certify)?;
+    let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
     let motion = MotionProof::of(&trajectory, args.certify);
@@ -83,7 +86,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}{}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -92,6 +95,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         mechanism.length_unit,
         branches.join(" "),
         proof.sentence(mechanism),
+        freedoms::text(mechanism, &mobility),
         clearances.as_ref().map_or("", |part| &part.text),
     );
     let document = json!({
@@ -111,6 +115,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "refused_because": proof.reasons,
         "assumed": assumptions,
         "motion": motion.as_ref().map(MotionProof::json),
+        "mobility": freedoms::document(mechanism, &mobility),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "clearance": clearances.map(|part| part.document),
         "result": verdict,

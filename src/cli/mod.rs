@@ -6,6 +6,7 @@ mod check;
 mod clearance;
 mod clearance_picture;
 mod completions;
+mod freedoms;
 mod info;
 mod inputs_table;
 mod modes;

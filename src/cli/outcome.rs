@@ -98,7 +98,9 @@ impl Failure {
         match self {
             _ if self.is_broken_pipe() => DONE,
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) | Self::Stdout(_) => BAD_USAGE,
-            Self::Structure(StructureError::UnderDetermined { .. }) => BAD_USAGE,
+            Self::Structure(
+                StructureError::UnderDetermined { .. } | StructureError::Unheld { .. },
+            ) => BAD_USAGE,
             Self::Structure(StructureError::Impossible { .. }) | Self::NeverClosed { .. } => {
                 NOT_CLOSED
             }

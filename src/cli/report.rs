@@ -5,6 +5,7 @@ use super::open_scene;
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use crate::export::{ExportError, Output, Stream, Target};
+use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
 use serde_json::Value;
@@ -12,6 +13,9 @@ use std::path::Path;
 
 /// Most events that are printed one by one.
 const MAX_LINES: usize = 12;
+
+/// Angles this near to gimbal lock are called locked: what is left is rounding of the way there.
+const LOCKED: f64 = 1e-9;
 
 /// Says what happened; a motion without any pose is a failure.
 pub fn events(
@@ -67,6 +71,20 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
                 "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"
             )
         }
+        EventKind::GimbalLock { names, distance } => {
+            let [a, b, c] = names;
+            let how = if *distance <= LOCKED {
+                format!("gimbal-locked coordinates {a}, {b}, {c}")
+            } else {
+                format!("coordinates {a}, {b}, {c} within {distance:.1e} of gimbal lock")
+            };
+            format!(
+                "{how} at {at}: only the sum or difference of {a} and {c} is determined there; positions are exact"
+            )
+        }
+        EventKind::StartSingular => format!(
+            "the motion starts at a singular pose at {at}: assemblies may meet there, and which of them is followed is not determined"
+        ),
         EventKind::OtherStart => format!(
             "the start values lead to no pose at {at}; a perturbed start was used, which may be on another branch"
         ),
@@ -111,12 +129,52 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
         || "no pose was found".to_owned(),
         |event| sentence(mechanism, event),
     );
-    let hints = vec![
+    let mut hints: Vec<String> = first
+        .into_iter()
+        .filter_map(|e| contradiction(mechanism, e))
+        .collect();
+    hints.extend([
         "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
             .to_owned(),
         "or change the inputs: the mechanism may not reach this far".to_owned(),
-    ];
+    ]);
     Failure::NeverClosed { message, hints }
+}
+
+/// What to say when the loop that does not close has too few unknowns for its equations.
+fn contradiction(mechanism: &Mechanism, event: &Event) -> Option<String> {
+    let EventKind::StartNotClosed { name, .. } = &event.kind else {
+        return None;
+    };
+    let structure = Structure::new(mechanism).ok()?;
+    let block = structure.overfull(mechanism, name)?;
+    let slots = block
+        .arguments
+        .iter()
+        .flat_map(|a| mechanism.arguments[*a].coordinates());
+    let equations = block.equations.iter();
+    let mut slots: Vec<usize> = slots
+        .chain(equations.flat_map(|e| mechanism.equations[*e].expression.slots()))
+        .filter_map(|slot| slot.checked_sub(mechanism.unknowns.len()))
+        .collect();
+    slots.sort_unstable();
+    slots.dedup();
+    let (rows, unknowns) = (block.rows(), block.unknowns.len());
+    let inputs: Vec<&str> = slots
+        .iter()
+        .map(|k| mechanism.inputs[*k].name.as_str())
+        .collect();
+    let fit = match inputs[..] {
+        [] => "the dimensions must fit".to_owned(),
+        [one] => format!("input {one} and the dimensions must fit"),
+        _ => format!(
+            "inputs {} contradict each other unless they fit",
+            inputs.join(", ")
+        ),
+    };
+    Some(format!(
+        "`{name}` has {rows} equations and {unknowns} unknowns: {fit} exactly"
+    ))
 }
 
 /// Writes a report to a file, or to standard output for `-`; never over an input of the command.

@@ -4,11 +4,12 @@ use super::args::{CertifyArg, SolveArgs, TableFormat};
 use super::certify::{self, MotionProof};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{CANCEL, inputs_table, open_scene, report};
+use super::{CANCEL, freedoms, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
 use std::path::Path;
@@ -47,6 +48,10 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     let proof = MotionProof::of(&trajectory, args.certify);
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {
         term.warning(&format!("motion: {}", proof.sentence(&scene.mechanism)));
+    }
+    for held in &Structure::new(&scene.mechanism)?.held {
+        let idle = freedoms::idle(&scene.mechanism, held);
+        term.note(&format!("idle: {idle} at its start value"));
     }
     if let Some(wanted) = derivatives {
         add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;

@@ -115,6 +115,9 @@ fn hint_of(error: &StructureError) -> String {
              is an unknown"
                 .to_owned()
         }
+        StructureError::Unheld { .. } => {
+            "give it a loop or an equation that changes with it, drive it as an input, or take it out".to_owned()
+        }
     }
 }
 

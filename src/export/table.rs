@@ -95,6 +95,8 @@ fn event(mechanism: &Mechanism, event: &crate::kinematics::trajectory::Event) ->
         EventKind::SingularPosePassed => "singular-pose-passed",
         EventKind::InputUndefined { .. } => "input-undefined",
         EventKind::StartNotClosed { .. } => "start-not-closed",
+        EventKind::GimbalLock { .. } => "gimbal-lock",
+        EventKind::StartSingular => "start-singular",
         EventKind::OtherStart => "other-start",
     };
     let inputs: Map<String, Value> = mechanism

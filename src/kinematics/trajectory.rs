@@ -16,7 +16,7 @@ pub struct ClosedPose {
     pub traces: Vec<DVec3>,
     /// Values of the outputs; an output may be infinite or NaN where its own formula has no value.
     pub outputs: Vec<f64>,
-    /// Rates of the unknowns per second, from the drive's rates.
+    /// Rates of the unknowns per second, from the drive's rates; NaN for angles that are gimbal-locked.
     pub rates: Vec<f64>,
     /// Rates of higher order, as [`RateColumns`](super::rates::RateColumns) names them; empty unless asked for.
     pub derivatives: Vec<f64>,
@@ -70,6 +70,14 @@ pub enum EventKind {
     },
     /// The pose is singular; the motion was continued straight through it.
     SingularPosePassed,
+    /// The first and last axis of a ball joint that is written as three rotations are parallel, or nearly: only the
+    /// sum or difference of their angles is determined. The position is not affected.
+    GimbalLock {
+        /// The three unknowns.
+        names: [String; 3],
+        /// Cosine of the middle angle, measured from where the axes are square to each other: zero at a locked pose.
+        distance: f64,
+    },
     /// An input has no value (division by zero in its formula, say).
     InputUndefined {
         /// Name of the input.
@@ -84,6 +92,8 @@ pub enum EventKind {
         /// Smallest remaining distance.
         distance: f64,
     },
+    /// The first pose is singular: several assemblies may meet there, and which is followed is not determined.
+    StartSingular,
     /// The start values did not lead to a pose; another start did, perhaps on another branch.
     OtherStart,
 }

@@ -13,8 +13,7 @@
 //! other pose closes so near to it: what multiplies the deviations is then a contraction. Blocks are taken in their
 //! order; unknowns of earlier blocks count as inputs of later ones.
 
-use super::chain::{ArgumentDouble, LoopAtPose, evaluate};
-use super::kantorovich::invert;
+use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
 use super::{BALL, Certificate, Certifier};
 use crate::kinematics::structure::Block;
 use crate::model::expression::Affine;
@@ -87,7 +86,7 @@ impl Certifier<'_> {
     /// `coordinates`, whose inputs move as `inputs` says. `None` where nothing can be proved: the stretch is too long, or
     /// the pose is not proved itself.
     pub fn drift(
-        &self,
+        &mut self,
         coordinates: &[f64],
         bases: &[Vec<usize>],
         inputs: &[Drift],
@@ -149,7 +148,9 @@ impl BlockFlow {
     ) -> Option<Self> {
         let mechanism = certifier.mechanism;
         let used = block.arguments.iter().copied();
-        let used: Vec<usize> = used.chain(certifier.equations_of(block)).collect();
+        let first = mechanism.arguments.len();
+        let equations = block.equations.iter().map(|index| first + index);
+        let used: Vec<usize> = used.chain(equations).collect();
         let mut position = vec![usize::MAX; certifier.forms.len()];
         let mut forms = Vec::with_capacity(used.len());
         for (k, &index) in used.iter().enumerate() {
@@ -177,7 +178,9 @@ impl BlockFlow {
                 let form = &forms[position[a]];
                 form.own_sum * BALL + form.play
             };
-            let item = evaluate(steps, arguments, reach, mechanism.size);
+            let plan = LoopPlan::new(steps, |argument| argument);
+            let mut item = LoopAtPose::default();
+            item.evaluate(&plan, arguments, reach, mechanism.size);
             let start = rows.len();
             rows.extend(part.components.iter().map(|component| FlowRow {
                 place: Some((loops.len(), *component)),
@@ -397,5 +400,68 @@ impl BlockFlow {
             form.own.iter().for_each(|(c, rate)| row[*c] += p * rate);
         }
         row.iter().map(|v| v.abs()).collect()
+    }
+}
+
+/// Inverse of a row-major `n` × `n` matrix by Gauss and Jordan with row pivots. Any result serves the proof: how
+/// good it is is measured afterwards.
+fn invert(mut a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
+    let mut order: Vec<usize> = (0..n).collect();
+    let mut row = vec![0.0; n];
+    for k in 0..n {
+        let pivot = (k..n).fold(k, |best, i| {
+            if a[i * n + k].abs() > a[best * n + k].abs() {
+                i
+            } else {
+                best
+            }
+        });
+        let value = a[pivot * n + k];
+        if value == 0.0 || !value.is_finite() {
+            return None;
+        }
+        if pivot != k {
+            let (upper, lower) = a.split_at_mut(pivot * n);
+            upper[k * n..(k + 1) * n].swap_with_slice(&mut lower[..n]);
+            order.swap(k, pivot);
+        }
+        a[k * n + k] = 1.0;
+        a[k * n..(k + 1) * n].iter_mut().for_each(|v| *v /= value);
+        row.copy_from_slice(&a[k * n..(k + 1) * n]);
+        for (i, other) in a.chunks_exact_mut(n).enumerate() {
+            let factor = other[k];
+            if i != k && factor != 0.0 {
+                other[k] = 0.0;
+                other
+                    .iter_mut()
+                    .zip(&row)
+                    .for_each(|(o, v)| *o -= factor * v);
+            }
+        }
+    }
+    let mut inverse = vec![0.0; n * n];
+    for (k, column) in order.into_iter().enumerate() {
+        for i in 0..n {
+            inverse[i * n + column] = a[i * n + k];
+        }
+    }
+    Some(inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_times_matrix_is_the_identity() {
+        let a = vec![0.0, 2.0, 1.0, 1.0, 0.5, -3.0, 4.0, 1.0, 0.25];
+        let inverse = invert(a.clone(), 3).unwrap_or_default();
+        for i in 0..3 {
+            for j in 0..3 {
+                let entry: f64 = (0..3).map(|k| inverse[i * 3 + k] * a[k * 3 + j]).sum();
+                assert!((entry - f64::from(i == j)).abs() < 1e-15);
+            }
+        }
+        assert!(invert(vec![1.0, 2.0, 2.0, 4.0], 2).is_none());
     }
 }

@@ -1,15 +1,18 @@
 //! Following the motion along the drive on one assembly branch: predictor, corrector, step control, events.
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated. Single steps are
-//! in `step`, what is kept of a pose in `record`.
+//! in `step`, what is kept of a pose in `record`, and what ball joints need in `gimbal`.
 
+mod gimbal;
 mod record;
 mod step;
 
-use super::assembly::{NotClosed, assemble};
+use super::assembly::NotClosed;
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
+use super::chart::Chart;
 use super::newton::Corrector;
+use super::predictor::Predictor;
 use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -17,6 +20,10 @@ use crate::model::mechanism::Mechanism;
 /// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-11
 /// of that interval.
 const SMALLEST_STEP: f64 = 1e-11;
+
+/// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
+/// digits, which leaves a condition of about 1e8.
+const SINGULAR_START: f64 = 1e7;
 
 /// Solves `mechanism` at the given ascending times.
 ///
@@ -58,8 +65,15 @@ struct Follower<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
     corrector: Corrector,
+    predictor: Predictor,
     watch: BranchWatch,
     certifier: Option<Certifier<'m>>,
+    /// Another description of ball joints, used where their angles are nearly locked; `None` without such joints.
+    chart: Option<Chart>,
+    /// The stand before, as far as it is watched for locked angles.
+    last_kept: Option<Stand>,
+    /// The one before that.
+    kept_before: Option<Stand>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
     best_sigma: f64,
@@ -74,8 +88,12 @@ impl<'m> Follower<'m> {
             mechanism,
             structure,
             corrector: Corrector::new(structure),
+            predictor: Predictor::default(),
             watch: BranchWatch::default(),
             certifier: Some(Certifier::new(mechanism, structure)),
+            chart: Chart::new(mechanism, structure),
+            last_kept: None,
+            kept_before: None,
             anchor: None,
             best_sigma: 0.0,
             interval: mechanism.duration,
@@ -150,13 +168,7 @@ impl<'m> Follower<'m> {
         let start = [self.mechanism.guess.clone(), inputs].concat();
         // Perturbed starts are worth their time once, not at every sample of a range without poses.
         let persist = self.trajectory.samples.is_empty();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            persist,
-        ) {
+        match self.assembled(&start, persist) {
             Ok(found) => {
                 self.iterations += found.iterations;
                 if found.start > 0 {
@@ -166,6 +178,9 @@ impl<'m> Follower<'m> {
                     self.event(time, EventKind::MotionResumes { same_branch: true });
                 }
                 let stand = self.stand(time, found.coordinates);
+                if persist && stand.branch.condition >= SINGULAR_START {
+                    self.event(time, EventKind::StartSingular);
+                }
                 Ok(self.keep(stand))
             }
             Err(NotClosed {
@@ -195,13 +210,7 @@ impl<'m> Follower<'m> {
         };
         let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
         let start = [unknowns, &inputs].concat();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            false,
-        ) {
+        match self.assembled(&start, false) {
             Ok(found) => {
                 self.iterations += found.iterations;
                 let stand = self.stand(time, found.coordinates);

@@ -1,6 +1,5 @@
 //! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
 
-use super::super::certificate::{Certificate, Reason};
 use super::super::forward;
 use super::super::trajectory::{ClosedPose, Sample};
 use super::{Follower, Stand};
@@ -20,7 +19,9 @@ impl Follower<'_> {
 
     pub(super) fn record(&mut self, stand: &Stand) {
         let n = self.mechanism.unknowns.len();
-        let coordinates = &stand.coordinates;
+        let mut coordinates = stand.coordinates.clone();
+        let certificate = self.certified(&mut coordinates);
+        let coordinates = &coordinates;
         let bodies = forward::body_poses(self.mechanism, coordinates);
         let traces = forward::trace_points(self.mechanism, &bodies);
         let outputs = forward::outputs(self.mechanism, coordinates, &traces);
@@ -39,9 +40,10 @@ impl Follower<'_> {
             closure_error,
             sigma_min: stand.branch.sigma_min,
             condition: stand.branch.condition,
-            rank: stand.branch.rank,
+            // Holding an idle freedom is an equation more.
+            rank: stand.branch.rank + self.structure.held.len(),
             branch: stand.branch.signature(),
-            certificate: self.certificate(coordinates),
+            certificate,
             iterations: self.iterations,
         };
         let inputs = coordinates[n..].to_vec();
@@ -50,15 +52,6 @@ impl Follower<'_> {
             inputs,
             pose: Some(pose),
         });
-    }
-
-    fn certificate(&self, coordinates: &[f64]) -> Certificate {
-        match &self.certifier {
-            Some(certifier) => certifier.certify(coordinates, self.watch.bases()),
-            None => Certificate::Refused {
-                reason: Reason::NotAsked,
-            },
-        }
     }
 
     /// Rates of the unknowns per second: the tangent along the drive's own rate.
@@ -73,12 +66,17 @@ impl Follower<'_> {
         for k in 0..before.len() {
             rates[n + k] = (after[k] - before[k]) / (2.0 * h);
         }
-        self.corrector.tangent(
-            self.mechanism,
-            self.structure,
-            &stand.coordinates,
-            &mut rates,
-        );
+        if self
+            .rates_in_chart(&stand.coordinates, &mut rates)
+            .is_none()
+        {
+            self.corrector.tangent(
+                self.mechanism,
+                self.structure,
+                &stand.coordinates,
+                &mut rates,
+            );
+        }
         rates.truncate(n);
         rates
     }

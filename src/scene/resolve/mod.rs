@@ -3,6 +3,7 @@
 pub mod bodies;
 mod coordinates;
 mod joints;
+mod loops;
 mod names;
 mod outputs;
 mod parsed;
@@ -131,6 +132,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         duration: coordinates.duration,
     };
     mechanism.size = size(&mechanism, &names);
+    loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
