@@ -3,6 +3,7 @@
 use super::core::{Core, Element, elements};
 use super::mesh;
 use super::pair::{Proximity, distance};
+use super::point::point_to;
 use crate::math::Pose;
 use crate::model::mechanism::Body;
 use glam::DVec3;
@@ -50,7 +51,14 @@ impl Hull {
 /// Lower bound of the distance of two elements in one frame.
 pub fn apart(a: &Element, b: &Element) -> f64 {
     let ((p, r), (q, s)) = (a.bounds(), b.bounds());
-    p.distance(q) - r - s
+    let mut lowest = p.distance(q) - r - s;
+    // Long elements are far larger than they are thick: one's ball from the other itself says more.
+    for (element, center, radius) in [(a, q, s), (b, p, r)] {
+        if let Some(hit) = point_to(&element.core, center) {
+            lowest = lowest.max(hit.distance - element.radius - radius);
+        }
+    }
+    lowest
 }
 
 /// The nearest elements of two hulls.

@@ -12,7 +12,7 @@ use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 
 /// Most instants at which an excluded pair is looked at: it is reported, not judged.
-const LOOKS_AT_EXCLUDED: usize = 48;
+const LOOKS_AT_EXCLUDED: usize = 24;
 
 /// How a pair was judged.
 #[derive(Clone, Debug, PartialEq)]
