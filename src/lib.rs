@@ -3,6 +3,7 @@
 //! Data flows one way: scene file → [`model`] → trajectory ([`kinematics`]) → frames ([`render`]) → files
 //! ([`export`]). The library never prints and never exits.
 
+pub mod analysis;
 pub mod clearance;
 pub mod cli;
 pub mod compare;
@@ -12,6 +13,7 @@ pub mod geometry;
 pub mod kinematics;
 pub mod math;
 pub mod model;
+pub mod plot;
 pub mod render;
 pub mod scene;
 pub mod staging;

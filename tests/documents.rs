@@ -9,7 +9,9 @@ fn read(path: &str) -> String {
 
 /// Keys that the scene reader asks for: the first text argument of its reading functions.
 fn keys_of_the_reader() -> BTreeSet<String> {
-    let source = read("src/scene/file.rs");
+    let source = ["file", "plots"]
+        .map(|room| read(&format!("src/scene/{room}.rs")))
+        .concat();
     let readers = [
         "string",
         "strings",
@@ -21,6 +23,7 @@ fn keys_of_the_reader() -> BTreeSet<String> {
         "rows",
         "rows::<3>",
         "rows::<2>",
+        "rows::<4>",
         "table",
         "tables",
         "named",
@@ -95,6 +98,7 @@ fn pictures_in_the_documents_exist() {
     for document in [
         "README.md",
         "docs/performance.md",
+        "docs/accuracy.md",
         "docs/certificates.md",
         "ARCHITECTURE.md",
     ] {

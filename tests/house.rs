@@ -9,7 +9,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 6] = [
+const WALLS: [Wall; 7] = [
     Wall {
         words: &["wgpu::"],
         rooms: &["render/"],
@@ -21,6 +21,10 @@ const WALLS: [Wall; 6] = [
     Wall {
         words: &["gif::Encoder", "gif::Frame", "PngEncoder", "image::codecs"],
         rooms: &["export/"],
+    },
+    Wall {
+        words: &["tiny_skia::"],
+        rooms: &["plot/"],
     },
     Wall {
         words: &["clap::", "clap_complete::"],
@@ -121,6 +125,7 @@ fn a_planted_fault_is_found() {
         ("use wgpu::Device;", "render/gpu/a.rs"),
         ("let d = parry3d_f64::query::distance();", "clearance/a.rs"),
         ("let e = PngEncoder::new(w);", "export/a.rs"),
+        ("let p = tiny_skia::Paint::default();", "plot/a.rs"),
         ("use clap::Parser;", "cli/a.rs"),
         ("    println!(\"x\");", "cli/a.rs"),
         ("std::process::exit(1)", "main.rs"),

@@ -1,5 +1,6 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
+use super::plot_args::{AccuracyArgs, PlotArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -32,6 +33,10 @@ pub enum Command {
     Check(CheckArgs),
     /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
     Modes(ModesArgs),
+    /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
+    Plot(PlotArgs),
+    /// Measure time per pose against true error for many ways along the motion (table, JSON, CSV, chart).
+    Accuracy(AccuracyArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.
@@ -120,6 +125,9 @@ pub struct RenderArgs {
     /// Print where the time went, stage by stage.
     #[arg(long)]
     pub timings: bool,
+    /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
+    #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub panel: Option<String>,
 }
 
 /// `mechanim solve`
@@ -147,6 +155,10 @@ pub struct SolveArgs {
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
+    /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
+    /// written to JSON.
+    #[arg(long)]
+    pub events: bool,
     /// What is proved: nothing, every pose, or also the motion between the samples.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
@@ -276,7 +288,7 @@ fn assignment(text: &str) -> Result<(String, String), String> {
     }
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || "write WIDTHxHEIGHT, for example 640x480".to_owned();
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let size = [
@@ -303,7 +315,7 @@ fn frame_rate(text: &str) -> Result<f64, String> {
     }
 }
 
-fn frame_count(text: &str) -> Result<usize, String> {
+pub(super) fn frame_count(text: &str) -> Result<usize, String> {
     let limit = crate::kinematics::sampling::MAX_SAMPLES;
     match text.parse::<usize>() {
         Ok(count) if (1..=limit).contains(&count) => Ok(count),
@@ -353,7 +365,7 @@ fn mode_number(text: &str) -> Result<usize, String> {
     }
 }
 
-fn order(text: &str) -> Result<usize, String> {
+pub(super) fn order(text: &str) -> Result<usize, String> {
     let limit = crate::kinematics::rates::MAX_ORDER;
     match text.parse::<usize>() {
         Ok(order) if (1..=limit).contains(&order) => Ok(order),

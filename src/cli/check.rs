@@ -6,6 +6,7 @@ use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{clearance, freedoms, inputs_table, open_scene, report};
 use crate::diag::nearest;
+use crate::export::events::gaps;
 use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
@@ -118,6 +119,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "mobility": freedoms::document(mechanism, &mobility),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
         "clearance": clearances.map(|part| part.document),
+        "gaps": gaps(mechanism, &trajectory),
         "result": verdict,
     });
     Ok((text, document, outcome))

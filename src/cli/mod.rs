@@ -1,5 +1,6 @@
 //! The command line: one file a verb, outcome to exit code. The only room that prints.
 
+mod accuracy;
 pub mod args;
 mod certify;
 mod check;
@@ -12,6 +13,8 @@ mod inputs_table;
 mod modes;
 mod open_scene;
 mod outcome;
+mod plot;
+pub mod plot_args;
 mod progress;
 mod render;
 mod report;
@@ -47,6 +50,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Solve(args) => solve::run(&args, &term),
         Command::Check(args) => check::run(&args, &term),
         Command::Modes(args) => modes::run(&args, &term),
+        Command::Plot(args) => plot::run(&args, &term),
+        Command::Accuracy(args) => accuracy::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),

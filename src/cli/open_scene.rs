@@ -5,7 +5,7 @@ use super::outcome::Failure;
 use super::term::Term;
 use super::{inputs_table, modes};
 use crate::diag::{Source, nearest};
-use crate::scene::{Overrides, Scene, builtin, load};
+use crate::scene::{Overrides, PlotText, Scene, builtin, load};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -14,11 +14,21 @@ const MAX_SCENE_BYTES: u64 = 4 << 20;
 
 /// Reads, resolves and adapts the scene; warnings are printed.
 pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
+    open_with_plot(args, None, term)
+}
+
+/// As [`open`], with a plot asked for in place of the scene's own.
+pub fn open_with_plot(
+    args: &SceneArgs,
+    plot: Option<PlotText>,
+    term: &Term,
+) -> Result<Scene, Failure> {
     let source = source(&args.scene)?;
     let overrides = Overrides {
         parameters: args.parameters.clone(),
         inputs: args.inputs.clone(),
         guess: args.guess.clone(),
+        plot,
         folder: folder(&args.scene),
     };
     let mut scene = load(&source, &overrides).map_err(Box::new)?;

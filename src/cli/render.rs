@@ -5,7 +5,7 @@ use super::outcome::{Failure, Outcome};
 use super::progress::Progress;
 use super::solve::up_to;
 use super::term::Term;
-use super::{CANCEL, clearance_picture, inputs_table, open_scene, report};
+use super::{CANCEL, clearance_picture, inputs_table, open_scene, plot, report};
 use crate::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use crate::export::palette::Palette;
 use crate::export::png::{SequenceSink, StillSink};
@@ -15,6 +15,8 @@ use crate::export::{ExportSummary, Format, FrameSink, Stream, Target};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::kinematics::trajectory::Trajectory;
+use crate::plot::companion::Companion;
+use crate::plot::raster::Painter;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
@@ -43,8 +45,11 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let trajectory = solve(&scene.mechanism, &plan.times)?;
     let outcome = report::events(&scene.mechanism, &trajectory, term)?;
     clock.lap("solve");
+    let panel = args.panel.as_deref();
+    let panel = panel.map(|title| plot::companion(title, &scene, &trajectory, args.size));
+    let panel = panel.transpose()?;
     let options = PictureOptions {
-        size: args.size,
+        size: panel.as_ref().map_or(args.size, |p| p.animation),
         samples: args.samples,
     };
     let marks = match args.show {
@@ -56,6 +61,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let pictures = Pictures {
         staging: &staging,
         first: plan.first,
+        panel: panel.as_ref(),
     };
     let mut workers = pictures.workers(args, term)?;
     clock.lap("renderer");
@@ -148,6 +154,7 @@ fn frame_time(frames: &[f64], frame: usize) -> Result<f64, Failure> {
 struct Pictures<'a> {
     staging: &'a Staging<'a>,
     first: usize,
+    panel: Option<&'a Companion>,
 }
 
 type Worker<'a> = Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a>;
@@ -179,10 +186,21 @@ impl<'a> Pictures<'a> {
     fn worker(self, mut renderer: Box<dyn Renderer>) -> Worker<'a> {
         let stage = &self.staging.stage;
         let mut overlay = Overlay::new(stage.background);
-        Box::new(move |picture, image| {
-            let frame = self.staging.frame(self.first + picture);
+        let mut draw = move |sample: usize, image: &mut RgbaImage| {
+            let frame = self.staging.frame(sample);
             renderer.draw(&frame, image)?;
             overlay.draw(&frame, &stage.camera, image);
+            Ok(())
+        };
+        let Some(panel) = self.panel else {
+            return Box::new(move |picture, image| draw(self.first + picture, image));
+        };
+        let [width, height] = panel.animation;
+        let (mut motion, mut painter) = (RgbaImage::new(width, height), Painter::default());
+        Box::new(move |picture, image| {
+            let sample = self.first + picture;
+            draw(sample, &mut motion)?;
+            panel.compose(&motion, sample, &mut painter, image);
             Ok(())
         })
     }

@@ -5,11 +5,15 @@ use super::open_scene;
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use crate::export::{ExportError, Output, Stream, Target};
+use crate::kinematics::feasible::feasible_inputs;
 use crate::kinematics::structure::Structure;
-use crate::kinematics::trajectory::{Event, EventKind, Trajectory};
-use crate::model::mechanism::Mechanism;
+use crate::kinematics::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
+use crate::model::mechanism::{Kind, Mechanism};
 use serde_json::Value;
 use std::path::Path;
+
+/// Angles above this are no rounding of a zero.
+const SEEN_ANGLE: f64 = 5e-7;
 
 /// Most events that are printed one by one.
 const MAX_LINES: usize = 12;
@@ -26,17 +30,30 @@ pub fn events(
     if trajectory.poses().next().is_none() {
         return Err(never_closed(mechanism, trajectory));
     }
-    for event in trajectory.events.iter().take(MAX_LINES) {
-        term.warning(&sentence(mechanism, event));
+    // What a gap says is not said again as an event.
+    let told = |e: &&Event| {
+        !matches!(
+            e.kind,
+            EventKind::MotionEnds
+                | EventKind::MotionResumes { same_branch: true }
+                | EventKind::LimitPosition { .. }
+        )
+    };
+    let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
+    let events = trajectory.events.iter().filter(told);
+    let lines: Vec<String> = gaps.chain(events.map(|e| sentence(mechanism, e))).collect();
+    for line in lines.iter().take(MAX_LINES) {
+        term.warning(line);
     }
-    if trajectory.events.len() > MAX_LINES {
-        term.warning(&format!(
-            "and {} more events",
-            trajectory.events.len() - MAX_LINES
-        ));
+    if lines.len() > MAX_LINES {
+        term.warning(&format!("and {} more events", lines.len() - MAX_LINES));
+    }
+    let limits = trajectory.events.iter();
+    for event in limits.filter(|e| matches!(e.kind, EventKind::LimitPosition { .. })) {
+        term.note(&sentence(mechanism, event));
     }
     let missing = trajectory.missing();
-    if missing == 0 {
+    if missing == 0 && trajectory.gaps.is_empty() {
         return Ok(Outcome::Done);
     }
     term.warning(&format!(
@@ -44,6 +61,32 @@ pub fn events(
         trajectory.samples.len()
     ));
     Ok(Outcome::NotClosed)
+}
+
+/// A stretch without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
+pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
+    let at = |i: &Instant| format!("t = {:.9} s ({})", i.time, inputs(mechanism, &i.inputs));
+    let stretch = match (&gap.from, &gap.until) {
+        (Some(from), Some(until)) => format!("between {} and {}", at(from), at(until)),
+        (Some(from), None) => format!("beyond {}", at(from)),
+        (None, Some(until)) => format!("before {}", at(until)),
+        (None, None) => "at any sample".to_owned(),
+    };
+    let lack = gap.widest.as_ref().map_or_else(String::new, |lack| {
+        let unit = &mechanism.length_unit;
+        let turned = if lack.angle > SEEN_ANGLE {
+            format!(" and {:.6} rad", lack.angle)
+        } else {
+            String::new()
+        };
+        format!(
+            "; `{}` stays {:.6} {unit}{turned} open at {}",
+            lack.name,
+            lack.distance,
+            inputs(mechanism, &lack.at.inputs)
+        )
+    });
+    format!("no pose exists {stretch}{lack}")
 }
 
 /// One event as a sentence.
@@ -55,11 +98,21 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
     );
     match &event.kind {
         EventKind::MotionEnds => format!("no pose exists beyond {at}"),
-        EventKind::MotionResumes { same_branch: true } => format!("the motion resumes before {at}"),
+        EventKind::MotionResumes { same_branch: true } => format!("poses exist again from {at} on"),
         EventKind::MotionResumes { same_branch: false } => {
-            format!("the motion resumes before {at}, on another branch than before")
+            format!("poses exist again from {at} on, on another branch than before")
         }
         EventKind::SingularPosePassed => format!("singular pose near {at}, passed straight on"),
+        EventKind::LimitPosition {
+            name,
+            measure,
+            value,
+            is_largest,
+        } => {
+            let extreme = if *is_largest { "largest" } else { "smallest" };
+            let value = with_unit(mechanism, *measure, *value);
+            format!("`{name}` is {extreme} at {at}: {value}")
+        }
         EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
         EventKind::StartNotClosed {
             name,
@@ -102,18 +155,10 @@ pub fn radius(value: f64) -> String {
 
 /// `p = -17 mm, phi = 0.2 rad`.
 pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
-    use crate::model::mechanism::Kind;
-    let texts = mechanism.inputs.iter().zip(values).map(|(input, value)| {
-        let unit = match input.kind {
-            Kind::Angle => format!(" {}", mechanism.angle_unit.name),
-            Kind::Length => format!(" {}", mechanism.length_unit),
-            Kind::Number => String::new(),
-        };
-        format!(
-            "{} = {:.9}{unit}",
-            input.name,
-            value * mechanism.file_units(input.kind)
-        )
+    let pairs = mechanism.inputs.iter().zip(values);
+    let texts = pairs.map(|(input, value)| {
+        let value = with_unit(mechanism, input.kind, *value);
+        format!("{} = {value}", input.name)
     });
     let list = texts.collect::<Vec<_>>().join(", ");
     if list.is_empty() {
@@ -121,6 +166,16 @@ pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
     } else {
         list
     }
+}
+
+/// `-17.000000000 mm`.
+fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
+    let unit = match kind {
+        Kind::Angle => format!(" {}", mechanism.angle_unit.name),
+        Kind::Length => format!(" {}", mechanism.length_unit),
+        Kind::Number => String::new(),
+    };
+    format!("{:.9}{unit}", value * mechanism.file_units(kind))
 }
 
 fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
@@ -138,6 +193,19 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
             .to_owned(),
         "or change the inputs: the mechanism may not reach this far".to_owned(),
     ]);
+    for feasible in feasible_inputs(mechanism) {
+        let input = &mechanism.inputs[feasible.input];
+        let value = |v: f64| with_unit(mechanism, input.kind, v);
+        let stretches = feasible.stretches.iter();
+        let list: Vec<String> = stretches
+            .map(|[from, to]| format!("{} to {}", value(*from), value(*to)))
+            .collect();
+        hints.push(format!(
+            "poses were found for `{}` from {}",
+            input.name,
+            list.join(", and from ")
+        ));
+    }
     Failure::NeverClosed { message, hints }
 }
 

@@ -7,6 +7,7 @@ use super::term::Term;
 use super::{CANCEL, freedoms, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
 use crate::export::{Output, Stream, Target};
+use crate::kinematics::limits::add_limits;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::kinematics::structure::Structure;
@@ -41,6 +42,10 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         Box::new(Target::create(&args.out)?)
     };
     let mut trajectory = certify::motion(&scene.mechanism, &times, args.certify)?;
+    refuse_interrupted()?;
+    if args.events {
+        add_limits(&scene.mechanism, &mut trajectory)?;
+    }
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }

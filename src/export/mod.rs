@@ -15,6 +15,7 @@ pub mod clearance;
 mod costs;
 mod delta;
 pub mod error;
+pub mod events;
 pub mod format;
 pub mod gif;
 mod gif_blocks;

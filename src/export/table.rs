@@ -1,6 +1,7 @@
 //! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
 
 use super::error::ExportError;
+use super::events::{events, gaps};
 use super::target::Output;
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::rates::RateColumns;
@@ -82,35 +83,10 @@ pub fn write_json(
         "columns": names,
         "missing": trajectory.missing(),
         "samples": samples,
-        "events": trajectory.events.iter().map(|e| event(mechanism, e)).collect::<Vec<_>>(),
+        "events": events(mechanism, trajectory),
+        "gaps": gaps(mechanism, trajectory),
     });
     emit(&format!("{document:#}\n"), output)
-}
-
-fn event(mechanism: &Mechanism, event: &crate::kinematics::trajectory::Event) -> Value {
-    use crate::kinematics::trajectory::EventKind;
-    let kind = match &event.kind {
-        EventKind::MotionEnds => "motion-ends",
-        EventKind::MotionResumes { .. } => "motion-resumes",
-        EventKind::SingularPosePassed => "singular-pose-passed",
-        EventKind::InputUndefined { .. } => "input-undefined",
-        EventKind::StartNotClosed { .. } => "start-not-closed",
-        EventKind::GimbalLock { .. } => "gimbal-lock",
-        EventKind::StartSingular => "start-singular",
-        EventKind::OtherStart => "other-start",
-    };
-    let inputs: Map<String, Value> = mechanism
-        .inputs
-        .iter()
-        .zip(&event.inputs)
-        .map(|(input, v)| {
-            (
-                input.name.clone(),
-                json_cell(Cell::Number(v * mechanism.file_units(input.kind))),
-            )
-        })
-        .collect();
-    json!({ "kind": kind, "time": event.time, "inputs": inputs })
 }
 
 /// Names of the columns in their order.

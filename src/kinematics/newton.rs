@@ -153,12 +153,18 @@ impl Corrector {
         let mut last_step = f64::INFINITY;
         let mut done = block.unknowns.is_empty();
         let mut iterations = 0;
+        let mut last_residual = f64::INFINITY;
         loop {
             buffers.evaluate(mechanism, block, coordinates);
-            let at_floor = buffers.workspace.residual_norm() <= ROUNDING_FLOOR;
-            if done || (at_floor && iterations > 0) {
+            let left = buffers.workspace.residual_norm();
+            let at_floor = left <= ROUNDING_FLOOR;
+            // Where two poses almost meet, what the floor hides is worth its square root: a patient correction goes on
+            // as long as the residual falls.
+            let falls = pace == Pace::Patient && left <= 0.5 * last_residual;
+            if done || (at_floor && !falls && iterations > 0) {
                 break;
             }
+            last_residual = left;
             if iterations == most {
                 return Correction::failed(iterations, first_step);
             }
@@ -176,7 +182,7 @@ impl Corrector {
                 coordinates[*unknown] += mechanism.scale_of(*unknown) * buffers.step[column];
             }
             // Quadratic convergence: what is left after this step is about step²/σ.
-            done = at_floor || size * size <= ROUNDING_FLOOR * pivot;
+            done = (at_floor && !falls) || size * size <= ROUNDING_FLOOR * pivot;
             last_step = size;
         }
         let residual = buffers.workspace.residual_norm();
@@ -205,6 +211,13 @@ impl Corrector {
             for (column, unknown) in block.unknowns.iter().enumerate() {
                 rates[*unknown] = mechanism.scale_of(*unknown) * buffers.step[column];
             }
+        }
+    }
+
+    /// Linearises every block at `coordinates`, unless that is done: what shares the linearisation can rely on it.
+    pub fn prepare(&mut self, mechanism: &Mechanism, structure: &Structure, coordinates: &[f64]) {
+        for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
+            buffers.linearise(mechanism, block, coordinates);
         }
     }
 

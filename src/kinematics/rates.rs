@@ -192,7 +192,15 @@ fn convolved(vectors: &[DVec3], numbers: &Series, k: usize) -> DVec3 {
 
 /// Series of everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
 pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
-    let n = mechanism.unknowns.len();
+    let mut slots = observed_slots(mechanism, coordinates, order);
+    let after = slots.split_off(mechanism.coordinate_count());
+    slots.truncate(mechanism.unknowns.len());
+    slots.extend(after);
+    slots
+}
+
+/// Series of all slots that a formula about the motion may use: coordinates, x, y, z of every trace, outputs.
+pub fn observed_slots(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
         let path = &mechanism.bodies[trace.body].world_from_body;
@@ -211,9 +219,6 @@ pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> 
         let value = evaluate(&output.expression, &slots, order);
         slots.push(value);
     }
-    let after = slots.split_off(mechanism.coordinate_count());
-    slots.truncate(n);
-    slots.extend(after);
     slots
 }
 
@@ -224,6 +229,30 @@ pub enum By {
     Time,
     /// One input, the others standing still: transfer functions.
     Input(usize),
+}
+
+impl By {
+    /// Series of the inputs, whose values are `given`, along it.
+    pub fn inputs(
+        self,
+        mechanism: &Mechanism,
+        given: &[f64],
+        time: f64,
+        order: usize,
+    ) -> Vec<Series> {
+        match self {
+            Self::Time => {
+                let drives = mechanism.drives.iter();
+                drives.map(|d| drive(d, time, order)).collect()
+            }
+            Self::Input(moving) => (0..given.len())
+                .map(|k| {
+                    let rate = if k == moving { 1.0 } else { 0.0 };
+                    Series::linear(given[k], rate, order)
+                })
+                .collect(),
+        }
+    }
 }
 
 /// Which rates a table shows.
@@ -275,18 +304,7 @@ impl RateColumns {
         time: f64,
     ) -> Option<Vec<f64>> {
         let given = &coordinates[mechanism.unknowns.len()..];
-        let inputs: Vec<Series> = match self.by {
-            By::Time => {
-                let drives = mechanism.drives.iter();
-                drives.map(|d| drive(d, time, self.order)).collect()
-            }
-            By::Input(moving) => (0..given.len())
-                .map(|k| {
-                    let rate = if k == moving { 1.0 } else { 0.0 };
-                    Series::linear(given[k], rate, self.order)
-                })
-                .collect(),
-        };
+        let inputs = self.by.inputs(mechanism, given, time, self.order);
         let series = rates(mechanism, structure, coordinates, &inputs, self.order)?;
         let all = observed(mechanism, &series, self.order);
         let derivatives = all

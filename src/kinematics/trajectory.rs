@@ -3,6 +3,7 @@
 use super::certificate::Certificate;
 use super::certificate::tube::IntervalCertificate;
 use crate::math::Pose;
+use crate::model::mechanism::Kind;
 use glam::DVec3;
 
 /// A closed pose with its proof.
@@ -50,7 +51,7 @@ pub struct Sample {
 /// Something between two samples that the user must know.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// Seconds: last time before the event at which there was a pose (or the first after it).
+    /// Seconds: the last time at which there is a pose, or the first; of a singular pose its own.
     pub time: f64,
     /// Inputs at that time.
     pub inputs: Vec<f64>,
@@ -63,9 +64,9 @@ pub struct Event {
 pub enum EventKind {
     /// No closed pose exists beyond: a fold or the end of the feasible range.
     MotionEnds,
-    /// The drive has come back into the feasible range; the pose was assembled again from the last one.
+    /// The drive has come into the feasible range (again); the pose was assembled anew.
     MotionResumes {
-        /// The branch is the one before the gap.
+        /// The branch is the one before the gap, or there was none before.
         same_branch: bool,
     },
     /// The pose is singular; the motion was continued straight through it.
@@ -77,6 +78,17 @@ pub enum EventKind {
         names: [String; 3],
         /// Cosine of the middle angle, measured from where the axes are square to each other: zero at a locked pose.
         distance: f64,
+    },
+    /// A coordinate or an output turns back while the drive goes on: a dead point. Only where it was asked for.
+    LimitPosition {
+        /// Name of the unknown or output.
+        name: String,
+        /// What it measures.
+        measure: Kind,
+        /// Its value there.
+        value: f64,
+        /// The value is larger than those around it, not smaller.
+        is_largest: bool,
     },
     /// An input has no value (division by zero in its formula, say).
     InputUndefined {
@@ -98,6 +110,39 @@ pub enum EventKind {
     OtherStart,
 }
 
+/// One place on the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant {
+    /// Seconds.
+    pub time: f64,
+    /// Inputs: radians, or the scene's length unit.
+    pub inputs: Vec<f64>,
+}
+
+/// How far a mechanism stays from closing where it cannot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lack {
+    /// The sample.
+    pub at: Instant,
+    /// Loop or equation with the largest remaining gap.
+    pub name: String,
+    /// Remaining rotation, radians; not zero only where rotations alone cannot close.
+    pub angle: f64,
+    /// Remaining distance in the scene's unit, or value of the equation.
+    pub distance: f64,
+}
+
+/// A stretch of the drive without a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// The last place with a pose, located by halving; `None` if the drive begins inside.
+    pub from: Option<Instant>,
+    /// The first place with a pose again, likewise; `None` if the drive ends inside.
+    pub until: Option<Instant>,
+    /// The sample at which most is lacking, of those inside.
+    pub widest: Option<Lack>,
+}
+
 /// The motion over the drive.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Trajectory {
@@ -105,6 +150,8 @@ pub struct Trajectory {
     pub samples: Vec<Sample>,
     /// Events in the order of time.
     pub events: Vec<Event>,
+    /// Stretches without a pose in the order of time.
+    pub gaps: Vec<Gap>,
     /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
     /// asked for.
     pub intervals: Vec<IntervalCertificate>,

@@ -5,5 +5,6 @@ pub mod clearance;
 pub mod drive;
 pub mod expression;
 pub mod mechanism;
+pub mod plot;
 pub mod shape;
 pub mod view;

@@ -1,7 +1,8 @@
-//! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
-//! looked up.
+//! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
+//! anything is looked up.
 
 use super::clearance::{self, ClearanceFile};
+use super::plots::{PlotFile, plot};
 use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
 use super::shapes::{ShapeFile, shape};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
@@ -45,6 +46,8 @@ pub struct SceneFile {
     pub labels: Vec<LabelFile>,
     /// `[clearance]`
     pub clearance: Option<ClearanceFile>,
+    /// `[[plots]]`
+    pub plots: Vec<PlotFile>,
     /// `[view]`
     pub view: ViewFile,
     /// Whole sections could not be read: what refers to them cannot be judged.
@@ -52,7 +55,7 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
     "parameters",
     "inputs",
     "chains",
@@ -63,6 +66,7 @@ const SECTIONS: [&str; 10] = [
     "traces",
     "outputs",
     "labels",
+    "plots",
 ];
 
 /// One entry of `[inputs]`.
@@ -197,6 +201,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         outputs: r.named_formulas("outputs"),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
         clearance: r.table("clearance", clearance::read),
+        plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }

@@ -6,6 +6,7 @@ pub mod builtin;
 pub mod clearance;
 pub mod file;
 pub mod formula;
+pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
@@ -13,6 +14,7 @@ pub mod shapes;
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
+use crate::model::plot::Plot;
 use crate::model::view::View;
 use std::path::PathBuf;
 
@@ -27,6 +29,8 @@ pub struct Scene {
     pub view: View,
     /// Which clearances it asks for, if any.
     pub clearance: Option<ClearanceRules>,
+    /// What of its motion it wants to be plotted.
+    pub plots: Vec<Plot>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }
@@ -40,8 +44,21 @@ pub struct Overrides {
     pub inputs: Vec<(String, String)>,
     /// `--guess NAME=FORMULA`
     pub guess: Vec<(String, String)>,
+    /// `plot --y …`: drawn in place of the scene's own plots.
+    pub plot: Option<PlotText>,
     /// Folder that relative file names in the scene start from.
     pub folder: PathBuf,
+}
+
+/// A plot asked for on the command line: formulas as in the scene's `[[plots]]`.
+#[derive(Clone, Debug, Default)]
+pub struct PlotText {
+    /// `--x`
+    pub x: Option<String>,
+    /// `--y`
+    pub y: Vec<String>,
+    /// `--equal`
+    pub equal: bool,
 }
 
 /// Reads and resolves `source`; all mistakes found are in the error.

@@ -166,6 +166,9 @@ impl Follower<'_> {
                 reason: Reason::NotAsked,
             };
         };
+        // Poses beside this one may have been looked at since it was observed.
+        self.corrector
+            .prepare(self.mechanism, self.structure, coordinates);
         let certificate = certifier.polish(coordinates, self.watch.bases(), &self.corrector);
         match certificate {
             Certificate::Refused {

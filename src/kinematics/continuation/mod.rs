@@ -3,11 +3,13 @@
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated. Single steps are
 //! in `step`, what is kept of a pose in `record`, and what ball joints need in `gimbal`.
 
+mod gaps;
 mod gimbal;
+mod locate;
 mod record;
 mod step;
 
-use super::assembly::NotClosed;
+use super::assembly::{NotClosed, smallest_gap};
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
 use super::chart::Chart;
@@ -17,9 +19,9 @@ use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
 
-/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-11
+/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
 /// of that interval.
-const SMALLEST_STEP: f64 = 1e-11;
+const SMALLEST_STEP: f64 = 1e-12;
 
 /// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
 /// digits, which leaves a condition of about 1e8.
@@ -76,6 +78,12 @@ struct Follower<'m> {
     kept_before: Option<Stand>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
+    /// A crossing that has been made and not been located yet.
+    crossing: Option<locate::Crossing>,
+    /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
+    elsewhere: Option<Stand>,
+    /// Of the samples of the present gap the one that is farthest from closing.
+    widest: Option<(f64, NotClosed)>,
     best_sigma: f64,
     interval: f64,
     iterations: u32,
@@ -95,6 +103,9 @@ impl<'m> Follower<'m> {
             last_kept: None,
             kept_before: None,
             anchor: None,
+            crossing: None,
+            elsewhere: None,
+            widest: None,
             best_sigma: 0.0,
             interval: mechanism.duration,
             iterations: 0,
@@ -130,6 +141,7 @@ impl<'m> Follower<'m> {
                 }
             }
         }
+        self.measure_gap();
         self.trajectory
     }
 
@@ -174,57 +186,41 @@ impl<'m> Follower<'m> {
                 if found.start > 0 {
                     self.event(time, EventKind::OtherStart);
                 }
-                if !self.trajectory.samples.is_empty() {
-                    self.event(time, EventKind::MotionResumes { same_branch: true });
-                }
                 let stand = self.stand(time, found.coordinates);
                 if persist && stand.branch.condition >= SINGULAR_START {
                     self.event(time, EventKind::StartSingular);
                 }
-                Ok(self.keep(stand))
+                let stand = self.keep(stand);
+                if self.trajectory.samples.is_empty() {
+                    return Ok(stand);
+                }
+                self.enter(stand)
             }
-            Err(NotClosed {
-                name,
-                angle,
-                distance,
-            }) => {
+            Err(best) => {
+                self.note_lack(time, best.clone());
                 if persist {
-                    self.event(
-                        time,
-                        EventKind::StartNotClosed {
-                            name,
-                            angle,
-                            distance,
-                        },
-                    );
+                    let lack = smallest_gap(self.mechanism, self.structure, best);
+                    let kind = EventKind::StartNotClosed {
+                        name: lack.name,
+                        angle: lack.angle,
+                        distance: lack.distance,
+                    };
+                    self.event(time, kind);
                 }
                 Err(None)
             }
         }
     }
 
-    /// After a gap: assembles again from the last pose, without searching.
-    fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
-        let Ok(inputs) = self.inputs(time) else {
-            return Err(None);
-        };
-        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
-        let start = [unknowns, &inputs].concat();
-        match self.assembled(&start, false) {
-            Ok(found) => {
-                self.iterations += found.iterations;
-                let stand = self.stand(time, found.coordinates);
-                let same_branch = stand.branch.signs == last.branch.signs;
-                self.event(time, EventKind::MotionResumes { same_branch });
-                Ok(self.keep(stand))
-            }
-            Err(_) => Err(None),
-        }
-    }
-
     /// From the last sample to `time`, by as many steps as it takes.
     fn advance(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
         let mut here = last;
+        if self
+            .inputs(time)
+            .is_ok_and(|inputs| here.coordinates.ends_with(&inputs))
+        {
+            return Ok(Stand { time, ..here });
+        }
         loop {
             match self.follow(here, time) {
                 Ok(stand) => return Ok(stand),
@@ -240,37 +236,41 @@ impl<'m> Follower<'m> {
                         return Ok(beyond);
                     }
                     Some(beyond) => {
-                        self.event(stand.time, EventKind::SingularPosePassed);
+                        self.passed(stand.time);
                         here = self.keep(beyond);
                     }
                     None => {
                         self.event(stand.time, EventKind::MotionEnds);
-                        return Err(Some(stand));
+                        self.open_gap(Some(stand.time));
+                        // The drive may be feasible again before the next sample.
+                        return self.resume(stand, time);
                     }
                 },
             }
         }
     }
 
-    /// Steps with halving until `time`, or until the steps become too small.
+    /// Steps with halving until `time`, before or after, or until the steps become too small.
     fn follow(&mut self, mut here: Stand, time: f64) -> Result<Stand, Stop> {
         let smallest = SMALLEST_STEP * self.interval;
-        let mut step = time - here.time;
-        while here.time < time {
-            let next = if here.time + step >= time {
+        let direction = (time - here.time).signum();
+        let mut step = (time - here.time).abs();
+        while here.time != time {
+            let next = if step >= (time - here.time).abs() {
                 time
             } else {
-                here.time + step
+                here.time + direction * step
             };
+            let length = (next - here.time).abs();
             match self.step(&here, next) {
                 Ok(Some(stand)) => {
-                    step = (2.0 * (next - here.time)).max(smallest);
+                    step = (2.0 * length).max(smallest);
                     here = self.keep(stand);
                 }
-                Ok(None) => step = 0.5 * (next - here.time),
+                Ok(None) => step = 0.5 * length,
                 Err(index) => return Err(Stop::Undefined(index, here)),
             }
-            if step < smallest || here.time + step == here.time {
+            if step < smallest || here.time + direction * step == here.time {
                 return Err(Stop::Ends(here));
             }
         }

@@ -18,6 +18,17 @@ impl Follower<'_> {
     }
 
     pub(super) fn record(&mut self, stand: &Stand) {
+        let pose = self.closed_pose(stand);
+        let n = self.mechanism.unknowns.len();
+        self.trajectory.samples.push(Sample {
+            time: stand.time,
+            inputs: stand.coordinates[n..].to_vec(),
+            pose,
+        });
+    }
+
+    /// Everything that is kept of a pose; `None` if any body's place is not a number.
+    pub(super) fn closed_pose(&mut self, stand: &Stand) -> Option<ClosedPose> {
         let n = self.mechanism.unknowns.len();
         let mut coordinates = stand.coordinates.clone();
         let certificate = self.certified(&mut coordinates);
@@ -28,9 +39,9 @@ impl Follower<'_> {
         let closure_error = forward::closure_error(self.mechanism, coordinates);
         let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
         if !finite {
-            return self.record_missing(stand.time);
+            return None;
         }
-        let pose = ClosedPose {
+        Some(ClosedPose {
             unknowns: coordinates[..n].to_vec(),
             bodies,
             traces,
@@ -45,17 +56,11 @@ impl Follower<'_> {
             branch: stand.branch.signature(),
             certificate,
             iterations: self.iterations,
-        };
-        let inputs = coordinates[n..].to_vec();
-        self.trajectory.samples.push(Sample {
-            time: stand.time,
-            inputs,
-            pose: Some(pose),
-        });
+        })
     }
 
     /// Rates of the unknowns per second: the tangent along the drive's own rate.
-    fn rates(&mut self, stand: &Stand) -> Vec<f64> {
+    pub(super) fn rates(&mut self, stand: &Stand) -> Vec<f64> {
         let n = self.mechanism.unknowns.len();
         let h = RATE_STEP * self.mechanism.duration;
         let (before, after) = (

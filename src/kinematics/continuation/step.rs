@@ -3,7 +3,6 @@
 use super::super::branch::BranchState;
 use super::super::newton::{Correction, Pace};
 use super::super::predictor::{HIGHEST_ORDER, Prediction};
-use super::super::trajectory::EventKind;
 use super::{Follower, Stand};
 
 /// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
@@ -67,7 +66,7 @@ impl Follower<'_> {
         let fine = same || !usable || !self.is_usable(&stand.branch);
         // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
         if fine && !usable && !same && self.is_usable(&stand.branch) {
-            self.event(here.time, EventKind::SingularPosePassed);
+            self.passed(here.time);
         }
         Ok(fine.then_some(stand))
     }
@@ -169,6 +168,7 @@ impl Follower<'_> {
     pub(super) fn keep(&mut self, stand: Stand) -> Stand {
         self.watch_gimbals(&stand);
         if self.is_trusted(&stand.branch) {
+            self.locate_crossing(&stand);
             self.anchor = Some(stand.clone());
         }
         stand

@@ -7,9 +7,11 @@ mod loops;
 mod names;
 mod outputs;
 mod parsed;
+mod plots;
 mod view;
 
 use super::file::{InputFile, SceneFile};
+use super::plots::PlotFile;
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
@@ -67,6 +69,14 @@ pub fn apply_overrides(file: &mut SceneFile, overrides: &Overrides, diagnostics:
             outside(text),
         ));
     }
+    if let Some(plot) = &overrides.plot {
+        file.plots = vec![PlotFile {
+            x: plot.x.as_deref().map(outside),
+            y: plot.y.iter().map(|text| outside(text)).collect(),
+            equal: plot.equal,
+            ..PlotFile::default()
+        }];
+    }
 }
 
 fn outside(text: &str) -> FormulaText {
@@ -90,8 +100,10 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let equations = joints.equations(&parsed, diagnostics);
     let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let traces = bodies::traces(file, &names, &bodies, diagnostics);
-    let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
+    let scope = outputs::Scope::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    let plots = plots::resolve(file, &scope, diagnostics);
+    let outputs = scope.outputs;
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let constants = bodies::Constants { names: &names };
     let clearance = file
@@ -139,6 +151,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         mechanism,
         view,
         clearance,
+        plots,
         warnings: Diagnostics::default(),
     })
 }
