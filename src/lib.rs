@@ -4,6 +4,7 @@
 //! ([`export`]). The library never prints and never exits.
 
 pub mod analysis;
+pub mod clearance;
 pub mod cli;
 pub mod compare;
 pub mod diag;

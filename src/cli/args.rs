@@ -117,6 +117,9 @@ pub struct RenderArgs {
     /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+    /// Point something out: bodies that come nearer to each other than the scene's `[clearance]` allows turn red.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub show: Option<ShowArg>,
     /// Print where the time went, stage by stage.
     #[arg(long)]
     pub timings: bool,
@@ -187,6 +190,21 @@ pub struct CheckArgs {
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the clearances as JUnit XML, one case a pair of bodies.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Write the distance of every judged pair over time as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the moment at which the worst pair is nearest, with the distance marked, to this PNG file.
+    #[arg(long, value_name = "FILE.png")]
+    pub render: Option<PathBuf>,
+    /// How many pairs the table shows, the worst first.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub worst: usize,
+    /// How near the proved bound must come to the least distance found, relative to the larger of it and the minimum.
+    #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = share)]
+    pub bound_tolerance: f64,
 }
 
 /// `mechanim modes`
@@ -222,6 +240,13 @@ pub enum RendererArg {
     Auto,
     Gpu,
     Cpu,
+}
+
+/// `--show`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ShowArg {
+    Clearance,
 }
 
 /// `--color`
@@ -302,6 +327,13 @@ pub(super) fn quality(text: &str) -> Result<u8, String> {
     match text.parse() {
         Ok(quality) if (1..=100).contains(&quality) => Ok(quality),
         _ => Err("between 1 and 100".to_owned()),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
+        _ => Err("between 1e-9 and 1".to_owned()),
     }
 }
 

@@ -5,7 +5,7 @@ use super::certify::{self, MotionProof};
 use super::measured::{self, Measured};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{freedoms, inputs_table, open_scene, report};
+use super::{clearance, freedoms, inputs_table, open_scene, report};
 use crate::diag::nearest;
 use crate::export::events::gaps;
 use crate::kinematics::certificate::{Certificate, Reason};
@@ -61,10 +61,15 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let worst = trajectory.closure_error();
     let measured = measured::take(mechanism, &trajectory)?;
     let motion = MotionProof::of(&trajectory, args.certify);
-    let whole = motion.as_ref().is_none_or(MotionProof::is_whole);
-    let holds = measured.iter().all(Measured::holds);
+    let clearances = clearance::run(args, scene, &times, term)?;
+    let fails = [
+        worst > args.tolerance,
+        !motion.as_ref().is_none_or(MotionProof::is_whole),
+        !measured.iter().all(Measured::holds),
+        clearances.as_ref().is_some_and(|part| !part.passed),
+    ];
     let outcome = match closed {
-        Outcome::Done if worst > args.tolerance || !whole || !holds => Outcome::CheckFailed,
+        Outcome::Done if fails.contains(&true) => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -87,7 +92,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}{lines}  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}{lines}{}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -97,6 +102,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         branches.join(" "),
         proof.sentence(mechanism),
         freedoms::text(mechanism, &mobility),
+        clearances.as_ref().map_or("", |part| &part.text),
     );
     let document = json!({
         "schema": "mechanim-check/1",
@@ -118,6 +124,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "motion": motion.as_ref().map(MotionProof::json),
         "mobility": freedoms::document(mechanism, &mobility),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "clearance": clearances.map(|part| part.document),
         "gaps": gaps(mechanism, &trajectory),
         "result": verdict,
     });

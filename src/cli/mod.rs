@@ -4,6 +4,8 @@ mod accuracy;
 pub mod args;
 mod certify;
 mod check;
+mod clearance;
+mod clearance_picture;
 mod clock;
 mod completions;
 mod diff;

@@ -1,12 +1,12 @@
 //! `mechanim render`: solve, stage, draw, encode; or write shapes and their motion.
 
-use super::args::{RenderArgs, RendererArg};
+use super::args::{RenderArgs, RendererArg, ShowArg};
 use super::clock::Clock;
 use super::files::{self, Film};
 use super::outcome::{Failure, Outcome};
 use super::solve::up_to;
 use super::term::Term;
-use super::{inputs_table, models, open_scene, plot, report};
+use super::{clearance_picture, inputs_table, models, open_scene, plot, report};
 use crate::export::Format;
 use crate::kinematics::continuation::solve;
 use crate::kinematics::sampling::{even_times, frame_times};
@@ -18,6 +18,7 @@ use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
 use crate::render::{RenderError, Renderer};
 use crate::scene::Scene;
+use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging};
 use image::RgbaImage;
 use std::ops::Range;
@@ -46,7 +47,11 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         size: panel.as_ref().map_or(args.size, |p| p.animation),
         samples: args.samples,
     };
-    let staging = Staging::new(&scene, &trajectory, options);
+    let marks = match args.show {
+        Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &trajectory)?,
+        None => Marks::default(),
+    };
+    let staging = Staging::marked(&scene, &trajectory, options, marks);
     clock.lap("stage");
     if format.is_model() {
         let samples = plan.samples();

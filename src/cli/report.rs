@@ -252,23 +252,32 @@ fn contradiction(mechanism: &Mechanism, event: &Event) -> Option<String> {
 
 /// Writes a report to a file, or to standard output for `-`; never over an input of the command.
 pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<(), Failure> {
+    write_text(scene, path, &format!("{document:#}\n"))
+}
+
+/// The same for any text.
+pub fn write_text(scene: &SceneArgs, path: &Path, text: &str) -> Result<(), Failure> {
     if path != Path::new("-") && open_scene::is_scene_file(scene, path) {
         return Err(Failure::usage(
             format!("{} is an input of this command", path.display()),
             Vec::new(),
         ));
     }
-    write_document(path, document)
+    write_out(path, text)
 }
 
 /// Writes a JSON document to a file, or to standard output for `-`.
 pub fn write_document(path: &Path, document: &Value) -> Result<(), Failure> {
+    write_out(path, &format!("{document:#}\n"))
+}
+
+fn write_out(path: &Path, text: &str) -> Result<(), Failure> {
     let mut output: Box<dyn Output> = if path == Path::new("-") {
         Box::new(Stream::new("standard output", std::io::stdout()))
     } else {
         Box::new(Target::create(path)?)
     };
-    let written = output.write_all(format!("{document:#}\n").as_bytes());
+    let written = output.write_all(text.as_bytes());
     written.map_err(|source| ExportError::write(output.name(), source))?;
     output.commit()?;
     Ok(())

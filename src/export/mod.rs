@@ -13,6 +13,7 @@
 use image::RgbaImage;
 
 pub mod apng;
+pub mod clearance;
 mod costs;
 mod delta;
 pub mod error;

@@ -1,6 +1,7 @@
 //! The mechanism as resolved: immutable, without names to look up or units to convert.
 
 pub mod chain;
+pub mod clearance;
 pub mod drive;
 pub mod expression;
 pub mod measure;

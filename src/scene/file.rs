@@ -1,6 +1,7 @@
 //! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
 //! anything is looked up.
 
+use super::clearance::{self, ClearanceFile};
 use super::contacts::{ContactFile, surfaces};
 use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
 use super::plots::{PlotFile, plot};
@@ -52,6 +53,8 @@ pub struct SceneFile {
     pub measures: Vec<MeasureFile>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[clearance]`
+    pub clearance: Option<ClearanceFile>,
     /// `[[plots]]`
     pub plots: Vec<PlotFile>,
     /// `[view]`
@@ -212,6 +215,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         tracks: tracks(r, text),
         measures: measures(r, text),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
+        clearance: r.table("clearance", clearance::read),
         plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         lacks_sections: r.lacks_sections(&SECTIONS),

@@ -3,6 +3,7 @@
 #![allow(clippy::result_large_err)]
 
 pub mod builtin;
+pub mod clearance;
 pub mod contacts;
 pub mod file;
 pub mod formula;
@@ -14,6 +15,7 @@ pub mod shapes;
 pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
+use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 use crate::model::plot::Plot;
 use crate::model::view::View;
@@ -28,6 +30,8 @@ pub struct Scene {
     pub mechanism: Mechanism,
     /// How it wants to be seen.
     pub view: View,
+    /// Which clearances it asks for, if any.
+    pub clearance: Option<ClearanceRules>,
     /// What of its motion it wants to be plotted.
     pub plots: Vec<Plot>,
     /// What is odd but usable.

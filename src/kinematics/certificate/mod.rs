@@ -28,6 +28,7 @@
 pub mod chain;
 pub mod circle;
 pub mod double;
+pub mod flow;
 pub mod interval;
 mod kantorovich;
 mod product;

@@ -1,6 +1,6 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
-mod bodies;
+pub mod bodies;
 mod contacts;
 mod coordinates;
 mod joints;
@@ -119,6 +119,11 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
     let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
     let plots = plots::resolve(file, &scope, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
+    let constants = bodies::Constants { names: &names };
+    let clearance = file
+        .clearance
+        .as_ref()
+        .map(|section| super::clearance::resolve(section, &constants, &bodies, diagnostics));
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
     // Without drives, which is said already, no track can be.
@@ -175,6 +180,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         description,
         mechanism,
         view,
+        clearance,
         plots,
         warnings: Diagnostics::default(),
     })
