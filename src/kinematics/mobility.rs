@@ -219,12 +219,11 @@ impl Whole {
         let mut workspace = BlockWorkspace::default();
         workspace.evaluate(&self.mechanism, &self.block, pose, Want::Jacobian);
         let (rows, columns) = (self.block.rows(), self.block.unknowns.len());
-        let first_equation = 6 * self.mechanism.loops.len();
+        let all: Vec<RowName> = row_names(&self.block).collect();
         let mut list = Vec::with_capacity(names.len() * columns);
         for name in names {
-            let row = match name {
-                RowName::Loop(index, component) => 6 * index + component,
-                RowName::Equation(index) => first_equation + index,
+            let Some(row) = all.iter().position(|known| known == name) else {
+                continue;
             };
             list.extend((0..columns).map(|j| workspace.jacobian[j * rows + row]));
         }
