@@ -15,7 +15,7 @@ use super::qr::PivotedQr;
 use super::structure::{Block, LoopPart, Structure, block, components_of};
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Mechanism};
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -268,7 +268,12 @@ fn loop_spaces(mechanism: &Mechanism) -> Vec<LoopSpace> {
             qr.factor(entries, rows, entries.len() / rows, RANK);
             qr.rank()
         };
-        let dimension = rank(&twists, 6);
+        let all = rank(&twists, 6);
+        // Where a point closes the loop, its three coordinates are all that counts.
+        let dimension = match item.closes {
+            Closes::Frame => all,
+            Closes::Point => all.min(3),
+        };
         LoopSpace {
             name: item.name.clone(),
             dimension,
