@@ -15,7 +15,7 @@ use super::qr::PivotedQr;
 use super::structure::{Block, LoopPart, Structure, block, components_of};
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Mechanism};
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -219,12 +219,11 @@ impl Whole {
         let mut workspace = BlockWorkspace::default();
         workspace.evaluate(&self.mechanism, &self.block, pose, Want::Jacobian);
         let (rows, columns) = (self.block.rows(), self.block.unknowns.len());
-        let first_equation = 6 * self.mechanism.loops.len();
+        let all: Vec<RowName> = row_names(&self.block).collect();
         let mut list = Vec::with_capacity(names.len() * columns);
         for name in names {
-            let row = match name {
-                RowName::Loop(index, component) => 6 * index + component,
-                RowName::Equation(index) => first_equation + index,
+            let Some(row) = all.iter().position(|known| known == name) else {
+                continue;
             };
             list.extend((0..columns).map(|j| workspace.jacobian[j * rows + row]));
         }
@@ -269,7 +268,12 @@ fn loop_spaces(mechanism: &Mechanism) -> Vec<LoopSpace> {
             qr.factor(entries, rows, entries.len() / rows, RANK);
             qr.rank()
         };
-        let dimension = rank(&twists, 6);
+        let all = rank(&twists, 6);
+        // Where a point closes the loop, its three coordinates are all that counts.
+        let dimension = match item.closes {
+            Closes::Frame => all,
+            Closes::Point => all.min(3),
+        };
         LoopSpace {
             name: item.name.clone(),
             dimension,
