@@ -1,14 +1,25 @@
-//! Microseconds per pose and closure error of the solver, for three mechanisms of growing size.
+//! Microseconds per pose of the solver, stage by stage, and the closure error and certified bound that they buy.
 //!
-//! Plain timing: minimum and median of interleaved repetitions, printed as a table.
+//! Plain timing: the best and the median of interleaved repetitions, printed as tables. The stages of one pose are run
+//! through the same calls as `solve` makes: prediction and Newton's method; rank, singular values and branch sign; the
+//! certificate. The last column is `solve` itself, with bodies, traces, outputs and rates of every sample.
 
 use mechanim::diag::Source;
+use mechanim::kinematics::branch::BranchWatch;
+use mechanim::kinematics::certificate::{Certificate, Certifier};
 use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::forward::closure_error;
+use mechanim::kinematics::newton::{Corrector, Pace};
+use mechanim::kinematics::predictor::{HIGHEST_ORDER, Predictor};
+use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::trajectory::Trajectory;
+use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
+use std::fmt::Write;
 use std::time::Instant;
 
 /// Repetitions; the machine is rarely quiet.
-const REPETITIONS: usize = 15;
+const REPETITIONS: usize = 31;
 
 const RSSR: &str = r#"
 duration = 1
@@ -26,61 +37,201 @@ A = "Rz(phi) Tx(a) Ry(q1) Rz(q2) Tx(b) Rx(q3) Ry(q4) Rz(q5) inv(ground Rz(q6) Tx
 q6 = 1.5
 "#;
 
-fn scene(source: &Source) -> Option<Scene> {
-    load(source, &Overrides::default()).ok()
+/// Four-bars in series: the rocker of each is the crank of the next, so that every one is a block of its own.
+fn four_bars(count: usize) -> Source {
+    let mut text =
+        String::from("duration = 1\n[inputs]\ny0 = \"0.6 + 0.4*sin(2*pi*t)\"\n[loops]\n");
+    for k in 1..=count {
+        let before = k - 1;
+        let _ = writeln!(
+            text,
+            "L{k} = \"Rz(y{before}) Tx(40) Rz(a{k}) Tx(100) Rz(b{k}) inv(Tx(90) Rz(y{k}) Tx(70))\""
+        );
+    }
+    text.push_str("[guess]\n");
+    for k in 1..=count {
+        let _ = writeln!(text, "y{k} = 1.3");
+    }
+    Source {
+        name: format!("{count} four-bars"),
+        text,
+    }
+}
+
+/// What is run of every pose.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Depth {
+    Newton,
+    Branch,
+    Certificate,
+}
+
+const DEPTHS: [Depth; 3] = [Depth::Newton, Depth::Branch, Depth::Certificate];
+
+/// A drive to follow: the first pose and all inputs.
+struct Course<'m> {
+    mechanism: &'m Mechanism,
+    structure: &'m Structure,
+    first: Vec<f64>,
+    inputs: Vec<Vec<f64>>,
+}
+
+/// What one pass along the drive found.
+#[derive(Default)]
+struct Pass {
+    micros: f64,
+    iterations: u32,
+    poses: Vec<Vec<f64>>,
+    worst_bound: f64,
+}
+
+impl Course<'_> {
+    fn run(&self, depth: Depth) -> Pass {
+        let mut corrector = Corrector::new(self.structure);
+        let mut predictor = Predictor::default();
+        let mut watch = BranchWatch::default();
+        let mut certifier = Certifier::new(self.mechanism, self.structure);
+        let mut here = self.first.clone();
+        let mut state = watch.observe(self.mechanism, self.structure, &mut corrector, &here);
+        let mut pass = Pass {
+            poses: vec![here.clone(); self.inputs.len()],
+            ..Pass::default()
+        };
+        let start = Instant::now();
+        for (inputs, kept) in self.inputs.iter().zip(&mut pass.poses) {
+            let (mechanism, structure) = (self.mechanism, self.structure);
+            let order = HIGHEST_ORDER;
+            predictor.predict(
+                mechanism,
+                structure,
+                &mut corrector,
+                &mut here,
+                inputs,
+                order,
+            );
+            let correction = corrector.correct(mechanism, structure, &mut here, Pace::Brisk);
+            assert!(correction.converged);
+            pass.iterations += correction.iterations;
+            if depth >= Depth::Branch {
+                watch.observe_into(mechanism, structure, &mut corrector, &here, &mut state);
+                std::hint::black_box(&state);
+            }
+            kept.copy_from_slice(&here);
+            if depth >= Depth::Certificate {
+                match certifier.polish(kept, watch.bases(), &corrector) {
+                    Certificate::Certified { error_bound, .. } => {
+                        pass.worst_bound = pass.worst_bound.max(error_bound);
+                    }
+                    Certificate::Refused { .. } => pass.worst_bound = f64::INFINITY,
+                }
+            }
+        }
+        pass.micros = start.elapsed().as_secs_f64() * 1e6 / self.inputs.len() as f64;
+        pass
+    }
+}
+
+/// Best and median.
+fn summary(mut micros: Vec<f64>) -> (f64, f64) {
+    micros.sort_by(f64::total_cmp);
+    let middle = micros.get(micros.len() / 2).copied().unwrap_or(f64::NAN);
+    (micros.first().copied().unwrap_or(f64::NAN), middle)
+}
+
+fn timed(mechanism: &Mechanism, times: &[f64]) -> (f64, Option<Trajectory>) {
+    let start = Instant::now();
+    let trajectory = solve(mechanism, times).ok();
+    let micros = start.elapsed().as_secs_f64() * 1e6 / times.len() as f64;
+    (micros, trajectory)
+}
+
+/// One line of the table.
+fn measure(name: &str, mechanism: &Mechanism, count: usize, repetitions: usize) -> Option<()> {
+    let step = mechanism.duration / count as f64;
+    let times: Vec<f64> = (0..=count).map(|k| step * k as f64).collect();
+    let structure = Structure::new(mechanism).ok()?;
+    let (_, trajectory) = timed(mechanism, &times);
+    let trajectory = trajectory.filter(|t| t.missing() == 0)?;
+    let first = &trajectory.samples[0];
+    let course = Course {
+        mechanism,
+        structure: &structure,
+        first: [&first.pose.as_ref()?.unknowns[..], &first.inputs].concat(),
+        inputs: trajectory.samples[1..]
+            .iter()
+            .map(|s| s.inputs.clone())
+            .collect(),
+    };
+    let mut micros: [Vec<f64>; 4] = Default::default();
+    let mut last = Pass::default();
+    let mut newton = Pass::default();
+    for _ in 0..repetitions {
+        for (depth, micros) in DEPTHS.into_iter().zip(&mut micros) {
+            last = course.run(depth);
+            micros.push(last.micros);
+            if depth == Depth::Newton {
+                newton = std::mem::take(&mut last);
+            }
+        }
+        micros[3].push(timed(mechanism, &times).0);
+    }
+    let stages = micros.map(|m| {
+        let (least, middle) = summary(m);
+        format!("{least:.2} / {middle:.2}")
+    });
+    let closure = |pass: &Pass| {
+        let gaps = pass.poses.iter().map(|pose| closure_error(mechanism, pose));
+        gaps.fold(0.0, f64::max) * mechanism.size
+    };
+    let iterations = f64::from(newton.iterations) / count as f64;
+    println!(
+        "| {name} | {} | {count} | {} | {iterations:.2} | {:.1e} | {:.1e} | {:.1e} |",
+        mechanism.unknowns.len(),
+        stages.join(" | "),
+        closure(&newton),
+        closure(&last),
+        last.worst_bound,
+    );
+    Some(())
 }
 
 fn main() {
+    let read = |source: &Source| -> Option<Scene> { load(source, &Overrides::default()).ok() };
     let rssr = Source {
         name: "rssr".into(),
         text: RSSR.into(),
     };
-    let cases = [
-        ("slider-crank", builtin::find("slider-crank"), 360),
-        ("RSSR four-bar", Some(rssr), 360),
-        ("gearshift", builtin::find("gearshift"), 300),
-    ];
     println!(
-        "| mechanism | unknowns | poses | µs/pose (min) | µs/pose (median) | closure error | iterations/pose |"
+        "µs per pose: best / median. Lengths in the scene's unit; bounds of angles times the mechanism's size."
     );
-    println!("|---|---|---|---|---|---|---|");
-    for (name, source, count) in cases {
-        let Some(scene) = source.as_ref().and_then(scene) else {
-            println!("| {name} | could not be read |");
-            continue;
-        };
-        let mechanism = &scene.mechanism;
-        let times: Vec<f64> = (0..count)
-            .map(|k| mechanism.duration * k as f64 / count as f64)
-            .collect();
-        let mut micros = Vec::new();
-        let mut line = String::new();
-        for _ in 0..REPETITIONS {
-            let start = Instant::now();
-            match solve(mechanism, &times) {
-                Ok(trajectory) => {
-                    micros.push(start.elapsed().as_secs_f64() * 1e6 / count as f64);
-                    let iterations: u32 = trajectory.poses().map(|p| p.iterations).sum();
-                    line = format!(
-                        "{:.1e} | {:.2}{}",
-                        trajectory.closure_error(),
-                        f64::from(iterations) / count as f64,
-                        if trajectory.missing() > 0 {
-                            " (poses missing)"
-                        } else {
-                            ""
-                        }
-                    );
-                }
-                Err(error) => line = error.to_string(),
-            }
+    println!(
+        "| mechanism | unknowns | poses | Newton | + rank, branch | + certificate | solve | iterations | closure, Newton | closure, certified | worst bound |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut cases = vec![("RSSR four-bar".to_owned(), Some(rssr), 360, REPETITIONS)];
+    for (name, count) in [("slider-crank", 360), ("seven-r", 360), ("gearshift", 300)] {
+        cases.push((name.to_owned(), builtin::find(name), count, REPETITIONS));
+    }
+    for count in [1, 10, 100] {
+        let repetitions = REPETITIONS.min(310 / count).max(5);
+        cases.push((
+            format!("{count} four-bars"),
+            Some(four_bars(count)),
+            100,
+            repetitions,
+        ));
+    }
+    // Words on the command line choose mechanisms by parts of their names.
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
+    cases.retain(|case| wanted.is_empty() || wanted.iter().any(|w| case.0.contains(w.as_str())));
+    for (name, source, count, repetitions) in cases {
+        let scene = source.as_ref().and_then(read);
+        let line = scene.and_then(|s| measure(&name, &s.mechanism, count, repetitions));
+        if line.is_none() {
+            println!("| {name} | could not be read or solved |");
         }
-        micros.sort_by(f64::total_cmp);
-        let median = micros.get(micros.len() / 2).copied().unwrap_or(f64::NAN);
-        let least = micros.first().copied().unwrap_or(f64::NAN);
-        println!(
-            "| {name} | {} | {count} | {least:.1} | {median:.1} | {line} |",
-            mechanism.unknowns.len()
-        );
     }
 }

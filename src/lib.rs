@@ -4,14 +4,18 @@
 //! ([`export`]). The library never prints and never exits.
 
 pub mod analysis;
+pub mod clearance;
 pub mod cli;
 pub mod compare;
 pub mod diag;
 pub mod export;
 pub mod geometry;
+pub mod import;
 pub mod kinematics;
 pub mod math;
 pub mod model;
+pub mod plot;
 pub mod render;
 pub mod scene;
+pub mod snapshot;
 pub mod staging;

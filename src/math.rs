@@ -3,7 +3,7 @@
 //! Holds no mechanism and no solver. A pose named `a_from_b` maps coordinates of frame b to frame a,
 //! so that products chain by name: `a_from_c = a_from_b * b_from_c`.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// Sine and cosine of an angle in radians.
 ///
@@ -126,14 +126,13 @@ pub fn rotation_log(rotation: &DMat3) -> DVec3 {
     ) * 0.5;
     let cos = 0.5 * (r.x_axis.x + r.y_axis.y + r.z_axis.z - 1.0);
     let sin = skew.length();
-    let angle = sin.atan2(cos);
+    // sin/angle is smooth through zero; below 1e-8 the quotient is 1 to rounding.
+    if cos > 0.0 && sin < 1e-8 {
+        return skew;
+    }
+    let angle = libm::atan2(sin, cos);
     if cos > -0.9 {
-        // sin/angle is smooth through zero; below 1e-6 the quotient is 1 to rounding.
-        return if sin > 1e-6 {
-            skew * (angle / sin)
-        } else {
-            skew
-        };
+        return skew * (angle / sin);
     }
     // Next to π the axis is read from the symmetric part, whose largest column is well conditioned.
     let symmetric = (*r + r.transpose()) * 0.5 - DMat3::from_diagonal(DVec3::splat(cos));
@@ -177,10 +176,28 @@ pub fn skew_matrix(v: DVec3) -> DMat3 {
     )
 }
 
+/// The unit quaternions of rotation matrices, each with the sign nearest to the one before it: interpolating between
+/// neighbours then takes the short way.
+pub fn rotations(matrices: &[DMat3]) -> Vec<DQuat> {
+    let mut list: Vec<DQuat> = Vec::with_capacity(matrices.len());
+    for matrix in matrices {
+        let rotation = DQuat::from_mat3(matrix).normalize();
+        let turned = list.last().is_some_and(|last| last.dot(rotation) < 0.0);
+        list.push(if turned { -rotation } else { rotation });
+    }
+    list
+}
+
 /// The f64 to f32 door: what the renderers receive. Nothing else in the crate narrows a coordinate.
 #[inline]
 pub fn narrow(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// A unit quaternion as (x, y, z, w).
+#[inline]
+pub fn narrow_rotation(rotation: DQuat) -> [f32; 4] {
+    rotation.to_array().map(|component| component as f32)
 }
 
 /// A pose as three rows of four f32 (rotation | translation), the layout of the mesh shader's instances.

@@ -608,3 +608,180 @@ fn colour_quiet_and_progress_do_as_they_are_told() {
         .exits(2)
         .says(&["none.toml"]);
 }
+
+#[test]
+fn iterates_are_traced_as_a_table_and_as_polygons() {
+    let workspace = Workspace::new();
+    let feeder = [
+        "solve",
+        "feeder",
+        "--input",
+        "psi12=60deg",
+        "--trace-iterations",
+        "--out",
+    ];
+    let table = workspace
+        .run(&[&feeder[..], &["-"]].concat())
+        .exits(0)
+        .text();
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(
+        lines[0].starts_with("block,iteration,psi13,p14,correction(psi13),correction(p14),A.gap.x")
+    );
+    assert!(lines[1].starts_with("0,0,-0.6,200,"), "{}", lines[1]);
+    workspace.run(&[&feeder[..], &["i.json"]].concat()).exits(0);
+    let text = std::fs::read_to_string(workspace.path("i.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["closed"], true);
+    assert_eq!(
+        document["iterates"][0]["polygons"]["A"]
+            .as_array()
+            .unwrap()
+            .len(),
+        5
+    );
+    // A start from which plain Newton cannot close says so.
+    let far = [
+        "solve",
+        "slider-crank",
+        "--param",
+        "L=30",
+        "--input",
+        "phi=1.5",
+        "--trace-iterations",
+        "--out",
+        "-",
+    ];
+    workspace.run(&far).exits(4);
+}
+
+#[test]
+fn measures_are_printed_and_their_limits_enforced() {
+    let workspace = Workspace::new();
+    let optimised = workspace
+        .run(&["check", "gearshift-optimised"])
+        .exits(0)
+        .text();
+    let line = optimised
+        .lines()
+        .find(|l| l.trim_start().starts_with("F "))
+        .unwrap();
+    assert_eq!(line.split_whitespace().nth(1), Some("0.00006509978899"));
+    let longer = [
+        "check",
+        "rope-drum",
+        "--input",
+        "x=R+6*v*t",
+        "--json",
+        "r.json",
+    ];
+    let run = workspace.run(&longer).exits(1);
+    assert!(
+        run.text()
+            .contains("is below the limit 0: the rope is shorter than its tangent")
+    );
+    let text = std::fs::read_to_string(workspace.path("r.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["measures"][0]["holds"], false);
+    assert_eq!(document["measures"][0]["min"], 0.0);
+}
+
+/// The crank as long as the rod: two motions meet at 90 degrees.
+const CHANGES: &str = r#"duration = 1
+units = { length = "mm", angle = "deg" }
+[inputs]
+phi = "60 + 60*t"
+[loops]
+A = "Rz(phi) Tx(80) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
+[guess]
+h = 140
+"#;
+
+#[test]
+fn motion_is_proved_on_request() {
+    let w = workspace();
+    w.write("changes.toml", CHANGES);
+    let check = |scene: &str, code: i32, more: &[&str]| {
+        let run = [
+            &["check", scene, "--samples", "45", "--certify", "motion"],
+            more,
+        ]
+        .concat();
+        w.run(&run).exits(code).text()
+    };
+    let text = check("dyads", 0, &[]);
+    assert!(
+        text.contains("45 of 45 intervals certified in 45 tubes"),
+        "{text}"
+    );
+    assert!(text.contains("assumed"), "{text}");
+    let text = check("changes.toml", 1, &[]);
+    assert!(text.contains("refused first after t = 0.5"), "{text}");
+    assert!(text.contains("near-singular"), "{text}");
+    let json = check("changes.toml", 1, &["--json", "-"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["motion"]["intervals"], 44);
+    assert_eq!(json["motion"]["certified"], 42);
+    let refused = json["motion"]["refused"].as_array().unwrap();
+    assert_eq!(refused[0]["after_sample"], 21);
+    assert_eq!(refused[0]["because"], "near-singular");
+
+    let solve = |out: &str, certify: &str, scene: &str| {
+        let run = [
+            "solve",
+            scene,
+            "--samples",
+            "5",
+            "--certify",
+            certify,
+            "--out",
+            out,
+        ];
+        w.run(&run).exits(0)
+    };
+    let csv = solve("-", "motion", "dyads").says_nothing().text();
+    let cell = |line: usize, name: &str| {
+        let column = csv
+            .lines()
+            .next()
+            .unwrap()
+            .split(',')
+            .position(|c| c == name);
+        let row = csv.lines().nth(line).unwrap();
+        row.split(',').nth(column.unwrap()).unwrap().to_owned()
+    };
+    // The drive is a whole turn: the last interval leads to its end.
+    for line in 1..=5 {
+        assert_eq!(cell(line, "motion_status"), "certified");
+        assert!(cell(line, "motion_tubes").parse::<usize>().unwrap() > 1);
+        assert!(cell(line, "motion_radius").parse::<f64>().unwrap() < 1.0);
+    }
+    solve("a.json", "motion", "changes.toml").says(&["motion: 2 of 4 intervals certified"]);
+    let json: serde_json::Value = serde_json::from_slice(&w.read("a.json")).unwrap();
+    assert_eq!(json["samples"][1]["motion_status"], "near-singular");
+    assert_eq!(json["samples"][3]["motion_status"], "certified");
+    assert!(json["samples"][4]["motion_status"].is_null());
+
+    let bare = solve("-", "none", "dyads").says_nothing().text();
+    assert!(
+        !bare.contains("motion_status"),
+        "only where it was asked for"
+    );
+    let text = w
+        .run(&["check", "dyads", "--certify", "none"])
+        .exits(0)
+        .text();
+    assert!(text.contains("not asked for"), "{text}");
+    w.run(&[
+        "solve",
+        "dyads",
+        "--at",
+        "1",
+        "--certify",
+        "motion",
+        "--out",
+        "-",
+    ])
+    .exits(2)
+    .says(&["no motion to certify"]);
+}

@@ -7,9 +7,9 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-/// Keys that the scene reader asks for: the first text argument of its reading functions.
-fn keys_of_the_reader() -> BTreeSet<String> {
-    let source = read("src/scene/file.rs") + &read("src/scene/studies.rs");
+/// Keys that a reader asks for: the first text argument of its reading functions.
+fn keys_of_the_reader(files: &[&str]) -> BTreeSet<String> {
+    let source: String = files.iter().map(|file| read(file)).collect();
     let readers = [
         "string",
         "strings",
@@ -21,6 +21,8 @@ fn keys_of_the_reader() -> BTreeSet<String> {
         "rows",
         "rows::<3>",
         "rows::<2>",
+        "rows::<4>",
+        "vector::<2>",
         "table",
         "tables",
         "named",
@@ -45,7 +47,12 @@ fn keys_of_the_reader() -> BTreeSet<String> {
 #[test]
 fn every_scene_key_is_documented() {
     let document = read("docs/scene-format.md");
-    let keys = keys_of_the_reader();
+    let keys = keys_of_the_reader(&[
+        "src/scene/file.rs",
+        "src/scene/plots.rs",
+        "src/scene/studies.rs",
+        "src/scene/measures.rs",
+    ]);
     assert!(keys.len() > 40, "the search found too few keys: {keys:?}");
     let missing: Vec<_> = keys
         .iter()
@@ -59,6 +66,68 @@ fn every_scene_key_is_documented() {
         missing.is_empty(),
         "not in docs/scene-format.md: {missing:?}"
     );
+}
+
+#[test]
+fn every_key_of_a_list_of_snapshots_is_documented() {
+    let document = read("docs/formats.md");
+    let mut keys = keys_of_the_reader(&["src/snapshot/manifest.rs"]);
+    // These are asked for through functions of the reader's own.
+    let more = [
+        "samples",
+        "frame",
+        "tolerance",
+        "pixels",
+        "parameters",
+        "inputs",
+        "guess",
+    ];
+    let source = read("src/snapshot/manifest.rs");
+    for key in more.into_iter().chain(["azimuth", "elevation", "fov"]) {
+        assert!(source.contains(&format!("\"{key}\"")), "{key}");
+        keys.insert(key.to_owned());
+    }
+    assert!(keys.len() > 15, "the search found too few keys: {keys:?}");
+    let missing: Vec<_> = keys
+        .iter()
+        .filter(|key| !document.contains(&format!("`{key}`")))
+        .collect();
+    assert!(missing.is_empty(), "not in docs/formats.md: {missing:?}");
+}
+
+/// Verbs and long options, found in the argument tables as they are written there.
+#[test]
+fn every_verb_and_option_of_pictures_is_documented() {
+    let documents = read("README.md") + &read("docs/formats.md");
+    for verb in ["render", "encode", "diff", "snapshot"] {
+        assert!(documents.contains(&format!("mechanim {verb}")), "{verb}");
+    }
+    let source = read("src/cli/file_args.rs");
+    let mut options = 0;
+    for part in source.split("#[arg(").skip(1) {
+        let (attributes, rest) = part.split_once(")]\n").unwrap();
+        if !attributes.contains("long") {
+            continue;
+        }
+        let named = attributes
+            .split("long = \"")
+            .nth(1)
+            .and_then(|t| t.split('"').next());
+        let field = rest
+            .split("pub ")
+            .nth(1)
+            .unwrap()
+            .split(':')
+            .next()
+            .unwrap();
+        let option = named.map_or(field.replace('_', "-"), str::to_owned);
+        assert!(
+            documents.contains(&format!("--{option}")),
+            "--{option} is not documented"
+        );
+        options += 1;
+    }
+    assert!(options > 15, "the search found only {options} options");
 }
 
 #[test]
@@ -92,7 +161,14 @@ fn the_scene_of_the_readme_works() {
 
 #[test]
 fn pictures_in_the_documents_exist() {
-    for document in ["README.md", "docs/performance.md", "ARCHITECTURE.md"] {
+    for document in [
+        "README.md",
+        "docs/performance.md",
+        "docs/accuracy.md",
+        "docs/formats.md",
+        "docs/certificates.md",
+        "ARCHITECTURE.md",
+    ] {
         for link in read(document).split("](").skip(1) {
             let target = link.split(')').next().unwrap();
             if target.starts_with("http") {
@@ -109,5 +185,44 @@ fn pictures_in_the_documents_exist() {
                 "{document} links to {target}"
             );
         }
+    }
+}
+
+#[test]
+fn the_gallery_shows_every_scene() {
+    let gallery = read("docs/gallery.md");
+    for scene in mechanim::scene::builtin::ALL {
+        let name = scene.name;
+        assert!(
+            gallery.contains(&format!("](gallery/{name}.png)")),
+            "{name}"
+        );
+        assert!(
+            gallery.contains(&format!("{name}:")),
+            "{name} is not in the command"
+        );
+        let path = format!("{}/docs/gallery/{name}.png", env!("CARGO_MANIFEST_DIR"));
+        let picture = image::open(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+        assert_eq!((picture.width(), picture.height()), (320, 240), "{name}");
+    }
+}
+
+#[test]
+fn every_reason_of_a_refusal_is_documented() {
+    use mechanim::kinematics::certificate::Reason;
+    use mechanim::kinematics::certificate::tube::Obstacle;
+    let document = read("docs/certificates.md");
+    let tests = [
+        Reason::Formula,
+        Reason::Singular,
+        Reason::HalfTurn,
+        Reason::GimbalLock,
+        Reason::Open,
+        Reason::NotAsked,
+    ];
+    let obstacles = [Obstacle::NoPose, Obstacle::Drive, Obstacle::NotJoined];
+    let words = tests.map(Obstacle::Test).into_iter().chain(obstacles);
+    for word in words.map(Obstacle::word) {
+        assert!(document.contains(&format!("| `{word}` |")), "{word}");
     }
 }

@@ -6,12 +6,20 @@ mod frames;
 use frames::{flat, run, shaded, sink};
 use image::RgbaImage;
 use mechanim::export::format::FramePattern;
-use mechanim::export::png::{SequenceSink, StillSink};
+use mechanim::export::png::{Effort, PngSettings, SequenceSink, StillSink};
 use mechanim::export::pump::{PumpError, draw_samples, pump};
 use mechanim::export::{ExportError, Output, Stream, Target};
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+fn opaque(size: [u32; 2], effort: Effort) -> PngSettings {
+    PngSettings {
+        size,
+        effort,
+        alpha: false,
+    }
+}
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
@@ -224,7 +232,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
 
     cancel.store(false, Ordering::Relaxed);
     let pattern = FramePattern::parse(&folder.path().join("shots/f%d.png")).unwrap();
-    let sequence = Box::new(SequenceSink::new(pattern, [20, 14]).unwrap());
+    let sequence = Box::new(SequenceSink::new(pattern, opaque([20, 14], Effort::Fast)).unwrap());
     assert!(folder.path().join("shots").is_dir());
     let outcome = pump(
         vec![worker()],
@@ -245,7 +253,7 @@ fn a_sequence_is_lossless_numbered_and_keeps_what_was_there() {
     std::fs::write(folder.path().join("notes.txt"), "").unwrap();
     let open = || {
         let pattern = FramePattern::parse(&folder.path().join("f-%03d.png")).unwrap();
-        SequenceSink::new(pattern, [96, 72]).unwrap()
+        SequenceSink::new(pattern, opaque([96, 72], Effort::Fast)).unwrap()
     };
     // A run that breaks off takes its own new files away again, and only those.
     drop(open());
@@ -292,7 +300,7 @@ fn a_sequence_is_lossless_numbered_and_keeps_what_was_there() {
 fn a_sequence_needs_the_folder_above_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let pattern = FramePattern::parse(&folder.path().join("no/such/f%d.png")).unwrap();
-    let error = SequenceSink::new(pattern, [4, 4])
+    let error = SequenceSink::new(pattern, opaque([4, 4], Effort::Fast))
         .err()
         .unwrap()
         .to_string();
@@ -303,8 +311,10 @@ fn a_sequence_needs_the_folder_above_its_own() {
 fn a_still_takes_exactly_one_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    let open =
-        || Box::new(StillSink::new(Box::new(Target::create(&path).unwrap()), [96, 72]).unwrap());
+    let open = || {
+        let output = Box::new(Target::create(&path).unwrap());
+        Box::new(StillSink::new(output, opaque([96, 72], Effort::Balanced)).unwrap())
+    };
     assert!(matches!(
         run(1, 2, shaded, open()),
         Err(PumpError::Export(ExportError::FrameCount { got: 2, .. }))
@@ -336,7 +346,7 @@ fn a_broken_pipe_is_recognised() {
         }
     }
     let output = Box::new(Stream::new("standard output", Broken));
-    let sink = StillSink::new(output, [20, 14]).unwrap();
+    let sink = StillSink::new(output, opaque([20, 14], Effort::Balanced)).unwrap();
     match run(1, 1, flat, Box::new(sink)).unwrap_err() {
         PumpError::Export(error) => {
             assert!(error.is_broken_pipe() && error.to_string().contains("standard output"))

@@ -9,7 +9,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 6] = [
+const WALLS: [Wall; 8] = [
     Wall {
         words: &["wgpu::"],
         rooms: &["render/"],
@@ -19,8 +19,16 @@ const WALLS: [Wall; 6] = [
         rooms: &["geometry/", "clearance/"],
     },
     Wall {
-        words: &["gif::Encoder", "gif::Frame", "PngEncoder", "image::codecs"],
+        words: &["Encoder::new", "PngEncoder", "GifEncoder", "stl_io::write"],
         rooms: &["export/"],
+    },
+    Wall {
+        words: &["tiny_skia::"],
+        rooms: &["plot/"],
+    },
+    Wall {
+        words: &["image::codecs"],
+        rooms: &["export/", "import/"],
     },
     Wall {
         words: &["clap::", "clap_complete::"],
@@ -38,7 +46,12 @@ const WALLS: [Wall; 6] = [
     },
     // Nothing in the program knows a scene: they are data.
     Wall {
-        words: &["\"gearshift", "\"seven-r\"", "\"slider-crank\""],
+        words: &[
+            "\"gearshift",
+            "\"seven-r\"",
+            "\"slider-crank\"",
+            "\"dyads\"",
+        ],
         rooms: &["scene/builtin.rs"],
     },
 ];
@@ -116,6 +129,8 @@ fn a_planted_fault_is_found() {
         ("use wgpu::Device;", "render/gpu/a.rs"),
         ("let d = parry3d_f64::query::distance();", "clearance/a.rs"),
         ("let e = PngEncoder::new(w);", "export/a.rs"),
+        ("let p = tiny_skia::Paint::default();", "plot/a.rs"),
+        ("use image::codecs::png::PngDecoder;", "import/a.rs"),
         ("use clap::Parser;", "cli/a.rs"),
         ("    println!(\"x\");", "cli/a.rs"),
         ("std::process::exit(1)", "main.rs"),

@@ -5,6 +5,7 @@
 mod snapshot;
 
 use image::RgbaImage;
+use mechanim::diag::Source;
 use mechanim::kinematics::continuation::solve;
 use mechanim::kinematics::sampling::frame_times;
 use mechanim::kinematics::trajectory::Trajectory;
@@ -12,8 +13,13 @@ use mechanim::render::Renderer;
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::overlay::Overlay;
 use mechanim::scene::{Overrides, Scene, builtin, load};
+#[cfg(feature = "gpu")]
+use mechanim::snapshot::manifest::Instant;
+use mechanim::snapshot::manifest::Picture;
+use mechanim::snapshot::{MANIFEST, Manifest, Verdict, judge};
 use mechanim::staging::{PictureOptions, Staging};
-use snapshot::{EXACT, assert_snapshot};
+#[cfg(feature = "gpu")]
+use snapshot::assert_snapshot;
 use std::sync::Arc;
 
 const SMALL: PictureOptions = PictureOptions {
@@ -42,26 +48,38 @@ fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaIma
     image
 }
 
-/// A frame of every built-in scene that shows what matters in it.
-const VIEWS: [(&str, usize); 4] = [
-    ("gearshift", 100),
-    ("gearshift-optimised", 100),
-    ("slider-crank", 30),
-    ("seven-r", 80),
-];
+/// The list of golden pictures: a frame of every built-in scene.
+fn pictures() -> Vec<Picture> {
+    let path = snapshot::folder().join(MANIFEST);
+    let source = Source {
+        name: MANIFEST.into(),
+        text: std::fs::read_to_string(path).unwrap(),
+    };
+    Manifest::read(&source).unwrap().pictures
+}
 
 #[test]
 fn scenes_look_as_they_should() {
-    for (name, frame) in VIEWS {
-        let (scene, trajectory) = solved(name);
-        let staging = Staging::new(&scene, &trajectory, SMALL);
-        let mut renderer = CpuRenderer::new(Arc::clone(&staging.stage)).unwrap();
-        assert_snapshot(
-            &format!("{name}-{frame}"),
-            &draw(&staging, &mut renderer, frame),
-            EXACT,
+    let pictures = pictures();
+    for scene in builtin::ALL {
+        assert!(
+            pictures.iter().any(|p| p.scene == scene.name),
+            "no picture of {}",
+            scene.name
         );
     }
+    // All of them first, so that one run shows every picture that fails.
+    let update = snapshot::wish_of_environment().unwrap();
+    let failures = pictures.iter().filter_map(|picture| {
+        let drawn = mechanim::snapshot::draw(picture, &snapshot::folder()).unwrap();
+        let golden = snapshot::folder().join(&picture.file);
+        match judge(&golden, &drawn, picture.allowed, update).unwrap() {
+            Verdict::Failed { reason, .. } => Some(format!("{}: {reason}", golden.display())),
+            _ => None,
+        }
+    });
+    let failures: Vec<String> = failures.collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// The adapter's picture against the same goldens: what is seen (24 levels) may differ in one pixel of a thousand,
@@ -73,8 +91,17 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
     use mechanim::compare::{Comparison, compare};
     use mechanim::render::adapter::AdapterChoice;
     use mechanim::render::gpu::GpuRenderer;
-    for (name, frame) in VIEWS {
-        let (scene, trajectory) = solved(name);
+    for Picture {
+        scene: name,
+        file,
+        instant,
+        ..
+    } in pictures()
+    {
+        let Instant::Frame(frame) = instant else {
+            panic!("{file} is no frame")
+        };
+        let (scene, trajectory) = solved(&name);
         let staging = Staging::new(&scene, &trajectory, SMALL);
         let mut cpu = CpuRenderer::new(Arc::clone(&staging.stage)).unwrap();
         let mut gpu = GpuRenderer::open(Arc::clone(&staging.stage), AdapterChoice::Any).unwrap();
@@ -86,9 +113,9 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
         println!("{name}: {:.1} dB on {}", likeness.psnr, gpu.name());
         assert!(likeness.psnr >= 35.0, "{name}: {:.1} dB", likeness.psnr);
         assert_snapshot(
-            &format!("{name}-{frame}"),
+            file.trim_end_matches(".png"),
             &drawn,
-            snapshot::Allowed {
+            mechanim::snapshot::Allowed {
                 tolerance: 24,
                 pixels: 27,
             },
@@ -144,7 +171,7 @@ fn a_frame_does_not_depend_on_the_frames_before_it() {
 
 #[test]
 fn every_body_is_seen_and_the_camera_holds_the_whole_motion() {
-    for name in ["gearshift", "slider-crank", "seven-r"] {
+    for name in ["gearshift", "slider-crank", "seven-r", "dyads"] {
         let (scene, trajectory) = solved(name);
         let staging = Staging::new(&scene, &trajectory, SMALL);
         for index in (0..staging.frame_count()).step_by(11) {

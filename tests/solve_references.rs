@@ -372,7 +372,7 @@ fn bodies_stay_joined_in_every_frame() {
 
 #[test]
 fn rates_match_differences_of_the_motion() {
-    for name in ["gearshift", "slider-crank", "seven-r"] {
+    for name in ["gearshift", "slider-crank", "seven-r", "dyads"] {
         let scene = scene(name);
         let (time, h) = (1.37, 1e-5);
         let trajectory = solve(&scene.mechanism, &[time - h, time, time + h]).unwrap();

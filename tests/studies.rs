@@ -32,7 +32,7 @@ fn measures_and_gradients_agree_with_forty_digits() {
     assert_eq!(measured.measures, found.measures);
     let (heads, values) = table("gearshift_orig_characteristics.csv");
     let (columns, rows) = table("gearshift_orig_sensitivity.csv");
-    for (index, measure) in family.study.measures.iter().enumerate() {
+    for (index, measure) in family.mechanism.measures.iter().enumerate() {
         let column = heads.iter().position(|h| *h == measure.name).unwrap();
         let wanted: f64 = values[0][column].parse().unwrap();
         assert!(
@@ -75,7 +75,7 @@ fn a_stand_with_other_values_has_the_measures_of_the_optimised_lever() {
     };
     let stand = evaluator.reach(&nominal, &[of("L6s"), of("ZR1")]).unwrap();
     let measured = evaluator.measure(&stand).unwrap();
-    for (measure, got) in family.study.measures.iter().zip(&measured.measures) {
+    for (measure, got) in family.mechanism.measures.iter().zip(&measured.measures) {
         let column = heads.iter().position(|h| *h == measure.name).unwrap();
         let wanted: f64 = values[0][column].parse().unwrap();
         assert!(

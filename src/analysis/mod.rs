@@ -1,6 +1,11 @@
-//! Loops around the solver: studies of a mechanism whose parameters vary, and the minimisers they use.
+//! Studies of the solver itself and of mechanisms: loops around solving, never a second engine.
 
+pub mod observer;
 pub mod optimise;
+pub mod precision_report;
 pub mod random;
+pub mod reference;
+pub mod routes;
 pub mod study;
 pub mod tolerance;
+pub mod work_precision;

@@ -110,7 +110,7 @@ pub fn pieces(
     batch: Batch,
     cancel: &AtomicBool,
 ) -> Option<Pieces> {
-    let measures = family.study.measures.len();
+    let measures = family.mechanism.measures.len();
     let next = AtomicUsize::new(0);
     let work = || {
         let mut evaluator = Evaluator::new(family);
@@ -172,18 +172,14 @@ fn piece(
 }
 
 fn summary(family: &Family, values: Vec<f64>, measures: usize, first: usize) -> Pieces {
-    let study = &family.study;
-    let limits = if study.requirements.is_empty() {
-        &study.constraints
-    } else {
-        &study.requirements
-    };
+    let list = &family.mechanism.measures;
     let (mut failed, mut good, mut digest) = (0, 0, 0u64);
     for (item, piece) in values.chunks_exact(measures.max(1)).enumerate() {
         if piece.iter().any(|v| v.is_nan()) {
             failed += 1;
         } else {
-            good += usize::from(limits.iter().all(|l| l.violation(piece[l.measure]) <= 0.0));
+            let pairs = list.iter().zip(piece);
+            good += usize::from(pairs.into_iter().all(|(m, v)| m.allows(*v)));
         }
         // A sum of one number per piece does not depend on the order, nor on how pieces are shared out.
         let mut hash = (first + item) as u64 ^ 0xcbf2_9ce4_8422_2325;

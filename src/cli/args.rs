@@ -1,5 +1,7 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
+use super::file_args::{DiffArgs, EncodeArgs, FileArgs, SnapshotArgs};
+use super::plot_args::{AccuracyArgs, PlotArgs};
 use super::study_args::{OptimiseArgs, SensitivityArgs, ToleranceArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -25,7 +27,7 @@ adapter; 4 the mechanism could not be closed over the whole motion; 70 internal 
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draw the motion into a GIF, a PNG still or a sequence of PNG frames.
+    /// Draw the motion into an animation, a still, a sequence of frames or raw video; or write it as a 3-D model.
     Render(RenderArgs),
     /// Solve the motion and write every coordinate with its proof (CSV or JSON).
     Solve(SolveArgs),
@@ -33,6 +35,16 @@ pub enum Command {
     Check(CheckArgs),
     /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
     Modes(ModesArgs),
+    /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
+    Plot(PlotArgs),
+    /// Measure time per pose against true error for many ways along the motion (table, JSON, CSV, chart).
+    Accuracy(AccuracyArgs),
+    /// Assemble PNG frames made elsewhere into an animation.
+    Encode(EncodeArgs),
+    /// Compare two pictures, two animations or two folders of pictures.
+    Diff(DiffArgs),
+    /// Draw a list of pictures and compare them with the golden ones beside it.
+    Snapshot(SnapshotArgs),
     /// Derivatives of the study's measures by every dimension, ranked.
     Sensitivity(SensitivityArgs),
     /// What tolerances of the dimensions do to the study's measures: linear rules and random pieces.
@@ -85,9 +97,9 @@ pub struct RenderArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// File to write: .gif, .png, a folder, or a pattern such as frame-%04d.png.
-    #[arg(long, short, value_name = "FILE")]
-    pub out: PathBuf,
+    /// What is written.
+    #[command(flatten)]
+    pub file: FileArgs,
     /// Picture size in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
     pub size: [u32; 2],
@@ -106,24 +118,21 @@ pub struct RenderArgs {
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = samples)]
     pub samples: u32,
-    /// Quality of a GIF, 1 to 100: below 100 pixels may miss their colour a little where that makes the file smaller.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = quality)]
-    pub quality: u8,
     /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
     #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
     pub renderer: RendererArg,
     /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Worker threads of the built-in renderer; all cores if absent. The pictures do not depend on it.
-    #[arg(long, value_name = "N", value_parser = threads)]
-    pub threads: Option<usize>,
-    /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
-    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
-    pub progress: ProgressArg,
+    /// Point something out: bodies that come nearer to each other than the scene's `[clearance]` allows turn red.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub show: Option<ShowArg>,
     /// Print where the time went, stage by stage.
     #[arg(long)]
     pub timings: bool,
+    /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
+    #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub panel: Option<String>,
 }
 
 /// `mechanim solve`
@@ -141,6 +150,10 @@ pub struct SolveArgs {
     /// Solve at this time in seconds only (following the motion up to it).
     #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
     pub at: Option<f64>,
+    /// Write Newton's iterates from the start values at the start of the drive instead of the motion: unknowns,
+    /// corrections and gaps of every loop; in JSON the opened polygons, too.
+    #[arg(long, conflicts_with_all = ["samples", "at", "rates", "order"])]
+    pub trace_iterations: bool,
     /// Add columns with the rates of the unknowns per second.
     #[arg(long)]
     pub rates: bool,
@@ -151,6 +164,13 @@ pub struct SolveArgs {
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
+    /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
+    /// written to JSON.
+    #[arg(long)]
+    pub events: bool,
+    /// What is proved: nothing, every pose, or also the motion between the samples.
+    #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
+    pub certify: CertifyArg,
     /// Format of the table if the file name does not tell.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,
@@ -171,9 +191,27 @@ pub struct CheckArgs {
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
+    /// What is proved: nothing, every pose, or also the motion between the samples, which then is part of the check.
+    #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
+    pub certify: CertifyArg,
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the clearances as JUnit XML, one case a pair of bodies.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Write the distance of every judged pair over time as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the moment at which the worst pair is nearest, with the distance marked, to this PNG file.
+    #[arg(long, value_name = "FILE.png")]
+    pub render: Option<PathBuf>,
+    /// How many pairs the table shows, the worst first.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub worst: usize,
+    /// How near the proved bound must come to the least distance found, relative to the larger of it and the minimum.
+    #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = share)]
+    pub bound_tolerance: f64,
 }
 
 /// `mechanim modes`
@@ -193,6 +231,15 @@ pub struct ModesArgs {
     pub json: Option<PathBuf>,
 }
 
+/// `--certify`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum CertifyArg {
+    None,
+    Pose,
+    Motion,
+}
+
 /// `--renderer`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[allow(missing_docs)]
@@ -202,13 +249,11 @@ pub enum RendererArg {
     Cpu,
 }
 
-/// `--progress`
+/// `--show`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[allow(missing_docs)]
-pub enum ProgressArg {
-    Auto,
-    Plain,
-    None,
+pub enum ShowArg {
+    Clearance,
 }
 
 /// `--color`
@@ -243,7 +288,7 @@ fn assignment(text: &str) -> Result<(String, String), String> {
     }
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || "write WIDTHxHEIGHT, for example 640x480".to_owned();
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let size = [
@@ -263,14 +308,14 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     Ok(size)
 }
 
-fn frame_rate(text: &str) -> Result<f64, String> {
+pub(super) fn frame_rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(rate) if (0.01..=1000.0).contains(&rate) => Ok(rate),
         _ => Err("a frame rate is between 0.01 and 1000".to_owned()),
     }
 }
 
-fn frame_count(text: &str) -> Result<usize, String> {
+pub(super) fn frame_count(text: &str) -> Result<usize, String> {
     let limit = crate::kinematics::sampling::MAX_SAMPLES;
     match text.parse::<usize>() {
         Ok(count) if (1..=limit).contains(&count) => Ok(count),
@@ -285,14 +330,21 @@ fn samples(text: &str) -> Result<u32, String> {
     }
 }
 
-fn quality(text: &str) -> Result<u8, String> {
+pub(super) fn quality(text: &str) -> Result<u8, String> {
     match text.parse() {
         Ok(quality) if (1..=100).contains(&quality) => Ok(quality),
         _ => Err("between 1 and 100".to_owned()),
     }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
+        _ => Err("between 1e-9 and 1".to_owned()),
+    }
+}
+
+pub(super) fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if (1..=256).contains(&count) => Ok(count),
         _ => Err("between 1 and 256".to_owned()),
@@ -313,7 +365,7 @@ fn mode_number(text: &str) -> Result<usize, String> {
     }
 }
 
-fn order(text: &str) -> Result<usize, String> {
+pub(super) fn order(text: &str) -> Result<usize, String> {
     let limit = crate::kinematics::rates::MAX_ORDER;
     match text.parse::<usize>() {
         Ok(order) if (1..=limit).contains(&order) => Ok(order),

@@ -1,14 +1,18 @@
 //! `mechanim check`: do all loops close over the motion; is an offered pose a closed one.
 
 use super::args::CheckArgs;
+use super::certify::{self, MotionProof};
+use super::measured::{self, Measured};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{inputs_table, open_scene, report};
+use super::{clearance, freedoms, inputs_table, open_scene, report};
 use crate::diag::nearest;
-use crate::kinematics::certificate::Certificate;
-use crate::kinematics::continuation::solve;
+use crate::export::events::gaps;
+use crate::kinematics::certificate::{Certificate, Reason};
+use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
@@ -51,12 +55,21 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
         None => frame_times(mechanism, scene.view.fps),
     };
-    let trajectory = solve(mechanism, &times)?;
-    super::solve::refuse_interrupted()?;
+    let trajectory = certify::motion(mechanism, &times, args.certify)?;
+    let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
+    let measured = measured::take(mechanism, &trajectory)?;
+    let motion = MotionProof::of(&trajectory, args.certify);
+    let clearances = clearance::run(args, scene, &times, term)?;
+    let fails = [
+        worst > args.tolerance,
+        !motion.as_ref().is_none_or(MotionProof::is_whole),
+        !measured.iter().all(Measured::holds),
+        clearances.as_ref().is_some_and(|part| !part.passed),
+    ];
     let outcome = match closed {
-        Outcome::Done if worst > args.tolerance => Outcome::CheckFailed,
+        Outcome::Done if fails.contains(&true) => Outcome::CheckFailed,
         other => other,
     };
     let sigma = trajectory
@@ -67,9 +80,19 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let branches = branches(&trajectory);
     let proof = Proof::of(&trajectory);
     let verdict = verdict(outcome);
+    let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
+    let lines: String = lines.collect();
+    let assumptions = certify::assumptions(mechanism, args.certify)?;
+    let assumed = match assumptions.is_empty() {
+        true => String::new(),
+        false => format!("  assumed          {}\n", assumptions.join("; ")),
+    };
+    let motion_line = motion.as_ref().map_or_else(String::new, |proof| {
+        format!("  motion           {}\n", proof.sentence(mechanism))
+    });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
-         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n  result           {verdict}\n",
+         smallest sigma   {sigma:.4}\n  condition        {condition:.1}\n  branch           {}\n  certificate      {}\n{motion_line}{assumed}{}{lines}{}  result           {verdict}\n",
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
@@ -78,6 +101,8 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         mechanism.length_unit,
         branches.join(" "),
         proof.sentence(mechanism),
+        freedoms::text(mechanism, &mobility),
+        clearances.as_ref().map_or("", |part| &part.text),
     );
     let document = json!({
         "schema": "mechanim-check/1",
@@ -94,7 +119,13 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "measures": measured.iter().map(Measured::json).collect::<Vec<_>>(),
+        "assumed": assumptions,
+        "motion": motion.as_ref().map(MotionProof::json),
+        "mobility": freedoms::document(mechanism, &mobility),
         "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "clearance": clearances.map(|part| part.document),
+        "gaps": gaps(mechanism, &trajectory),
         "result": verdict,
     });
     Ok((text, document, outcome))
@@ -145,11 +176,15 @@ impl Proof {
     }
 
     fn sentence(&self, mechanism: &Mechanism) -> String {
+        if self.reasons == [Reason::NotAsked.word()] {
+            return "not asked for".to_owned();
+        }
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {:.1e} {unit}, the only pose within {:.3} {unit}; ",
-                p.error_bound, p.unique_radius
+                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
+                p.error_bound,
+                report::radius(p.unique_radius)
             )
         });
         let reasons = if self.reasons.is_empty() {

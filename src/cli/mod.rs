@@ -1,19 +1,34 @@
 //! The command line: one file a verb, outcome to exit code. The only room that prints.
 
+mod accuracy;
 pub mod args;
+mod certify;
 mod check;
+mod clearance;
+mod clearance_picture;
+mod clock;
 mod completions;
+mod diff;
+mod encode;
+mod file_args;
+mod files;
+mod freedoms;
 mod info;
 mod inputs_table;
+mod measured;
+mod models;
 mod modes;
 mod open_scene;
 mod optimise;
 mod outcome;
+mod plot;
+pub mod plot_args;
 mod progress;
 mod render;
 mod report;
 mod scenes;
 mod sensitivity;
+mod snapshot;
 mod solve;
 mod study;
 pub mod study_args;
@@ -48,6 +63,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Solve(args) => solve::run(&args, &term),
         Command::Check(args) => check::run(&args, &term),
         Command::Modes(args) => modes::run(&args, &term),
+        Command::Plot(args) => plot::run(&args, &term),
+        Command::Accuracy(args) => accuracy::run(&args, &term),
+        Command::Encode(args) => encode::run(&args, &term),
+        Command::Diff(args) => diff::run(&args, &term),
+        Command::Snapshot(args) => snapshot::run(&args, &term),
         Command::Sensitivity(args) => sensitivity::run(&args, &term),
         Command::Tolerance(args) => tolerance::run(&args, &term),
         Command::Optimise(args) => optimise::run(&args, &term),

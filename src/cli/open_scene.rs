@@ -5,7 +5,7 @@ use super::outcome::Failure;
 use super::term::Term;
 use super::{inputs_table, modes};
 use crate::diag::{Source, nearest};
-use crate::scene::{Overrides, Scene, builtin, load};
+use crate::scene::{Overrides, PlotText, Scene, builtin, load};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,17 @@ const MAX_SCENE_BYTES: u64 = 4 << 20;
 
 /// Reads, resolves and adapts the scene; warnings are printed.
 pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
-    let (source, overrides) = text_of(args)?;
+    open_with_plot(args, None, term)
+}
+
+/// As [`open`], with a plot asked for in place of the scene's own.
+pub fn open_with_plot(
+    args: &SceneArgs,
+    plot: Option<PlotText>,
+    term: &Term,
+) -> Result<Scene, Failure> {
+    let (source, mut overrides) = text_of(args)?;
+    overrides.plot = plot;
     let mut scene = load(&source, &overrides).map_err(Box::new)?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
@@ -32,6 +42,7 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         parameters: args.parameters.clone(),
         inputs: args.inputs.clone(),
         guess: args.guess.clone(),
+        plot: None,
         folder: folder(&args.scene),
         vary: Vec::new(),
     };

@@ -27,6 +27,9 @@ const GRADIENT_TOLERANCE: f64 = 1e-9;
 /// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
 const KEPT: f64 = 1e-6;
 
+/// How far an objective that is measured again may be off, as a share of it (or of this share of the first value).
+const SAME: f64 = 1e-6;
+
 /// Runs the verb.
 pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(out) = &args.out
@@ -86,7 +89,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         return Err(Failure::Stopped);
     }
     Ok(match &verified {
-        Ok(v) if v.violation <= KEPT => Outcome::Done,
+        Ok(v) if v.violation <= KEPT && result.agrees(v) => Outcome::Done,
         _ => Outcome::CheckFailed,
     })
 }
@@ -137,9 +140,17 @@ fn ended(ended: Ended) -> &'static str {
 impl Report<'_> {
     /// Name and unit of the objective.
     fn objective(&self) -> (&str, f64) {
-        let study = &self.opened.family.study;
-        let measure = study.objective.map(|index| &study.measures[index]);
+        let measure = self.opened.objective();
         measure.map_or(("objective", 1.0), |m| (&m.name, self.opened.units(m.kind)))
+    }
+
+    /// Whether the motion that was followed again is the one that was optimised.
+    fn agrees(&self, verified: &Verified) -> bool {
+        let objective = self.opened.family.study.objective;
+        let again = objective.map(|index| verified.measures[index]);
+        let value = self.optimum.minimum.value;
+        let scale = value.abs().max(SAME * self.optimum.first_value.abs());
+        again.is_some_and(|again| (again - value).abs() <= SAME * scale)
     }
 
     fn text(&self) -> String {
@@ -183,11 +194,16 @@ impl Report<'_> {
                     v.poses, v.unproved, v.error_bound, self.opened.family.mechanism.length_unit
                 ));
                 let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
-                let measures = study.measures.iter().zip(&v.measures);
+                let measures = self.opened.measures().iter().zip(&v.measures);
                 rows.extend(
                     measures.map(|(m, v)| vec![m.name.clone(), six(self.opened.shown(m, *v))]),
                 );
                 text.push_str(&aligned(&rows));
+                if !self.agrees(v) {
+                    text.push_str(
+                        "Not confirmed: this motion is another than the one that was optimised.\n",
+                    );
+                }
                 if v.violation > KEPT {
                     text.push_str(&format!(
                         "No candidate keeps all constraints; this one misses a bound by {:.3} %.\n",
@@ -208,7 +224,7 @@ impl Report<'_> {
             json!({ "name": v.name, "from": v.start * unit, "to": x * unit })
         });
         let verified = self.verified.as_ref().ok().map(|v| {
-            let measures = study.measures.iter().zip(&v.measures);
+            let measures = self.opened.measures().iter().zip(&v.measures);
             let measures = measures.map(|(m, v)| (m.name.clone(), json!(self.opened.shown(m, *v))));
             json!({
                 "poses": v.poses,
@@ -312,8 +328,7 @@ fn pair(args: &OptimiseArgs, opened: &Opened, names: &[String; 2]) -> Result<Opt
 }
 
 fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
-    let study = &opened.family.study;
-    let objective = study.objective.map(|k| &study.measures[k]);
+    let objective = opened.objective();
     let unit = objective.map_or(1.0, |m| opened.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
     let mut rows = vec![

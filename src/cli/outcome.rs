@@ -2,6 +2,7 @@
 
 use crate::diag::SceneError;
 use crate::export::ExportError;
+use crate::import::ImportError;
 use crate::kinematics::structure::StructureError;
 use crate::render::RenderError;
 
@@ -70,6 +71,9 @@ pub enum Failure {
     /// A file could not be made.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// A picture could not be read.
+    #[error(transparent)]
+    Import(#[from] ImportError),
     /// A picture could not be made.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -100,8 +104,11 @@ impl Failure {
     pub fn code(&self) -> i32 {
         match self {
             _ if self.is_broken_pipe() => DONE,
-            Self::Scene(_) | Self::Usage { .. } | Self::Export(_) | Self::Stdout(_) => BAD_USAGE,
-            Self::Structure(StructureError::UnderDetermined { .. }) => BAD_USAGE,
+            Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
+            Self::Import(_) | Self::Stdout(_) => BAD_USAGE,
+            Self::Structure(
+                StructureError::UnderDetermined { .. } | StructureError::Unheld { .. },
+            ) => BAD_USAGE,
             Self::Structure(StructureError::Impossible { .. }) | Self::NeverClosed { .. } => {
                 NOT_CLOSED
             }

@@ -1,7 +1,7 @@
 //! Progress on standard error: a bar with rate and remaining time on a terminal, a line per tenth elsewhere if
 //! asked for.
 
-use super::args::ProgressArg;
+use super::file_args::ProgressArg;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
@@ -24,6 +24,7 @@ pub struct Progress {
     start: Instant,
     last: Cell<Option<Instant>>,
     tenth: Cell<usize>,
+    what: &'static str,
 }
 
 impl Progress {
@@ -41,7 +42,14 @@ impl Progress {
             start: Instant::now(),
             last: Cell::new(None),
             tenth: Cell::new(0),
+            what: "frames",
         }
+    }
+
+    /// Counts something else than frames.
+    pub fn counting(mut self, what: &'static str) -> Self {
+        self.what = what;
+        self
     }
 
     /// `done` of `total` frames are written.
@@ -53,7 +61,8 @@ impl Progress {
                 if tenth > self.tenth.replace(tenth) {
                     let _ = writeln!(
                         std::io::stderr(),
-                        "{done}/{total} frames, {}",
+                        "{done}/{total} {}, {}",
+                        self.what,
                         self.rate(done, total)
                     );
                 }
@@ -69,7 +78,8 @@ impl Progress {
                 let mut stderr = std::io::stderr().lock();
                 let _ = write!(
                     stderr,
-                    "\r{bar} {done}/{total} frames, {}\x1b[K",
+                    "\r{bar} {done}/{total} {}, {}\x1b[K",
+                    self.what,
                     self.rate(done, total)
                 );
                 let _ = stderr.flush();

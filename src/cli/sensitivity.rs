@@ -18,13 +18,6 @@ const SCHEMA: u32 = 1;
 pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
-    if family.study.measures.is_empty() {
-        let hint = "add `[study.measures]`, for example: reach = \"max_over(track, M.x)\"";
-        return Err(Failure::usage(
-            "the study has no measures",
-            vec![hint.to_owned()],
-        ));
-    }
     let mut evaluator = Evaluator::new(family);
     let nominal = family.nominal()?;
     let stand = evaluator.nominal(nominal.poses);
@@ -38,7 +31,7 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
     let allowed = match &args.allow {
         Some((name, scatter)) => {
             let measure = opened.measure(name)?;
-            let unit = opened.units(family.study.measures[measure].kind);
+            let unit = opened.units(opened.measures()[measure].kind);
             Some((measure, scatter / unit))
         }
         None => None,
@@ -94,9 +87,9 @@ struct Table<'a> {
 impl Table<'_> {
     /// d(measure)/d(variable) in the file's units.
     fn slope(&self, measure: usize, variable: usize) -> f64 {
-        let study = &self.opened.family.study;
-        let over = self.opened.units(study.measures[measure].kind);
-        let under = self.opened.units(study.variables[variable].kind);
+        let over = self.opened.units(self.opened.measures()[measure].kind);
+        let variables = &self.opened.family.study.variables;
+        let under = self.opened.units(variables[variable].kind);
         self.gradients.rows[measure][variable] * over / under
     }
 
@@ -112,8 +105,11 @@ impl Table<'_> {
     }
 
     fn heads(&self) -> Vec<String> {
-        let study = &self.opened.family.study;
-        let measures = study.measures.iter().map(|m| format!("d{}", m.name));
+        let measures = self
+            .opened
+            .measures()
+            .iter()
+            .map(|m| format!("d{}", m.name));
         let mut heads = vec!["dimension".to_owned(), "value".to_owned()];
         heads.extend(measures);
         if self.allowed.is_some() {
@@ -126,28 +122,27 @@ impl Table<'_> {
         let study = &self.opened.family.study;
         let v = &study.variables[variable];
         let mut row = vec![v.name.clone(), shown(v.start * self.opened.units(v.kind))];
-        row.extend((0..study.measures.len()).map(|m| shown(self.slope(m, variable))));
+        row.extend((0..self.opened.measures().len()).map(|m| shown(self.slope(m, variable))));
         row.extend(self.proposal(variable).map(shown));
         row
     }
 
     fn text(&self, rank: usize) -> String {
-        let study = &self.opened.family.study;
+        let list = self.opened.measures();
         let mut rows = vec![self.heads()];
         rows.extend(self.order.iter().map(|v| self.row(*v, &six)));
-        let measures: Vec<String> = study
-            .measures
+        let measures: Vec<String> = list
             .iter()
             .zip(&self.gradients.measures)
             .map(|(m, v)| format!("{} = {}", m.name, six(self.opened.shown(m, *v))))
             .collect();
         let title = &self.opened.family.mechanism.title;
-        let ranked = &study.measures[rank].name;
+        let ranked = &list[rank].name;
         let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
         text.push_str(&aligned(&rows));
         text.push_str(&format!("\nExact derivatives, ranked by d{ranked}.\n"));
         if let Some((measure, scatter)) = self.allowed {
-            let measure = &study.measures[measure];
+            let measure = &list[measure];
             text.push_str(&format!(
                 "With these tolerances every dimension adds as much to a scatter of {} of {}.\n",
                 six(self.opened.shown(measure, scatter)),
@@ -169,12 +164,12 @@ impl Table<'_> {
     fn document(&self) -> Value {
         let study = &self.opened.family.study;
         let mut measures = Map::new();
-        for (m, v) in study.measures.iter().zip(&self.gradients.measures) {
+        for (m, v) in self.opened.measures().iter().zip(&self.gradients.measures) {
             measures.insert(m.name.clone(), json!(self.opened.shown(m, *v)));
         }
         let rows = self.order.iter().map(|&variable| {
             let mut slopes = Map::new();
-            for (m, measure) in study.measures.iter().enumerate() {
+            for (m, measure) in self.opened.measures().iter().enumerate() {
                 slopes.insert(measure.name.clone(), json!(self.slope(m, variable)));
             }
             let v = &study.variables[variable];

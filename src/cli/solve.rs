@@ -1,14 +1,17 @@
 //! `mechanim solve`: the motion as a table.
 
-use super::args::{SolveArgs, TableFormat};
+use super::args::{CertifyArg, SolveArgs, TableFormat};
+use super::certify::{self, MotionProof};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
-use super::{CANCEL, inputs_table, open_scene, report};
+use super::{CANCEL, freedoms, inputs_table, open_scene, report};
 use crate::export::table::{Columns, write_csv, write_json};
-use crate::export::{Output, Stream, Target};
-use crate::kinematics::continuation::solve;
+use crate::export::{Output, Stream, Target, iterates as iterate_table};
+use crate::kinematics::iterates::iterates;
+use crate::kinematics::limits::add_limits;
 use crate::kinematics::rates::{By, RateColumns, add_derivatives};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
 use std::path::Path;
@@ -24,6 +27,13 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
+    if args.at.is_some() && args.certify == CertifyArg::Motion {
+        let hints = vec!["leave out --at: the table has the times in its first column".to_owned()];
+        return Err(Failure::usage(
+            "a single instant has no motion to certify",
+            hints,
+        ));
+    }
     let scene = open_scene::open(&args.scene, term)?;
     let derivatives = derivatives(args, &scene.mechanism)?;
     let times = times(args, &scene)?;
@@ -32,18 +42,33 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         Box::new(Target::create(&args.out)?)
     };
-    let mut trajectory = solve(&scene.mechanism, &times)?;
+    if args.trace_iterations {
+        return trace_iterations(&scene.mechanism, format, output, term);
+    }
+    let mut trajectory = certify::motion(&scene.mechanism, &times, args.certify)?;
     refuse_interrupted()?;
+    if args.events {
+        add_limits(&scene.mechanism, &mut trajectory)?;
+    }
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
     let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let proof = MotionProof::of(&trajectory, args.certify);
+    if let Some(proof) = proof.filter(|p| !p.is_whole()) {
+        term.warning(&format!("motion: {}", proof.sentence(&scene.mechanism)));
+    }
+    for held in &Structure::new(&scene.mechanism)?.held {
+        let idle = freedoms::idle(&scene.mechanism, held);
+        term.note(&format!("idle: {idle} at its start value"));
+    }
     if let Some(wanted) = derivatives {
         add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;
     }
     let columns = Columns {
         rates: args.rates,
         derivatives,
+        motion: args.certify == CertifyArg::Motion,
     };
     match format {
         TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,
@@ -51,6 +76,28 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     output.commit()?;
     Ok(outcome)
+}
+
+/// Newton's iterates from the start values, as a table.
+fn trace_iterations(
+    mechanism: &Mechanism,
+    format: TableFormat,
+    mut output: Box<dyn Output>,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    let structure = Structure::new(mechanism)?;
+    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let (list, closed) = iterates(mechanism, &structure, &start);
+    match format {
+        TableFormat::Csv => iterate_table::write_csv(mechanism, &list, output.as_mut())?,
+        TableFormat::Json => iterate_table::write_json(mechanism, &list, closed, output.as_mut())?,
+    }
+    output.commit()?;
+    if closed {
+        return Ok(Outcome::Done);
+    }
+    term.warning("plain Newton does not close from these start values; the solver, which damps its steps, may");
+    Ok(Outcome::NotClosed)
 }
 
 /// Ends a run in order if Ctrl-C came while the motion was being solved.

@@ -7,8 +7,8 @@ use super::study_args::VaryArgs;
 use super::term::Term;
 use crate::analysis::study::{Family, FamilyError};
 use crate::diag::Source;
+use crate::model::measure::Measure;
 use crate::model::mechanism::Kind;
-use crate::model::study::Measure;
 use crate::scene::{Overrides, load};
 
 /// A scene that is to be studied.
@@ -82,13 +82,24 @@ impl Opened {
         self.family.mechanism.file_units(kind)
     }
 
+    /// The scene's measures.
+    pub fn measures(&self) -> &[Measure] {
+        &self.family.mechanism.measures
+    }
+
+    /// The measure that is to be made small.
+    pub fn objective(&self) -> Option<&Measure> {
+        let index = self.family.study.objective?;
+        self.measures().get(index)
+    }
+
     /// Index of the measure of that name.
     pub fn measure(&self, name: &str) -> Result<usize, Failure> {
-        let measures = &self.family.study.measures;
+        let measures = self.measures();
         measures.iter().position(|m| m.name == name).ok_or_else(|| {
             let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
             Failure::usage(
-                format!("the study has no measure `{name}`"),
+                format!("the scene has no measure `{name}`"),
                 vec![format!("measures: {}", names.join(", "))],
             )
         })

@@ -3,6 +3,7 @@
 use super::args::ColourChoice;
 use super::outcome::Failure;
 use crate::diag::{Diagnostic, Diagnostics, Severity, Source};
+use crate::import::ImportError;
 use crate::kinematics::structure::StructureError;
 use codespan_reporting::diagnostic::{Diagnostic as Excerpt, Label};
 use codespan_reporting::files::SimpleFile;
@@ -62,12 +63,18 @@ impl Term {
             return self.diagnostics(&error.source_text, &error.diagnostics);
         }
         self.headed("error", Color::Red, &failure.to_string());
-        let structure_hint;
+        let one_hint;
         let hints: &[String] = match failure {
             Failure::Usage { hints, .. } | Failure::NeverClosed { hints, .. } => hints,
             Failure::Structure(error) => {
-                structure_hint = [hint_of(error)];
-                &structure_hint
+                one_hint = [hint_of(error)];
+                &one_hint
+            }
+            Failure::Import(ImportError::Transparent { .. }) => {
+                one_hint = [
+                    "lay them over a colour with --background #rrggbb, or write .apng".to_owned(),
+                ];
+                &one_hint
             }
             _ => &[],
         };
@@ -114,6 +121,9 @@ fn hint_of(error: &StructureError) -> String {
             "drive them as inputs, add a loop or an equation, or look for a misspelt parameter: an undefined name \
              is an unknown"
                 .to_owned()
+        }
+        StructureError::Unheld { .. } => {
+            "give it a loop or an equation that changes with it, drive it as an input, or take it out".to_owned()
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against its requirements.
+//! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
 use super::outcome::{Failure, Outcome};
 use super::study::{Opened, aligned, open, six};
@@ -8,6 +8,7 @@ use super::{CANCEL, open_scene, report};
 use crate::analysis::study::{Evaluator, Gradients};
 use crate::analysis::tolerance::{Batch, Distribution, Linear, Pieces, linear, pieces};
 use crate::export::{ExportError, Output, Target};
+use crate::model::measure::Measure;
 use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::path::Path;
@@ -23,13 +24,6 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
-    if family.study.measures.is_empty() {
-        let hint = "add `[study.measures]`, for example: reach = \"max_over(track, M.x)\"";
-        return Err(Failure::usage(
-            "the study has no measures",
-            vec![hint.to_owned()],
-        ));
-    }
     let tolerances = tolerances(&opened, args.tolerance)?;
     let distribution = match args.distribution {
         DistributionArg::Uniform => Distribution::Uniform,
@@ -135,7 +129,7 @@ impl Report<'_> {
             "99.9 %",
         ];
         let mut rows = vec![heads.map(str::to_owned).to_vec()];
-        for (index, measure) in study.measures.iter().enumerate() {
+        for (index, measure) in self.opened.measures().iter().enumerate() {
             let unit = self.opened.units(measure.kind);
             let Linear {
                 root_sum_square,
@@ -169,10 +163,11 @@ impl Report<'_> {
         text.push_str(
             "\nRSS and worst case: linear, of the tolerances. Deviation: of the pieces, and what the linear rule expects.\n",
         );
-        if !study.requirements.is_empty() || !study.constraints.is_empty() {
+        let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
+        if self.opened.measures().iter().any(limited) {
             let share = 100.0 * self.pieces.good as f64 / samples as f64;
             text.push_str(&format!(
-                "Yield: {} of {samples} ({share:.3} %) keep all requirements.\n",
+                "Yield: {} of {samples} ({share:.3} %) keep the limits of all measures.\n",
                 self.pieces.good
             ));
         }
@@ -186,7 +181,7 @@ impl Report<'_> {
     fn document(&self) -> Value {
         let study = &self.opened.family.study;
         let mut measures = Map::new();
-        for (index, measure) in study.measures.iter().enumerate() {
+        for (index, measure) in self.opened.measures().iter().enumerate() {
             let unit = self.opened.units(measure.kind);
             let linear = self.linear[index];
             let scatter = self.pieces.scatter(index, &SHARES);
@@ -223,7 +218,7 @@ impl Report<'_> {
     }
 
     fn csv(&self, target: &mut Target) -> std::io::Result<()> {
-        let measures = &self.opened.family.study.measures;
+        let measures = self.opened.measures();
         let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
         writeln!(target, "piece,{}", names.join(","))?;
         for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {

@@ -1,5 +1,7 @@
 //! Image comparison: how far two pictures are apart, and where. Reads and writes no files.
 
+pub mod film;
+
 use image::{Rgba, RgbaImage};
 
 /// Tolerances of the table in a [`Difference`], in levels of 0 to 255.
@@ -11,7 +13,10 @@ const AMPLIFY: u8 = 8;
 /// Width in pixels of the bars between the pictures of a triptych.
 const GAP: u32 = 4;
 
-/// Colour of the bars and of places that only one picture has.
+/// Distance in pixels of the mark from the differences that it surrounds.
+const MARK_DISTANCE: u32 = 3;
+
+/// Colour of the bars, of the mark, and of places that only one picture has.
 const FILL: Rgba<u8> = Rgba([255, 0, 255, 255]);
 
 /// Outcome of a comparison.
@@ -32,6 +37,27 @@ impl Comparison {
     /// True when the sizes agree and at most `allowed` pixels are over the tolerance.
     pub fn is_within(&self, allowed: u64) -> bool {
         matches!(self, Self::SameSize(d) if d.over <= allowed)
+    }
+}
+
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::SizeMismatch { a, b } => {
+                write!(f, "{}x{} expected, {}x{} found", a[0], a[1], b[0], b[1])
+            }
+            Self::SameSize(d) => {
+                let (over, pixels, tolerance) = (d.over, d.pixels, d.tolerance);
+                write!(f, "{over} of {pixels} pixels off by more than {tolerance}")?;
+                if let Some([x, y]) = d.worst_at {
+                    write!(f, ", worst {} at ({x}, {y})", d.worst)?;
+                }
+                if let Some([left, top, right, bottom]) = d.bounds {
+                    write!(f, ", within ({left}, {top}) to ({right}, {bottom})")?;
+                }
+                Ok(())
+            }
+        }
     }
 }
 
@@ -108,21 +134,34 @@ pub fn compare(a: &RgbaImage, b: &RgbaImage, tolerance: u8) -> Comparison {
 }
 
 /// Expected, amplified difference and actual picture side by side, each given the larger width and height; what one
-/// of them lacks is magenta.
-pub fn triptych(expected: &RgbaImage, actual: &RgbaImage) -> RgbaImage {
+/// of them lacks is magenta, and so is the frame around the pixels that differ by more than `tolerance` levels.
+pub fn triptych(expected: &RgbaImage, actual: &RgbaImage, tolerance: u8) -> RgbaImage {
     let width = expected.width().max(actual.width());
     let height = expected.height().max(actual.height());
     let pixel = |image: &RgbaImage, x, y| image.get_pixel_checked(x, y).copied();
+    let bounds = match compare(expected, actual, tolerance) {
+        Comparison::SameSize(difference) => difference.bounds,
+        Comparison::SizeMismatch { .. } => None,
+    };
     RgbaImage::from_fn(3 * width + 2 * GAP, height, |x, y| {
         let (panel, x) = (x / (width + GAP), x % (width + GAP));
         let (e, a) = (pixel(expected, x, y), pixel(actual, x, y));
         let shown = match panel {
             0 => e,
+            1 if bounds.is_some_and(|bounds| is_on_mark(bounds, x, y)) => None,
             1 => e.zip(a).map(|(e, a)| amplified(e, a)),
             _ => a,
         };
         shown.unwrap_or(FILL)
     })
+}
+
+/// Whether a pixel is on the frame that surrounds `bounds` (left, top, right, bottom) at a small distance.
+fn is_on_mark([left, top, right, bottom]: [u32; 4], x: u32, y: u32) -> bool {
+    // Distances outwards from the bounds, as far as they are outside.
+    let across = left.saturating_sub(x).max(x.saturating_sub(right));
+    let down = top.saturating_sub(y).max(y.saturating_sub(bottom));
+    across.max(down) == MARK_DISTANCE
 }
 
 /// Black where equal, brighter with the difference of each channel.

@@ -105,7 +105,7 @@ fn the_triptych_shows_both_pictures_and_marks_what_one_lacks() {
     let a = picture(true, 0);
     let mut b = RgbaImage::from_fn(60, 50, |x, y| *a.get_pixel(x, y.min(47)));
     b.get_pixel_mut(3, 4).0[0] -= 5;
-    let t = triptych(&a, &b);
+    let t = triptych(&a, &b, 0);
     assert_eq!(t.dimensions(), (3 * 64 + 8, 50));
     assert_eq!(t.get_pixel(3, 4), a.get_pixel(3, 4));
     assert_eq!(t.get_pixel(68 + 3, 4), &Rgba([40, 0, 0, 255]));
@@ -113,4 +113,27 @@ fn the_triptych_shows_both_pictures_and_marks_what_one_lacks() {
     assert_eq!(t.get_pixel(68 + 62, 4), &FILL);
     assert_eq!(t.get_pixel(10, 49), &FILL);
     assert_eq!(t.get_pixel(65, 10), &FILL);
+}
+
+#[test]
+fn one_pixel_in_a_triptych_has_a_mark_around_it() {
+    let a = picture(true, 0);
+    let mut b = a.clone();
+    b.get_pixel_mut(30, 20).0[1] ^= 1;
+    let marked = |tolerance| {
+        let t = triptych(&a, &b, tolerance);
+        let panel = (0..48).flat_map(|y| (0..64).map(move |x| (x, y)));
+        panel
+            .filter(|(x, y)| *t.get_pixel(68 + x, *y) == FILL)
+            .collect::<Vec<_>>()
+    };
+    let ring = |(x, y): &(u32, u32)| x.abs_diff(30).max(y.abs_diff(20)) == 3;
+    assert_eq!(marked(0).len(), 24);
+    assert!(marked(0).iter().all(ring));
+    assert!(marked(1).is_empty());
+    // The mark does not hide what it marks.
+    assert_eq!(
+        triptych(&a, &b, 0).get_pixel(68 + 30, 20),
+        &Rgba([0, 8, 0, 255])
+    );
 }

@@ -37,7 +37,7 @@ pub enum ExportError {
         source: io::Error,
     },
     /// The path does not tell which format to write.
-    #[error("{}: {reason}; known are .gif, .png, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
+    #[error("{}: {reason}; known are .gif, .png, .apng, .y4m, .rgba, .glb, .stl, .obj, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
     UnknownFormat {
         /// The path asked for.
         path: PathBuf,
@@ -75,6 +75,12 @@ pub enum ExportError {
         needed: &'static str,
         /// How many there were.
         got: usize,
+    },
+    /// A model without a surface.
+    #[error("there is nothing to write: {format} needs a body with a solid")]
+    NoTriangles {
+        /// Name of the format.
+        format: &'static str,
     },
     /// Frame times that are not finite numbers in rising order.
     #[error("the time of frame {frame} is not a finite number after the one before")]

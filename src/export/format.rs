@@ -14,14 +14,26 @@ const WIDEST_PADDING: usize = 12;
 pub enum Format {
     /// One animated GIF.
     Gif,
+    /// One animated PNG.
+    Apng,
     /// One PNG picture.
     Png,
     /// One PNG file a frame.
     PngSequence(FramePattern),
+    /// Uncompressed video with a header, 4:4:4.
+    Y4m,
+    /// Uncompressed pixels one after the other, four bytes each, no header.
+    Rgba,
+    /// Binary glTF: meshes, and the motion as an animation of nodes.
+    Glb,
+    /// Triangles of one pose, binary STL.
+    Stl,
+    /// Triangles of one pose by body, Wavefront OBJ.
+    Obj,
 }
 
 impl Format {
-    /// Reads the format off a path: `.gif`, `.png`, a pattern with `%d` or `%04d`, a folder (an existing one, or
+    /// Reads the format off a path: its extension, a pattern with `%d` or `%04d`, a folder (an existing one, or
     /// any path that ends with a separator).
     ///
     /// Errors: no or an unknown extension, a faulty pattern.
@@ -30,22 +42,69 @@ impl Format {
         if path.is_dir() || text.ends_with(std::path::is_separator) {
             return FramePattern::parse(&path.join(FOLDER_PATTERN)).map(Self::PngSequence);
         }
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let name = path.file_name().map(|n| n.to_string_lossy());
         let is_pattern = name.is_some_and(|n| n.contains(['%', '#']));
-        match extension.as_deref() {
-            Some("png") if is_pattern => FramePattern::parse(path).map(Self::PngSequence),
-            Some("gif" | "png") if !is_pattern => Ok(match extension.as_deref() {
-                Some("gif") => Self::Gif,
-                _ => Self::Png,
-            }),
-            Some("gif") => Err(unknown(
-                path,
-                "a GIF holds all frames, its name takes no frame number",
-            )),
-            Some(other) => Err(unknown(path, &format!("unknown extension .{other}"))),
-            None => Err(unknown(path, "the file name has no extension")),
+        let Some(extension) = path.extension() else {
+            return Err(unknown(path, "the file name has no extension"));
+        };
+        let extension = extension.to_string_lossy().to_lowercase();
+        if extension == "png" && is_pattern {
+            return FramePattern::parse(path).map(Self::PngSequence);
         }
+        let Some(format) = Self::of_extension(&extension) else {
+            return Err(unknown(path, &format!("unknown extension .{extension}")));
+        };
+        if is_pattern {
+            let what = format.name();
+            let reason = format!("{what} is one file, its name takes no frame number");
+            return Err(unknown(path, &reason));
+        }
+        Ok(format)
+    }
+
+    /// The format of a file with this extension, in lower case and without the dot.
+    fn of_extension(extension: &str) -> Option<Self> {
+        Some(match extension {
+            "gif" => Self::Gif,
+            "apng" => Self::Apng,
+            "png" => Self::Png,
+            "y4m" => Self::Y4m,
+            "rgba" => Self::Rgba,
+            "glb" => Self::Glb,
+            "stl" => Self::Stl,
+            "obj" => Self::Obj,
+            _ => return None,
+        })
+    }
+
+    /// Its name in messages, with an article.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Gif => "a GIF",
+            Self::Apng => "an APNG",
+            Self::Png => "a PNG",
+            Self::PngSequence(_) => "a sequence of PNGs",
+            Self::Y4m => "a y4m video",
+            Self::Rgba => "a raw video",
+            Self::Glb => "a GLB",
+            Self::Stl => "an STL",
+            Self::Obj => "an OBJ",
+        }
+    }
+
+    /// True where the file holds one instant of the motion and no more.
+    pub fn is_still(&self) -> bool {
+        matches!(self, Self::Png | Self::Stl | Self::Obj)
+    }
+
+    /// True where the file holds shapes in space rather than pixels.
+    pub fn is_model(&self) -> bool {
+        matches!(self, Self::Glb | Self::Stl | Self::Obj)
+    }
+
+    /// True where pixels are deflated as in a PNG.
+    pub fn is_png(&self) -> bool {
+        matches!(self, Self::Apng | Self::Png | Self::PngSequence(_))
     }
 }
 
@@ -154,6 +213,7 @@ mod tests {
             Format::Gif
         );
         assert_eq!(Format::from_path(Path::new("b.PNG")).unwrap(), Format::Png);
+        assert_eq!(Format::from_path(Path::new("b.Glb")).unwrap(), Format::Glb);
         for text in ["a.mp4", "a", "a.gif.bak", "frame-%04d.gif", "x-%d.jpg"] {
             let message = Format::from_path(Path::new(text)).unwrap_err().to_string();
             assert!(

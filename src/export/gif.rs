@@ -218,7 +218,7 @@ impl FrameSink for GifSink {
         let delay = self.settings.schedule.delay(index);
         self.delay = self.delay.saturating_add(delay);
         self.summary.frames += 1;
-        self.summary.seconds += f64::from(delay) / 100.0;
+        self.summary.seconds += self.settings.schedule.delay_seconds(index);
         Ok(())
     }
 

@@ -1,32 +1,42 @@
-//! Files out of frames. Knows nothing of mechanisms; the only room with image encoders.
+//! Files out of frames and models. Knows nothing of mechanisms; the only room with image encoders.
 //!
 //! The protocol, for a caller that can draw any frame by its index:
 //!
 //! 1. [`Format::from_path`] tells the kind of file.
 //! 2. For a GIF, draw the frames [`gif::sample_indices`] names ([`pump::draw_samples`] does so on all cores) and
 //!    build the palette from them. They are kept and not drawn again.
-//! 3. Open the sink: [`gif::GifSink`], [`png::SequenceSink`] or [`png::StillSink`].
+//! 3. Open the sink: [`gif::GifSink`], [`apng::ApngSink`], [`png::SequenceSink`], [`png::StillSink`] or
+//!    [`raw::RawSink`].
 //! 4. [`pump::pump`] draws, codes and writes all frames, in order and in bounded memory; only its success
 //!    leaves anything on disk.
 
 use image::RgbaImage;
 
+pub mod apng;
+pub mod clearance;
 mod costs;
 mod delta;
 pub mod error;
+pub mod events;
 pub mod format;
 pub mod gif;
 mod gif_blocks;
+pub mod glb;
+mod glb_buffer;
 mod histogram;
+pub mod iterates;
 mod kmeans;
 mod lzw;
 pub mod mapping;
 mod matching;
+pub mod model;
 mod nearest;
 pub mod palette;
 pub mod png;
 pub mod pump;
+pub mod raw;
 mod screen;
+pub mod solid;
 pub mod table;
 pub mod target;
 pub mod timing;

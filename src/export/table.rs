@@ -1,6 +1,7 @@
 //! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
 
 use super::error::ExportError;
+use super::events::{events, gaps};
 use super::target::Output;
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::rates::RateColumns;
@@ -15,6 +16,8 @@ pub struct Columns {
     pub rates: bool,
     /// Rates up to an order of unknowns, traced points and outputs.
     pub derivatives: Option<RateColumns>,
+    /// The proof of the motion up to the next sample.
+    pub motion: bool,
 }
 
 /// A cell of the table.
@@ -37,10 +40,13 @@ pub fn write_csv(
         .map(|name| quoted(name))
         .collect::<Vec<_>>()
         .join(",");
-    for sample in &trajectory.samples {
+    for (index, sample) in trajectory.samples.iter().enumerate() {
         line.push('\n');
         emit(&line, output)?;
         line = cells(mechanism, sample, columns)
+            .into_iter()
+            .chain(motion_cells(trajectory, index, columns))
+            .collect::<Vec<_>>()
             .iter()
             .map(csv_cell)
             .collect::<Vec<_>>()
@@ -61,8 +67,11 @@ pub fn write_json(
     let samples: Vec<Value> = trajectory
         .samples
         .iter()
-        .map(|sample| {
-            let values = cells(mechanism, sample, columns).into_iter().map(json_cell);
+        .enumerate()
+        .map(|(index, sample)| {
+            let cells = cells(mechanism, sample, columns).into_iter();
+            let values = cells.chain(motion_cells(trajectory, index, columns));
+            let values = values.map(json_cell);
             Value::Object(names.iter().cloned().zip(values).collect::<Map<_, _>>())
         })
         .collect();
@@ -74,33 +83,10 @@ pub fn write_json(
         "columns": names,
         "missing": trajectory.missing(),
         "samples": samples,
-        "events": trajectory.events.iter().map(|e| event(mechanism, e)).collect::<Vec<_>>(),
+        "events": events(mechanism, trajectory),
+        "gaps": gaps(mechanism, trajectory),
     });
     emit(&format!("{document:#}\n"), output)
-}
-
-fn event(mechanism: &Mechanism, event: &crate::kinematics::trajectory::Event) -> Value {
-    use crate::kinematics::trajectory::EventKind;
-    let kind = match &event.kind {
-        EventKind::MotionEnds => "motion-ends",
-        EventKind::MotionResumes { .. } => "motion-resumes",
-        EventKind::SingularPosePassed => "singular-pose-passed",
-        EventKind::InputUndefined { .. } => "input-undefined",
-        EventKind::StartNotClosed { .. } => "start-not-closed",
-        EventKind::OtherStart => "other-start",
-    };
-    let inputs: Map<String, Value> = mechanism
-        .inputs
-        .iter()
-        .zip(&event.inputs)
-        .map(|(input, v)| {
-            (
-                input.name.clone(),
-                json_cell(Cell::Number(v * mechanism.file_units(input.kind))),
-            )
-        })
-        .collect();
-    json!({ "kind": kind, "time": event.time, "inputs": inputs })
 }
 
 /// Names of the columns in their order.
@@ -144,6 +130,15 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
         "status",
     ];
     names.extend(proof.map(str::to_owned));
+    if columns.motion {
+        let motion = [
+            "motion_tubes",
+            "motion_radius",
+            "motion_unique",
+            "motion_status",
+        ];
+        names.extend(motion.map(str::to_owned));
+    }
     names
 }
 
@@ -152,7 +147,11 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     let inputs = mechanism.inputs.iter().zip(&sample.inputs);
     cells.extend(inputs.map(|(c, v)| Cell::Number(v * mechanism.file_units(c.kind))));
     let Some(pose) = &sample.pose else {
-        let missing = header(mechanism, columns).len() - cells.len() - 1;
+        let before_the_motion = Columns {
+            motion: false,
+            ..columns
+        };
+        let missing = header(mechanism, before_the_motion).len() - cells.len() - 1;
         cells.extend((0..missing).map(|_| Cell::Empty));
         cells.push(Cell::Text("no-pose".to_owned()));
         return cells;
@@ -198,6 +197,25 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     cells
 }
 
+/// What is proved of the motion from sample `index` to the next one; empty after the last.
+fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<Cell> {
+    if !columns.motion {
+        return Vec::new();
+    }
+    let Some(interval) = trajectory.intervals.get(index) else {
+        return vec![Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty];
+    };
+    let mut cells = vec![Cell::Whole(interval.tubes as u64)];
+    if interval.tubes > 0 {
+        cells.extend([interval.radius, interval.unique_radius].map(Cell::Number));
+    } else {
+        cells.extend([Cell::Empty, Cell::Empty]);
+    }
+    let refused = interval.refused.map(|r| r.obstacle.word());
+    cells.push(Cell::Text(refused.unwrap_or("certified").to_owned()));
+    cells
+}
+
 fn csv_cell(cell: &Cell) -> String {
     match cell {
         Cell::Number(value) => number(*value),
@@ -208,7 +226,7 @@ fn csv_cell(cell: &Cell) -> String {
 }
 
 /// The shortest decimal that reads back as the same number.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) && value.is_finite() {
         format!("{value:e}")
@@ -229,7 +247,7 @@ fn json_cell(cell: Cell) -> Value {
 }
 
 /// A CSV cell, in quotes where a spreadsheet would misread it (a lone sign is taken for a formula).
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let plain = !text.contains([',', '"', '\n', '\r']) && !text.starts_with(['+', '-', '=', '@']);
     if plain {
         text.to_owned()

@@ -1,9 +1,12 @@
-//! Exact frame times to the whole hundredths of a second that a GIF can say.
+//! Exact frame times to the whole ticks of a file format's clock: a GIF's hundredths, an APNG's fractions.
 
 use super::error::ExportError;
 
 /// Hundredths in a second, the unit of a GIF delay.
 const HUNDREDTHS: f64 = 100.0;
+
+/// A fraction this near (relative) to a rate is the rate: over a million frames it is off by a thousandth of one.
+const SAME_RATE: f64 = 1e-9;
 
 /// Shortest delay in hundredths. Browsers show anything shorter at a tenth of a second.
 pub const SHORTEST_DELAY: u16 = 2;
@@ -32,6 +35,8 @@ pub enum FrameTimes {
 pub struct Schedule {
     times: FrameTimes,
     hold: f64,
+    ticks_per_second: f64,
+    shortest: u32,
     clamp: Option<Clamp>,
 }
 
@@ -63,10 +68,27 @@ impl FrameTimes {
 }
 
 impl Schedule {
-    /// Checks the times; `hold` seconds are added to the last frame.
+    /// The clock of a GIF: hundredths, at least [`SHORTEST_DELAY`] of them a frame. Checks the times; `hold` seconds
+    /// are added to the last frame.
     ///
     /// Errors: a time that is not finite or not after the one before.
     pub fn new(times: FrameTimes, hold: f64) -> Result<Self, ExportError> {
+        Self::on_clock(times, hold, HUNDREDTHS, u32::from(SHORTEST_DELAY))
+    }
+
+    /// A clock of `ticks_per_second`, a frame being shown for one tick at least.
+    ///
+    /// Errors: as [`Self::new`].
+    pub fn in_ticks(times: FrameTimes, ticks_per_second: u32) -> Result<Self, ExportError> {
+        Self::on_clock(times, 0.0, f64::from(ticks_per_second.max(1)), 1)
+    }
+
+    fn on_clock(
+        times: FrameTimes,
+        hold: f64,
+        ticks_per_second: f64,
+        shortest: u32,
+    ) -> Result<Self, ExportError> {
         for k in 0..times.count() {
             let (start, next) = (times.start(k), times.start(k + 1));
             if !start.is_finite() || !next.is_finite() || next <= start {
@@ -81,6 +103,8 @@ impl Schedule {
         let mut schedule = Self {
             times,
             hold,
+            ticks_per_second,
+            shortest,
             clamp: None,
         };
         schedule.clamp = schedule.find_clamp();
@@ -92,11 +116,16 @@ impl Schedule {
         self.times.count()
     }
 
-    /// Delay of frame `k` in hundredths: the difference of rounded absolute times, so that rounding
-    /// never adds up.
+    /// Delay of frame `k` in ticks (hundredths in a GIF): the difference of rounded absolute times, so that
+    /// rounding never adds up.
     pub fn delay(&self, k: usize) -> u32 {
         let delay = self.instant(k + 1) - self.instant(k);
-        delay.clamp(f64::from(SHORTEST_DELAY), f64::from(u32::MAX)) as u32
+        delay.clamp(f64::from(self.shortest), f64::from(u32::MAX)) as u32
+    }
+
+    /// The same in seconds.
+    pub fn delay_seconds(&self, k: usize) -> f64 {
+        f64::from(self.delay(k)) / self.ticks_per_second
     }
 
     /// Set when some delay had to be lengthened.
@@ -104,23 +133,57 @@ impl Schedule {
         self.clamp
     }
 
-    /// Rounded start of frame `k` in hundredths.
+    /// Rounded start of frame `k` in ticks.
     fn instant(&self, k: usize) -> f64 {
         let hold = if k >= self.count() { self.hold } else { 0.0 };
-        ((self.times.start(k) - self.times.start(0) + hold) * HUNDREDTHS).round()
+        ((self.times.start(k) - self.times.start(0) + hold) * self.ticks_per_second).round()
     }
 
     fn find_clamp(&self) -> Option<Clamp> {
-        let shortest = f64::from(SHORTEST_DELAY);
+        let shortest = f64::from(self.shortest);
         let clamped = (0..self.count()).any(|k| self.instant(k + 1) - self.instant(k) < shortest);
         clamped.then(|| Clamp {
             asked_seconds: self.times.start(self.count()) - self.times.start(0) + self.hold,
             written_seconds: (0..self.count())
                 .map(|k| f64::from(self.delay(k)))
                 .sum::<f64>()
-                / HUNDREDTHS,
+                / self.ticks_per_second,
         })
     }
+}
+
+/// The fraction nearest to a positive `rate` whose two numbers are 1 to `limit`, as (numerator, denominator), from
+/// its continued fraction: `29.97` gives 2997/100, and a rate that is `30000.0 / 1001.0` gives just that.
+pub fn fraction(rate: f64, limit: u32) -> (u32, u32) {
+    let limit = f64::from(limit);
+    let (mut before, mut last) = ([0.0, 1.0], [1.0, 0.0]);
+    let mut rest = rate.clamp(1.0 / limit, limit);
+    loop {
+        let whole = rest.floor();
+        let next = [0, 1].map(|i| whole * last[i] + before[i]);
+        if next.iter().any(|n| *n > limit) {
+            // As much of the step as the limit allows may still be nearer.
+            let steps = [0, 1].map(|i| ((limit - before[i]) / last[i]).floor());
+            let steps = steps[0].min(steps[1]);
+            let part = [0, 1].map(|i| steps * last[i] + before[i]);
+            let off = |f: [f64; 2]| (f[0] / f[1] - rate).abs();
+            if part[1] > 0.0 && off(part) < off(last) {
+                last = part;
+            }
+            break;
+        }
+        (before, last) = (last, next);
+        let error = (last[0] / last[1] - rate).abs();
+        if error <= SAME_RATE * rate || rest == whole {
+            break;
+        }
+        rest = 1.0 / (rest - whole);
+    }
+    // The first convergent of a rate below 1 is 0 / 1.
+    if last[0] < 1.0 {
+        return (1, limit as u32);
+    }
+    (last[0] as u32, last[1] as u32)
 }
 
 #[cfg(test)]
@@ -166,6 +229,39 @@ mod tests {
         let schedule = Schedule::new(times, 1.5).unwrap();
         let delays: Vec<u32> = (0..3).map(|k| schedule.delay(k)).collect();
         assert_eq!(delays, [10, 40, 200]);
+    }
+
+    #[test]
+    fn rates_become_the_fractions_they_are() {
+        for (rate, expected) in [
+            (30.0, (30, 1)),
+            (29.97, (2997, 100)),
+            (30000.0 / 1001.0, (30000, 1001)),
+            (0.01, (1, 100)),
+            (23.976, (2997, 125)),
+            (1000.0, (1000, 1)),
+            (100.0 / 3.0, (100, 3)),
+        ] {
+            assert_eq!(fraction(rate, 65535), expected, "{rate}");
+        }
+        for rate in [std::f64::consts::PI, 0.1234567, 47.11081547] {
+            let (n, d) = fraction(rate, 65535);
+            assert!(
+                (f64::from(n) / f64::from(d) - rate).abs() < 1e-6 * rate,
+                "{rate}: {n}/{d}"
+            );
+        }
+    }
+
+    #[test]
+    fn ticks_of_a_fraction_are_the_same_for_every_frame() {
+        let times = FrameTimes::Uniform {
+            fps: 30000.0 / 1001.0,
+            count: 100_000,
+        };
+        let schedule = Schedule::in_ticks(times, 30000).unwrap();
+        assert!((0..100_000).all(|k| schedule.delay(k) == 1001));
+        assert_eq!(schedule.clamp(), None);
     }
 
     #[test]

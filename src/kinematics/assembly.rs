@@ -11,6 +11,10 @@ use std::f64::consts::{PI, TAU};
 /// Most iterations per block and start.
 const MAX_ITERATIONS: u32 = 200;
 
+/// Most iterations per block and weight for a remaining gap: far from closing, the linear model sees one part of the
+/// curvature only, and convergence is linear.
+const GAP_ITERATIONS: u32 = 3000;
+
 /// Longest step in scaled unknowns (radians, or mechanism sizes): beyond it the linear model says nothing.
 const MAX_STEP: f64 = 0.5;
 
@@ -22,6 +26,10 @@ const FIRST_DAMPING: f64 = 1e-3;
 
 /// Damping at which no step can reduce the residual any more: a local minimum.
 const LAST_DAMPING: f64 = 1e10;
+
+/// Weights of rotations against distances over the size when the remaining distance is measured: what is left of the
+/// compromise is one over the last one's square. The valley is too narrow to be followed at once.
+const TURNS_FIRST: [f64; 4] = [1e1, 1e2, 1e3, 1e4];
 
 /// Perturbed starts that are tried after the given one, with growing amplitude.
 const EXTRA_STARTS: usize = 24;
@@ -35,6 +43,8 @@ pub struct NotClosed {
     pub angle: f64,
     /// Smallest remaining distance found, in the scene's unit (or the value of an equation).
     pub distance: f64,
+    /// Unknowns, then inputs, of the best pose found.
+    pub coordinates: Vec<f64>,
 }
 
 /// A closed pose and how it was found.
@@ -87,7 +97,29 @@ pub fn assemble(
         name: String::new(),
         angle: 0.0,
         distance: 0.0,
+        coordinates: start.to_vec(),
     }))
+}
+
+/// How much is lacking where a mechanism cannot be closed: from the best pose found, rotations are closed first,
+/// then the distance is made small. A plain least-squares pose trades one for the other.
+pub fn smallest_gap(mechanism: &Mechanism, structure: &Structure, best: NotClosed) -> NotClosed {
+    let mut descent = Descent {
+        most: GAP_ITERATIONS,
+        ..Descent::default()
+    };
+    let mut coordinates = best.coordinates.clone();
+    for block in &structure.blocks {
+        let mut left = f64::INFINITY;
+        for weight in TURNS_FIRST {
+            descent.turn_weight = weight;
+            left = descent.minimise(mechanism, block, &mut coordinates).1;
+        }
+        if left > HAND_OVER {
+            return gap(mechanism, block, &coordinates);
+        }
+    }
+    best
 }
 
 /// Moves the unknowns of start number `attempt` by a repeatable random amount; start 0 stays.
@@ -118,7 +150,7 @@ fn close(
 ) -> Result<(), NotClosed> {
     let mut descent = Descent::default();
     for (index, block) in structure.blocks.iter().enumerate() {
-        *iterations += descent.minimise(mechanism, block, coordinates);
+        *iterations += descent.minimise(mechanism, block, coordinates).0;
         let before = coordinates.to_vec();
         let correction =
             corrector.correct_block(mechanism, structure, index, coordinates, Pace::Patient);
@@ -172,8 +204,11 @@ pub(super) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
             .any(|e| e.expression.slots().contains(&slot))
 }
 
-#[derive(Default)]
 struct Descent {
+    most: u32,
+    /// Rows of rotations count this many times.
+    turn_weight: f64,
+    weights: Vec<f64>,
     workspace: BlockWorkspace,
     trial: BlockWorkspace,
     qr: PivotedQr,
@@ -182,15 +217,38 @@ struct Descent {
     step: Vec<f64>,
 }
 
+impl Default for Descent {
+    fn default() -> Self {
+        Self {
+            most: MAX_ITERATIONS,
+            turn_weight: 1.0,
+            weights: Vec::new(),
+            workspace: BlockWorkspace::default(),
+            trial: BlockWorkspace::default(),
+            qr: PivotedQr::default(),
+            matrix: Vec::new(),
+            right_side: Vec::new(),
+            step: Vec::new(),
+        }
+    }
+}
+
 impl Descent {
-    /// Levenberg-Marquardt on one block until Newton can take over, or nothing helps. Returns the iterations.
-    fn minimise(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &mut [f64]) -> u32 {
+    /// Levenberg-Marquardt on one block until Newton can take over, or nothing helps. Returns the iterations and the
+    /// largest entry of the residual.
+    fn minimise(
+        &mut self,
+        mechanism: &Mechanism,
+        block: &Block,
+        coordinates: &mut [f64],
+    ) -> (u32, f64) {
+        self.weigh(block);
         let mut damping = FIRST_DAMPING;
         let mut iterations = 0;
         self.workspace
             .evaluate(mechanism, block, coordinates, Want::Jacobian);
-        let mut value = norm(&self.workspace.residual);
-        while iterations < MAX_ITERATIONS && damping < LAST_DAMPING && !block.unknowns.is_empty() {
+        let mut value = self.norm(&self.workspace.residual);
+        while iterations < self.most && damping < LAST_DAMPING && !block.unknowns.is_empty() {
             if value.is_nan() || self.workspace.residual_norm() <= HAND_OVER {
                 break;
             }
@@ -199,7 +257,7 @@ impl Descent {
             let trial: Vec<f64> = self.moved(mechanism, block, coordinates);
             self.trial
                 .evaluate(mechanism, block, &trial, Want::Jacobian);
-            let trial_value = norm(&self.trial.residual);
+            let trial_value = self.norm(&self.trial.residual);
             if trial_value < value {
                 coordinates.copy_from_slice(&trial);
                 std::mem::swap(&mut self.workspace, &mut self.trial);
@@ -209,7 +267,23 @@ impl Descent {
                 damping *= 8.0;
             }
         }
-        iterations
+        (iterations, self.workspace.residual_norm())
+    }
+
+    /// Weights of the block's rows.
+    fn weigh(&mut self, block: &Block) {
+        let turn_weight = self.turn_weight;
+        let weight = |component: &usize| if *component < 3 { turn_weight } else { 1.0 };
+        let components = block.loops.iter().flat_map(|part| &part.components);
+        self.weights.clear();
+        self.weights.extend(components.map(weight));
+        self.weights.resize(block.rows(), 1.0);
+    }
+
+    /// Weighted sum of squares.
+    fn norm(&self, residual: &[f64]) -> f64 {
+        let pairs = residual.iter().zip(&self.weights);
+        pairs.map(|(r, w)| (r * w) * (r * w)).sum()
     }
 
     /// Least squares of [J; √λ I] x = [-r; 0].
@@ -219,13 +293,21 @@ impl Descent {
         self.matrix.clear();
         self.matrix.resize(tall * columns, 0.0);
         for j in 0..columns {
-            self.matrix[j * tall..j * tall + rows]
-                .copy_from_slice(&self.workspace.jacobian[j * rows..(j + 1) * rows]);
+            let column = &self.workspace.jacobian[j * rows..(j + 1) * rows];
+            let weighted = column.iter().zip(&self.weights).map(|(a, w)| a * w);
+            for (entry, value) in self.matrix[j * tall..].iter_mut().zip(weighted) {
+                *entry = value;
+            }
             self.matrix[j * tall + rows + j] = damping.sqrt();
         }
         self.right_side.clear();
-        self.right_side
-            .extend(self.workspace.residual.iter().map(|r| -r));
+        self.right_side.extend(
+            self.workspace
+                .residual
+                .iter()
+                .zip(&self.weights)
+                .map(|(r, w)| -r * w),
+        );
         self.right_side.resize(tall, 0.0);
         self.step.resize(columns, 0.0);
         self.qr.factor(&self.matrix, tall, columns, 0.0);
@@ -245,10 +327,6 @@ impl Descent {
     }
 }
 
-fn norm(residual: &[f64]) -> f64 {
-    residual.iter().map(|r| r * r).sum()
-}
-
 /// The loop or equation of `block` that is farthest from closing.
 fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
     let values = mechanism.argument_values(coordinates);
@@ -256,6 +334,7 @@ fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
         name: String::new(),
         angle: 0.0,
         distance: 0.0,
+        coordinates: coordinates.to_vec(),
     };
     let mut largest = -1.0;
     for part in &block.loops {
@@ -267,6 +346,7 @@ fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
                 name: item.name.clone(),
                 angle,
                 distance,
+                ..worst
             };
         }
     }
@@ -280,6 +360,7 @@ fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
                 name: equation.name.clone(),
                 angle: 0.0,
                 distance: value,
+                ..worst
             };
         }
     }

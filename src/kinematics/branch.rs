@@ -14,10 +14,11 @@ use crate::model::mechanism::Mechanism;
 pub struct BranchWatch {
     rows: Vec<Vec<usize>>,
     qr: PivotedQr,
+    square: Vec<f64>,
 }
 
 /// State of an assembly at a pose.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BranchState {
     /// Determinant sign of every block; 0 at a singular pose.
     pub signs: Vec<i8>,
@@ -61,18 +62,30 @@ impl BranchWatch {
         corrector: &mut Corrector,
         coordinates: &[f64],
     ) -> BranchState {
-        let mut state = BranchState {
-            signs: Vec::new(),
-            sigma_min: f64::INFINITY,
-            condition: 1.0,
-            rank: 0,
-        };
-        let (rows_of, qr) = (&mut self.rows, &mut self.qr);
+        let mut state = BranchState::default();
+        self.observe_into(mechanism, structure, corrector, coordinates, &mut state);
+        state
+    }
+
+    /// The same into a state whose storage is reused.
+    pub fn observe_into(
+        &mut self,
+        mechanism: &Mechanism,
+        structure: &Structure,
+        corrector: &mut Corrector,
+        coordinates: &[f64],
+        state: &mut BranchState,
+    ) {
+        state.signs.clear();
+        state.sigma_min = f64::INFINITY;
+        state.condition = 1.0;
+        state.rank = 0;
+        let (rows_of, qr, square) = (&mut self.rows, &mut self.qr, &mut self.square);
         corrector.conditions(
             mechanism,
             structure,
             coordinates,
-            |index, jacobian, c: Conditioning| {
+            |index, jacobian, c: Conditioning, square_sign| {
                 let (rows, columns) = (
                     structure.blocks[index].rows(),
                     structure.blocks[index].unknowns.len(),
@@ -80,9 +93,13 @@ impl BranchWatch {
                 if rows_of.len() == index {
                     rows_of.push(row_basis(jacobian, rows, columns, qr));
                 }
-                state
-                    .signs
-                    .push(sign(jacobian, rows, columns, &rows_of[index], qr));
+                state.signs.push(if columns == 0 {
+                    1
+                } else if rows == columns {
+                    square_sign
+                } else {
+                    sign(jacobian, rows, columns, &rows_of[index], square, qr)
+                });
                 state.sigma_min = state.sigma_min.min(c.sigma_min);
                 state.condition = state.condition.max(if columns == 0 {
                     1.0
@@ -92,7 +109,6 @@ impl BranchWatch {
                 state.rank += c.rank;
             },
         );
-        state
     }
 }
 
@@ -113,14 +129,19 @@ fn row_basis(jacobian: &[f64], rows: usize, columns: usize, qr: &mut PivotedQr) 
     basis
 }
 
-fn sign(jacobian: &[f64], rows: usize, columns: usize, basis: &[usize], qr: &mut PivotedQr) -> i8 {
-    if columns == 0 {
-        return 1;
-    }
-    let mut square = Vec::with_capacity(columns * columns);
+/// Sign of the determinant of the rows `basis`.
+fn sign(
+    jacobian: &[f64],
+    rows: usize,
+    columns: usize,
+    basis: &[usize],
+    square: &mut Vec<f64>,
+    qr: &mut PivotedQr,
+) -> i8 {
+    square.clear();
     for j in 0..columns {
         square.extend(basis.iter().map(|i| jacobian[j * rows + i]));
     }
-    qr.factor(&square, basis.len(), columns, super::rank::RANK_TOLERANCE);
+    qr.factor(square, basis.len(), columns, super::rank::RANK_TOLERANCE);
     qr.determinant_sign()
 }

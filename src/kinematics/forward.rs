@@ -5,16 +5,18 @@
 
 use crate::math::{Pose, rotation_log};
 use crate::model::chain::ArgumentValue;
-use crate::model::mechanism::{Loop, Mechanism};
+use crate::model::mechanism::{Closes, Loop, Mechanism};
 use glam::DVec3;
 
-/// Rotation angle (radians) and distance (scene's unit) by which a loop's product differs from the identity.
+/// Rotation angle (radians) and distance (scene's unit) by which a loop's product differs from the identity; a loop
+/// that closes in a point may turn.
 pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
     let product = item.chain.pose(arguments);
-    (
-        rotation_log(&product.rotation).length(),
-        product.translation.length(),
-    )
+    let angle = match item.closes {
+        Closes::Frame => rotation_log(&product.rotation).length(),
+        Closes::Point => 0.0,
+    };
+    (angle, product.translation.length())
 }
 
 /// The largest gap over all loops and equations, relative to the mechanism's size; NaN if anything is not a number.

@@ -6,6 +6,7 @@
 //! another directly are one joint.
 
 use super::assembly::{assemble, turns_matter};
+use super::ball::balls;
 use super::branch::BranchWatch;
 use super::forward::{body_poses, closure_error};
 use super::newton::Corrector;
@@ -156,7 +157,10 @@ fn closures(
             if start > starts || cancelled() {
                 return found;
             }
-            let values = [start_values(mechanism, start), inputs.to_vec()].concat();
+            let mut values = [start_values(mechanism, start), inputs.to_vec()].concat();
+            for held in &structure.held {
+                values[held.unknown] = mechanism.guess[held.unknown];
+            }
             let mut corrector = Corrector::new(structure);
             if let Ok(pose) = assemble(mechanism, structure, &mut corrector, &values, false)
                 && closure_error(mechanism, &pose.coordinates) <= CLOSED
@@ -343,9 +347,13 @@ fn triples(mechanism: &Mechanism) -> Vec<Triple> {
 fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -> Vec<Mode> {
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(structure);
+    let balls = balls(mechanism, structure);
     let mut list: Vec<Mode> = Vec::new();
     for group in groups {
-        let state = watch.observe(mechanism, structure, &mut corrector, &group.coordinates);
+        let mut state = watch.observe(mechanism, structure, &mut corrector, &group.coordinates);
+        for ball in &balls {
+            state.signs[ball.block] *= ball.orientation(&group.coordinates);
+        }
         list.push(Mode {
             branch: state.signature(),
             sigma_min: state.sigma_min,

@@ -1,9 +1,15 @@
 //! Newton's method block by block, with the tangent of the motion from the same factorisation.
+//!
+//! A correction ends with an evaluation of the pose that it returns. That linearisation is kept, with its factors and
+//! its inverse once somebody asks for them, so that tangent, prediction, rank and branch sign of the pose share it.
 
 use super::closure::{BlockWorkspace, Want};
+use super::elimination::Elimination;
+use super::extremes::Extremes;
+use super::lanes::{LaneMatrix, Lanes, dot, pack};
 use super::qr::PivotedQr;
 use super::rank::{Conditioning, RANK_TOLERANCE, conditioning};
-use super::structure::Structure;
+use super::structure::{Block, Structure};
 use crate::model::mechanism::Mechanism;
 
 /// Most iterations of one correction. From a predicted pose three suffice; a slow one means a bad prediction.
@@ -34,18 +40,46 @@ const ROUNDING_FLOOR: f64 = 4e-15;
 /// above this has not converged.
 pub const CLOSURE_TOLERANCE: f64 = 1e-11;
 
+/// Least ratio of singular values that are iterated from an inverse: half of its digits are then right, enough for
+/// the accuracy promised. Below it, and wherever a rank may be lost, the Jacobian is decomposed.
+const ITERATED_RATIO: f64 = 1e-7;
+
 /// Buffers and factorisations, one per block. All iterations reuse them.
 #[derive(Clone, Debug)]
 pub struct Corrector {
-    blocks: Vec<BlockBuffers>,
+    pub(super) blocks: Vec<BlockBuffers>,
 }
 
+/// How far the linearisation of a block has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    /// Nothing, or at another pose.
+    #[default]
+    Stale,
+    /// Residual and Jacobian stand in the workspace.
+    Evaluated,
+    /// The Jacobian is factored, and inverted where it can be.
+    Factored,
+}
+
+/// Buffers of one block.
 #[derive(Clone, Debug, Default)]
-struct BlockBuffers {
-    workspace: BlockWorkspace,
+pub(super) struct BlockBuffers {
+    pub(super) workspace: BlockWorkspace,
     qr: PivotedQr,
+    elimination: Elimination,
+    stage: Stage,
+    /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.
+    at: Vec<f64>,
+    inverse: LaneMatrix,
+    has_inverse: bool,
+    /// Sign of the determinant, zero unless square and regular.
+    sign: i8,
+    transposed: LaneMatrix,
+    extremes: Extremes,
     right_side: Vec<f64>,
-    step: Vec<f64>,
+    packed: Vec<Lanes>,
+    pub(super) step: Vec<f64>,
 }
 
 /// What a correction did.
@@ -117,41 +151,43 @@ impl Corrector {
         };
         let mut first_step = 0.0;
         let mut last_step = f64::INFINITY;
-        let mut done = false;
+        let mut done = block.unknowns.is_empty();
         let mut iterations = 0;
-        while !done && iterations < most && !block.unknowns.is_empty() {
+        let mut last_residual = f64::INFINITY;
+        loop {
+            buffers.evaluate(mechanism, block, coordinates);
+            let left = buffers.workspace.residual_norm();
+            let at_floor = left <= ROUNDING_FLOOR;
+            // Where two poses almost meet, what the floor hides is worth its square root: a patient correction goes on
+            // as long as the residual falls.
+            let falls = pace == Pace::Patient && left <= 0.5 * last_residual;
+            if done || (at_floor && !falls && iterations > 0) {
+                break;
+            }
+            last_residual = left;
+            if iterations == most {
+                return Correction::failed(iterations, first_step);
+            }
             iterations += 1;
-            buffers
-                .workspace
-                .evaluate(mechanism, block, coordinates, Want::Jacobian);
-            let at_floor = buffers.workspace.residual_norm() <= ROUNDING_FLOOR;
-            let size = buffers.newton_step(block.rows(), block.unknowns.len());
+            let (size, pivot) = buffers.newton_step(block);
             if iterations == 1 {
                 first_step = size;
             }
             let shrinking = size <= contraction * last_step || at_floor;
             if !size.is_finite() || !shrinking {
-                return Correction {
-                    converged: false,
-                    iterations,
-                    first_step,
-                    residual: f64::INFINITY,
-                };
+                return Correction::failed(iterations, first_step);
             }
+            buffers.stage = Stage::Stale;
             for (column, unknown) in block.unknowns.iter().enumerate() {
                 coordinates[*unknown] += mechanism.scale_of(*unknown) * buffers.step[column];
             }
             // Quadratic convergence: what is left after this step is about step²/σ.
-            done = at_floor || size * size <= ROUNDING_FLOOR * buffers.qr.smallest_pivot();
+            done = (at_floor && !falls) || size * size <= ROUNDING_FLOOR * pivot;
             last_step = size;
         }
-        buffers
-            .workspace
-            .evaluate(mechanism, block, coordinates, Want::Residual);
         let residual = buffers.workspace.residual_norm();
-        let converged = (done || block.unknowns.is_empty()) && residual <= CLOSURE_TOLERANCE;
         Correction {
-            converged,
+            converged: residual <= CLOSURE_TOLERANCE,
             iterations,
             first_step,
             residual,
@@ -169,63 +205,153 @@ impl Corrector {
         rates: &mut [f64],
     ) {
         for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
-            buffers
-                .workspace
-                .evaluate(mechanism, block, coordinates, Want::Drift(rates));
-            let (rows, columns) = (block.rows(), block.unknowns.len());
-            buffers
-                .qr
-                .factor(&buffers.workspace.jacobian, rows, columns, RANK_TOLERANCE);
-            buffers.right_side.clear();
-            buffers
-                .right_side
-                .extend(buffers.workspace.drift.iter().map(|d| -d));
-            buffers.step.resize(columns, 0.0);
-            buffers.qr.solve(&mut buffers.right_side, &mut buffers.step);
+            buffers.linearise(mechanism, block, coordinates);
+            buffers.workspace.drift_along(&block.plan, rates);
+            buffers.solve_drift();
             for (column, unknown) in block.unknowns.iter().enumerate() {
                 rates[*unknown] = mechanism.scale_of(*unknown) * buffers.step[column];
             }
         }
     }
 
-    /// Singular values of every block at a closed pose, and the sign of its determinant on `basis` rows.
+    /// Linearises every block at `coordinates`, unless that is done: what shares the linearisation can rely on it.
+    pub fn prepare(&mut self, mechanism: &Mechanism, structure: &Structure, coordinates: &[f64]) {
+        for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
+            buffers.linearise(mechanism, block, coordinates);
+        }
+    }
+
+    /// The inverse of a block's Jacobian at the last linearisation, if it has one.
+    pub fn inverse(&self, block: usize) -> Option<&LaneMatrix> {
+        let buffers = self.blocks.get(block)?;
+        (buffers.stage == Stage::Factored && buffers.has_inverse).then_some(&buffers.inverse)
+    }
+
+    /// Jacobian (column-major), singular values and sign of the determinant (zero unless square) of every block at a
+    /// closed pose.
     pub fn conditions(
         &mut self,
         mechanism: &Mechanism,
         structure: &Structure,
         coordinates: &[f64],
-        mut each: impl FnMut(usize, &[f64], Conditioning),
+        mut each: impl FnMut(usize, &[f64], Conditioning, i8),
     ) {
         for (index, (block, buffers)) in structure.blocks.iter().zip(&mut self.blocks).enumerate() {
-            buffers
-                .workspace
-                .evaluate(mechanism, block, coordinates, Want::Jacobian);
-            let jacobian = &buffers.workspace.jacobian;
-            each(
-                index,
-                jacobian,
-                conditioning(jacobian, block.rows(), block.unknowns.len()),
-            );
+            buffers.linearise(mechanism, block, coordinates);
+            let values = buffers.singular_values(block);
+            each(index, &buffers.workspace.jacobian, values, buffers.sign);
+        }
+    }
+}
+
+impl Correction {
+    fn failed(iterations: u32, first_step: f64) -> Self {
+        Self {
+            converged: false,
+            iterations,
+            first_step,
+            residual: f64::INFINITY,
         }
     }
 }
 
 impl BlockBuffers {
-    /// Solves for the step that cancels the residual; returns its largest entry in scaled unknowns.
-    fn newton_step(&mut self, rows: usize, columns: usize) -> f64 {
-        self.qr
-            .factor(&self.workspace.jacobian, rows, columns, RANK_TOLERANCE);
+    /// Residual and Jacobian at `coordinates`, unless they stand there already.
+    fn evaluate(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
+        let values = block.unknowns.iter().chain(&block.plan.outer);
+        let values = values.map(|slot| coordinates[*slot]);
+        let known = self.stage >= Stage::Evaluated && self.at.iter().copied().eq(values.clone());
+        if !known {
+            self.at.clear();
+            self.at.extend(values);
+            self.workspace
+                .evaluate(mechanism, block, coordinates, Want::Jacobian);
+            self.stage = Stage::Evaluated;
+        }
+    }
+
+    /// Evaluates and factors at `coordinates`, unless that is done.
+    pub(super) fn linearise(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
+        self.evaluate(mechanism, block, coordinates);
+        if self.stage < Stage::Factored {
+            let (rows, columns) = (block.rows(), block.unknowns.len());
+            let jacobian = &self.workspace.jacobian;
+            let eliminated = match rows == columns {
+                true => self.elimination.invert(jacobian, rows, &mut self.inverse),
+                false => None,
+            };
+            self.has_inverse = eliminated.is_some();
+            self.sign = eliminated.unwrap_or_else(|| {
+                self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
+                self.has_inverse = self.qr.invert(&mut self.inverse);
+                self.qr.determinant_sign()
+            });
+            self.stage = Stage::Factored;
+        }
+    }
+
+    /// Singular values at the linearisation: iterated where that is reliable, else decomposed.
+    fn singular_values(&mut self, block: &Block) -> Conditioning {
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let jacobian = &self.workspace.jacobian;
+        if self.has_inverse && columns > 0 {
+            self.transposed.copy_rows(jacobian, columns, rows);
+            if let Some((sigma_min, sigma_max)) = self.extremes.of(&self.transposed, &self.inverse)
+                && sigma_min > ITERATED_RATIO * sigma_max
+            {
+                return Conditioning {
+                    sigma_min,
+                    sigma_max,
+                    rank: columns,
+                };
+            }
+        }
+        conditioning(jacobian, rows, columns)
+    }
+
+    /// Solves for the step that cancels the residual; returns its largest entry in scaled unknowns and the smallest
+    /// pivot.
+    fn newton_step(&mut self, block: &Block) -> (f64, f64) {
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let residual = &self.workspace.residual;
         self.right_side.clear();
-        self.right_side
-            .extend(self.workspace.residual.iter().map(|r| -r));
+        self.right_side.extend(residual.iter().map(|r| -r));
         self.step.resize(columns, 0.0);
-        self.qr.solve(&mut self.right_side, &mut self.step);
-        self.step.iter().fold(0.0, |m: f64, s| {
+        let jacobian = &self.workspace.jacobian;
+        let eliminated = if rows == columns {
+            self.elimination
+                .solve(jacobian, &self.right_side, &mut self.step)
+        } else {
+            None
+        };
+        let pivot = eliminated.unwrap_or_else(|| {
+            self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
+            self.qr.solve(&mut self.right_side, &mut self.step);
+            self.qr.smallest_pivot()
+        });
+        let size = self.step.iter().fold(0.0, |m: f64, s| {
             if s.is_nan() {
                 f64::INFINITY
             } else {
                 m.max(s.abs())
             }
-        })
+        });
+        (size, pivot)
+    }
+
+    /// Solves J step = -drift at the linearisation.
+    pub(super) fn solve_drift(&mut self) {
+        let drift = self.workspace.drift.iter();
+        if self.has_inverse {
+            pack(&mut self.packed, drift.map(|d| -d));
+            self.step.clear();
+            self.step
+                .extend(self.inverse.rows().map(|row| dot(row, &self.packed)));
+        } else {
+            self.right_side.clear();
+            self.right_side.extend(drift.map(|d| -d));
+            self.step.resize(self.qr.column_order().len(), 0.0);
+            self.qr.solve(&mut self.right_side, &mut self.step);
+        }
     }
 }

@@ -1,19 +1,25 @@
-//! Householder QR with column pivoting, in place and without allocation: least squares and numerical rank.
+//! Householder QR with column pivoting, in place and without allocation: least squares, inverse, numerical rank.
 //!
-//! Golub and Van Loan, Matrix Computations, 4th ed., algorithm 5.4.1. Matrices are column-major.
+//! Golub and Van Loan, Matrix Computations, 4th ed., algorithm 5.4.1. Matrices come in column by column and are kept
+//! by rows, so that reflections add rows to rows.
+
+use super::lanes::{LaneMatrix, Lanes, add_scaled, add_squares, dot, groups, scale};
 
 /// A factorisation in reusable buffers.
 #[derive(Clone, Debug, Default)]
 pub struct PivotedQr {
     rows: usize,
     columns: usize,
-    /// R above the diagonal, the reflectors (without their leading one) below it.
-    factors: Vec<f64>,
+    /// R above the diagonal; below it nothing of meaning.
+    factors: LaneMatrix,
+    /// One reflector a row: zeros, one, the rest of the vector.
+    reflectors: LaneMatrix,
     scalars: Vec<f64>,
     order: Vec<usize>,
     /// Squares of the remaining column norms; only the pivot's root is taken.
-    squares: Vec<f64>,
-    scratch: Vec<f64>,
+    squares: Vec<Lanes>,
+    scratch: Vec<Lanes>,
+    unit: LaneMatrix,
     swaps: usize,
     rank: usize,
 }
@@ -25,19 +31,25 @@ impl PivotedQr {
     pub fn factor(&mut self, a: &[f64], rows: usize, columns: usize, tolerance: f64) {
         self.rows = rows;
         self.columns = columns;
-        self.factors.clear();
-        self.factors.extend_from_slice(&a[..rows * columns]);
+        self.factors
+            .copy_columns(&a[..rows * columns], rows, columns);
+        self.reflectors.reset(columns.min(rows), rows);
         self.order.clear();
         self.order.extend(0..columns);
         self.scalars.clear();
         self.scalars.resize(columns.min(rows), 0.0);
+        self.squares.clear();
+        self.squares.resize(groups(columns), [0.0; 4]);
+        for row in self.factors.rows() {
+            add_squares(&mut self.squares, row);
+        }
         self.swaps = 0;
         self.rank = 0;
         let mut largest = 0.0;
         for k in 0..columns.min(rows) {
             let pivot = self.largest_column(k);
             self.swap_columns(k, pivot);
-            let norm = self.squares[k].sqrt();
+            let norm = self.squares[k / 4][k % 4].sqrt();
             if k == 0 {
                 largest = norm;
             }
@@ -59,7 +71,7 @@ impl PivotedQr {
     pub fn smallest_pivot(&self) -> f64 {
         match self.rank {
             0 => 0.0,
-            rank => self.factors[(rank - 1) * self.rows + rank - 1].abs(),
+            rank => self.factors.at(rank - 1, rank - 1).abs(),
         }
     }
 
@@ -74,7 +86,7 @@ impl PivotedQr {
             return 0;
         }
         let negative_diagonal = (0..self.rank)
-            .filter(|k| self.factors[k * self.rows + k] < 0.0)
+            .filter(|k| self.factors.at(*k, *k) < 0.0)
             .count();
         // Every reflection and every swap changes the sign once.
         let reflections = self.scalars.iter().filter(|tau| **tau != 0.0).count();
@@ -87,42 +99,79 @@ impl PivotedQr {
 
     /// Solves `min |a x - b|`; the coordinates of dependent columns are zero. `b` is overwritten.
     pub fn solve(&mut self, b: &mut [f64], x: &mut [f64]) {
-        let m = self.rows;
+        super::lanes::pack(&mut self.scratch, b.iter().copied());
+        let reflected = &mut self.scratch[..];
         for k in 0..self.rank {
-            let column = &self.factors[k * m..(k + 1) * m];
-            let dot: f64 = b[k]
-                + column[k + 1..]
-                    .iter()
-                    .zip(&b[k + 1..m])
-                    .map(|(v, b)| v * b)
-                    .sum::<f64>();
-            let factor = self.scalars[k] * dot;
-            b[k] -= factor;
-            for (b, v) in b[k + 1..m].iter_mut().zip(&column[k + 1..]) {
-                *b -= factor * v;
-            }
+            let reflector = &self.reflectors.row(k)[k / 4..];
+            let rest = &mut reflected[k / 4..];
+            let factor = self.scalars[k] * dot(reflector, rest);
+            add_scaled(rest, -factor, reflector);
+        }
+        for (b, value) in b.iter_mut().zip(self.scratch.as_flattened()) {
+            *b = *value;
         }
         x[..self.columns].fill(0.0);
+        // From here on the scratch holds the solution in the order of the pivots.
         self.scratch.clear();
-        self.scratch.extend_from_slice(&b[..self.rank]);
+        self.scratch.resize(groups(self.columns), [0.0; 4]);
         for k in (0..self.rank).rev() {
-            let value = self.scratch[k] / self.factors[k * m + k];
+            let known = dot(&self.factors.row(k)[k / 4..], &self.scratch[k / 4..]);
+            // Entries below the diagonal meet zeros only where nothing is solved yet: k itself and before.
+            let value = (b[k] - known) / self.factors.at(k, k);
+            self.scratch[k / 4][k % 4] = value;
             x[self.order[k]] = value;
-            for i in 0..k {
-                self.scratch[i] -= value * self.factors[k * m + i];
-            }
         }
     }
 
-    /// Recomputes the remaining column norms (small matrices: cheaper than careful downdating) and finds the largest.
-    fn largest_column(&mut self, k: usize) -> usize {
-        let m = self.rows;
-        self.squares.resize(self.columns, 0.0);
+    /// Writes the inverse (of a tall matrix the pseudo-inverse), row-major; false where the rank is not full.
+    pub fn invert(&mut self, inverse: &mut LaneMatrix) -> bool {
+        let (m, n) = (self.rows, self.columns);
+        if self.rank < n {
+            return false;
+        }
+        self.unit.reset(m, m);
+        for k in 0..m {
+            *self.unit.at_mut(k, k) = 1.0;
+        }
+        // Qᵀ: the reflections one after the other on the identity.
+        let stride = self.unit.stride();
+        for k in 0..n {
+            self.scratch.clear();
+            self.scratch.resize(stride, [0.0; 4]);
+            let tau = self.scalars[k];
+            for i in k..m {
+                let v = self.reflectors.at(k, i);
+                add_scaled(&mut self.scratch, tau * v, self.unit.row(i));
+            }
+            for i in k..m {
+                let v = self.reflectors.at(k, i);
+                add_scaled(self.unit.row_mut(i), -v, &self.scratch);
+            }
+        }
+        for k in (0..n).rev() {
+            let (above, below) = self.unit.split_at_row(k + 1);
+            let row = &mut above[k * stride..];
+            for j in k + 1..n {
+                let solved = &below[(j - k - 1) * stride..(j - k) * stride];
+                add_scaled(row, -self.factors.at(k, j), solved);
+            }
+            let reciprocal = 1.0 / self.factors.at(k, k);
+            scale(&mut row[..stride], reciprocal);
+        }
+        inverse.reset(n, m);
+        for k in 0..n {
+            inverse
+                .row_mut(self.order[k])
+                .copy_from_slice(self.unit.row(k));
+        }
+        true
+    }
+
+    fn largest_column(&self, k: usize) -> usize {
+        let squares = self.squares.as_flattened();
         let mut best = k;
-        for j in k..self.columns {
-            let tail = &self.factors[j * m + k..(j + 1) * m];
-            self.squares[j] = tail.iter().map(|v| v * v).sum::<f64>();
-            if self.squares[j] > self.squares[best] {
+        for j in k + 1..self.columns {
+            if squares[j] > squares[best] {
                 best = j;
             }
         }
@@ -133,44 +182,57 @@ impl PivotedQr {
         if a == b {
             return;
         }
-        let m = self.rows;
-        let (left, right) = self.factors.split_at_mut(b * m);
-        left[a * m..(a + 1) * m].swap_with_slice(&mut right[..m]);
+        self.factors.swap_columns(a, b);
         self.order.swap(a, b);
-        self.squares.swap(a, b);
+        self.squares.as_flattened_mut().swap(a, b);
         self.swaps += 1;
     }
 
-    /// Makes column `k` zero below the diagonal and applies the reflection to the columns to the right.
+    /// Makes column `k` zero below the diagonal, applies the reflection to the columns to the right, and measures what
+    /// remains of them (small matrices: cheaper than careful downdating).
     fn reflect(&mut self, k: usize, norm: f64) {
-        let m = self.rows;
-        let (left, right) = self.factors.split_at_mut((k + 1) * m);
-        let column = &mut left[k * m..];
-        let alpha = column[k];
+        let alpha = self.factors.at(k, k);
         let beta = if alpha > 0.0 { -norm } else { norm };
         // A column that is already zero below the diagonal needs no reflection.
-        if column[k + 1..].iter().all(|v| *v == 0.0) {
-            self.scalars[k] = 0.0;
-            return;
+        let is_zero = (k + 1..self.rows).all(|i| self.factors.at(i, k) == 0.0);
+        let (tau, share) = match is_zero {
+            true => (0.0, 0.0),
+            false => ((beta - alpha) / beta, 1.0 / (alpha - beta)),
+        };
+        let start = k / 4;
+        let stride = self.factors.stride();
+        let reflector = self.reflectors.row_mut(k).as_flattened_mut();
+        reflector[k] = 1.0;
+        let (above, below) = self.factors.split_at_row(k + 1);
+        let row = &mut above[k * stride + start..];
+        let sums = &mut self.scratch;
+        sums.clear();
+        sums.extend_from_slice(row);
+        for (v, other) in reflector[k + 1..]
+            .iter_mut()
+            .zip(below.chunks_exact(stride))
+        {
+            *v = other[start][k % 4] * share;
+            add_scaled(sums, *v, &other[start..]);
         }
-        let tau = (beta - alpha) / beta;
-        let scale = 1.0 / (alpha - beta);
-        column[k + 1..].iter_mut().for_each(|v| *v *= scale);
-        column[k] = beta;
+        scale(sums, tau);
+        // Columns that are done keep what they have.
+        sums[0][..=k % 4].fill(0.0);
+        add_scaled(row, -1.0, sums);
+        if !is_zero {
+            row[0][k % 4] = beta;
+        }
+        let squares = &mut self.squares[start..];
+        squares.fill([0.0; 4]);
+        for (v, other) in reflector[k + 1..]
+            .iter()
+            .zip(below.chunks_exact_mut(stride))
+        {
+            let other = &mut other[start..];
+            add_scaled(other, -v, sums);
+            add_squares(squares, other);
+        }
         self.scalars[k] = tau;
-        for other in right.chunks_exact_mut(m) {
-            let dot = other[k]
-                + column[k + 1..]
-                    .iter()
-                    .zip(&other[k + 1..])
-                    .map(|(v, o)| v * o)
-                    .sum::<f64>();
-            let factor = tau * dot;
-            other[k] -= factor;
-            for (o, v) in other[k + 1..].iter_mut().zip(&column[k + 1..]) {
-                *o -= factor * v;
-            }
-        }
     }
 }
 
@@ -212,6 +274,26 @@ mod tests {
                 assert!((f - x).abs() < 1e-12, "{found:?}");
             }
         }
+    }
+
+    #[test]
+    fn inverse_and_pseudo_inverse_undo_the_matrix() {
+        for (rows, columns) in [(1, 1), (6, 6), (12, 12), (9, 5), (4, 3)] {
+            let a = matrix(rows, columns, 11);
+            let mut qr = PivotedQr::default();
+            qr.factor(&a, rows, columns, 1e-12);
+            let mut inverse = LaneMatrix::default();
+            assert!(qr.invert(&mut inverse));
+            for i in 0..columns {
+                for j in 0..columns {
+                    let entry: f64 = (0..rows).map(|k| inverse.at(i, k) * a[j * rows + k]).sum();
+                    assert!((entry - f64::from(i == j)).abs() < 1e-13, "{i} {j} {entry}");
+                }
+            }
+        }
+        let mut qr = PivotedQr::default();
+        qr.factor(&[1.0, 2.0, 2.0, 4.0], 2, 2, 1e-12);
+        assert!(!qr.invert(&mut LaneMatrix::default()));
     }
 
     #[test]

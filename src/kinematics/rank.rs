@@ -67,8 +67,8 @@ pub fn conditioning(jacobian: &[f64], rows: usize, columns: usize) -> Conditioni
 /// A column belongs to a free motion when its share of a null vector is above this.
 const SHARE_OF_NULL_VECTOR: f64 = 1e-6;
 
-/// Columns that take part in the null space of a matrix of the given rank, ascending.
-pub fn free_columns(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<usize> {
+/// Orthonormal vectors that a matrix of the given rank takes to zero.
+pub fn null_space(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<Vec<f64>> {
     // Rows of zeros make the decomposition return all right singular vectors.
     let tall = rows.max(columns);
     let mut matrix = DMatrix::zeros(tall, columns);
@@ -77,21 +77,24 @@ pub fn free_columns(jacobian: &[f64], rows: usize, columns: usize, rank: usize) 
             matrix[(i, j)] = jacobian[j * rows + i];
         }
     }
+    let all = || vec![vec![1.0; columns]; columns - rank.min(columns)];
     let Some(svd) = SVD::try_new(matrix, false, true, SVD_CONVERGENCE, SVD_SWEEPS) else {
-        return (0..columns).collect();
+        return all();
     };
     let Some(v_t) = svd.v_t else {
-        return (0..columns).collect();
+        return all();
     };
     let mut by_size: Vec<usize> = (0..columns).collect();
     by_size.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
-    let null = &by_size[rank.min(columns)..];
-    (0..columns)
-        .filter(|j| {
-            null.iter()
-                .any(|k| v_t[(*k, *j)].abs() > SHARE_OF_NULL_VECTOR)
-        })
-        .collect()
+    let vector = |k: &usize| v_t.row(*k).iter().copied().collect();
+    by_size[rank.min(columns)..].iter().map(vector).collect()
+}
+
+/// Columns that take part in the null space of a matrix of the given rank, ascending.
+pub fn free_columns(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<usize> {
+    let null = null_space(jacobian, rows, columns, rank);
+    let is_free = |j: &usize| null.iter().any(|v| v[*j].abs() > SHARE_OF_NULL_VECTOR);
+    (0..columns).filter(is_free).collect()
 }
 
 #[cfg(test)]

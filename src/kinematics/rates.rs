@@ -6,7 +6,6 @@
 
 use super::closure::{BlockWorkspace, Want};
 use super::qr::PivotedQr;
-use super::rank::RANK_TOLERANCE;
 use super::structure::{Block, Structure, StructureError};
 use super::taylor::{Series, drive, evaluate};
 use super::trajectory::Trajectory;
@@ -16,6 +15,10 @@ use glam::{DMat3, DVec3};
 
 /// Highest order the command line offers; the cost grows with the third power.
 pub const MAX_ORDER: usize = 8;
+
+/// Pivots below this share of the largest one have no direction to divide by. A fold is found to the square root of
+/// rounding (1.5e-8), so a pose within four times that may be the fold itself, where rates are infinite.
+const FOLD_TOLERANCE: f64 = 6e-8;
 
 /// A pose as a series: coefficient matrices and vectors.
 struct PoseSeries {
@@ -51,7 +54,7 @@ pub fn rates(
     for block in &structure.blocks {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         workspace.evaluate(mechanism, block, coordinates, Want::Jacobian);
-        qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);
+        qr.factor(&workspace.jacobian, rows, columns, FOLD_TOLERANCE);
         if qr.rank() < columns {
             return None;
         }
@@ -192,13 +195,15 @@ fn convolved(vectors: &[DVec3], numbers: &Series, k: usize) -> DVec3 {
 
 /// Series of everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
 pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
-    let mut slots = all_slots(mechanism, coordinates, order);
-    slots.drain(mechanism.unknowns.len()..mechanism.coordinate_count());
+    let mut slots = observed_slots(mechanism, coordinates, order);
+    let after = slots.split_off(mechanism.coordinate_count());
+    slots.truncate(mechanism.unknowns.len());
+    slots.extend(after);
     slots
 }
 
-/// Series of all coordinates, x, y, z of every trace, and outputs: the slots of an output's formula.
-pub fn all_slots(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
+/// Series of all slots that a formula about the motion may use: coordinates, x, y, z of every trace, outputs.
+pub fn observed_slots(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
         let path = &mechanism.bodies[trace.body].world_from_body;
@@ -227,6 +232,30 @@ pub enum By {
     Time,
     /// One input, the others standing still: transfer functions.
     Input(usize),
+}
+
+impl By {
+    /// Series of the inputs, whose values are `given`, along it.
+    pub fn inputs(
+        self,
+        mechanism: &Mechanism,
+        given: &[f64],
+        time: f64,
+        order: usize,
+    ) -> Vec<Series> {
+        match self {
+            Self::Time => {
+                let drives = mechanism.drives.iter();
+                drives.map(|d| drive(d, time, order)).collect()
+            }
+            Self::Input(moving) => (0..given.len())
+                .map(|k| {
+                    let rate = if k == moving { 1.0 } else { 0.0 };
+                    Series::linear(given[k], rate, order)
+                })
+                .collect(),
+        }
+    }
 }
 
 /// Which rates a table shows.
@@ -278,18 +307,7 @@ impl RateColumns {
         time: f64,
     ) -> Option<Vec<f64>> {
         let given = &coordinates[mechanism.unknowns.len()..];
-        let inputs: Vec<Series> = match self.by {
-            By::Time => {
-                let drives = mechanism.drives.iter();
-                drives.map(|d| drive(d, time, self.order)).collect()
-            }
-            By::Input(moving) => (0..given.len())
-                .map(|k| {
-                    let rate = if k == moving { 1.0 } else { 0.0 };
-                    Series::linear(given[k], rate, self.order)
-                })
-                .collect(),
-        };
+        let inputs = self.by.inputs(mechanism, given, time, self.order);
         let series = rates(mechanism, structure, coordinates, &inputs, self.order)?;
         let all = observed(mechanism, &series, self.order);
         let derivatives = all

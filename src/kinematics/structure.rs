@@ -1,10 +1,15 @@
 //! Which equations say something, and in which order loops can be solved: blocks of loops that share unknowns.
 //!
-//! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve.
+//! Everything here depends on the mechanism only, not on a pose; it is made once before the first solve. The order
+//! itself is found in `order`, the poses that decide on ranks in `probes`, idle freedoms in `idle`.
 
 use super::closure::{BlockWorkspace, Want};
-use super::qr::PivotedQr;
-use crate::model::mechanism::{Kind, Mechanism};
+use super::idle::{self, Held};
+use super::order::{Group, Member, System, unknowns_of};
+use super::plan::BlockPlan;
+use super::probes::{Ranks, closed_poses, random_poses};
+use crate::model::mechanism::{Closes, Mechanism};
+use std::ops::Range;
 
 /// The part of a loop that a block solves.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +33,8 @@ pub struct Block {
     pub column_of: Vec<Option<usize>>,
     /// Arguments that its loops use.
     pub arguments: Vec<usize>,
+    /// Layout for evaluation.
+    pub plan: BlockPlan,
 }
 
 impl Block {
@@ -48,6 +55,8 @@ pub struct Structure {
     pub blocks: Vec<Block>,
     /// Equations that hold at every pose, as (loop, component).
     pub empty_equations: Vec<(usize, usize)>,
+    /// Unknowns that keep their start value, because nothing but the idle spin of a link depends on them.
+    pub held: Vec<Held>,
 }
 
 /// A mechanism that no pose can solve, or that is not determined.
@@ -73,44 +82,94 @@ pub enum StructureError {
         /// Unknowns that can move while the inputs stand still.
         names: Vec<String>,
     },
+    /// Unknowns that change no equation.
+    #[error("no loop and no equation holds `{}`: nothing there changes with it", names.join("`, `"))]
+    Unheld {
+        /// Their names.
+        names: Vec<String>,
+    },
 }
-
-/// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
-const PROBES: usize = 6;
 
 /// An equation counts as empty when it stays below this (residuals are scaled, of order one) at all probes.
 /// Rounding of a long chain stays far below, a real equation far above.
 const EMPTY: f64 = 1e-12;
 
-/// Rank tolerance at random poses, relative to the largest pivot: generic ranks are clear-cut.
-const GENERIC_RANK: f64 = 1e-9;
-
 impl Structure {
     /// Analyses `mechanism`.
+    ///
+    /// Ranks are taken at random poses. Loops with more equations than unknowns, and those that seem to lack
+    /// equations, are judged at closed poses too: an over-constrained loop has its true rank only there, and only
+    /// there it shows whether a freedom is idle.
     pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        let probes = probes(mechanism);
+        let probes = random_poses(mechanism);
         let (parts, empty_equations) = live_equations(mechanism, &probes)?;
-        let mut blocks = order(mechanism, parts);
-        if blocks.len() > 1
-            && blocks
-                .iter()
-                .any(|b| generic_rank(mechanism, b, &probes) < b.unknowns.len())
-        {
-            // A group that is square by counting but not by rank needs the equations of the others.
-            let loops = blocks.iter().flat_map(|b| b.loops.clone()).collect();
-            let equations = blocks.iter().flat_map(|b| b.equations.clone()).collect();
-            let unknowns = (0..mechanism.unknowns.len()).collect();
-            blocks = vec![block(mechanism, loops, equations, unknowns)];
-        }
-        for block in &blocks {
-            let rank = generic_rank(mechanism, block, &probes);
-            if rank < block.unknowns.len() {
-                return Err(under_determined(mechanism, block, rank, &probes));
-            }
-        }
-        Ok(Self {
-            blocks,
+        let system = System::new(mechanism, parts);
+        let generic = Ranks::new(mechanism, &probes);
+        refuse_unheld(mechanism, &system, &generic)?;
+        let mut structure = Self {
+            blocks: generic.blocks(&system, system.groups(&[])),
             empty_equations,
+            held: Vec::new(),
+        };
+        let square = |b: &Block| b.rows() == b.unknowns.len();
+        if structure
+            .blocks
+            .iter()
+            .all(|b| square(b) && !generic.lacks(b))
+        {
+            return Ok(structure);
+        }
+        let poses = structure.poses_of_unsure(mechanism, &system);
+        if poses.is_empty() {
+            // Nothing closes: solving will say so, unless the mechanism is not determined anyway.
+            let lacking = structure.blocks.iter().find(|b| generic.lacks(b));
+            return match lacking {
+                Some(block) => Err(generic.under_determined(block)),
+                None => Ok(structure),
+            };
+        }
+        let closed = Ranks::new(mechanism, &poses);
+        structure.blocks = closed.blocks(&system, system.groups(&[]));
+        let held = idle::find(mechanism, &structure, &closed)?;
+        if !held.is_empty() {
+            let slots: Vec<usize> = held.iter().map(|h| h.unknown).collect();
+            structure.blocks = closed.blocks(&system, system.groups(&slots));
+            structure.held = held;
+        }
+        Ok(structure)
+    }
+
+    /// Closed poses of a mechanism whose blocks are not sure yet: by blocks, else with everything in one.
+    fn poses_of_unsure(&self, mechanism: &Mechanism, system: &System) -> Vec<Vec<f64>> {
+        let poses = closed_poses(mechanism, self);
+        if !poses.is_empty() || self.blocks.len() < 2 {
+            return poses;
+        }
+        let groups = system.merged(&[]);
+        let merged = Self {
+            blocks: groups
+                .iter()
+                .map(|g| of_group(mechanism, system, g))
+                .collect(),
+            ..self.clone()
+        };
+        closed_poses(mechanism, &merged)
+    }
+
+    /// The block that solves the loop or equation `name`, if it has more equations than unknowns.
+    pub fn overfull(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {
+        let mut blocks = self.blocks.iter();
+        blocks.find(|block| {
+            let mut loops = block
+                .loops
+                .iter()
+                .map(|part| &mechanism.loops[part.index].name);
+            let mut equations = block
+                .equations
+                .iter()
+                .map(|e| &mechanism.equations[*e].name);
+            let is_here = loops.any(|n| n == name) || equations.any(|n| n == name);
+            is_here && block.rows() > block.unknowns.len()
         })
     }
 
@@ -120,39 +179,58 @@ impl Structure {
     }
 }
 
-/// Random coordinates, the same in every run.
-fn probes(mechanism: &Mechanism) -> Vec<Vec<f64>> {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut random = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    let coordinates: Vec<Kind> = mechanism
-        .unknowns
-        .iter()
-        .chain(&mechanism.inputs)
-        .map(|c| c.kind)
-        .collect();
-    (0..PROBES)
-        .map(|_| {
-            let scale = |kind: &Kind| {
-                if *kind == Kind::Length {
-                    mechanism.size
-                } else {
-                    1.0
-                }
-            };
-            coordinates
-                .iter()
-                .map(|kind| scale(kind) * random())
-                .collect()
-        })
-        .collect()
+/// Names of the given unknowns.
+pub fn names(mechanism: &Mechanism, slots: impl Iterator<Item = usize>) -> Vec<String> {
+    slots.map(|u| mechanism.unknowns[u].name.clone()).collect()
+}
+
+/// The block of a group.
+pub fn of_group(mechanism: &Mechanism, system: &System, group: &Group) -> Block {
+    let (mut loops, mut equations) = (Vec::new(), Vec::new());
+    for member in &group.members {
+        match &system.members[*member] {
+            Member::Loop(part) => loops.push(part.clone()),
+            Member::Equation(index) => equations.push(*index),
+        }
+    }
+    block(mechanism, loops, equations, group.unknowns.clone())
+}
+
+/// An unknown that changes no equation at any pose stands in the formulas only in vain.
+fn refuse_unheld(
+    mechanism: &Mechanism,
+    system: &System,
+    ranks: &Ranks,
+) -> Result<(), StructureError> {
+    let mut felt = vec![false; mechanism.unknowns.len()];
+    let mut workspace = BlockWorkspace::default();
+    for member in 0..system.members.len() {
+        let block = of_group(mechanism, system, &system.whole(vec![member], &[]));
+        for pose in ranks.poses {
+            workspace.evaluate(mechanism, &block, pose, Want::Jacobian);
+            let columns = workspace.jacobian.chunks(block.rows().max(1));
+            for (unknown, column) in block.unknowns.iter().zip(columns) {
+                felt[*unknown] |= column.iter().any(|v| v.abs() > EMPTY || v.is_nan());
+            }
+        }
+    }
+    let unheld: Vec<usize> = (0..felt.len()).filter(|u| !felt[*u]).collect();
+    if unheld.is_empty() {
+        return Ok(());
+    }
+    let names = names(mechanism, unheld.into_iter());
+    Err(StructureError::Unheld { names })
 }
 
 type LiveEquations = (Vec<LoopPart>, Vec<(usize, usize)>);
+
+/// The equations of a loop: all six, or the translations where a point closes it.
+pub(super) fn components_of(mechanism: &Mechanism, index: usize) -> Range<usize> {
+    match mechanism.loops[index].closes {
+        Closes::Frame => 0..6,
+        Closes::Point => 3..6,
+    }
+}
 
 /// Splits every loop's six equations into those that say something and those that always hold.
 fn live_equations(
@@ -166,18 +244,18 @@ fn live_equations(
             index,
             components: (0..6).collect(),
         };
-        let all = block(
-            mechanism,
-            vec![whole],
-            Vec::new(),
-            (0..mechanism.unknowns.len()).collect(),
-        );
+        let unknowns = unknowns_of(mechanism, &Member::Loop(whole.clone()));
+        let all = block(mechanism, vec![whole], Vec::new(), unknowns);
         let mut live = [false; 6];
         let mut constant = [0.0_f64; 6];
         for probe in probes {
             // Inputs move too: a row that only they change is live, though no unknown can repair it.
             let mut rates = vec![0.0; mechanism.coordinate_count()];
-            rates[mechanism.unknowns.len()..].fill(1.0);
+            let inputs = rates[mechanism.unknowns.len()..].iter_mut();
+            // Each at a rate of its own, so that they do not cancel.
+            inputs
+                .zip(1..)
+                .for_each(|(rate, k)| *rate = f64::from(k).sqrt());
             workspace.evaluate(mechanism, &all, probe, Want::Drift(&rates));
             for (k, live) in live.iter_mut().enumerate() {
                 let row = (0..all.unknowns.len()).map(|j| workspace.jacobian[j * 6 + k].abs());
@@ -186,8 +264,9 @@ fn live_equations(
             }
             constant.copy_from_slice(&workspace.residual);
         }
-        let components: Vec<usize> = (0..6).filter(|k| live[*k]).collect();
-        for k in (0..6).filter(|k| !live[*k]) {
+        let wanted = components_of(mechanism, index);
+        let components: Vec<usize> = wanted.clone().filter(|k| live[*k]).collect();
+        for k in wanted.filter(|k| !live[*k]) {
             if constant[k].abs() > EMPTY {
                 let (gap, unit) = if k < 3 {
                     (constant[k], "rad")
@@ -221,122 +300,8 @@ pub fn component_name(component: usize) -> &'static str {
     ][component]
 }
 
-/// A loop part or an equation, before grouping.
-#[derive(Clone)]
-enum Member {
-    Loop(LoopPart),
-    Equation(usize),
-}
-
-impl Member {
-    fn rows(&self) -> usize {
-        match self {
-            Self::Loop(part) => part.components.len(),
-            Self::Equation(_) => 1,
-        }
-    }
-
-    fn unknowns(&self, mechanism: &Mechanism) -> Vec<usize> {
-        let slots: Vec<usize> = match self {
-            Self::Loop(part) => {
-                let used = mechanism.loops[part.index].chain.arguments();
-                used.iter()
-                    .flat_map(|a| mechanism.arguments[*a].coordinates())
-                    .collect()
-            }
-            Self::Equation(index) => mechanism.equations[*index].expression.slots(),
-        };
-        slots
-            .into_iter()
-            .filter(|slot| *slot < mechanism.unknowns.len())
-            .collect()
-    }
-}
-
-/// Largest group that is searched for; what is entangled more than this is solved as one block.
-const LARGEST_SEARCHED_GROUP: usize = 3;
-
-/// Groups members so that each block has at least as many equations as new unknowns.
-fn order(mechanism: &Mechanism, parts: Vec<LoopPart>) -> Vec<Block> {
-    let mut rest: Vec<(Member, Vec<usize>)> = parts
-        .into_iter()
-        .map(Member::Loop)
-        .chain((0..mechanism.equations.len()).map(Member::Equation))
-        .map(|member| {
-            let unknowns = member.unknowns(mechanism);
-            (member, unknowns)
-        })
-        .collect();
-    let mut known = vec![false; mechanism.unknowns.len()];
-    let mut blocks = Vec::new();
-    while !rest.is_empty() {
-        let group = smallest_group(&rest, &known).unwrap_or_else(|| (0..rest.len()).collect());
-        let mut unknowns: Vec<usize> = group
-            .iter()
-            .flat_map(|g| rest[*g].1.iter().copied())
-            .filter(|u| !known[*u])
-            .collect();
-        unknowns.sort_unstable();
-        unknowns.dedup();
-        unknowns.iter().for_each(|u| known[*u] = true);
-        let (mut loops, mut equations) = (Vec::new(), Vec::new());
-        for g in &group {
-            match &rest[*g].0 {
-                Member::Loop(part) => loops.push(part.clone()),
-                Member::Equation(index) => equations.push(*index),
-            }
-        }
-        blocks.push(block(mechanism, loops, equations, unknowns));
-        let mut position = 0;
-        rest.retain(|_| {
-            position += 1;
-            !group.contains(&(position - 1))
-        });
-    }
-    blocks
-}
-
-/// The first smallest group with at least as many equations as open unknowns.
-fn smallest_group(rest: &[(Member, Vec<usize>)], known: &[bool]) -> Option<Vec<usize>> {
-    let closed = |group: &[usize]| {
-        let mut open: Vec<usize> = group
-            .iter()
-            .flat_map(|g| rest[*g].1.iter().copied())
-            .filter(|u| !known[*u])
-            .collect();
-        open.sort_unstable();
-        open.dedup();
-        open.len() <= group.iter().map(|g| rest[*g].0.rows()).sum()
-    };
-    let shares = |a: usize, b: usize| {
-        rest[a]
-            .1
-            .iter()
-            .any(|u| !known[*u] && rest[b].1.contains(u))
-    };
-    let mut groups: Vec<Vec<usize>> = (0..rest.len()).map(|g| vec![g]).collect();
-    for size in 1..=LARGEST_SEARCHED_GROUP.min(rest.len()) {
-        if let Some(group) = groups.iter().find(|group| closed(group)) {
-            return Some(group.clone());
-        }
-        if size < LARGEST_SEARCHED_GROUP {
-            // Only members that share an open unknown can help each other.
-            let mut larger = Vec::new();
-            for group in &groups {
-                let last = group[group.len() - 1];
-                for next in last + 1..rest.len() {
-                    if group.iter().any(|g| shares(*g, next)) {
-                        larger.push([group.as_slice(), &[next]].concat());
-                    }
-                }
-            }
-            groups = larger;
-        }
-    }
-    None
-}
-
-fn block(
+/// The block of the given loops, equations and unknowns.
+pub fn block(
     mechanism: &Mechanism,
     loops: Vec<LoopPart>,
     equations: Vec<usize>,
@@ -352,53 +317,13 @@ fn block(
         .collect();
     arguments.sort_unstable();
     arguments.dedup();
+    let plan = BlockPlan::new(mechanism, &loops, &equations, &arguments, &column_of);
     Block {
         loops,
         equations,
         unknowns,
         column_of,
         arguments,
-    }
-}
-
-/// Largest rank of the block's Jacobian over the probes.
-fn generic_rank(mechanism: &Mechanism, block: &Block, probes: &[Vec<f64>]) -> usize {
-    let mut workspace = BlockWorkspace::default();
-    let mut qr = PivotedQr::default();
-    let ranks = probes.iter().map(|probe| {
-        workspace.evaluate(mechanism, block, probe, Want::Jacobian);
-        qr.factor(
-            &workspace.jacobian,
-            block.rows(),
-            block.unknowns.len(),
-            GENERIC_RANK,
-        );
-        qr.rank()
-    });
-    ranks.max().unwrap_or(0)
-}
-
-/// Names the unknowns that move while all equations hold.
-fn under_determined(
-    mechanism: &Mechanism,
-    block: &Block,
-    rank: usize,
-    probes: &[Vec<f64>],
-) -> StructureError {
-    let mut workspace = BlockWorkspace::default();
-    workspace.evaluate(mechanism, block, &probes[0], Want::Jacobian);
-    let free = super::rank::free_columns(
-        &workspace.jacobian,
-        block.rows(),
-        block.unknowns.len(),
-        rank,
-    );
-    let names = free
-        .iter()
-        .map(|column| mechanism.unknowns[block.unknowns[*column]].name.clone())
-        .collect();
-    StructureError::UnderDetermined {
-        freedoms: block.unknowns.len() - rank,
-        names,
+        plan,
     }
 }

@@ -1,7 +1,9 @@
 //! The solved motion as values: samples with their proof, and the events between them.
 
 use super::certificate::Certificate;
+use super::certificate::tube::IntervalCertificate;
 use crate::math::Pose;
+use crate::model::mechanism::Kind;
 use glam::DVec3;
 
 /// A closed pose with its proof.
@@ -15,7 +17,7 @@ pub struct ClosedPose {
     pub traces: Vec<DVec3>,
     /// Values of the outputs; an output may be infinite or NaN where its own formula has no value.
     pub outputs: Vec<f64>,
-    /// Rates of the unknowns per second, from the drive's rates.
+    /// Rates of the unknowns per second, from the drive's rates; NaN for angles that are gimbal-locked.
     pub rates: Vec<f64>,
     /// Rates of higher order, as [`RateColumns`](super::rates::RateColumns) names them; empty unless asked for.
     pub derivatives: Vec<f64>,
@@ -49,7 +51,7 @@ pub struct Sample {
 /// Something between two samples that the user must know.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// Seconds: last time before the event at which there was a pose (or the first after it).
+    /// Seconds: the last time at which there is a pose, or the first; of a singular pose its own.
     pub time: f64,
     /// Inputs at that time.
     pub inputs: Vec<f64>,
@@ -62,13 +64,32 @@ pub struct Event {
 pub enum EventKind {
     /// No closed pose exists beyond: a fold or the end of the feasible range.
     MotionEnds,
-    /// The drive has come back into the feasible range; the pose was assembled again from the last one.
+    /// The drive has come into the feasible range (again); the pose was assembled anew.
     MotionResumes {
-        /// The branch is the one before the gap.
+        /// The branch is the one before the gap, or there was none before.
         same_branch: bool,
     },
     /// The pose is singular; the motion was continued straight through it.
     SingularPosePassed,
+    /// The first and last axis of a ball joint that is written as three rotations are parallel, or nearly: only the
+    /// sum or difference of their angles is determined. The position is not affected.
+    GimbalLock {
+        /// The three unknowns.
+        names: [String; 3],
+        /// Cosine of the middle angle, measured from where the axes are square to each other: zero at a locked pose.
+        distance: f64,
+    },
+    /// A coordinate or an output turns back while the drive goes on: a dead point. Only where it was asked for.
+    LimitPosition {
+        /// Name of the unknown or output.
+        name: String,
+        /// What it measures.
+        measure: Kind,
+        /// Its value there.
+        value: f64,
+        /// The value is larger than those around it, not smaller.
+        is_largest: bool,
+    },
     /// An input has no value (division by zero in its formula, say).
     InputUndefined {
         /// Name of the input.
@@ -83,8 +104,43 @@ pub enum EventKind {
         /// Smallest remaining distance.
         distance: f64,
     },
+    /// The first pose is singular: several assemblies may meet there, and which is followed is not determined.
+    StartSingular,
     /// The start values did not lead to a pose; another start did, perhaps on another branch.
     OtherStart,
+}
+
+/// One place on the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant {
+    /// Seconds.
+    pub time: f64,
+    /// Inputs: radians, or the scene's length unit.
+    pub inputs: Vec<f64>,
+}
+
+/// How far a mechanism stays from closing where it cannot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lack {
+    /// The sample.
+    pub at: Instant,
+    /// Loop or equation with the largest remaining gap.
+    pub name: String,
+    /// Remaining rotation, radians; not zero only where rotations alone cannot close.
+    pub angle: f64,
+    /// Remaining distance in the scene's unit, or value of the equation.
+    pub distance: f64,
+}
+
+/// A stretch of the drive without a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// The last place with a pose, located by halving; `None` if the drive begins inside.
+    pub from: Option<Instant>,
+    /// The first place with a pose again, likewise; `None` if the drive ends inside.
+    pub until: Option<Instant>,
+    /// The sample at which most is lacking, of those inside.
+    pub widest: Option<Lack>,
 }
 
 /// The motion over the drive.
@@ -94,6 +150,11 @@ pub struct Trajectory {
     pub samples: Vec<Sample>,
     /// Events in the order of time.
     pub events: Vec<Event>,
+    /// Stretches without a pose in the order of time.
+    pub gaps: Vec<Gap>,
+    /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
+    /// asked for.
+    pub intervals: Vec<IntervalCertificate>,
 }
 
 impl Trajectory {

@@ -109,16 +109,19 @@ impl Step {
                         base_from_here.translation +=
                             base_from_here.rotation.col(axis) * (sign * value.value);
                     }
-                    Motion::Rotation => rotate(base_from_here, axis, sign * value.sin, value.cos),
+                    Motion::Rotation => {
+                        turn_about(base_from_here, axis, sign * value.sin, value.cos)
+                    }
                 }
             }
         }
     }
 }
 
-/// Turns the frame about its own axis: only two columns change.
+/// Turns the frame about its own axis `axis` (0 x, 1 y, 2 z) by the angle of that sine and cosine: only two columns
+/// change.
 #[inline]
-fn rotate(pose: &mut Pose, axis: usize, sin: f64, cos: f64) {
+pub fn turn_about(pose: &mut Pose, axis: usize, sin: f64, cos: f64) {
     let (x, y, z) = (
         pose.rotation.x_axis,
         pose.rotation.y_axis,

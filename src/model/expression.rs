@@ -115,6 +115,22 @@ pub enum Op {
     Call(Function, usize, usize),
 }
 
+impl Op {
+    /// The same operation where its operands stand `by` places further on.
+    pub fn shifted(self, by: usize) -> Self {
+        match self {
+            Self::Constant(_) | Self::Slot(_) => self,
+            Self::Negate(a) => Self::Negate(a + by),
+            Self::Add(a, b) => Self::Add(a + by, b + by),
+            Self::Subtract(a, b) => Self::Subtract(a + by, b + by),
+            Self::Multiply(a, b) => Self::Multiply(a + by, b + by),
+            Self::Divide(a, b) => Self::Divide(a + by, b + by),
+            Self::Power(a, b) => Self::Power(a + by, b + by),
+            Self::Call(f, a, b) => Self::Call(f, a + by, b + by),
+        }
+    }
+}
+
 /// `constant + Σ coefficient·slot`.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Affine {
@@ -212,24 +228,6 @@ impl Expression {
             }
         }
         value
-    }
-
-    /// The slot that the formula is, if it is nothing else.
-    pub fn only_slot(&self) -> Option<usize> {
-        match self.ops[..] {
-            [Op::Slot(slot)] => Some(slot),
-            _ => None,
-        }
-    }
-
-    /// The formula whose magnitude this one is, if it is one.
-    pub fn below_magnitude(&self) -> Option<Self> {
-        match self.ops.last() {
-            Some(Op::Call(Function::Abs, inner, _)) => Some(Self {
-                ops: self.ops[..=*inner].to_vec(),
-            }),
-            _ => None,
-        }
     }
 
     /// The affine form, if it has one.

@@ -3,6 +3,7 @@
 use super::chain::{Argument, ArgumentValue, Chain};
 use super::drive::Drive;
 use super::expression::Expression;
+use super::measure::{Measure, Track};
 use super::shape::Shape;
 use glam::DVec3;
 
@@ -37,13 +38,24 @@ pub struct Coordinate {
     pub kind: Kind,
 }
 
-/// A chain that must equal the identity.
+/// What a loop's product must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Closes {
+    /// The identity: six equations.
+    Frame,
+    /// Any rotation about its origin: three equations, as where a sphere's centre is all that counts.
+    Point,
+}
+
+/// A chain that must close.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
     /// Name in the scene.
     pub name: String,
     /// The product.
     pub chain: Chain,
+    /// What it must be.
+    pub closes: Closes,
 }
 
 /// A formula over the coordinates that must vanish.
@@ -126,12 +138,18 @@ pub struct Mechanism {
     pub loops: Vec<Loop>,
     /// Scalar equations.
     pub equations: Vec<Equation>,
+    /// Names of those loops and equations that are contacts of surfaces.
+    pub contacts: Vec<String>,
     /// Links.
     pub bodies: Vec<Body>,
     /// Traced points.
     pub traces: Vec<Trace>,
     /// Named scalars.
     pub outputs: Vec<Output>,
+    /// Poses beside the drive.
+    pub tracks: Vec<Track>,
+    /// Scalars of the whole motion.
+    pub measures: Vec<Measure>,
     /// Characteristic length: what residuals and unknown lengths are measured against.
     pub size: f64,
     /// Length of the drive in seconds.

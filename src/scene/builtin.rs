@@ -18,11 +18,29 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 4] = builtin![
+pub const ALL: [Builtin; 22] = builtin![
     "gearshift",
     "gearshift-optimised",
+    "gearshift-left",
+    "twin-steer",
     "slider-crank",
-    "seven-r"
+    "feeder",
+    "rope-drum",
+    "lifting-arm",
+    "dyads",
+    "torus-torus",
+    "seven-r",
+    "sphere-torus",
+    "rsrrr",
+    "sphere-sphere",
+    "rsur",
+    "rrsrr",
+    "four-bar",
+    "peaucellier",
+    "hooke-joint",
+    "bennett",
+    "bricard",
+    "sarrus",
 ];
 
 /// The built-in scene of that name.

@@ -1,9 +1,14 @@
-//! The scene file as typed: every section and key it may have but those of shapes, with places, before anything is
-//! looked up.
+//! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
+//! anything is looked up.
 
-use super::reader::{FormulaText, Spanned, TableReader, formula_of, read_table};
+use super::clearance::{self, ClearanceFile};
+use super::contacts::{ContactFile, surfaces};
+use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
+use super::plots::{PlotFile, plot};
+use super::reader::{FormulaText, Spanned, TableReader, read_table};
 use super::shapes::{ShapeFile, shape};
 use super::studies::{StudyFile, study};
+use super::values::formula_of;
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -33,6 +38,8 @@ pub struct SceneFile {
     pub loops: Vec<NamedFormula>,
     /// `[equations]`
     pub equations: Vec<NamedFormula>,
+    /// `[contacts]`
+    pub contacts: Vec<ContactFile>,
     /// `[guess]`
     pub guess: Vec<NamedFormula>,
     /// `[[bodies]]`
@@ -41,8 +48,16 @@ pub struct SceneFile {
     pub traces: Vec<TraceFile>,
     /// `[outputs]`
     pub outputs: Vec<NamedFormula>,
+    /// `[tracks]`
+    pub tracks: Vec<TrackFile>,
+    /// `[measures]`
+    pub measures: Vec<MeasureFile>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[clearance]`
+    pub clearance: Option<ClearanceFile>,
+    /// `[[plots]]`
+    pub plots: Vec<PlotFile>,
     /// `[view]`
     pub view: ViewFile,
     /// `[study]`
@@ -52,17 +67,21 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 14] = [
     "parameters",
     "inputs",
     "chains",
     "loops",
     "equations",
+    "contacts",
     "guess",
     "bodies",
     "traces",
     "outputs",
+    "tracks",
+    "measures",
     "labels",
+    "plots",
 ];
 
 /// One entry of `[inputs]`.
@@ -191,11 +210,16 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         chains: r.named_formulas("chains"),
         loops: r.named_formulas("loops"),
         equations: r.named_formulas("equations"),
+        contacts: contacts(r, text),
         guess: r.named_formulas("guess"),
         bodies: r.tables("bodies", body).into_iter().flatten().collect(),
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
         outputs: r.named_formulas("outputs"),
+        tracks: tracks(r, text),
+        measures: measures(r, text),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
+        clearance: r.table("clearance", clearance::read),
+        plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
         study: r.table("study", |s| study(s, text)),
         lacks_sections: r.lacks_sections(&SECTIONS),
@@ -227,6 +251,55 @@ fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String
             }
         };
         list.push((name, input.unwrap_or(InputFile::Unread)));
+    }
+    list
+}
+
+fn contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("contacts") {
+        let place = format!("contact `{}`", name.value);
+        let surfaces = match value.as_table() {
+            Some(table) => read_table(table, text, span, place, r.diagnostics, surfaces),
+            None => {
+                let message = format!("{place} must be a table with `first` and `second`");
+                r.diagnostics.push(Diagnostic::error(message).at(span));
+                None
+            }
+        };
+        list.push(ContactFile { name, surfaces });
+    }
+    list
+}
+
+fn tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("tracks") {
+        let place = format!("track `{}`", name.value);
+        let Some(table) = value.as_table() else {
+            let message = format!("{place} must be a table with `samples` and `inputs`");
+            r.diagnostics.push(Diagnostic::error(message).at(span));
+            continue;
+        };
+        let read = |r: &mut TableReader<'t, '_>| track(r, name);
+        list.push(read_table(table, text, span, place, r.diagnostics, read));
+    }
+    list
+}
+
+fn measures<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<MeasureFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("measures") {
+        let place = format!("measure `{}`", name.value);
+        if let Some(table) = value.as_table() {
+            let read = |r: &mut TableReader<'t, '_>| measure(r, name);
+            list.push(read_table(table, text, span, place, r.diagnostics, read));
+        } else if let Some(formula) = formula_of(value, span.clone(), text) {
+            list.push(measure_formula((name, formula)));
+        } else {
+            let message = format!("{place} must be a formula of measures, or a table");
+            r.diagnostics.push(Diagnostic::error(message).at(span));
+        }
     }
     list
 }

@@ -3,15 +3,22 @@
 #![allow(clippy::result_large_err)]
 
 pub mod builtin;
+pub mod clearance;
+pub mod contacts;
 pub mod file;
 pub mod formula;
+pub mod measures;
+pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
 pub mod studies;
+pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
+use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
+use crate::model::plot::Plot;
 use crate::model::study::Study;
 use crate::model::view::View;
 use std::path::PathBuf;
@@ -25,6 +32,10 @@ pub struct Scene {
     pub mechanism: Mechanism,
     /// How it wants to be seen.
     pub view: View,
+    /// Which clearances it asks for, if any.
+    pub clearance: Option<ClearanceRules>,
+    /// What of its motion it wants to be plotted.
+    pub plots: Vec<Plot>,
     /// What may be varied in it, and what is asked of it.
     pub study: Option<Study>,
     /// Lengths and angles that the file gives as numbers: what else could be varied.
@@ -42,6 +53,8 @@ pub struct Overrides {
     pub inputs: Vec<(String, String)>,
     /// `--guess NAME=FORMULA`
     pub guess: Vec<(String, String)>,
+    /// `plot --y …`: drawn in place of the scene's own plots.
+    pub plot: Option<PlotText>,
     /// Folder that relative file names in the scene start from.
     pub folder: PathBuf,
     /// Parameters that are to be inputs, behind the scene's own: what a study varies.
@@ -71,6 +84,17 @@ pub fn with_parameters(source: &Source, values: &[(String, String)]) -> Option<S
         text.replace_range(span, &value);
     }
     (!diagnostics.has_errors()).then_some(text)
+}
+
+/// A plot asked for on the command line: formulas as in the scene's `[[plots]]`.
+#[derive(Clone, Debug, Default)]
+pub struct PlotText {
+    /// `--x`
+    pub x: Option<String>,
+    /// `--y`
+    pub y: Vec<String>,
+    /// `--equal`
+    pub equal: bool,
 }
 
 /// Reads and resolves `source`; all mistakes found are in the error.

@@ -1,5 +1,6 @@
 //! Typed reading of TOML tables: every value with its place, every mistake noted, reading goes on.
 
+use super::values::{formula_of, formulas_of, kind_of, parse_colour};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -121,6 +122,39 @@ impl<'t, 'd> TableReader<'t, 'd> {
         }
     }
 
+    /// A number or formula, or a list of them.
+    pub fn formula_or_formulas(&mut self, key: &'static str) -> Option<Vec<FormulaText>> {
+        let is_list = self
+            .table
+            .get(key)
+            .is_some_and(|value| value.get_ref().is_array());
+        if is_list {
+            return self.formulas(key).map(|list| list.value);
+        }
+        self.formula(key).map(|one| vec![one])
+    }
+
+    /// A table of names to a number or formula, or to a list of two: where it starts and ends.
+    pub fn named_ranges(&mut self, key: &'static str) -> Vec<(Spanned<String>, [FormulaText; 2])> {
+        let mut list = Vec::new();
+        for (name, value, span) in self.named(key) {
+            let one = formula_of(value, span.clone(), self.text);
+            let ends = one.map(|one| [one.clone(), one]);
+            let ends =
+                ends.or_else(|| <[FormulaText; 2]>::try_from(formulas_of(value, self.text)?).ok());
+            match ends {
+                Some(ends) => list.push((name, ends)),
+                None => self.wrong(
+                    &name.value,
+                    "a number, a formula or a list of two",
+                    value,
+                    span,
+                ),
+            }
+        }
+        list
+    }
+
     /// Exactly `N` numbers or formulas.
     pub fn vector<const N: usize>(&mut self, key: &'static str) -> Option<[FormulaText; N]> {
         let list = self.formulas(key)?;
@@ -200,7 +234,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
     }
 
     /// A table whose keys are names of the user's choice, in the order of the file.
-    pub fn named(&mut self, key: &'static str) -> Vec<(Spanned<String>, &'t DeValue<'t>, Span)> {
+    pub fn named(&mut self, key: &'static str) -> Vec<Entry<'t>> {
         let Some((value, span)) = self.get(key) else {
             return Vec::new();
         };
@@ -225,10 +259,10 @@ impl<'t, 'd> TableReader<'t, 'd> {
         entries
     }
 
-    /// A table of names to formulas.
+    /// A table of names to formulas. A name with a dot, which TOML reads as a table, is put together again.
     pub fn named_formulas(&mut self, key: &'static str) -> Vec<(Spanned<String>, FormulaText)> {
         let mut list = Vec::new();
-        for (name, value, span) in self.named(key) {
+        for (name, value, span) in self.named(key).into_iter().flat_map(undotted) {
             match formula_of(value, span.clone(), self.text) {
                 Some(formula) => list.push((name, formula)),
                 None => {
@@ -350,70 +384,31 @@ pub fn read_table<'t, T>(
     value
 }
 
+type Entry<'t> = (Spanned<String>, &'t DeValue<'t>, Span);
+
+/// The entries of a dotted key; an entry that is no table stays as it is.
+fn undotted((name, value, span): Entry) -> Vec<Entry> {
+    let Some(table) = value.as_table().filter(|table| !table.is_empty()) else {
+        return vec![(name, value, span)];
+    };
+    let mut inner: Vec<Entry> = table
+        .iter()
+        .map(|(key, value)| {
+            let full = Spanned {
+                value: format!("{}.{}", name.value, key.get_ref()),
+                span: key.span(),
+            };
+            (full, value.get_ref(), value.span())
+        })
+        .collect();
+    inner.sort_by_key(|(key, _, _)| key.span.start);
+    inner
+}
+
 /// The part of `span` on its first line.
 fn first_line(text: &str, span: Span) -> Span {
     let end = text[span.clone()]
         .find('\n')
         .map_or(span.end, |n| span.start + n);
     span.start..end
-}
-
-fn formulas_of(value: &DeValue, text: &str) -> Option<Vec<FormulaText>> {
-    value
-        .as_array()?
-        .iter()
-        .map(|item| formula_of(item.get_ref(), item.span(), text))
-        .collect()
-}
-
-/// The text of a number or string value, with the place where it starts.
-pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText> {
-    match value {
-        DeValue::Integer(_) | DeValue::Float(_) => {
-            // Underscores are TOML's; signs and exponents are the same in both notations.
-            let literal = text[span.clone()].replace('_', "");
-            Some(FormulaText {
-                text: literal,
-                offset: span.start,
-                span,
-                is_unread: false,
-            })
-        }
-        DeValue::String(s) => {
-            // Escapes would shift the places; then every message points at the whole text.
-            let raw = &text[span.clone()];
-            let offset = raw
-                .find(s.as_ref())
-                .filter(|o| *o > 0 && !s.is_empty())
-                .map_or(span.start, |o| span.start + o);
-            Some(FormulaText {
-                text: s.to_string(),
-                offset,
-                span,
-                is_unread: false,
-            })
-        }
-        _ => None,
-    }
-}
-
-/// A colour written `#rrggbb`.
-pub fn parse_colour(text: &str) -> Option<[u8; 3]> {
-    let hex = text
-        .strip_prefix('#')
-        .filter(|h| h.len() == 6 && h.is_ascii())?;
-    let channel = |i: usize| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).ok();
-    Some([channel(0)?, channel(1)?, channel(2)?])
-}
-
-fn kind_of(value: &DeValue) -> &'static str {
-    match value {
-        DeValue::String(_) => "a text",
-        DeValue::Integer(_) => "an integer",
-        DeValue::Float(_) => "a number",
-        DeValue::Boolean(_) => "true or false",
-        DeValue::Datetime(_) => "a date",
-        DeValue::Array(_) => "a list",
-        DeValue::Table(_) => "a table",
-    }
 }

@@ -4,6 +4,8 @@
 
 mod bounds;
 mod captions;
+pub mod marks;
+pub mod model;
 mod parts;
 
 use crate::kinematics::trajectory::{ClosedPose, Trajectory};
@@ -12,6 +14,7 @@ use crate::render::camera::{ViewDirection, fit};
 use crate::render::{Frame, Ground, Instance, Label, Projection, Stage};
 use crate::scene::Scene;
 use glam::DVec3;
+use marks::Marks;
 use parts::{Part, TracePart};
 use std::sync::Arc;
 
@@ -31,6 +34,9 @@ pub struct Staging<'a> {
     scene: &'a Scene,
     trajectory: &'a Trajectory,
     parts: Vec<Part>,
+    marks: Marks,
+    /// Mesh of the marked distance.
+    measure: Option<usize>,
     traces: Vec<TracePart>,
     /// Places of the labels that stay on a trace, one entry per label.
     label_places: Vec<Option<DVec3>>,
@@ -50,6 +56,16 @@ const GRID_LINES: f64 = 9.0;
 impl<'a> Staging<'a> {
     /// Prepares the stage for all samples of `trajectory`.
     pub fn new(scene: &'a Scene, trajectory: &'a Trajectory, options: PictureOptions) -> Self {
+        Self::marked(scene, trajectory, options, Marks::default())
+    }
+
+    /// The same with bodies and a distance pointed out.
+    pub fn marked(
+        scene: &'a Scene,
+        trajectory: &'a Trajectory,
+        options: PictureOptions,
+        marks: Marks,
+    ) -> Self {
         let bounds = bounds::moving_points(&scene.mechanism, trajectory);
         let view = &scene.view;
         let up = up_axis(view.up);
@@ -75,6 +91,7 @@ impl<'a> Staging<'a> {
         let pixel = parts::pixel_size(&camera, options.size, &bounds);
         let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
         let traces = parts::of_traces(&scene.mechanism, trajectory, pixel, &mut meshes);
+        let measure = marks.mesh(pixel, &mut meshes);
         let stage = Stage {
             meshes,
             size: options.size,
@@ -88,6 +105,8 @@ impl<'a> Staging<'a> {
             scene,
             trajectory,
             parts,
+            marks,
+            measure,
             traces,
             label_places: scene
                 .view
@@ -136,12 +155,16 @@ impl<'a> Staging<'a> {
     }
 
     fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
-        let solids = self
-            .parts
-            .iter()
-            .map(|part| part.instance(pose, &self.stage.meshes));
+        let solids = self.parts.iter().map(|part| {
+            let mut instance = part.instance(pose, &self.stage.meshes);
+            self.marks.colour(index, part.body(), &mut instance);
+            instance
+        });
         let traces = self.traces.iter().map(|trace| trace.instance(index));
-        solids.chain(traces).collect()
+        let line = self
+            .measure
+            .map(|mesh| Marks::line(mesh, &self.stage.meshes));
+        solids.chain(traces).chain(line).collect()
     }
 
     fn labels(&self, pose: &ClosedPose) -> Vec<Label> {
@@ -151,6 +174,7 @@ impl<'a> Staging<'a> {
             .iter()
             .zip(&self.label_places)
             .filter_map(|(label, place)| captions::in_world(label, *place, pose, height))
+            .chain(self.marks.label(height))
             .collect()
     }
 }

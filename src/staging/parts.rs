@@ -30,6 +30,11 @@ pub struct Part {
 }
 
 impl Part {
+    /// Index of the body it belongs to.
+    pub fn body(&self) -> usize {
+        self.body
+    }
+
     /// Where and how it is drawn at a pose.
     pub fn instance(&self, pose: &ClosedPose, meshes: &[Mesh]) -> Instance {
         Instance {

@@ -2,6 +2,8 @@
 // Every test binary uses a part of this.
 #![allow(dead_code)]
 
+pub mod scenes;
+
 use mechanim::diag::Source;
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::mechanism::Mechanism;
@@ -82,4 +84,39 @@ impl Table {
     pub fn column(&self, column: &str) -> Vec<f64> {
         (0..self.len()).map(|row| self.value(row, column)).collect()
     }
+}
+
+/// The mechanism of `tests/hard/NAME.toml` with some parameters, inputs or start values replaced.
+pub fn hard(name: &str, changes: &[(&str, &str, &str)]) -> Mechanism {
+    let path = format!("{}/tests/hard/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let source = Source {
+        name: name.to_owned(),
+        text,
+    };
+    let of = |section: &str| {
+        let chosen = changes.iter().filter(|(s, _, _)| *s == section);
+        chosen
+            .map(|(_, n, v)| (n.to_string(), v.to_string()))
+            .collect()
+    };
+    let overrides = Overrides {
+        parameters: of("param"),
+        inputs: of("input"),
+        guess: of("guess"),
+        ..Overrides::default()
+    };
+    let scene = load(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    scene.mechanism
+}
+
+/// Index of an unknown.
+pub fn slot(mechanism: &Mechanism, name: &str) -> usize {
+    let position = mechanism.unknowns.iter().position(|c| c.name == name);
+    position.unwrap_or_else(|| panic!("no unknown `{name}`"))
+}
+
+/// A difference of angles without whole turns.
+pub fn turned(difference: f64) -> f64 {
+    (difference - std::f64::consts::TAU * (difference / std::f64::consts::TAU).round()).abs()
 }

@@ -1,34 +1,42 @@
 //! Measures of a stand: what every pose shows, reduced along the tracks, put into the measures' formulas.
 
-use super::reduce::{Reduced, reduce};
 use super::{Evaluator, Rejection, Stand};
-use crate::kinematics::rates::rates;
-use crate::kinematics::taylor::Series;
+use crate::kinematics::measures::along;
+use crate::kinematics::measures::reduce::{Reduced, reduce};
+use crate::kinematics::taylor::{Series, evaluate};
+use crate::model::expression::Expression;
+use crate::model::measure::MeasureSource;
 use crate::model::mechanism::Mechanism;
 
 /// The numbers of a stand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Every measure of the study.
+    /// Every measure of the mechanism.
     pub measures: Vec<f64>,
 }
 
-/// What a pose shows: coordinates, traces, outputs, rates.
-pub(super) fn slots_at(evaluator: &Evaluator, pose: &[f64]) -> Vec<f64> {
-    let family = evaluator.family;
-    let mut slots = shown(&family.mechanism, pose);
-    if family.study.rates.is_empty() {
-        return slots;
+/// What a pose shows: coordinates, traces, outputs, and their series along the inputs by which measures derive.
+pub(super) struct Shown {
+    pub slots: Vec<f64>,
+    along: Vec<(usize, Option<Vec<Series>>)>,
+}
+
+impl Shown {
+    /// The value of a formula, or its derivative by an input.
+    pub fn value(&self, formula: &Expression, per: Option<usize>, scratch: &mut Vec<f64>) -> f64 {
+        let Some(input) = per else {
+            return formula.value_with(&self.slots, scratch);
+        };
+        let series = self.along.iter().find(|(k, _)| *k == input);
+        match series {
+            Some((_, Some(series))) => evaluate(formula, series, 1).coefficients()[1],
+            _ => f64::NAN,
+        }
     }
-    for rate in &family.study.rates {
-        let series = along(evaluator, pose, &[rate.input], 1);
-        slots.push(series.map_or(f64::NAN, |all| all[rate.slot].coefficients()[1]));
-    }
-    slots
 }
 
 /// Coordinates, x, y, z of the traces, outputs.
-fn shown(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
+fn slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
     let arguments = mechanism.argument_values(pose);
     let mut slots = pose.to_vec();
     for trace in &mechanism.traces {
@@ -45,86 +53,102 @@ fn shown(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
     slots
 }
 
-/// Series of coordinates, traces and outputs when the inputs `moving` change at unit rate.
-pub(super) fn along(
-    evaluator: &Evaluator,
-    pose: &[f64],
-    moving: &[usize],
-    order: usize,
-) -> Option<Vec<Series>> {
-    let family = evaluator.family;
-    let mechanism = &family.mechanism;
-    let n = mechanism.unknowns.len();
-    let inputs: Vec<Series> = (0..mechanism.inputs.len())
-        .map(|k| {
-            let rate = moving.iter().filter(|m| **m == k).count() as f64;
-            Series::linear(pose[n + k], rate, order)
-        })
-        .collect();
-    let coordinates = rates(mechanism, &family.structure, pose, &inputs, order)?;
-    Some(crate::kinematics::rates::all_slots(
-        mechanism,
-        &coordinates,
-        order,
-    ))
-}
-
 impl Evaluator<'_> {
+    /// What every pose of a stand shows.
+    pub(super) fn shown(&self, stand: &Stand) -> Vec<Shown> {
+        let poses = stand.poses.iter().enumerate();
+        poses
+            .map(|(index, pose)| self.shown_at(index, pose))
+            .collect()
+    }
+
+    fn shown_at(&self, index: usize, pose: &[f64]) -> Shown {
+        let family = self.family;
+        let (mechanism, structure) = (&family.mechanism, &family.structure);
+        let inputs = self.derived_by(index);
+        let series = |input: usize| (input, along(mechanism, structure, pose, &[input], 1));
+        Shown {
+            slots: slots(mechanism, pose),
+            along: inputs.into_iter().map(series).collect(),
+        }
+    }
+
+    /// Inputs by which measures derive at pose `index`.
+    pub(super) fn derived_by(&self, index: usize) -> Vec<usize> {
+        let mut inputs = Vec::new();
+        for measure in &self.family.mechanism.measures {
+            if let MeasureSource::Over {
+                track,
+                per: Some(input),
+                ..
+            } = measure.source
+                && self.family.poses_of(track).contains(&index)
+                && !inputs.contains(&input)
+            {
+                inputs.push(input);
+            }
+        }
+        inputs
+    }
+
     /// The measures of a stand.
     ///
     /// # Errors
     /// A measure that has no value (names it).
     pub fn measure(&self, stand: &Stand) -> Result<Measured, Rejection> {
-        let slots: Vec<Vec<f64>> = stand.poses.iter().map(|p| slots_at(self, p)).collect();
-        let reduced = self.reductions(&slots);
-        let numbers = self.formulas(stand, &reduced);
-        let first = stand.values.len() + reduced.len();
-        let measures = numbers[first..].to_vec();
+        let shown = self.shown(stand);
+        let (numbers, _) = self.numbers(stand, &shown);
+        let measures = numbers[self.family.mechanism.inputs.len()..].to_vec();
         match measures.iter().position(|v| !v.is_finite()) {
             Some(bad) => {
-                let name = self.family.study.measures[bad].name.clone();
+                let name = self.family.mechanism.measures[bad].name.clone();
                 Err(Rejection::NoValue(name))
             }
             None => Ok(Measured { measures }),
         }
     }
 
-    /// All reductions, from what the poses show.
-    pub(super) fn reductions(&self, slots: &[Vec<f64>]) -> Vec<Reduced> {
-        let study = &self.family.study;
+    /// Inputs and measures, the slots of the measures' formulas; and how those over tracks came about.
+    pub(super) fn numbers(
+        &self,
+        stand: &Stand,
+        shown: &[Shown],
+    ) -> (Vec<f64>, Vec<Option<Reduced>>) {
+        let mechanism = &self.family.mechanism;
+        let mut numbers = mechanism.inputs_at(0.0);
+        let own = self.family.own_inputs();
+        numbers[own..].copy_from_slice(&stand.values);
         let mut scratch = Vec::new();
-        let mut reduced = Vec::with_capacity(study.reductions.len());
-        for reduction in &study.reductions {
-            let poses = self.poses_of(reduction.track);
-            let values: Vec<Vec<f64>> = reduction
-                .arguments
-                .iter()
-                .map(|formula| {
-                    let at = |s: &Vec<f64>| formula.value_with(s, &mut scratch);
-                    slots[poses.clone()].iter().map(at).collect()
-                })
-                .collect();
-            reduced.push(reduce(reduction.reducer, &values));
-        }
-        reduced
-    }
-
-    /// Variables, reductions and measures: the slots of the measures' formulas.
-    pub(super) fn formulas(&self, stand: &Stand, reduced: &[Reduced]) -> Vec<f64> {
-        let mut numbers = stand.values.clone();
-        numbers.extend(reduced.iter().map(|r| r.value));
-        let mut scratch = Vec::new();
-        for measure in &self.family.study.measures {
-            let value = measure.expression.value_with(&numbers, &mut scratch);
+        let mut reductions = Vec::with_capacity(mechanism.measures.len());
+        for measure in &mechanism.measures {
+            let (value, reduced) = match &measure.source {
+                MeasureSource::Formula(formula) => {
+                    (formula.value_with(&numbers, &mut scratch), None)
+                }
+                MeasureSource::Over {
+                    track,
+                    of,
+                    per,
+                    taking,
+                    power,
+                } => {
+                    let poses = &shown[self.family.poses_of(*track)];
+                    let rows: Vec<Vec<f64>> = of
+                        .iter()
+                        .map(|f| {
+                            poses
+                                .iter()
+                                .map(|s| s.value(f, *per, &mut scratch))
+                                .collect()
+                        })
+                        .collect();
+                    let reduced = reduce(*taking, *power, &rows);
+                    (reduced.as_ref().map_or(f64::NAN, |r| r.value), reduced)
+                }
+            };
             numbers.push(value);
+            reductions.push(reduced);
         }
-        numbers
-    }
-
-    /// Which of all poses belong to a track.
-    pub(super) fn poses_of(&self, track: usize) -> std::ops::Range<usize> {
-        let tracks = &self.family.study.tracks;
-        let start: usize = tracks[..track].iter().map(|t| t.inputs.len()).sum();
-        start..start + tracks[track].inputs.len()
+        (numbers, reductions)
     }
 }

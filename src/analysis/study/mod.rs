@@ -5,15 +5,17 @@ mod gradient;
 mod measure;
 pub mod optimum;
 mod peaks;
-mod reduce;
 mod search;
 mod stand;
 
 use crate::diag::{SceneError, Source};
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
+use crate::kinematics::measures::poses_of;
+use crate::kinematics::sampling::even_times;
 use crate::kinematics::structure::{Structure, StructureError};
-use crate::model::drive::{Drive, Ease};
+use crate::kinematics::trajectory::Sample;
+use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
 use crate::model::study::Study;
 use crate::scene::{Overrides, load};
@@ -23,6 +25,9 @@ pub use peaks::Peaks;
 pub use search::{Refusals, Search, Watch};
 pub use stand::{Evaluator, Rejection, Stand};
 
+/// Poses at which measures along the drive itself are taken in a study.
+const DRIVE_SAMPLES: usize = 180;
+
 /// A mechanism whose last inputs are the variables of its study.
 #[derive(Clone, Debug)]
 pub struct Family {
@@ -31,6 +36,8 @@ pub struct Family {
     /// What is varied and asked.
     pub study: Study,
     structure: Structure,
+    /// Number of poses of every track, and of the drive behind them if a measure looks along it.
+    counts: Vec<usize>,
 }
 
 /// The poses of a study with the file's values, and what is proved of them.
@@ -110,14 +117,20 @@ impl Family {
         mechanism.size = nominal.mechanism.size;
         let structure = Structure::new(&mechanism)?;
         let study = scene.study.unwrap_or_default();
-        if study.tracks.is_empty() {
-            let message = "the scene has no `[study.tracks]`: say at which inputs poses are taken";
+        if mechanism.measures.is_empty() {
+            let message = "the scene has no `[measures]`: a study asks what becomes of them";
             return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        let mut counts: Vec<usize> = mechanism.tracks.iter().map(|t| t.samples).collect();
+        let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+        if mechanism.measures.iter().any(along_drive) {
+            counts.push(DRIVE_SAMPLES);
         }
         Ok(Self {
             mechanism,
             study,
             structure,
+            counts,
         })
     }
 
@@ -137,47 +150,63 @@ impl Family {
     /// The first pose that does not exist.
     pub fn nominal(&self) -> Result<Nominal, FamilyError> {
         let mut nominal = Nominal::default();
-        for track in &self.study.tracks {
-            let mut mechanism = self.mechanism.clone();
-            let mut rows = vec![self.mechanism.inputs_at(0.0)[..self.own_inputs()].to_vec()];
-            rows.extend(track.inputs.iter().cloned());
-            let times: Vec<f64> = (0..rows.len()).map(|k| k as f64).collect();
-            for input in 0..self.own_inputs() {
-                mechanism.drives[input] = Drive::Keys {
-                    times: times.clone(),
-                    values: rows.iter().map(|row| row[input]).collect(),
-                    ease: Ease::Linear,
-                };
-            }
-            mechanism.duration = times.len() as f64;
-            let trajectory = solve(&mechanism, &times)?;
-            for (k, sample) in trajectory.samples.iter().enumerate().skip(1) {
-                let Some(pose) = &sample.pose else {
-                    return Err(FamilyError::Track {
-                        track: track.name.clone(),
-                        message: format!(
-                            "the mechanism cannot be closed at pose {k} with the file's values"
-                        ),
-                    });
-                };
-                nominal.add(
-                    [pose.unknowns.as_slice(), &sample.inputs].concat(),
-                    pose.certificate,
-                );
-            }
+        for row in 0..self.counts.len() {
+            let samples = match self.mechanism.tracks.get(row) {
+                Some(track) => poses_of(&self.mechanism, track)?,
+                None => {
+                    let times = even_times(&self.mechanism, DRIVE_SAMPLES);
+                    solve(&self.mechanism, &times)?.samples
+                }
+            };
+            self.add_samples(row, &samples, &mut nominal)?;
         }
         Ok(nominal)
     }
 
-    /// Track and number (from 1) of pose `index` of all.
-    fn place_of(&self, index: usize) -> (usize, usize) {
-        let mut rest = index;
-        for (number, track) in self.study.tracks.iter().enumerate() {
-            if rest < track.inputs.len() {
-                return (number, rest + 1);
-            }
-            rest -= track.inputs.len();
+    fn add_samples(
+        &self,
+        row: usize,
+        samples: &[Sample],
+        nominal: &mut Nominal,
+    ) -> Result<(), FamilyError> {
+        for (k, sample) in samples.iter().enumerate() {
+            let Some(pose) = &sample.pose else {
+                return Err(FamilyError::Track {
+                    track: self.row_name(row),
+                    message: format!(
+                        "the mechanism cannot be closed at pose {} with the file's values",
+                        k + 1
+                    ),
+                });
+            };
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            nominal.add(coordinates, pose.certificate);
         }
-        (0, 0)
+        Ok(())
+    }
+
+    /// Name of a track, or of the drive behind them.
+    fn row_name(&self, row: usize) -> String {
+        let track = self.mechanism.tracks.get(row);
+        track.map_or_else(|| "the drive".to_owned(), |t| t.name.clone())
+    }
+
+    /// Which of all poses belong to a track, or to the drive.
+    fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
+        let row = track.unwrap_or(self.mechanism.tracks.len());
+        let start: usize = self.counts[..row].iter().sum();
+        start..start + self.counts[row]
+    }
+
+    /// Name of the track of pose `index` of all, and its number there from 1.
+    fn place_of(&self, index: usize) -> (String, usize) {
+        let mut rest = index;
+        for (row, count) in self.counts.iter().enumerate() {
+            if rest < *count {
+                return (self.row_name(row), rest + 1);
+            }
+            rest -= count;
+        }
+        (String::new(), 0)
     }
 }

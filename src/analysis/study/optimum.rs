@@ -163,16 +163,9 @@ pub fn verify(
     let measures = measured
         .map_err(|r| FamilyError::Lacks(r.to_string()))?
         .measures;
-    let relative = |limit: &crate::model::study::Limit| {
-        let bound = limit.at_most.or(limit.at_least).unwrap_or(1.0).abs();
-        limit.violation(measures[limit.measure]) / if bound == 0.0 { 1.0 } else { bound }
-    };
-    let violation = family
-        .study
-        .constraints
-        .iter()
-        .map(relative)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let pairs = family.mechanism.measures.iter().zip(&measures);
+    let violations = pairs.map(|(m, value)| m.violation(*value));
+    let violation = violations.fold(f64::NEG_INFINITY, f64::max);
     Ok(Verified {
         measures,
         error_bound,

@@ -14,6 +14,14 @@ pub struct Refusals {
 }
 
 impl Refusals {
+    /// Counts a refusal by its cause.
+    pub(super) fn count_one(&mut self, rejection: &Rejection) {
+        match rejection {
+            Rejection::NotReached { .. } => self.not_reached += 1,
+            Rejection::NoValue(_) => self.no_value += 1,
+        }
+    }
+
     /// All of them.
     pub fn count(&self) -> usize {
         self.not_reached + self.no_value
@@ -42,7 +50,7 @@ impl<'f, 'w> Search<'f, 'w> {
     pub fn new(family: &'f Family, watch: Box<Watch<'w>>) -> Result<Self, FamilyError> {
         let Some(objective) = family.study.objective else {
             let message =
-                "the study has nothing to minimise: add `minimise = \"...\"` to `[study]`";
+                "the study has nothing to minimise: name a measure with `minimise` in `[study]`";
             return Err(FamilyError::Lacks(message.to_owned()));
         };
         let mut evaluator = Evaluator::new(family);
@@ -93,12 +101,12 @@ impl<'f, 'w> Search<'f, 'w> {
             .collect()
     }
 
-    /// Typical sizes of the constraints: their bounds.
+    /// Typical sizes of the constraints: the measures' limits.
     pub fn constraint_scales(&self) -> Vec<f64> {
-        let constraints = self.evaluator.family().study.constraints.iter();
+        let measures = self.evaluator.family().mechanism.measures.iter();
         let size = |bound: f64| if bound == 0.0 { 1.0 } else { bound.abs() };
-        constraints
-            .flat_map(|c| c.at_most.into_iter().chain(c.at_least))
+        measures
+            .flat_map(|m| m.max.into_iter().chain(m.min))
             .map(size)
             .collect()
     }
@@ -107,12 +115,8 @@ impl<'f, 'w> Search<'f, 'w> {
     fn look(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
         match self.look_or_refuse(x, with_gradients) {
             Ok(found) => Some(found),
-            Err(Rejection::NotReached { .. }) => {
-                self.refusals.not_reached += 1;
-                None
-            }
-            Err(Rejection::NoValue(_)) => {
-                self.refusals.no_value += 1;
+            Err(rejection) => {
+                self.refusals.count_one(&rejection);
                 None
             }
         }
@@ -143,10 +147,16 @@ impl Constrained for Search<'_, '_> {
     fn values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
         let (measures, _) = self.look(x, false)?;
         let mut values = vec![measures[self.objective]];
-        for limit in &self.evaluator.family().study.constraints {
-            let value = measures[limit.measure];
-            values.extend(limit.at_most.map(|high| value - high));
-            values.extend(limit.at_least.map(|low| low - value));
+        for (measure, value) in self
+            .evaluator
+            .family()
+            .mechanism
+            .measures
+            .iter()
+            .zip(&measures)
+        {
+            values.extend(measure.max.map(|high| value - high));
+            values.extend(measure.min.map(|low| low - value));
         }
         Some(values)
     }
@@ -155,13 +165,13 @@ impl Constrained for Search<'_, '_> {
         let (measures, rows) = self.look(x, true)?;
         let mut values = vec![measures[self.objective]];
         let mut gradients = vec![rows[self.objective].clone()];
-        for limit in &self.evaluator.family().study.constraints {
-            let (value, row) = (measures[limit.measure], &rows[limit.measure]);
-            if let Some(high) = limit.at_most {
+        let list = self.evaluator.family().mechanism.measures.iter();
+        for ((measure, value), row) in list.zip(&measures).zip(&rows) {
+            if let Some(high) = measure.max {
                 values.push(value - high);
                 gradients.push(row.clone());
             }
-            if let Some(low) = limit.at_least {
+            if let Some(low) = measure.min {
                 values.push(low - value);
                 gradients.push(row.iter().map(|d| -d).collect());
             }

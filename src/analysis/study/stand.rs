@@ -17,6 +17,10 @@ const CORRECTION_FLOOR: f64 = 1e-9;
 /// Smallest share of the way that is tried before a candidate is given up.
 const SMALLEST_SHARE: f64 = 1.0 / 256.0;
 
+/// A pose whose smallest singular value is below this share of the first one's is next to a singular pose, where the
+/// motion could go on on either side: nothing may be built on it.
+const LEAST_SIGMA: f64 = 1e-5;
+
 /// All poses of all tracks with one set of values, and how they change with the values.
 #[derive(Clone, Debug)]
 pub struct Stand {
@@ -27,6 +31,8 @@ pub struct Stand {
     /// d(unknowns)/d(variable) of every pose, variable after variable.
     sensitivities: Vec<Vec<f64>>,
     signs: Vec<Vec<i8>>,
+    /// Smallest singular value of every pose with the file's values.
+    sigmas: Vec<f64>,
 }
 
 /// Why values of the variables are refused.
@@ -70,18 +76,21 @@ impl<'f> Evaluator<'f> {
 
     /// The stand at the file's own values, from their `poses`.
     pub fn nominal(&mut self, poses: Vec<Vec<f64>>) -> Stand {
-        let signs = poses.iter().map(|pose| self.signs(pose)).collect();
+        let states = poses.iter().map(|pose| self.side(pose));
+        let (signs, sigmas) = states.unzip();
         let mut stand = Stand {
             values: self.family.start(),
             sensitivities: Vec::new(),
             signs,
+            sigmas,
             poses,
         };
         self.add_sensitivities(&mut stand);
         stand
     }
 
-    fn signs(&mut self, pose: &[f64]) -> Vec<i8> {
+    /// On which side of its singular poses a pose is, and how far from them.
+    fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
         let Family {
             mechanism,
             structure,
@@ -89,7 +98,7 @@ impl<'f> Evaluator<'f> {
         } = self.family;
         let watch = &mut self.watch;
         let state = watch.observe(mechanism, structure, &mut self.corrector, pose);
-        state.signs
+        (state.signs, state.sigma_min)
     }
 
     fn add_sensitivities(&mut self, stand: &mut Stand) {
@@ -140,7 +149,6 @@ impl<'f> Evaluator<'f> {
         while share < 1.0 {
             if step < SMALLEST_SHARE {
                 let (track, pose) = self.family.place_of(stuck);
-                let track = self.family.study.tracks[track].name.clone();
                 return Err(Rejection::NotReached { track, pose });
             }
             let next = f64::min(share + step, 1.0);
@@ -177,6 +185,7 @@ impl<'f> Evaluator<'f> {
             poses,
             sensitivities: Vec::new(),
             signs: stand.signs.clone(),
+            sigmas: stand.sigmas.clone(),
         })
     }
 
@@ -205,6 +214,11 @@ impl<'f> Evaluator<'f> {
         let correction = corrector.correct(mechanism, structure, &mut pose, Pace::Brisk);
         let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
         let trusted = correction.converged && correction.first_step <= allowed;
-        (trusted && self.signs(&pose) == stand.signs[index]).then_some(pose)
+        if !trusted {
+            return None;
+        }
+        let (signs, sigma) = self.side(&pose);
+        let regular = sigma >= LEAST_SIGMA * stand.sigmas[index];
+        (regular && signs == stand.signs[index]).then_some(pose)
     }
 }

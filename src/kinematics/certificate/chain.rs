@@ -3,8 +3,10 @@
 //! The residual here is the skew part of the rotation and the translation over the size: unlike the rotation vector
 //! that Newton uses, it is a plain entry of a product, so that its second derivatives have simple bounds.
 
+use super::circle::{FUNCTION_ERROR, Factor, sin_cos};
 use super::double::Double;
-use crate::math::{Pose, sin_cos};
+use super::product::Product;
+use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::expression::Affine;
 use glam::{DMat3, DVec3};
@@ -21,9 +23,9 @@ const FOLDED_TRANSLATION: f64 = 8.0 * U;
 /// An argument's value and how far the numbers it was made from leave it open.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ArgumentDouble {
-    value: Double,
-    sin: Double,
-    cos: Double,
+    value: Factor,
+    sin: Factor,
+    cos: Factor,
     /// As a length: scene's unit.
     pub open_length: f64,
     /// As an angle, sine and cosine included: radians.
@@ -34,25 +36,16 @@ impl ArgumentDouble {
     /// Evaluates an affine form. The coefficients that are no whole numbers are known to half a unit only.
     pub fn new(form: &Affine, coordinates: &[f64]) -> Self {
         let (value, open_length) = affine_value(form, coordinates);
-        let (sin, cos) = sin_cos(value.hi);
-        // The pair is scaled to the unit circle; `open_by_functions` says how far its angle can be off.
-        let excess = Double::product(sin, sin) + Double::product(cos, cos) - Double::from(1.0);
-        let shrink = Double::from(1.0) - excess * 0.5 + excess * excess * 0.375;
+        let (sin, cos) = sin_cos(value);
         Self {
-            value,
-            sin: shrink * sin,
-            cos: shrink * cos,
+            value: Factor::new(value),
+            sin,
+            cos,
             open_length,
-            open_angle: open_length + value.lo.abs() + open_by_functions(sin, cos),
+            // An error of either function turns and stretches the pair by as much; twice that covers both.
+            open_angle: open_length + 2.0 * FUNCTION_ERROR,
         }
     }
-}
-
-/// The angle (radians) by which a sine and a cosine can be off that are each right within one unit in the last place:
-/// the stated assumption about `libm::sincos`.
-fn open_by_functions(sin: f64, cos: f64) -> f64 {
-    let unit = |v: f64| v.abs().next_up() - v.abs();
-    (unit(sin) * cos.abs() + unit(cos) * sin.abs()) * (1.0 + 1e-10)
 }
 
 /// The value with 31 digits, and the effect of coefficients that are rounded decimals.
@@ -67,12 +60,99 @@ pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (Double, f64) {
     (value, open)
 }
 
+/// A joint as it is passed on the way, and the fixed pose before it.
+#[derive(Clone, Debug)]
+struct PlannedJoint {
+    shift: [Option<Factor>; 3],
+    turn: Option<DMat3>,
+    motion: Motion,
+    axis: usize,
+    argument: usize,
+    sign: f64,
+    /// Rotation and translation by which the fixed poses behind the joint may differ from those meant, and the length
+    /// of the translation.
+    open_behind: [f64; 2],
+    length_behind: f64,
+}
+
+/// A loop laid out for the walk.
+#[derive(Clone, Debug, Default)]
+pub struct LoopPlan {
+    joints: Vec<PlannedJoint>,
+    /// The fixed pose at the end, as a joint that does not move.
+    end: Option<PlannedJoint>,
+    /// The same for the fixed pose before the first joint.
+    open_before: [f64; 2],
+    length_before: f64,
+    steps: usize,
+}
+
+impl LoopPlan {
+    /// Lays out a chain whose arguments are renamed by `place`.
+    pub fn new(steps: &[Step], place: impl Fn(usize) -> usize) -> Self {
+        let mut plan = Self {
+            steps: steps.len(),
+            ..Self::default()
+        };
+        let mut fixed: Option<Pose> = None;
+        for step in steps {
+            match *step {
+                Step::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
+                Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    let mut joint = plan.after(fixed.take());
+                    joint.motion = motion;
+                    joint.axis = axis;
+                    joint.argument = place(argument);
+                    joint.sign = sign;
+                    plan.joints.push(joint);
+                }
+            }
+        }
+        if fixed.is_some() {
+            plan.end = Some(plan.after(fixed));
+        }
+        plan
+    }
+
+    /// A joint after a fixed pose, which counts as behind the joint before.
+    fn after(&mut self, fixed: Option<Pose>) -> PlannedJoint {
+        let pose = fixed.unwrap_or(Pose::IDENTITY);
+        let open = open_fixed(&pose);
+        match self.joints.last_mut() {
+            Some(last) => {
+                last.open_behind = open;
+                last.length_behind = pose.translation.length();
+            }
+            None => {
+                self.open_before = open;
+                self.length_before = pose.translation.length();
+            }
+        }
+        let part = |v: f64| (v != 0.0).then(|| Factor::new(Double::from(v)));
+        PlannedJoint {
+            shift: pose.translation.to_array().map(part),
+            turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
+            motion: Motion::Translation,
+            axis: 0,
+            argument: 0,
+            sign: 1.0,
+            open_behind: [0.0; 2],
+            length_behind: 0.0,
+        }
+    }
+}
+
 /// A joint at the pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
     /// Kind of motion.
     pub motion: Motion,
-    /// Index of its argument.
+    /// Place of its argument.
     pub argument: usize,
     axis: DVec3,
     origin: DVec3,
@@ -81,7 +161,7 @@ pub struct Joint {
 }
 
 /// A loop at a pose.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LoopAtPose {
     /// Skew part, then translation over the size.
     pub residual: [f64; 6],
@@ -96,57 +176,15 @@ pub struct LoopAtPose {
     size: f64,
 }
 
-type Columns = [[Double; 3]; 3];
-
-struct Product {
-    rotation: Columns,
-    translation: [Double; 3],
-}
-
-fn hi(v: &[Double; 3]) -> DVec3 {
-    DVec3::new(v[0].hi, v[1].hi, v[2].hi)
-}
-
-impl Product {
-    fn identity() -> Self {
-        let e = |k: usize| [0, 1, 2].map(|i| Double::from(if i == k { 1.0 } else { 0.0 }));
-        Self {
-            rotation: [e(0), e(1), e(2)],
-            translation: Default::default(),
+/// Takes the fixed pose before a joint.
+fn pass_fixed(product: &mut Product, joint: &PlannedJoint) {
+    for (axis, shift) in joint.shift.iter().enumerate() {
+        if let Some(shift) = shift {
+            product.shift(axis, shift);
         }
     }
-
-    fn shift(&mut self, axis: usize, by: Double) {
-        for k in 0..3 {
-            self.translation[k] = self.translation[k] + self.rotation[axis][k] * by;
-        }
-    }
-
-    fn rotate(&mut self, axis: usize, sin: Double, cos: Double) {
-        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-        for k in 0..3 {
-            let (x, y) = (self.rotation[b][k], self.rotation[c][k]);
-            self.rotation[b][k] = x * cos + y * sin;
-            self.rotation[c][k] = y * cos - x * sin;
-        }
-    }
-
-    fn fixed(&mut self, pose: &Pose) {
-        for axis in 0..3 {
-            if pose.translation[axis] != 0.0 {
-                self.shift(axis, Double::from(pose.translation[axis]));
-            }
-        }
-        if pose.rotation == DMat3::IDENTITY {
-            return;
-        }
-        let old = self.rotation;
-        for (j, column) in self.rotation.iter_mut().enumerate() {
-            let m = pose.rotation.col(j);
-            for (k, entry) in column.iter_mut().enumerate() {
-                *entry = old[0][k] * m.x + old[1][k] * m.y + old[2][k] * m.z;
-            }
-        }
+    if let Some(turn) = &joint.turn {
+        product.turn(turn);
     }
 }
 
@@ -156,8 +194,10 @@ fn open_fixed(pose: &Pose) -> [f64; 2] {
     let quarter_turns = r.to_cols_array().iter().all(|v| v.fract() == 0.0);
     let length = pose.translation.length();
     if quarter_turns {
-        let whole = pose.translation.to_array().iter().all(|v| v.fract() == 0.0);
-        return [0.0, if whole { 0.0 } else { 2.0 * U * length }];
+        // Only the parts that are no whole numbers are rounded.
+        let rounded = |v: f64| if v.fract() == 0.0 { 0.0 } else { v };
+        let parts = DVec3::from_array(pose.translation.to_array().map(rounded));
+        return [0.0, 2.0 * U * parts.length()];
     }
     let defect = (r.transpose() * r - DMat3::IDENTITY)
         .to_cols_array()
@@ -168,110 +208,105 @@ fn open_fixed(pose: &Pose) -> [f64; 2] {
     [FIXED_ROTATION + defect, FOLDED_TRANSLATION * length]
 }
 
-/// The product, and the joints with their axes and places but not yet their reaches.
-fn walk(steps: &[Step], arguments: &[ArgumentDouble]) -> (Product, Vec<Joint>) {
-    let mut product = Product::identity();
-    let mut joints = Vec::new();
-    for step in steps {
-        match step {
-            Step::Fixed(pose) => product.fixed(pose),
-            Step::Joint {
-                motion,
-                axis,
-                argument,
-                sign,
-            } => {
-                joints.push(Joint {
-                    motion: *motion,
-                    argument: *argument,
-                    axis: hi(&product.rotation[*axis]) * *sign,
-                    origin: hi(&product.translation),
-                    reach: 0.0,
-                });
-                let a = &arguments[*argument];
-                match motion {
-                    Motion::Translation => product.shift(*axis, a.value * *sign),
-                    Motion::Rotation => product.rotate(*axis, a.sin * *sign, a.cos),
-                }
-            }
-        }
-    }
-    (product, joints)
-}
-
-/// The loop at the pose. `play` is by how much an argument can change in the ball.
-pub fn evaluate(
-    steps: &[Step],
-    arguments: &[ArgumentDouble],
-    play: impl Fn(usize) -> f64,
-    size: f64,
-) -> LoopAtPose {
-    let (product, mut joints) = walk(steps, arguments);
-    let (open, total) = reaches(steps, arguments, play, size, &mut joints);
-    let r = &product.rotation;
-    let skew = |a: Double, b: Double| (a - b).hi * 0.5;
-    let t = hi(&product.translation) / size;
-    let trace = r[0][0].hi + r[1][1].hi + r[2][2].hi;
-    let rotation = DMat3::from_cols(hi(&r[0]), hi(&r[1]), hi(&r[2]));
-    let residual = [
-        skew(r[1][2], r[2][1]),
-        skew(r[2][0], r[0][2]),
-        skew(r[0][1], r[1][0]),
-        t.x,
-        t.y,
-        t.z,
-    ];
-    // Products of two f64 parts lose less than this a step; the last rounding loses a few units of the residual.
-    let lost = 1e-29 * steps.len() as f64;
-    let last = |v: f64| 4.0 * U * v.abs();
-    LoopAtPose {
-        residual,
-        open: [
-            open[0] + lost + residual[..3].iter().map(|v| last(*v)).fold(0.0, f64::max),
-            open[1] + lost * (1.0 + total) + last(t.length()),
-        ],
-        trace,
-        joints,
-        spin_to_skew: (DMat3::from_diagonal(DVec3::splat(trace)) - rotation) * 0.5,
-        translation: hi(&product.translation),
-        size,
-    }
-}
-
-/// Fills the joints' reaches from the end of the chain; returns what fixed poses leave open, and the whole length.
-fn reaches(
-    steps: &[Step],
-    arguments: &[ArgumentDouble],
-    play: impl Fn(usize) -> f64,
-    size: f64,
-    joints: &mut [Joint],
-) -> ([f64; 2], f64) {
-    let mut open = [0.0; 2];
-    let mut reach = 0.0;
-    let mut joint = joints.len();
-    for step in steps.iter().rev() {
-        match step {
-            Step::Fixed(pose) => {
-                let [turn, shift] = open_fixed(pose);
-                open[0] += turn;
-                open[1] += shift / size + turn * reach;
-                reach += pose.translation.length() / size;
-            }
-            Step::Joint {
-                motion, argument, ..
-            } => {
-                joint -= 1;
-                joints[joint].reach = reach * (1.0 + 1e-12);
-                if *motion == Motion::Translation {
-                    reach += (arguments[*argument].value.hi.abs() + play(*argument)) / size;
-                }
-            }
-        }
-    }
-    (open, reach)
-}
+/// Rounding of one step of the walk: products of two f64 parts lose less.
+const LOST_IN_STEP: f64 = 1e-29;
 
 impl LoopAtPose {
+    /// Evaluates a loop. `play` is by how much an argument can change in the ball.
+    pub fn evaluate(
+        &mut self,
+        plan: &LoopPlan,
+        arguments: &[ArgumentDouble],
+        play: impl Fn(usize) -> f64,
+        size: f64,
+    ) {
+        let product = self.walk(plan, arguments);
+        let (open, total) = self.reaches(plan, arguments, play, size);
+        let r = product.rotation.map(|column| column.entries());
+        let skew = |i: (usize, usize), j: (usize, usize)| (r[i.0][i.1] - r[j.0][j.1]).hi * 0.5;
+        let t = product.translation.leading() / size;
+        self.trace = r[0][0].hi + r[1][1].hi + r[2][2].hi;
+        self.residual = [
+            skew((1, 2), (2, 1)),
+            skew((2, 0), (0, 2)),
+            skew((0, 1), (1, 0)),
+            t.x,
+            t.y,
+            t.z,
+        ];
+        // The last rounding loses a few units of the residual.
+        let lost = LOST_IN_STEP * plan.steps as f64;
+        let last = |v: f64| 4.0 * U * v.abs();
+        let turned = self.residual[..3].iter().map(|v| last(*v));
+        self.open = [
+            open[0] + lost + turned.fold(0.0, f64::max),
+            open[1] + lost * (1.0 + total) + last(t.length()),
+        ];
+        let rotation = {
+            let [x, y, z] = product.rotation.map(|column| column.leading());
+            DMat3::from_cols(x, y, z)
+        };
+        self.spin_to_skew = (DMat3::from_diagonal(DVec3::splat(self.trace)) - rotation) * 0.5;
+        self.translation = product.translation.leading();
+        self.size = size;
+    }
+
+    /// The product, and the joints with their axes and places but not yet their reaches.
+    fn walk(&mut self, plan: &LoopPlan, arguments: &[ArgumentDouble]) -> Product {
+        let mut product = Product::identity();
+        self.joints.clear();
+        for joint in &plan.joints {
+            pass_fixed(&mut product, joint);
+            self.joints.push(Joint {
+                motion: joint.motion,
+                argument: joint.argument,
+                axis: product.rotation[joint.axis].leading() * joint.sign,
+                origin: product.translation.leading(),
+                reach: 0.0,
+            });
+            let argument = &arguments[joint.argument];
+            match joint.motion {
+                Motion::Translation => {
+                    product.shift(joint.axis, &argument.value.signed(joint.sign));
+                }
+                Motion::Rotation => {
+                    product.rotate(joint.axis, &argument.sin.signed(joint.sign), &argument.cos);
+                }
+            }
+        }
+        if let Some(end) = &plan.end {
+            pass_fixed(&mut product, end);
+        }
+        product
+    }
+
+    /// Fills the joints' reaches from the end of the chain; returns what fixed poses leave open, and the whole length.
+    fn reaches(
+        &mut self,
+        plan: &LoopPlan,
+        arguments: &[ArgumentDouble],
+        play: impl Fn(usize) -> f64,
+        size: f64,
+    ) -> ([f64; 2], f64) {
+        let mut open = [0.0; 2];
+        let mut reach = 0.0;
+        let mut add = |[turn, shift]: [f64; 2], reach: f64| {
+            open[0] += turn;
+            open[1] += shift / size + turn * reach;
+        };
+        for (joint, planned) in self.joints.iter_mut().zip(&plan.joints).rev() {
+            add(planned.open_behind, reach);
+            reach += planned.length_behind / size;
+            joint.reach = reach * (1.0 + 1e-12);
+            if joint.motion == Motion::Translation {
+                let length = arguments[joint.argument].value.hi.abs() + play(joint.argument);
+                reach += length / size;
+            }
+        }
+        add(plan.open_before, reach);
+        (open, reach + plan.length_before / size)
+    }
+
     /// Derivative of the six residuals by the joint's own motion.
     pub fn column(&self, joint: &Joint) -> [f64; 6] {
         let (turn, shift) = match joint.motion {
@@ -299,6 +334,64 @@ impl LoopAtPose {
             }
         }
         [turned * turned, translation]
+    }
+
+    /// Bounds of the third derivative of rotation and translation rows, twice along a direction in which argument `a`
+    /// changes by at most `one(a)` and once along one in which it changes by `two(a)`.
+    pub fn third_derivatives(
+        &self,
+        one: impl Fn(usize) -> f64,
+        two: impl Fn(usize) -> f64,
+    ) -> [f64; 2] {
+        let (mut p, mut q, mut translation) = (0.0, 0.0, 0.0);
+        for joint in &self.joints {
+            let (alpha, beta) = (one(joint.argument), two(joint.argument));
+            match joint.motion {
+                Motion::Rotation => {
+                    let before = p * p * q;
+                    p += alpha;
+                    q += beta;
+                    translation += joint.reach * (p * p * q - before).max(0.0) * (1.0 + 1e-12);
+                }
+                Motion::Translation => {
+                    translation += (p * p * beta + 2.0 * p * q * alpha) / self.size;
+                }
+            }
+        }
+        [p * p * q, translation]
+    }
+
+    /// Rates of the columns of all joints when the arguments move at `rate(a)`. Taken at a closed pose, whose rotation
+    /// is the identity.
+    pub fn column_rates(&self, rate: impl Fn(usize) -> f64) -> Vec<[f64; 6]> {
+        // Velocity field of the frame reached so far: v(p) = shift + spin x p.
+        let (mut spin, mut shift) = (DVec3::ZERO, DVec3::ZERO);
+        let mut here = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            here.push((spin, shift + spin.cross(joint.origin)));
+            let twist = joint.axis * rate(joint.argument);
+            match joint.motion {
+                Motion::Translation => shift += twist,
+                Motion::Rotation => {
+                    spin += twist;
+                    shift -= twist.cross(joint.origin);
+                }
+            }
+        }
+        let end = shift + spin.cross(self.translation);
+        let of = |(joint, (turning, moving)): (&Joint, (DVec3, DVec3))| {
+            let axis_rate = turning.cross(joint.axis);
+            let (turn, go) = match joint.motion {
+                Motion::Translation => (DVec3::ZERO, axis_rate),
+                Motion::Rotation => (
+                    axis_rate - spin.cross(joint.axis) * 0.5,
+                    axis_rate.cross(self.translation - joint.origin)
+                        + joint.axis.cross(end - moving),
+                ),
+            };
+            super::super::closure::residual_of(turn, go, self.size)
+        };
+        self.joints.iter().zip(here).map(of).collect()
     }
 
     /// Bounds of the first derivative of rotation and translation rows, likewise; by how much the rotation can turn

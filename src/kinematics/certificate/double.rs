@@ -14,7 +14,7 @@ pub struct Double {
 }
 
 /// 2^27 + 1: parts a 53-bit number into two halves of at most 26 bits.
-const SPLITTER: f64 = 134_217_729.0;
+pub const SPLITTER: f64 = 134_217_729.0;
 
 impl From<f64> for Double {
     fn from(hi: f64) -> Self {
@@ -25,7 +25,7 @@ impl From<f64> for Double {
 impl Double {
     /// The exact sum of two f64.
     #[inline]
-    pub fn sum(a: f64, b: f64) -> Self {
+    pub const fn sum(a: f64, b: f64) -> Self {
         let hi = a + b;
         let t = hi - a;
         let lo = (a - (hi - t)) + (b - t);
@@ -34,7 +34,7 @@ impl Double {
 
     /// The exact product of two f64 (exponents far from the limits).
     #[inline]
-    pub fn product(a: f64, b: f64) -> Self {
+    pub const fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
         let (a1, a2) = split(a);
         let (b1, b2) = split(b);
@@ -42,17 +42,32 @@ impl Double {
         Self { hi, lo }
     }
 
+    /// The sum, error below 2^-103 (|a| + |b|).
+    #[inline]
+    pub const fn plus(self, b: Self) -> Self {
+        let s = Self::sum(self.hi, b.hi);
+        Self::ordered(s.hi, s.lo + (self.lo + b.lo))
+    }
+
+    /// The product, error below 2^-101 |a b|.
+    #[inline]
+    pub const fn times(self, b: Self) -> Self {
+        let p = Self::product(self.hi, b.hi);
+        Self::ordered(p.hi, p.lo + (self.hi * b.lo + self.lo * b.hi))
+    }
+
     /// Sum of ordered parts: |a| is not below |b|.
     #[inline]
-    fn ordered(a: f64, b: f64) -> Self {
+    pub const fn ordered(a: f64, b: f64) -> Self {
         let hi = a + b;
         let lo = b - (hi - a);
         Self { hi, lo }
     }
 }
 
+/// Two halves of at most 26 bits each whose sum is `a`.
 #[inline]
-fn split(a: f64) -> (f64, f64) {
+pub const fn split(a: f64) -> (f64, f64) {
     let c = SPLITTER * a;
     let high = c - (c - a);
     (high, a - high)
@@ -60,11 +75,9 @@ fn split(a: f64) -> (f64, f64) {
 
 impl Add for Double {
     type Output = Self;
-    /// Error below 2^-103 (|a| + |b|).
     #[inline]
     fn add(self, b: Self) -> Self {
-        let s = Self::sum(self.hi, b.hi);
-        Self::ordered(s.hi, s.lo + (self.lo + b.lo))
+        self.plus(b)
     }
 }
 
@@ -89,11 +102,9 @@ impl Sub for Double {
 
 impl Mul for Double {
     type Output = Self;
-    /// Error below 2^-101 |a b|.
     #[inline]
     fn mul(self, b: Self) -> Self {
-        let p = Self::product(self.hi, b.hi);
-        Self::ordered(p.hi, p.lo + (self.hi * b.lo + self.lo * b.hi))
+        self.times(b)
     }
 }
 

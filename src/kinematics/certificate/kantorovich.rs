@@ -1,7 +1,9 @@
 //! The Newton-Kantorovich test of one square system.
 
+use super::super::elimination::Elimination;
+use super::super::lanes::{LaneMatrix, Lanes, combine, dot, dot_of_sizes, groups};
 use super::chain::U;
-use super::system::{FormUse, Row};
+use super::system::{BlockSystem, Row};
 use super::{BALL, Reason};
 
 /// What is proved of the unknowns of earlier blocks, in radians and sizes.
@@ -15,64 +17,29 @@ pub struct Earlier {
     pub largest: f64,
 }
 
-/// What is proved of one unknown of a block, in radians and sizes.
-pub struct UnknownBound {
-    /// Newton step at the pose.
-    pub step: f64,
-    /// Distance of the exact unknown from the pose less the step.
-    pub rest: f64,
-}
-
-/// Bounds per unknown, radius of uniqueness, and the error bound of the block, all in radians and sizes.
-pub fn prove(
-    rows: &[&Row],
-    forms: &[FormUse],
-    earlier: &Earlier,
-) -> Result<(Vec<UnknownBound>, f64, f64), Reason> {
-    let n = rows.len();
-    if n == 0 {
-        return Ok((Vec::new(), f64::INFINITY, 0.0));
-    }
-    let inverse = invert(jacobian(rows, forms), n).ok_or(Reason::Singular)?;
-    let weights = RowWeights::new(rows, forms, earlier);
-    let of_row = |(i, r)| Constants::new(i, r, rows, forms, earlier, &weights);
-    let constants: Vec<_> = inverse.chunks_exact(n).enumerate().map(of_row).collect();
-    let worst = |f: fn(&Constants) -> f64| constants.iter().map(f).fold(0.0, worse);
-    let (eta, q, k) = (worst(Constants::eta), worst(|c| c.q), worst(|c| c.k));
-    let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 8.0 * U) - 2.0 * k * eta;
-    if !(q < 1.0 && discriminant > 0.0) {
-        return Err(Reason::Singular);
-    }
-    let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
-    let radius = ((1.0 - q) / k).min(BALL);
-    if !(error <= BALL && error < radius) {
-        return Err(Reason::Singular);
-    }
-    let bounds = constants.iter().map(|c| UnknownBound {
-        step: c.newton,
-        rest: (c.rest + c.q * error + 0.5 * c.k * error * error) * GROW,
-    });
-    Ok((bounds.collect(), radius, error))
-}
-
-/// Row-major Jacobian by the block's unknowns.
-fn jacobian(rows: &[&Row], forms: &[FormUse]) -> Vec<f64> {
-    let n = rows.len();
-    let mut jacobian = vec![0.0; n * n];
-    for (row, out) in rows.iter().zip(jacobian.chunks_exact_mut(n)) {
-        for (form, value) in forms.iter().zip(&row.columns) {
-            for (column, rate) in &form.own {
-                out[*column] += value * rate;
-            }
+impl Earlier {
+    /// Forgets all.
+    pub fn reset(&mut self, unknowns: usize) {
+        for list in [&mut self.step, &mut self.rest] {
+            list.clear();
+            list.resize(unknowns, 0.0);
         }
+        self.largest = 0.0;
     }
-    jacobian
+
+    /// Notes what is proved of an unknown.
+    fn note(&mut self, unknown: usize, step: f64, rest: f64) {
+        self.step[unknown] = step;
+        self.rest[unknown] = rest;
+        self.largest = self.largest.max(step.abs() + rest);
+    }
 }
 
 /// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
 const GROW: f64 = 1.0 + 1e-12;
 
 /// Bounds for one unknown.
+#[derive(Clone, Copy, Debug, Default)]
 struct Constants {
     /// The Newton step.
     newton: f64,
@@ -86,90 +53,188 @@ impl Constants {
     fn eta(&self) -> f64 {
         (self.newton.abs() + self.rest) * GROW
     }
+}
 
-    /// Constants of unknown `i`, whose row of the inverse is `r`.
-    fn new(
-        i: usize,
-        r: &[f64],
-        rows: &[&Row],
-        forms: &[FormUse],
-        earlier: &Earlier,
-        weights: &RowWeights,
-    ) -> Self {
-        let sums = (2 * rows.len() + forms.len() + 8) as f64 * U;
-        let weighted = |f: &dyn Fn(usize) -> f64| -> f64 {
-            r.iter().enumerate().map(|(k, r)| r.abs() * f(k)).sum()
-        };
-        let mut identity = vec![0.0; rows.len()];
-        let mut before = vec![0.0; earlier.rest.len()];
-        let mut rest = 0.0;
-        let mut products = vec![0.0; forms.len()];
-        for (r, row) in r.iter().zip(rows) {
-            let terms = products.iter_mut().zip(&row.columns);
-            terms.for_each(|(sum, c)| *sum += r * c);
+/// Weights of a row in the sums over |R|: for the rest of eta, for q, for K; the fourth is not used.
+type RowWeights = Lanes;
+
+/// Buffers of the test.
+#[derive(Clone, Debug, Default)]
+pub struct Kantorovich {
+    matrix: LaneMatrix,
+    /// R: any matrix serves the proof; how good it is is measured.
+    inverse: LaneMatrix,
+    elimination: Elimination,
+    /// Rows of the basis by forms.
+    columns: LaneMatrix,
+    /// Residuals at the earlier blocks' Newton steps.
+    residuals: Vec<f64>,
+    weights: Vec<RowWeights>,
+    /// Per form: step and drift by earlier blocks, own rate.
+    stepped: Vec<Lanes>,
+    drifts: Vec<Lanes>,
+    own_rates: Vec<Lanes>,
+    product: Vec<Lanes>,
+    identity: Vec<f64>,
+    before: Vec<f64>,
+    constants: Vec<Constants>,
+}
+
+impl Kantorovich {
+    /// Proves a block on its rows `basis` and notes its bounds; returns its radius of uniqueness and its error bound,
+    /// in radians and sizes.
+    pub fn prove(
+        &mut self,
+        system: &BlockSystem,
+        basis: &[usize],
+        inverse: Option<&LaneMatrix>,
+        earlier: &mut Earlier,
+    ) -> Result<(f64, f64), Reason> {
+        let n = basis.len();
+        if n == 0 {
+            return Ok((f64::INFINITY, 0.0));
         }
-        for (form, product) in forms.iter().zip(products) {
-            rest += product.abs() * form.open;
-            form.own
-                .iter()
-                .for_each(|(c, rate)| identity[*c] += product * rate);
-            form.before
-                .iter()
-                .for_each(|(k, rate)| before[*k] += product * rate);
+        self.columns.reset(n, system.forms.len());
+        for (row, from) in basis.iter().enumerate() {
+            let columns = system.columns.row(*from);
+            self.columns.row_mut(row).copy_from_slice(columns);
         }
-        let known = before.iter().zip(&earlier.rest);
-        rest += known.map(|(c, bound)| c.abs() * bound).sum::<f64>();
-        identity[i] -= 1.0;
+        match inverse {
+            Some(inverse) => self.inverse.copy(inverse),
+            None => self.invert(system, n)?,
+        }
+        self.weigh(system, basis, earlier);
+        self.constants.clear();
+        let (mut eta, mut q, mut k) = (0.0, 0.0, 0.0);
+        for i in 0..n {
+            let constants = self.constants_of(i, n, system, earlier);
+            eta = worse(eta, constants.eta());
+            q = worse(q, constants.q);
+            k = worse(k, constants.k);
+            self.constants.push(constants);
+        }
+        let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 8.0 * U) - 2.0 * k * eta;
+        if !(q < 1.0 && discriminant > 0.0) {
+            return Err(Reason::Singular);
+        }
+        let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
+        let radius = ((1.0 - q) / k).min(BALL);
+        if !(error <= BALL && error < radius) {
+            return Err(Reason::Singular);
+        }
+        for (c, unknown) in self.constants.iter().zip(&system.unknowns) {
+            let rest = (c.rest + c.q * error + 0.5 * c.k * error * error) * GROW;
+            earlier.note(*unknown, c.newton, rest);
+        }
+        Ok((radius, error))
+    }
+
+    /// Inverts the Jacobian of the basis by the block's unknowns.
+    fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
+        self.matrix.reset(n, n);
+        for row in 0..n {
+            let out = self.matrix.row_mut(row).as_flattened_mut();
+            let values = self.columns.row(row).as_flattened();
+            for (form, value) in system.forms.iter().zip(values) {
+                for (column, rate) in &form.own {
+                    out[*column] += value * rate;
+                }
+            }
+        }
+        let sign = self
+            .elimination
+            .invert_matrix(&self.matrix, &mut self.inverse);
+        sign.map(|_| ()).ok_or(Reason::Singular)
+    }
+
+    /// Residuals, weights of the rows, and what the forms change by.
+    fn weigh(&mut self, system: &BlockSystem, basis: &[usize], earlier: &Earlier) {
+        let forms = &system.forms;
+        for list in [&mut self.stepped, &mut self.drifts, &mut self.own_rates] {
+            list.clear();
+            list.resize(groups(forms.len()), [0.0; 4]);
+        }
+        for (f, form) in forms.iter().enumerate() {
+            let (mut step, mut drift) = (0.0, system.open[f]);
+            for (place, rate) in &form.before {
+                let unknown = system.before[*place];
+                step += rate * earlier.step[unknown];
+                drift += rate.abs() * (earlier.step[unknown].abs() + earlier.rest[unknown]);
+            }
+            self.stepped[f / 4][f % 4] = step;
+            self.drifts[f / 4][f % 4] = drift;
+            self.own_rates[f / 4][f % 4] = form.own_rate;
+        }
         let drift = earlier.largest;
-        rest += weighted(&|k| {
-            let row = rows[k];
-            let rounding = sums * (row.residual.abs() + weights.open[k]);
-            row.open + rounding + row.column_error * drift + 0.5 * row.second_all * drift * drift
-        });
-        let q = identity.iter().map(|s| s.abs()).sum::<f64>()
-            + weighted(&|k| {
-                rows[k].column_error + sums * weights.own[k] + rows[k].second_all * drift
-            });
-        Self {
-            newton: r.iter().zip(&weights.residual).map(|(r, f)| r * f).sum(),
-            rest: rest * GROW,
-            q: q * GROW,
-            k: weighted(&|k| rows[k].second) * GROW,
+        let sums = (2 * basis.len() + forms.len() + 8) as f64 * U;
+        self.residuals.clear();
+        self.weights.clear();
+        for (k, index) in basis.iter().enumerate() {
+            let row: &Row = &system.rows[*index];
+            let columns = self.columns.row(k);
+            let rounding = sums * (row.residual.abs() + dot_of_sizes(columns, &self.drifts));
+            self.residuals
+                .push(row.residual - dot(columns, &self.stepped));
+            self.weights.push([
+                row.open
+                    + rounding
+                    + row.column_error * drift
+                    + 0.5 * row.second_all * drift * drift,
+                row.column_error
+                    + sums * dot_of_sizes(columns, &self.own_rates)
+                    + row.second_all * drift,
+                row.second,
+                0.0,
+            ]);
         }
     }
-}
 
-/// Residuals at the earlier blocks' Newton steps, and sums of magnitudes along the rows for the rounding of
-/// products.
-struct RowWeights {
-    residual: Vec<f64>,
-    own: Vec<f64>,
-    open: Vec<f64>,
-}
-
-impl RowWeights {
-    fn new(rows: &[&Row], forms: &[FormUse], earlier: &Earlier) -> Self {
-        let stepped =
-            |u: &FormUse| -> f64 { u.before.iter().map(|(k, c)| c * earlier.step[*k]).sum() };
-        let drift = |u: &FormUse| -> f64 {
-            let of = |k: usize| earlier.step[k].abs() + earlier.rest[k];
-            u.before.iter().map(|(k, c)| c.abs() * of(*k)).sum()
-        };
-        let along = |row: &Row, f: &dyn Fn(&FormUse, f64) -> f64| -> f64 {
-            forms.iter().zip(&row.columns).map(|(u, c)| f(u, *c)).sum()
-        };
-        let all = |f: &dyn Fn(&FormUse, f64) -> f64| -> Vec<f64> {
-            rows.iter().map(|row| along(row, f)).collect()
-        };
-        let steps = all(&|u, c| c * stepped(u));
-        Self {
-            residual: rows
-                .iter()
-                .zip(steps)
-                .map(|(row, s)| row.residual - s)
-                .collect(),
-            own: all(&|u, c| c.abs() * u.own_rate()),
-            open: all(&|u, c| c.abs() * (u.open + drift(u))),
+    /// Constants of unknown `i`.
+    fn constants_of(
+        &mut self,
+        i: usize,
+        n: usize,
+        system: &BlockSystem,
+        earlier: &Earlier,
+    ) -> Constants {
+        let inverse = &self.inverse.row(i).as_flattened()[..n];
+        let mut newton = 0.0;
+        let mut weighted = [0.0; 4];
+        self.product.clear();
+        self.product.resize(groups(system.forms.len()), [0.0; 4]);
+        for (k, r) in inverse.iter().enumerate() {
+            newton += r * self.residuals[k];
+            for (sum, weight) in weighted.iter_mut().zip(&self.weights[k]) {
+                *sum += r.abs() * weight;
+            }
+        }
+        combine(&mut self.product, inverse, self.columns.groups());
+        self.identity.clear();
+        self.identity.resize(n, 0.0);
+        self.before.clear();
+        self.before.resize(system.before.len(), 0.0);
+        let mut rest = 0.0;
+        for (f, form) in system.forms.iter().enumerate() {
+            let product = self.product[f / 4][f % 4];
+            rest += product.abs() * system.open[f];
+            for (column, rate) in &form.own {
+                self.identity[*column] += product * rate;
+            }
+            for (place, rate) in &form.before {
+                self.before[*place] += product * rate;
+            }
+        }
+        let known = self.before.iter().zip(&system.before);
+        rest += known
+            .map(|(c, slot)| c.abs() * earlier.rest[*slot])
+            .sum::<f64>();
+        self.identity[i] -= 1.0;
+        let identity: f64 = self.identity.iter().map(|s| s.abs()).sum();
+        Constants {
+            newton,
+            rest: (rest + weighted[0]) * GROW,
+            q: (identity + weighted[1]) * GROW,
+            k: weighted[2] * GROW,
         }
     }
 }
@@ -177,67 +242,4 @@ impl RowWeights {
 /// The larger, and a number that is none wins.
 fn worse(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
-}
-
-/// Inverse of a row-major `n` × `n` matrix by Gauss and Jordan with row pivots. Any result serves the proof: how
-/// good it is is measured afterwards.
-fn invert(mut a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
-    let mut order: Vec<usize> = (0..n).collect();
-    let mut row = vec![0.0; n];
-    for k in 0..n {
-        let pivot = (k..n).fold(k, |best, i| {
-            if a[i * n + k].abs() > a[best * n + k].abs() {
-                i
-            } else {
-                best
-            }
-        });
-        let value = a[pivot * n + k];
-        if value == 0.0 || !value.is_finite() {
-            return None;
-        }
-        if pivot != k {
-            let (upper, lower) = a.split_at_mut(pivot * n);
-            upper[k * n..(k + 1) * n].swap_with_slice(&mut lower[..n]);
-            order.swap(k, pivot);
-        }
-        a[k * n + k] = 1.0;
-        a[k * n..(k + 1) * n].iter_mut().for_each(|v| *v /= value);
-        row.copy_from_slice(&a[k * n..(k + 1) * n]);
-        for (i, other) in a.chunks_exact_mut(n).enumerate() {
-            let factor = other[k];
-            if i != k && factor != 0.0 {
-                other[k] = 0.0;
-                other
-                    .iter_mut()
-                    .zip(&row)
-                    .for_each(|(o, v)| *o -= factor * v);
-            }
-        }
-    }
-    let mut inverse = vec![0.0; n * n];
-    for (k, column) in order.into_iter().enumerate() {
-        for i in 0..n {
-            inverse[i * n + column] = a[i * n + k];
-        }
-    }
-    Some(inverse)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inverse_times_matrix_is_the_identity() {
-        let a = vec![0.0, 2.0, 1.0, 1.0, 0.5, -3.0, 4.0, 1.0, 0.25];
-        let inverse = invert(a.clone(), 3).unwrap_or_default();
-        for i in 0..3 {
-            for j in 0..3 {
-                let entry: f64 = (0..3).map(|k| inverse[i * 3 + k] * a[k * 3 + j]).sum();
-                assert!((entry - f64::from(i == j)).abs() < 1e-15);
-            }
-        }
-        assert!(invert(vec![1.0, 2.0, 2.0, 4.0], 2).is_none());
-    }
 }

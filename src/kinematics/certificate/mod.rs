@@ -8,31 +8,42 @@
 //! error bound r = 2 eta / (1 - q + sqrt D),    uniqueness (1-q)/K,    if q < 1, D > 0, r <= BALL
 //! ```
 //!
-//! Rounding is part of eta and q. F is evaluated with 31 digits; what remains is the sine and cosine of f64, assumed
-//! right within one unit in the last place, and dimensions that are no whole numbers, taken as known to one unit.
+//! Rounding is part of eta and q. F is evaluated with 31 digits, sine and cosine with 20 (`circle`), so that no function
+//! of the platform is trusted; dimensions that are no whole numbers are taken as known to one unit in the last place.
 //! The inputs are taken as exactly the numbers of the sample. The skew part of the loop's rotation also vanishes at a
 //! half-turn; a positive trace rules it out.
+//!
+//! The Newton step of the proof is known far better than f64 can say where the pose is. So a pose can be moved by it to
+//! the nearest numbers, and what is left of its error bound is little more than their rounding.
 //!
 //! Blocks are proved in their order. Of every unknown of an earlier block that enters a later one its Newton step is
 //! taken into the later residual, and what is left of its error bound is added to eta through |R times its column|, and
 //! to q and eta through the second derivatives.
 //!
 //! Limits: equations that the structure found empty at random poses are taken as empty. Of an over-determined
-//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Arguments and
-//! equations that are no affine forms are refused.
+//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Where arguments
+//! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
+//! simpler, and a few times less sharp. The motion between poses is proved there too.
 
 pub mod chain;
+pub mod circle;
 pub mod double;
+pub mod flow;
+pub mod interval;
 mod kantorovich;
+mod product;
 mod system;
+pub mod tube;
 
+use super::newton::Corrector;
 use super::structure::Structure;
 use crate::model::chain::Argument;
 use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
-use chain::ArgumentDouble;
-use kantorovich::Earlier;
-use system::BlockProof;
+use chain::{ArgumentDouble, U};
+use double::Double;
+use kantorovich::{Earlier, Kantorovich};
+use system::BlockSystem;
 
 /// Radius (radians, mechanism sizes) in which the second derivatives are bounded: larger ones prove no more in
 /// practice, and the reach of sliders grows with it.
@@ -59,14 +70,18 @@ pub enum Certificate {
 /// Why a pose has no certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// An argument or equation is a general formula, whose second derivatives are not bounded here.
+    /// A formula has no bounded derivatives here: a kink, a pole, the end of its range.
     Formula,
     /// Too near a singular pose (or too far from a closed one) for the test to succeed.
     Singular,
+    /// The angles of a ball joint are nearly locked: they have no bound, though the position has an error of rounding.
+    GimbalLock,
     /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
     HalfTurn,
     /// An equation that the proof leaves out does not hold.
     Open,
+    /// Nobody wanted one.
+    NotAsked,
 }
 
 impl Reason {
@@ -75,19 +90,28 @@ impl Reason {
         match self {
             Self::Formula => "formula",
             Self::Singular => "near-singular",
+            Self::GimbalLock => "gimbal-lock",
             Self::HalfTurn => "half-turn",
             Self::Open => "open",
+            Self::NotAsked => "not-asked",
         }
     }
 }
 
-/// Proves poses of one mechanism.
+/// Affine forms of the arguments, then of the equations; `None` for formulas.
+type Forms = [Option<Affine>];
+
+/// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
+/// involved.
 #[derive(Clone, Debug)]
 pub struct Certifier<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
-    /// Affine forms of the arguments, then of the equations; `None` for formulas.
     forms: Vec<Option<Affine>>,
+    systems: Vec<BlockSystem>,
+    kantorovich: Kantorovich,
+    arguments: Vec<ArgumentDouble>,
+    earlier: Earlier,
 }
 
 impl<'m> Certifier<'m> {
@@ -98,72 +122,113 @@ impl<'m> Certifier<'m> {
             Argument::Formula(expression) => expression.affine(),
         });
         let equations = mechanism.equations.iter().map(|e| e.expression.affine());
+        let forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
+        let blocks = structure.blocks.iter();
         Self {
             mechanism,
             structure,
-            forms: arguments.chain(equations).collect(),
+            systems: blocks
+                .map(|block| BlockSystem::new(mechanism, block, &forms))
+                .collect(),
+            forms,
+            kantorovich: Kantorovich::default(),
+            arguments: Vec::new(),
+            earlier: Earlier::default(),
         }
     }
 
     /// Tries to prove the pose at `coordinates` (unknowns, then inputs). `bases` are the rows that each block is
     /// proved on, as [`BranchWatch::bases`](super::branch::BranchWatch::bases) has them.
-    pub fn certify(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
-        match self.prove(coordinates, bases) {
-            Ok((error, radius)) => Certificate::Certified {
-                error_bound: error * self.mechanism.size * (1.0 + 1e-12),
-                unique_radius: radius * self.mechanism.size * (1.0 - 1e-12),
-            },
+    pub fn certify(&mut self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
+        match self.prove(coordinates, bases, None) {
+            Ok(radius) => self.certificate(self.earlier.largest, radius),
+            Err(Reason::Formula) => self.certify_formulas(coordinates, bases),
             Err(reason) => Certificate::Refused { reason },
         }
     }
 
-    /// Error bound and radius of uniqueness in radians and sizes.
-    fn prove(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Result<(f64, f64), Reason> {
-        let blank = Affine::default();
-        let arguments: Vec<ArgumentDouble> = self.forms[..self.mechanism.arguments.len()]
-            .iter()
-            .map(|form| ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates))
-            .collect();
-        let n = self.mechanism.unknowns.len();
-        let mut earlier = Earlier {
-            step: vec![0.0; n],
-            rest: vec![0.0; n],
-            largest: 0.0,
+    /// Like [`certify`](Self::certify), and moves the unknowns by the Newton step of the proof to the nearest numbers:
+    /// the certificate is then of the pose so moved. A refused pose stays, as does one with formulas. The inverses of `corrector` serve the proof;
+    /// if they are of another pose, it is loose or fails.
+    pub fn polish(
+        &mut self,
+        coordinates: &mut [f64],
+        bases: &[Vec<usize>],
+        corrector: &Corrector,
+    ) -> Certificate {
+        let radius = match self.prove(coordinates, bases, Some(corrector)) {
+            Ok(radius) => radius,
+            Err(Reason::Formula) => return self.certify_formulas(coordinates, bases),
+            Err(reason) => return Certificate::Refused { reason },
         };
+        let (mut error, mut moved) = (0.0_f64, 0.0_f64);
+        for system in &self.systems {
+            for &slot in &system.unknowns {
+                let scale = self.mechanism.scale_of(slot);
+                let (step, rest) = (self.earlier.step[slot], self.earlier.rest[slot]);
+                let old = coordinates[slot];
+                let new = old - scale * step;
+                let made = Double::sum(old, -new).hi / scale;
+                // The difference of neighbours is exact or rounded once, as is the quotient.
+                let rounding = 4.0 * U * (made.abs() + step.abs());
+                error = error.max((made - step).abs() + rounding + rest);
+                moved = moved.max(made.abs() + rounding);
+                coordinates[slot] = new;
+            }
+        }
+        self.certificate(error, radius - moved)
+    }
+
+    /// The proof where arguments or equations are no affine forms.
+    fn certify_formulas(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
+        match tube::pose(self.mechanism, self.structure, coordinates, bases) {
+            Ok((error, radius)) => self.certificate(error, radius),
+            Err(reason) => Certificate::Refused { reason },
+        }
+    }
+
+    /// From radians and sizes.
+    fn certificate(&self, error: f64, radius: f64) -> Certificate {
+        Certificate::Certified {
+            error_bound: error * self.mechanism.size * (1.0 + 1e-12),
+            unique_radius: radius * self.mechanism.size * (1.0 - 1e-12),
+        }
+    }
+
+    /// Fills `earlier` with the bounds of all unknowns; the radius of uniqueness in radians and sizes.
+    fn prove(
+        &mut self,
+        coordinates: &[f64],
+        bases: &[Vec<usize>],
+        corrector: Option<&Corrector>,
+    ) -> Result<f64, Reason> {
+        let blank = Affine::default();
+        self.arguments.clear();
+        let arguments = self.forms[..self.mechanism.arguments.len()].iter();
+        self.arguments.extend(
+            arguments.map(|form| ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates)),
+        );
+        self.earlier.reset(self.mechanism.unknowns.len());
         let mut radius = f64::INFINITY;
-        for (block, basis) in self.structure.blocks.iter().zip(bases) {
-            let used = block
-                .arguments
-                .iter()
-                .copied()
-                .chain(self.equations_of(block));
-            if used.into_iter().any(|form| self.forms[form].is_none()) {
+        for (index, (system, basis)) in self.systems.iter_mut().zip(bases).enumerate() {
+            if system.has_formula {
                 return Err(Reason::Formula);
             }
-            let proof = BlockProof {
-                certifier: self,
-                block,
-                coordinates,
-                arguments: &arguments,
-                earlier: &earlier,
-            };
-            let (block_bounds, unique) = proof.run(basis)?;
-            for (unknown, bound) in block.unknowns.iter().zip(block_bounds) {
-                earlier.step[*unknown] = bound.step;
-                earlier.rest[*unknown] = bound.rest;
-                earlier.largest = earlier.largest.max(bound.step.abs() + bound.rest);
+            system.evaluate(self.mechanism, coordinates, &self.arguments)?;
+            if system.left_out_rows_are_open(basis) {
+                return Err(Reason::Open);
+            }
+            let inverse = corrector.and_then(|c| c.inverse(index)).filter(|inverse| {
+                inverse.rows().len() == basis.len() && system.rows.len() == basis.len()
+            });
+            let (unique, error) =
+                self.kantorovich
+                    .prove(system, basis, inverse, &mut self.earlier)?;
+            if system.may_be_half_turned(error.max(self.earlier.largest)) {
+                return Err(Reason::HalfTurn);
             }
             radius = radius.min(unique);
         }
-        Ok((earlier.largest, radius))
-    }
-
-    /// Where the affine forms of a block's equations stand.
-    fn equations_of<'b>(
-        &self,
-        block: &'b super::structure::Block,
-    ) -> impl Iterator<Item = usize> + 'b {
-        let first = self.mechanism.arguments.len();
-        block.equations.iter().map(move |index| first + index)
+        Ok(radius)
     }
 }

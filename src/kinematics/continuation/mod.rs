@@ -1,22 +1,31 @@
 //! Following the motion along the drive on one assembly branch: predictor, corrector, step control, events.
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated. Single steps are
-//! in `step`, what is kept of a pose in `record`.
+//! in `step`, what is kept of a pose in `record`, and what ball joints need in `gimbal`.
 
+mod gaps;
+mod gimbal;
+mod locate;
 mod record;
 mod step;
 
-use super::assembly::{NotClosed, assemble};
+use super::assembly::{NotClosed, smallest_gap};
 use super::branch::{BranchState, BranchWatch};
 use super::certificate::Certifier;
+use super::chart::Chart;
 use super::newton::Corrector;
+use super::predictor::Predictor;
 use super::structure::{Structure, StructureError};
 use super::trajectory::{Event, EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
 
-/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-11
+/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
 /// of that interval.
-const SMALLEST_STEP: f64 = 1e-11;
+const SMALLEST_STEP: f64 = 1e-12;
+
+/// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
+/// digits, which leaves a condition of about 1e8.
+const SINGULAR_START: f64 = 1e7;
 
 /// Solves `mechanism` at the given ascending times.
 ///
@@ -25,6 +34,17 @@ const SMALLEST_STEP: f64 = 1e-11;
 pub fn solve(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
     let structure = Structure::new(mechanism)?;
     Ok(Follower::new(mechanism, &structure).run(times))
+}
+
+/// The same without certificates of the poses, which say that nobody asked for them.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_unproved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
+    let structure = Structure::new(mechanism)?;
+    let mut follower = Follower::new(mechanism, &structure);
+    follower.certifier = None;
+    Ok(follower.run(times))
 }
 
 /// A regular or singular pose on the way, with what is needed to go on from it.
@@ -47,10 +67,23 @@ struct Follower<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
     corrector: Corrector,
+    predictor: Predictor,
     watch: BranchWatch,
-    certifier: Certifier<'m>,
+    certifier: Option<Certifier<'m>>,
+    /// Another description of ball joints, used where their angles are nearly locked; `None` without such joints.
+    chart: Option<Chart>,
+    /// The stand before, as far as it is watched for locked angles.
+    last_kept: Option<Stand>,
+    /// The one before that.
+    kept_before: Option<Stand>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
+    /// A crossing that has been made and not been located yet.
+    crossing: Option<locate::Crossing>,
+    /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
+    elsewhere: Option<Stand>,
+    /// Of the samples of the present gap the one that is farthest from closing.
+    widest: Option<(f64, NotClosed)>,
     best_sigma: f64,
     interval: f64,
     iterations: u32,
@@ -63,9 +96,16 @@ impl<'m> Follower<'m> {
             mechanism,
             structure,
             corrector: Corrector::new(structure),
+            predictor: Predictor::default(),
             watch: BranchWatch::default(),
-            certifier: Certifier::new(mechanism, structure),
+            certifier: Some(Certifier::new(mechanism, structure)),
+            chart: Chart::new(mechanism, structure),
+            last_kept: None,
+            kept_before: None,
             anchor: None,
+            crossing: None,
+            elsewhere: None,
+            widest: None,
             best_sigma: 0.0,
             interval: mechanism.duration,
             iterations: 0,
@@ -101,6 +141,7 @@ impl<'m> Follower<'m> {
                 }
             }
         }
+        self.measure_gap();
         self.trajectory
     }
 
@@ -139,72 +180,47 @@ impl<'m> Follower<'m> {
         let start = [self.mechanism.guess.clone(), inputs].concat();
         // Perturbed starts are worth their time once, not at every sample of a range without poses.
         let persist = self.trajectory.samples.is_empty();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            persist,
-        ) {
+        match self.assembled(&start, persist) {
             Ok(found) => {
                 self.iterations += found.iterations;
                 if found.start > 0 {
                     self.event(time, EventKind::OtherStart);
                 }
-                if !self.trajectory.samples.is_empty() {
-                    self.event(time, EventKind::MotionResumes { same_branch: true });
-                }
                 let stand = self.stand(time, found.coordinates);
-                Ok(self.keep(stand))
+                if persist && stand.branch.condition >= SINGULAR_START {
+                    self.event(time, EventKind::StartSingular);
+                }
+                let stand = self.keep(stand);
+                if self.trajectory.samples.is_empty() {
+                    return Ok(stand);
+                }
+                self.enter(stand)
             }
-            Err(NotClosed {
-                name,
-                angle,
-                distance,
-            }) => {
+            Err(best) => {
+                self.note_lack(time, best.clone());
                 if persist {
-                    self.event(
-                        time,
-                        EventKind::StartNotClosed {
-                            name,
-                            angle,
-                            distance,
-                        },
-                    );
+                    let lack = smallest_gap(self.mechanism, self.structure, best);
+                    let kind = EventKind::StartNotClosed {
+                        name: lack.name,
+                        angle: lack.angle,
+                        distance: lack.distance,
+                    };
+                    self.event(time, kind);
                 }
                 Err(None)
             }
         }
     }
 
-    /// After a gap: assembles again from the last pose, without searching.
-    fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
-        let Ok(inputs) = self.inputs(time) else {
-            return Err(None);
-        };
-        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
-        let start = [unknowns, &inputs].concat();
-        match assemble(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &start,
-            false,
-        ) {
-            Ok(found) => {
-                self.iterations += found.iterations;
-                let stand = self.stand(time, found.coordinates);
-                let same_branch = stand.branch.signs == last.branch.signs;
-                self.event(time, EventKind::MotionResumes { same_branch });
-                Ok(self.keep(stand))
-            }
-            Err(_) => Err(None),
-        }
-    }
-
     /// From the last sample to `time`, by as many steps as it takes.
     fn advance(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
         let mut here = last;
+        if self
+            .inputs(time)
+            .is_ok_and(|inputs| here.coordinates.ends_with(&inputs))
+        {
+            return Ok(Stand { time, ..here });
+        }
         loop {
             match self.follow(here, time) {
                 Ok(stand) => return Ok(stand),
@@ -220,37 +236,59 @@ impl<'m> Follower<'m> {
                         return Ok(beyond);
                     }
                     Some(beyond) => {
-                        self.event(stand.time, EventKind::SingularPosePassed);
+                        self.passed(stand.time);
                         here = self.keep(beyond);
                     }
                     None => {
+                        if let Some(beyond) = self.leave_start(&stand, time) {
+                            return Ok(beyond);
+                        }
                         self.event(stand.time, EventKind::MotionEnds);
-                        return Err(Some(stand));
+                        self.open_gap(Some(stand.time));
+                        // The drive may be feasible again before the next sample.
+                        return self.resume(stand, time);
                     }
                 },
             }
         }
     }
 
-    /// Steps with halving until `time`, or until the steps become too small.
+    /// A motion that starts at a fold has no tangent to leave it by: the next pose is assembled from the start values,
+    /// which say on which of the branches that meet there the motion goes on.
+    fn leave_start(&mut self, stand: &Stand, time: f64) -> Option<Stand> {
+        let is_start = self.trajectory.samples.len() == 1;
+        if !is_start || stand.time > self.trajectory.samples[0].time {
+            return None;
+        }
+        let inputs = self.inputs(time).ok()?;
+        let start = [self.mechanism.guess.clone(), inputs].concat();
+        let found = self.assembled(&start, false).ok()?;
+        self.iterations += found.iterations;
+        let beyond = self.stand(time, found.coordinates);
+        Some(self.keep(beyond))
+    }
+
+    /// Steps with halving until `time`, before or after, or until the steps become too small.
     fn follow(&mut self, mut here: Stand, time: f64) -> Result<Stand, Stop> {
         let smallest = SMALLEST_STEP * self.interval;
-        let mut step = time - here.time;
-        while here.time < time {
-            let next = if here.time + step >= time {
+        let direction = (time - here.time).signum();
+        let mut step = (time - here.time).abs();
+        while here.time != time {
+            let next = if step >= (time - here.time).abs() {
                 time
             } else {
-                here.time + step
+                here.time + direction * step
             };
+            let length = (next - here.time).abs();
             match self.step(&here, next) {
                 Ok(Some(stand)) => {
-                    step = (2.0 * (next - here.time)).max(smallest);
+                    step = (2.0 * length).max(smallest);
                     here = self.keep(stand);
                 }
-                Ok(None) => step = 0.5 * (next - here.time),
+                Ok(None) => step = 0.5 * length,
                 Err(index) => return Err(Stop::Undefined(index, here)),
             }
-            if step < smallest || here.time + step == here.time {
+            if step < smallest || here.time + direction * step == here.time {
                 return Err(Stop::Ends(here));
             }
         }

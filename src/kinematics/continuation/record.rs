@@ -18,17 +18,30 @@ impl Follower<'_> {
     }
 
     pub(super) fn record(&mut self, stand: &Stand) {
+        let pose = self.closed_pose(stand);
         let n = self.mechanism.unknowns.len();
-        let coordinates = &stand.coordinates;
+        self.trajectory.samples.push(Sample {
+            time: stand.time,
+            inputs: stand.coordinates[n..].to_vec(),
+            pose,
+        });
+    }
+
+    /// Everything that is kept of a pose; `None` if any body's place is not a number.
+    pub(super) fn closed_pose(&mut self, stand: &Stand) -> Option<ClosedPose> {
+        let n = self.mechanism.unknowns.len();
+        let mut coordinates = stand.coordinates.clone();
+        let certificate = self.certified(&mut coordinates);
+        let coordinates = &coordinates;
         let bodies = forward::body_poses(self.mechanism, coordinates);
         let traces = forward::trace_points(self.mechanism, &bodies);
         let outputs = forward::outputs(self.mechanism, coordinates, &traces);
         let closure_error = forward::closure_error(self.mechanism, coordinates);
         let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
         if !finite {
-            return self.record_missing(stand.time);
+            return None;
         }
-        let pose = ClosedPose {
+        Some(ClosedPose {
             unknowns: coordinates[..n].to_vec(),
             bodies,
             traces,
@@ -38,21 +51,16 @@ impl Follower<'_> {
             closure_error,
             sigma_min: stand.branch.sigma_min,
             condition: stand.branch.condition,
-            rank: stand.branch.rank,
+            // Holding an idle freedom is an equation more.
+            rank: stand.branch.rank + self.structure.held.len(),
             branch: stand.branch.signature(),
-            certificate: self.certifier.certify(coordinates, self.watch.bases()),
+            certificate,
             iterations: self.iterations,
-        };
-        let inputs = coordinates[n..].to_vec();
-        self.trajectory.samples.push(Sample {
-            time: stand.time,
-            inputs,
-            pose: Some(pose),
-        });
+        })
     }
 
     /// Rates of the unknowns per second: the tangent along the drive's own rate.
-    fn rates(&mut self, stand: &Stand) -> Vec<f64> {
+    pub(super) fn rates(&mut self, stand: &Stand) -> Vec<f64> {
         let n = self.mechanism.unknowns.len();
         let h = RATE_STEP * self.mechanism.duration;
         let (before, after) = (
@@ -63,12 +71,17 @@ impl Follower<'_> {
         for k in 0..before.len() {
             rates[n + k] = (after[k] - before[k]) / (2.0 * h);
         }
-        self.corrector.tangent(
-            self.mechanism,
-            self.structure,
-            &stand.coordinates,
-            &mut rates,
-        );
+        if self
+            .rates_in_chart(&stand.coordinates, &mut rates)
+            .is_none()
+        {
+            self.corrector.tangent(
+                self.mechanism,
+                self.structure,
+                &stand.coordinates,
+                &mut rates,
+            );
+        }
         rates.truncate(n);
         rates
     }

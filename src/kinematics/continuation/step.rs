@@ -2,7 +2,7 @@
 
 use super::super::branch::BranchState;
 use super::super::newton::{Correction, Pace};
-use super::super::trajectory::EventKind;
+use super::super::predictor::{HIGHEST_ORDER, Prediction};
 use super::{Follower, Stand};
 
 /// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
@@ -41,12 +41,21 @@ impl Follower<'_> {
             Some(anchor) if !usable => anchor.clone(),
             _ => here.clone(),
         };
-        let (mut coordinates, length) = self.predict(&base, &inputs);
+        let order = if usable && self.is_trusted(&base.branch) {
+            HIGHEST_ORDER
+        } else {
+            1
+        };
+        let (mut coordinates, predicted) = self.predict(&base, &inputs, order);
         let correction = self.correct(&mut coordinates, Pace::Brisk);
-        let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
-        if !correction.converged || correction.first_step > allowed {
+        let allowed =
+            (CORRECTION_OF_STEP * predicted.length + CORRECTION_FLOOR).min(MAX_CORRECTION);
+        // Measured from the tangent, whatever the order of the prediction.
+        let is_near = correction.first_step + predicted.bend <= allowed;
+        if !correction.converged || !is_near {
             return Ok(None);
         }
+        self.rename(&base, time, &mut coordinates);
         let stand = self.stand(time, coordinates);
         let same = stand
             .branch
@@ -57,7 +66,7 @@ impl Follower<'_> {
         let fine = same || !usable || !self.is_usable(&stand.branch);
         // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
         if fine && !usable && !same && self.is_usable(&stand.branch) {
-            self.event(here.time, EventKind::SingularPosePassed);
+            self.passed(here.time);
         }
         Ok(fine.then_some(stand))
     }
@@ -72,39 +81,35 @@ impl Follower<'_> {
         branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
     }
 
-    fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
-        let correction = self
-            .corrector
-            .correct(self.mechanism, self.structure, coordinates, pace);
+    pub(super) fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
+        let correction = self.correct_in_chart(coordinates, pace).unwrap_or_else(|| {
+            self.corrector
+                .correct(self.mechanism, self.structure, coordinates, pace)
+        });
         self.iterations += correction.iterations;
         correction
     }
 
-    /// Tangent prediction to new inputs, and the length of the step in scaled unknowns.
-    fn predict(&mut self, here: &Stand, inputs: &[f64]) -> (Vec<f64>, f64) {
-        let n = self.mechanism.unknowns.len();
-        let mut change: Vec<f64> = vec![0.0; here.coordinates.len()];
-        for (k, input) in inputs.iter().enumerate() {
-            change[n + k] = input - here.coordinates[n + k];
+    /// Prediction at new inputs: the tangent, or a polynomial of higher order.
+    pub(super) fn predict(
+        &mut self,
+        here: &Stand,
+        inputs: &[f64],
+        order: usize,
+    ) -> (Vec<f64>, Prediction) {
+        if let Some((coordinates, length)) = self.predict_in_chart(here, inputs) {
+            return (coordinates, Prediction { length, bend: 0.0 });
         }
-        self.corrector.tangent(
+        let mut coordinates = here.coordinates.clone();
+        let prediction = self.predictor.predict(
             self.mechanism,
             self.structure,
-            &here.coordinates,
-            &mut change,
+            &mut self.corrector,
+            &mut coordinates,
+            inputs,
+            order,
         );
-        let length = (0..n)
-            .map(|k| (change[k] / self.mechanism.scale_of(k)).abs())
-            .fold(0.0, f64::max);
-        let mut coordinates: Vec<f64> = here
-            .coordinates
-            .iter()
-            .zip(&change)
-            .map(|(q, d)| q + d)
-            .collect();
-        // The inputs are exactly the drive's, not the sum of differences.
-        coordinates[n..].copy_from_slice(inputs);
-        (coordinates, length)
+        (coordinates, prediction)
     }
 
     /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
@@ -116,6 +121,7 @@ impl Follower<'_> {
         let n = self.mechanism.unknowns.len();
         let mut coordinates = [&end.coordinates[..n], &inputs].concat();
         let correction = self.correct(&mut coordinates, Pace::Patient);
+        self.rename(end, time, &mut coordinates);
         (correction.converged && correction.first_step <= MAX_CORRECTION)
             .then(|| self.stand(time, coordinates))
     }
@@ -129,10 +135,11 @@ impl Follower<'_> {
         while reach <= limit * (1.0 + 1e-12) {
             let beyond = (anchor.time + reach).min(time);
             let inputs = self.inputs(beyond).ok()?;
-            let (mut coordinates, length) = self.predict(&anchor, &inputs);
+            let (mut coordinates, predicted) = self.predict(&anchor, &inputs, 1);
             let correction = self.correct(&mut coordinates, Pace::Brisk);
-            let allowed = (CORRECTION_OF_STEP * length).min(MAX_CORRECTION);
+            let allowed = (CORRECTION_OF_STEP * predicted.length).min(MAX_CORRECTION);
             if correction.converged && correction.first_step <= allowed && beyond > end.time {
+                self.rename(&anchor, beyond, &mut coordinates);
                 return Some(self.stand(beyond, coordinates));
             }
             reach = if reach < limit {
@@ -146,12 +153,7 @@ impl Follower<'_> {
 
     /// Observes a closed pose.
     pub(super) fn stand(&mut self, time: f64, coordinates: Vec<f64>) -> Stand {
-        let branch = self.watch.observe(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            &coordinates,
-        );
+        let branch = self.observe(&coordinates);
         if branch.sigma_min.is_finite() {
             self.best_sigma = self.best_sigma.max(branch.sigma_min);
         }
@@ -164,7 +166,9 @@ impl Follower<'_> {
 
     /// Remembers an accepted pose as an anchor if it is well away from singular ones.
     pub(super) fn keep(&mut self, stand: Stand) -> Stand {
+        self.watch_gimbals(&stand);
         if self.is_trusted(&stand.branch) {
+            self.locate_crossing(&stand);
             self.anchor = Some(stand.clone());
         }
         stand

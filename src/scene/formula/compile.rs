@@ -5,12 +5,14 @@ use crate::diag::{Diagnostic, Span};
 use crate::model::expression::{Expression, Op};
 
 /// What a name stands for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A number known now.
     Constant(f64),
     /// A slot of the expression.
     Slot(usize),
+    /// A formula over the same slots.
+    Formula(Expression),
 }
 
 /// Compiles `node`, asking `lookup` for every name.
@@ -35,6 +37,14 @@ fn emit(
         NodeKind::Name(name) => match lookup(name, &node.span)? {
             Value::Constant(value) => Op::Constant(value),
             Value::Slot(slot) => Op::Slot(slot),
+            Value::Formula(formula) => {
+                let (last, before) = formula
+                    .ops()
+                    .split_last()
+                    .unwrap_or((&Op::Constant(0.0), &[]));
+                ops.extend(before.iter().map(|op| op.shifted(start)));
+                last.shifted(start)
+            }
         },
         NodeKind::Negate(inner) => Op::Negate(emit(inner, lookup, ops)?),
         NodeKind::Binary(sign, a, b) => {
@@ -59,13 +69,6 @@ fn emit(
                 }
             }
             last
-        }
-        NodeKind::Measure(..) => {
-            return Err(
-                Diagnostic::error("this is a word for the measures of a study")
-                    .at(node.span.clone())
-                    .hint("a formula of one pose has no track to look along"),
-            );
         }
     };
     append(op, start, node, ops)

@@ -28,38 +28,6 @@ pub enum NodeKind {
     Binary(char, Box<Node>, Box<Node>),
     /// A function and its arguments.
     Call(Function, Vec<Node>),
-    /// A word that has a meaning in measures of a study only, and its arguments.
-    Measure(MeasureWord, Vec<Node>),
-}
-
-/// What measures have beyond formulas of a pose: reductions along a track, and derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum MeasureWord {
-    First,
-    Last,
-    SumOver,
-    MeanOver,
-    MaxOver,
-    MinOver,
-    NormOver,
-    Bow,
-    Rate,
-}
-
-impl MeasureWord {
-    /// All of them with their names and numbers of arguments.
-    pub const ALL: [(&'static str, Self, usize); 9] = [
-        ("first", Self::First, 2),
-        ("last", Self::Last, 2),
-        ("sum_over", Self::SumOver, 2),
-        ("mean_over", Self::MeanOver, 2),
-        ("max_over", Self::MaxOver, 2),
-        ("min_over", Self::MinOver, 2),
-        ("norm_over", Self::NormOver, 3),
-        ("bow", Self::Bow, 3),
-        ("rate", Self::Rate, 2),
-    ];
 }
 
 impl Node {
@@ -100,9 +68,7 @@ impl Node {
                 a.visit_names(visit);
                 b.visit_names(visit);
             }
-            NodeKind::Call(_, args) | NodeKind::Measure(_, args) => {
-                args.iter().for_each(|a| a.visit_names(visit))
-            }
+            NodeKind::Call(_, args) => args.iter().for_each(|a| a.visit_names(visit)),
         }
     }
 }
@@ -308,17 +274,18 @@ impl<'a> Parser<'a> {
     }
 
     fn call(&mut self, name: &str, token: &Token) -> Result<Node, Diagnostic> {
-        let measure = MeasureWord::ALL.iter().find(|(word, ..)| *word == name);
-        if let Some((_, word, count)) = measure {
-            return self.measure(name, *word, *count, token);
-        }
         let Some(function) = Function::from_name(name) else {
             return Err(Diagnostic::error(format!("unknown function `{name}`"))
                 .at(token.span.clone())
                 .suggest(name, Function::ALL.iter().map(|f| f.name()))
                 .hint("a product is written with `*`: a name before `(` is always a function"));
         };
-        let (args, span) = self.arguments(token)?;
+        let mut args = vec![self.expression()?];
+        while self.take_sign(',') {
+            args.push(self.expression()?);
+        }
+        let span = token.span.start..self.peek().span.end;
+        self.expect_sign(')')?;
         if !function.accepts(args.len()) {
             return Err(Diagnostic::error(format!(
                 "`{name}` takes {}, found {}",
@@ -331,35 +298,6 @@ impl<'a> Parser<'a> {
             kind: NodeKind::Call(function, args),
             span,
         })
-    }
-
-    fn measure(
-        &mut self,
-        name: &str,
-        word: MeasureWord,
-        count: usize,
-        token: &Token,
-    ) -> Result<Node, Diagnostic> {
-        let (args, span) = self.arguments(token)?;
-        if args.len() != count {
-            let message = format!("`{name}` takes {count} arguments, found {}", args.len());
-            return Err(Diagnostic::error(message).at(span));
-        }
-        Ok(Node {
-            kind: NodeKind::Measure(word, args),
-            span,
-        })
-    }
-
-    /// What stands between the parentheses of a call, and the place of the whole call.
-    fn arguments(&mut self, token: &Token) -> Result<(Vec<Node>, Span), Diagnostic> {
-        let mut args = vec![self.expression()?];
-        while self.take_sign(',') {
-            args.push(self.expression()?);
-        }
-        let span = token.span.start..self.peek().span.end;
-        self.expect_sign(')')?;
-        Ok((args, span))
     }
 }
 

@@ -33,7 +33,6 @@ pub fn infer(node: &Node, wanted: Option<Kind>, note: &mut dyn FnMut(&str, Kind,
             let inner = argument_kind(*function, wanted);
             args.iter().for_each(|arg| infer(arg, inner, note));
         }
-        NodeKind::Measure(_, args) => args.iter().for_each(|arg| infer(arg, None, note)),
     }
 }
 
@@ -129,7 +128,6 @@ fn holds_angle(node: &Node, is_angle: &dyn Fn(&str) -> bool) -> bool {
             Function::Sin | Function::Cos | Function::Tan => false,
             _ => args.iter().any(|a| holds_angle(a, is_angle)),
         },
-        NodeKind::Measure(_, args) => args.iter().any(|a| holds_angle(a, is_angle)),
     }
 }
 

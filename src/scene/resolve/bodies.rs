@@ -30,6 +30,7 @@ const PALETTE: [[u8; 3]; 8] = [
 
 /// Constant formulas of shapes and views, with their messages.
 pub struct Constants<'a> {
+    /// Parameters and their values.
     pub names: &'a Names,
 }
 

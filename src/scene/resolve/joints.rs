@@ -10,7 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
-use crate::model::mechanism::{AngleUnit, Equation, Kind, Loop};
+use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
 use glam::DVec3;
 
 /// Largest fixed length or angle of a chain. The solver squares lengths and multiplies the squares; a fourth power
@@ -43,6 +43,7 @@ impl<'a> Joints<'a> {
                 loops.push(Loop {
                     name: name.value.clone(),
                     chain,
+                    closes: Closes::Frame,
                 });
             }
         }
@@ -71,7 +72,7 @@ impl<'a> Joints<'a> {
     /// Power of length in the dimension of a formula, as far as the kinds of its names tell.
     fn length_exponent(&self, node: &Node) -> f64 {
         match &node.kind {
-            NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Measure(..) => 0.0,
+            NodeKind::Number(_) | NodeKind::Radians(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
             NodeKind::Negate(inner) => self.length_exponent(inner),
             NodeKind::Binary(sign, a, b) => {

@@ -1,23 +1,30 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
-mod bodies;
+pub mod bodies;
+mod contacts;
 mod coordinates;
 mod joints;
+mod loops;
 mod measures;
 mod names;
 mod outputs;
 mod parsed;
+mod plots;
 mod study;
+mod symbolic;
 mod varied;
 mod view;
 
 use super::file::{InputFile, SceneFile};
+use super::plots::PlotFile;
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::drive::Drive;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use contacts::closure::Contacts;
 use names::Names;
+use outputs::Scope;
 use parsed::Parsed;
 use std::path::Path;
 
@@ -70,6 +77,14 @@ pub fn apply_overrides(file: &mut SceneFile, overrides: &Overrides, diagnostics:
             outside(text),
         ));
     }
+    if let Some(plot) = &overrides.plot {
+        file.plots = vec![PlotFile {
+            x: plot.x.as_deref().map(outside),
+            y: plot.y.iter().map(|text| outside(text)).collect(),
+            equal: plot.equal,
+            ..PlotFile::default()
+        }];
+    }
 }
 
 fn outside(text: &str) -> FormulaText {
@@ -97,17 +112,46 @@ pub fn resolve(
     varied::expand_dependents(&mut parsed, varied, diagnostics);
     let varied_values = names.promote(varied);
     let mut joints = joints::Joints::new(&names, &angle_unit);
-    let loops = joints.loops(&parsed, diagnostics);
-    let equations = joints.equations(&parsed, diagnostics);
+    let mut loops = joints.loops(&parsed, diagnostics);
+    let mut equations = joints.equations(&parsed, diagnostics);
+    let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
+    loops.append(&mut contacts.loops);
+    equations.append(&mut contacts.equations);
     let mut bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
     let mut traces = bodies::traces(file, &names, &bodies, diagnostics);
     if !varied.is_empty() && !diagnostics.has_errors() {
         let points = (&mut bodies, &mut traces[..]);
         varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
     }
-    let outputs = outputs::resolve(&parsed, &names, &traces, &angle_unit, diagnostics);
-    let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    let scope = Scope::resolve(
+        &parsed,
+        &names,
+        &traces,
+        &contacts,
+        &angle_unit,
+        diagnostics,
+    );
+    let mut coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    if let Some(coordinates) = &mut coordinates {
+        let resting = varied_values.into_iter().map(Drive::constant);
+        coordinates.drives.extend(resting);
+    }
+    let plots = plots::resolve(file, &scope, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
+    let constants = bodies::Constants { names: &names };
+    let clearance = file
+        .clearance
+        .as_ref()
+        .map(|section| super::clearance::resolve(section, &constants, &bodies, diagnostics));
+    let start = coordinates.iter().flat_map(|c| &c.drives);
+    let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
+    // Without drives, which is said already, no track can be.
+    let tracks = match start.len() == names.inputs.len() {
+        true => measures::tracks(file, &scope, &start, diagnostics),
+        false => Vec::new(),
+    };
+    let measures = measures::measures(file, &scope, &tracks, diagnostics);
+    let outputs = scope.outputs;
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
@@ -116,17 +160,8 @@ pub fn resolve(
                 .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
         );
     }
-    let mut coordinates = coordinates?;
-    let resting = varied_values.into_iter().map(Drive::constant);
-    coordinates.drives.extend(resting);
-    let around = study::Surroundings {
-        names: &names,
-        traces: &traces,
-        outputs: &outputs,
-        drives: &coordinates.drives,
-        unit: &angle_unit,
-    };
-    let study = study::resolve(file, &around, varied, diagnostics);
+    let study = study::resolve(file, &names, &angle_unit, &measures, varied, diagnostics);
+    let coordinates = coordinates?;
     if diagnostics.has_errors() {
         return None;
     }
@@ -137,7 +172,7 @@ pub fn resolve(
             .clone()
             .unwrap_or_else(|| "untitled mechanism".to_owned()),
         length_unit: file.length_unit.clone().unwrap_or_else(|| "m".to_owned()),
-        angle_unit,
+        angle_unit: angle_unit.clone(),
         unknowns: names.unknowns.clone(),
         guess: coordinates.guess,
         inputs: names.inputs.clone(),
@@ -145,13 +180,21 @@ pub fn resolve(
         arguments,
         loops,
         equations,
+        contacts: parsed
+            .contacts
+            .iter()
+            .map(|c| c.name.value.clone())
+            .collect(),
         bodies,
         traces,
         outputs,
+        tracks,
+        measures,
         size: 1.0,
         duration: coordinates.duration,
     };
     mechanism.size = size(&mechanism, &names);
+    loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
@@ -159,6 +202,8 @@ pub fn resolve(
         view,
         study,
         dimensions: names.dimensions(&parsed),
+        clearance,
+        plots,
         warnings: Diagnostics::default(),
     })
 }

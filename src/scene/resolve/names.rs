@@ -36,7 +36,7 @@ pub struct Names {
     is_complete: bool,
     traces: Vec<String>,
     /// Parameters that are inputs in a study, as (parameter, input).
-    varied: Vec<(usize, usize)>,
+    pub varied: Vec<(usize, usize)>,
 }
 
 /// What a name in a formula of coordinates refers to.
@@ -88,6 +88,11 @@ impl Names {
             .loops
             .iter()
             .flat_map(|(_, f)| f)
+            .for_each(|f| visit_factor(f, &mut gather));
+        parsed
+            .contacts
+            .iter()
+            .flat_map(|contact| contact.factors())
             .for_each(|f| visit_factor(f, &mut gather));
         parsed
             .equations
@@ -186,41 +191,6 @@ impl Names {
         }
     }
 
-    /// Makes inputs of the parameters called `varied`, behind the file's own; returns their values.
-    pub fn promote(&mut self, varied: &[String]) -> Vec<f64> {
-        let mut values = Vec::new();
-        for name in varied {
-            let Some(index) = self.parameters.iter().position(|p| p.name == *name) else {
-                continue;
-            };
-            let parameter = &self.parameters[index];
-            values.push(parameter.value);
-            self.varied.push((index, self.inputs.len()));
-            self.inputs.push(Coordinate {
-                name: name.clone(),
-                kind: parameter.kind.unwrap_or(Kind::Number),
-            });
-        }
-        values
-    }
-
-    /// Parameters that are lengths or angles and given as numbers.
-    pub fn dimensions(&self, parsed: &Parsed) -> Vec<String> {
-        let is_number = |name: &str| {
-            let node = parsed.parameters.iter().find(|(n, _)| n.value == name);
-            let mut plain = node.is_some();
-            if let Some((_, node)) = node {
-                node.visit_names(&mut |_, _| plain = false);
-            }
-            plain
-        };
-        let measured = |p: &&Parameter| matches!(p.kind, Some(Kind::Length | Kind::Angle));
-        let list = self.parameters.iter().filter(measured);
-        list.filter(|p| is_number(&p.name))
-            .map(|p| p.name.clone())
-            .collect()
-    }
-
     /// Whether `name` is an angle.
     pub fn is_angle(&self, name: &str) -> bool {
         self.kind(name) == Some(Kind::Angle)
@@ -238,6 +208,7 @@ impl Names {
             .loops
             .iter()
             .flat_map(|(_, f)| f)
+            .chain(parsed.contacts.iter().flat_map(|c| c.factors()))
             .chain(parsed.frames.iter().flatten())
         {
             if let Factor::Elementary(motion, _, node) = factor {
@@ -251,6 +222,10 @@ impl Names {
                 .chain(&parsed.outputs)
                 .map(|(_, node)| (node, None)),
         );
+        // The radii of two spheres stand in no chain.
+        let pairs = parsed.contacts.iter().filter(|c| c.is_of_spheres());
+        let radii = pairs.flat_map(|c| c.sides.iter().flat_map(|side| side.surface.sizes()));
+        sites.extend(radii.map(|(_, node)| (node, Some(Kind::Length))));
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
         }
@@ -404,7 +379,9 @@ fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
         ),
         ("input", file.inputs.iter().map(|(n, _)| n).collect()),
         ("chain", file.chains.iter().map(|(n, _)| n).collect()),
+        ("contact", file.contacts.iter().map(|c| &c.name).collect()),
         ("output", file.outputs.iter().map(|(n, _)| n).collect()),
+        ("measure", file.measures.iter().map(|m| &m.name).collect()),
         ("trace", file.traces.iter().map(|t| &t.name).collect()),
     ];
     for (section, list) in sections {

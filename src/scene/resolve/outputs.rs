@@ -3,68 +3,111 @@
 use super::super::formula::compile::{Value, compile};
 use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
+use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
-use crate::model::expression::Function;
+use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
 
-/// Resolves the outputs in the order of the file.
-pub fn resolve(
-    parsed: &Parsed,
-    names: &Names,
-    traces: &[Trace],
-    unit: &AngleUnit,
-    diagnostics: &mut Diagnostics,
-) -> Vec<Output> {
-    let coordinates = names.unknowns.len() + names.inputs.len();
-    let mut outputs: Vec<Output> = Vec::new();
-    let mut failed: Vec<&str> = Vec::new();
-    for (name, node) in &parsed.outputs {
-        let known = |used: &str| outputs.iter().find(|o| o.name == used).map(|o| o.kind);
-        let kind = kind_of(node, names, &known);
-        let is_angle = |n: &str| names.is_angle(n) || known(n) == Some(Kind::Angle);
-        let node = to_radians(node.clone(), Some(kind), unit.radians, &is_angle);
-        let lookup = |used: &str, span: &Span| {
-            if let Some(slot) = trace_slot(used, traces) {
-                return Ok(Value::Slot(coordinates + slot));
-            }
-            if let Some(earlier) = outputs.iter().position(|o| o.name == used) {
-                return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
-            }
-            let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
-            if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
-                return Err(Diagnostic::inherited());
-            }
-            if failed.contains(&used) {
-                return Err(Diagnostic::inherited());
-            }
-            names.coordinate(used, span).map_err(|d| {
-                let points: Vec<String> = traces
-                    .iter()
-                    .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
-                    .collect();
-                d.suggest(used, points.iter().map(String::as_str))
-                    .label("no parameter, input, unknown, traced point or earlier output")
-            })
+/// What formulas of poses may use.
+pub struct Scope<'a> {
+    pub names: &'a Names,
+    pub traces: &'a [Trace],
+    pub contacts: &'a Contacts,
+    pub unit: &'a AngleUnit,
+    /// Outputs so far.
+    pub outputs: Vec<Output>,
+    /// Names of outputs that are faulty.
+    failed: Vec<String>,
+}
+
+impl<'a> Scope<'a> {
+    /// Resolves the outputs in the order of the file.
+    pub fn resolve(
+        parsed: &Parsed,
+        names: &'a Names,
+        traces: &'a [Trace],
+        contacts: &'a Contacts,
+        unit: &'a AngleUnit,
+        diagnostics: &mut Diagnostics,
+    ) -> Self {
+        let mut scope = Self {
+            names,
+            traces,
+            contacts,
+            unit,
+            outputs: Vec::new(),
+            failed: Vec::new(),
         };
-        match compile(&node, &lookup) {
-            Ok(expression) => outputs.push(Output {
-                name: name.value.clone(),
-                expression,
-                kind,
-            }),
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                failed.push(&name.value);
+        for (name, node) in &parsed.outputs {
+            match scope.compile(node) {
+                Ok((expression, kind)) => scope.outputs.push(Output {
+                    name: name.value.clone(),
+                    expression,
+                    kind,
+                }),
+                Err(diagnostic) => {
+                    diagnostics.push(diagnostic);
+                    scope.failed.push(name.value.clone());
+                }
             }
         }
+        scope
     }
-    outputs
+
+    /// A formula over coordinates, traced points and the outputs so far, and what it measures.
+    pub fn compile(&self, node: &Node) -> Result<(Expression, Kind), Diagnostic> {
+        let known = |used: &str| {
+            let earlier = self.outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+            earlier.or_else(|| self.contacts.scalar(used).map(|(_, kind, _)| *kind))
+        };
+        let kind = kind_of(node, self.names, &known);
+        let is_angle = |n: &str| self.names.is_angle(n) || known(n) == Some(Kind::Angle);
+        let node = to_radians(node.clone(), Some(kind), self.unit.radians, &is_angle);
+        let formula = compile(&node, &|used, span| self.lookup(used, span))?;
+        Ok((formula, kind))
+    }
+
+    fn lookup(&self, used: &str, span: &Span) -> Result<Value, Diagnostic> {
+        let (names, traces) = (self.names, self.traces);
+        let coordinates = names.unknowns.len() + names.inputs.len();
+        if let Some(slot) = trace_slot(used, traces) {
+            return Ok(Value::Slot(coordinates + slot));
+        }
+        if let Some(earlier) = self.outputs.iter().position(|o| o.name == used) {
+            return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
+        }
+        if let Some((_, _, scalar)) = self.contacts.scalar(used) {
+            return match scalar {
+                Ok(formula) => Ok(Value::Formula(formula.clone())),
+                Err(why) => {
+                    let message = format!("`{used}` has no value here: {why}");
+                    Err(Diagnostic::error(message).at(span.clone()))
+                }
+            };
+        }
+        let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
+        if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
+            return Err(Diagnostic::inherited());
+        }
+        if self.failed.iter().any(|name| name == used) {
+            return Err(Diagnostic::inherited());
+        }
+        names.coordinate(used, span).map_err(|d| {
+            let points: Vec<String> = traces
+                .iter()
+                .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
+                .collect();
+            let scalars = self.contacts.scalars.iter().map(|(name, ..)| name.as_str());
+            d.suggest(used, points.iter().map(String::as_str).chain(scalars))
+                .label("no parameter, input, unknown, traced point, contact or earlier output")
+        })
+    }
 }
 
 /// `M.x` to 3·index + component.
-pub fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
+fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
     let (trace, component) = name.rsplit_once('.')?;
     let component = ["x", "y", "z"].iter().position(|c| *c == component)?;
     let index = traces.iter().position(|t| t.name == trace)?;
@@ -74,12 +117,12 @@ pub fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 /// What a formula measures, from the bottom up.
 pub fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
     match &node.kind {
-        NodeKind::Number(_) | NodeKind::Measure(..) => Kind::Number,
+        NodeKind::Number(_) => Kind::Number,
         NodeKind::Radians(_) => Kind::Angle,
-        NodeKind::Name(name) if name.contains('.') => Kind::Length,
         NodeKind::Name(name) => names
             .kind(name)
             .or_else(|| output(name))
+            .or_else(|| name.contains('.').then_some(Kind::Length))
             .unwrap_or(Kind::Number),
         NodeKind::Negate(inner) => kind_of(inner, names, output),
         NodeKind::Binary(sign, a, b) => {

@@ -4,6 +4,7 @@ use super::super::file::{InputFile, SceneFile};
 use super::super::formula::chain::{Factor, Item, expand, parse as parse_chain};
 use super::super::formula::expression::{Node, parse as parse_expression};
 use super::super::reader::{FormulaText, Spanned};
+use super::contacts::chains::{ContactItems, ParsedContact};
 use crate::diag::{Diagnostic, Diagnostics};
 
 /// A name and what was parsed for it.
@@ -17,6 +18,8 @@ pub struct Parsed {
     pub equations: Vec<Named<Node>>,
     pub guess: Vec<Named<Node>>,
     pub outputs: Vec<Named<Node>>,
+    /// Surface contacts.
+    pub contacts: Vec<ParsedContact>,
     /// One per body of the file; empty for a body that stands in the world.
     pub frames: Vec<Vec<Factor>>,
     /// Named chains, for placing shapes.
@@ -34,13 +37,25 @@ pub enum ParsedInput {
 impl Parsed {
     /// Parses everything; what fails is reported and left out.
     pub fn new(file: &SceneFile, diagnostics: &mut Diagnostics) -> Self {
-        let chains: Vec<Named<Vec<Item>>> = file
+        let mut chains: Vec<Named<Vec<Item>>> = file
             .chains
             .iter()
             .map(|(name, text)| {
                 let items = note(parse_chain, text, diagnostics);
                 (name.clone(), items.unwrap_or_else(|| vec![Item::Broken]))
             })
+            .collect();
+        let contacts: Vec<ContactItems> = file
+            .contacts
+            .iter()
+            .filter_map(|contact| ContactItems::parse(contact, diagnostics))
+            .collect();
+        for contact in &contacts {
+            chains.extend(contact.frame().map(|items| (contact.name.clone(), items)));
+        }
+        let contacts: Vec<ParsedContact> = contacts
+            .into_iter()
+            .filter_map(|contact| contact.expand(&chains, diagnostics))
             .collect();
         let loops: Vec<Named<Vec<Factor>>> = file
             .loops
@@ -64,8 +79,9 @@ impl Parsed {
         };
         let (parameters, equations) = (named(&file.parameters), named(&file.equations));
         let (guess, outputs) = (named(&file.guess), named(&file.outputs));
-        let is_complete =
-            loops.len() == file.loops.len() && equations.len() == file.equations.len();
+        let is_complete = loops.len() == file.loops.len()
+            && equations.len() == file.equations.len()
+            && contacts.len() == file.contacts.len();
         let inputs = file
             .inputs
             .iter()
@@ -81,6 +97,7 @@ impl Parsed {
             inputs,
             loops,
             equations,
+            contacts,
             guess,
             outputs,
             frames,
@@ -130,7 +147,7 @@ fn expanded(
     expand_items(&items, chains, diagnostics)
 }
 
-fn expand_items(
+pub fn expand_items(
     items: &[Item],
     chains: &[Named<Vec<Item>>],
     diagnostics: &mut Diagnostics,
@@ -155,7 +172,7 @@ fn expand_items(
 }
 
 /// Parses a text: its value, or the message with its place inside the file.
-fn note<T>(
+pub fn note<T>(
     parse: impl Fn(&str, usize) -> Result<T, Diagnostic>,
     text: &FormulaText,
     diagnostics: &mut Diagnostics,

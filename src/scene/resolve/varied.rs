@@ -5,10 +5,55 @@ use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;
 use super::super::formula::expression::{Node, NodeKind};
 use super::joints::Joints;
+use super::names::{Names, Parameter};
 use super::parsed::{Named, Parsed, expression};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::chain::Motion;
-use crate::model::mechanism::{Body, Trace};
+use crate::model::mechanism::{Body, Coordinate, Kind, Trace};
+
+impl Names {
+    /// The input that stands for a varied parameter.
+    pub fn varied_input(&self, name: &str) -> Option<usize> {
+        let index = self.parameters.iter().position(|p| p.name == name)?;
+        let varied = self.varied.iter().find(|(p, _)| *p == index);
+        varied.map(|(_, input)| *input)
+    }
+
+    /// Makes inputs of the parameters called `varied`, behind the file's own; returns their values.
+    pub fn promote(&mut self, varied: &[String]) -> Vec<f64> {
+        let mut values = Vec::new();
+        for name in varied {
+            let Some(index) = self.parameters.iter().position(|p| p.name == *name) else {
+                continue;
+            };
+            let parameter = &self.parameters[index];
+            values.push(parameter.value);
+            self.varied.push((index, self.inputs.len()));
+            self.inputs.push(Coordinate {
+                name: name.clone(),
+                kind: parameter.kind.unwrap_or(Kind::Number),
+            });
+        }
+        values
+    }
+
+    /// Parameters that are lengths or angles and given as numbers.
+    pub fn dimensions(&self, parsed: &Parsed) -> Vec<String> {
+        let is_number = |name: &str| {
+            let node = parsed.parameters.iter().find(|(n, _)| n.value == name);
+            let mut plain = node.is_some();
+            if let Some((_, node)) = node {
+                node.visit_names(&mut |_, _| plain = false);
+            }
+            plain
+        };
+        let measured = |p: &&Parameter| matches!(p.kind, Some(Kind::Length | Kind::Angle));
+        let list = self.parameters.iter().filter(measured);
+        list.filter(|p| is_number(&p.name))
+            .map(|p| p.name.clone())
+            .collect()
+    }
+}
 
 /// Deepest row of parameters defined by parameters that is followed.
 const MAX_DEPTH: usize = 100;
@@ -76,7 +121,7 @@ fn substitute(node: &mut Node, formulas: &[(String, Node)], depth: usize) {
             substitute(a, formulas, depth - 1);
             substitute(b, formulas, depth - 1);
         }
-        NodeKind::Call(_, args) | NodeKind::Measure(_, args) => args
+        NodeKind::Call(_, args) => args
             .iter_mut()
             .for_each(|arg| substitute(arg, formulas, depth - 1)),
     }

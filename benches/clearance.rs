@@ -1,0 +1,105 @@
+//! Time of one distance query for pairs of solids, and of the whole check of a scene. `cargo bench --bench clearance`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use glam::DVec3;
+use mechanim::clearance::check::check;
+use mechanim::clearance::core::{Element, elements};
+use mechanim::clearance::pair::distance;
+use mechanim::diag::Source;
+use mechanim::kinematics::sampling::frame_times;
+use mechanim::math::Pose;
+use mechanim::model::shape::{Shape, Solid};
+use mechanim::scene::{Overrides, load};
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Queries of each kind.
+const QUERIES: usize = 20_000;
+
+/// Rounds; the fastest counts.
+const ROUNDS: usize = 7;
+
+fn element(solid: Solid) -> Element {
+    let shape = Shape {
+        solid,
+        body_from_shape: Pose::IDENTITY,
+        colour: [0; 3],
+        opacity: 1.0,
+    };
+    elements(&[shape]).remove(0)
+}
+
+/// A pose on a path that passes through all kinds of positions.
+fn pose(k: usize) -> Pose {
+    let t = k as f64 * 0.377;
+    let turn = Pose::from_axis_rotation(0, t) * Pose::from_axis_rotation(2, 1.7 * t);
+    Pose::from_translation(DVec3::new(3.0 * t.sin(), 2.0 * (1.3 * t).cos(), 2.6)) * turn
+}
+
+fn micros(a: &Element, b: &Element) -> f64 {
+    let placed: Vec<Element> = (0..QUERIES).map(|k| b.moved(&pose(k))).collect();
+    let round = |_| {
+        let start = Instant::now();
+        for other in &placed {
+            black_box(distance(black_box(a), other));
+        }
+        start.elapsed().as_secs_f64() * 1e6 / QUERIES as f64
+    };
+    (0..ROUNDS).map(round).fold(f64::INFINITY, f64::min)
+}
+
+fn check_scene(path: &str) -> f64 {
+    let text = std::fs::read_to_string(path).unwrap();
+    let source = Source {
+        name: path.to_owned(),
+        text,
+    };
+    let scene = load(&source, &Overrides::default()).unwrap();
+    let rules = scene.clearance.as_ref().unwrap();
+    let times = frame_times(&scene.mechanism, scene.view.fps);
+    let start = Instant::now();
+    black_box(check(&scene.mechanism, rules, &times, 1e-3, &|_, _| {}).unwrap());
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+fn main() {
+    let (o, z) = (DVec3::ZERO, DVec3::Z);
+    let torus = element(Solid::Torus {
+        center: o,
+        axis: z,
+        ring: 2.0,
+        tube: 0.2,
+    });
+    let capsule = element(Solid::Capsule {
+        from: -z,
+        to: z,
+        radius: 0.3,
+    });
+    let cylinder = element(Solid::Cylinder {
+        from: -z,
+        to: z,
+        radius: 0.3,
+    });
+    let cuboid = element(Solid::Box {
+        center: o,
+        size: DVec3::new(1.0, 0.7, 0.5),
+    });
+    for (name, a, b) in [
+        ("torus-torus", &torus, &torus),
+        ("torus-capsule", &torus, &capsule),
+        ("capsule-capsule", &capsule, &capsule),
+        ("capsule-box", &capsule, &cuboid),
+        ("box-cylinder", &cuboid, &cylinder),
+        ("box-box", &cuboid, &cuboid),
+        ("cylinder-cylinder", &cylinder, &cylinder),
+    ] {
+        println!("{name:<20} {:>8.3} us a query", micros(a, b));
+    }
+    for scene in ["gearshift", "slider-crank", "seven-r"] {
+        let path = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
+        let best = (0..3)
+            .map(|_| check_scene(&path))
+            .fold(f64::INFINITY, f64::min);
+        println!("check {scene:<14} {best:>8.1} ms");
+    }
+}

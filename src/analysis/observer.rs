@@ -1,0 +1,39 @@
+//! Where a mechanism stands, as plain lengths: what two poses are compared by.
+
+use crate::kinematics::forward;
+use crate::model::mechanism::{Kind, Mechanism};
+use std::f64::consts::TAU;
+
+/// Coordinates of all body frames and traced points in the scene's unit. A scene without bodies is seen by its
+/// unknowns; angles then count as angle times size.
+pub fn positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
+    if mechanism.bodies.is_empty() {
+        let unknowns = mechanism.unknowns.iter().zip(coordinates);
+        return unknowns
+            .map(|(unknown, value)| match unknown.kind {
+                Kind::Length | Kind::Number => *value,
+                Kind::Angle => {
+                    // The same angle a turn further on is the same place.
+                    let turns = libm::floor(value / TAU + 0.5);
+                    (value - TAU * turns) * mechanism.size
+                }
+            })
+            .collect();
+    }
+    let poses = forward::body_poses(mechanism, coordinates);
+    let traces = forward::trace_points(mechanism, &poses);
+    let origins = poses.iter().map(|pose| pose.translation);
+    origins.chain(traces).flat_map(|p| p.to_array()).collect()
+}
+
+/// Largest difference of two lists of positions; infinite where anything is not a number.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| {
+        let difference = (a - b).abs();
+        if difference.is_nan() {
+            f64::INFINITY
+        } else {
+            largest.max(difference)
+        }
+    })
+}

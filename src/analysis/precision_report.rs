@@ -1,0 +1,267 @@
+//! A work-precision study as a table for people, as CSV, as JSON, and as a chart.
+
+use super::routes::{RotationForm, Route};
+use super::work_precision::{Row, Study};
+use crate::model::mechanism::Mechanism;
+use crate::plot::{Axis, Chart, Panel, ScaleKind, Series, SeriesStyle};
+use serde_json::{Value, json};
+
+/// Errors below this share of the size are drawn here: zero has no place on a logarithmic axis.
+const LEAST_SHOWN: f64 = 1e-17;
+
+/// Columns of the table and of the CSV file.
+const HEADER: [&str; 11] = [
+    "route",
+    "predictor",
+    "tolerance",
+    "residual",
+    "steps",
+    "us_per_pose",
+    "newton_per_pose",
+    "end_error",
+    "error",
+    "closure_error",
+    "lost",
+];
+
+/// The setting of a row: predictor order, closure tolerance, residual form; empty where they mean nothing.
+fn setting(row: &Row) -> [String; 3] {
+    match row.route {
+        Some(Route::Position {
+            predictor,
+            tolerance,
+            form,
+        }) => [
+            predictor.to_string(),
+            format!("{tolerance:e}"),
+            match form {
+                RotationForm::Log => "log",
+                RotationForm::Skew => "skew",
+            }
+            .to_owned(),
+        ],
+        Some(Route::Ode { .. }) | None => [const { String::new() }; 3],
+    }
+}
+
+fn cells(row: &Row) -> [String; 11] {
+    let [predictor, tolerance, form] = setting(row);
+    [
+        row.family.to_owned(),
+        predictor,
+        tolerance,
+        form,
+        row.steps.to_string(),
+        format!("{:.2}", row.time),
+        format!("{:.2}", row.iterations),
+        format!("{:.2e}", row.end_error),
+        format!("{:.2e}", row.error),
+        format!("{:.1e}", row.closure),
+        row.lost.to_string(),
+    ]
+}
+
+/// Aligned columns, with what they mean.
+pub fn text(mechanism: &Mechanism, study: &Study) -> String {
+    let mut rows = vec![HEADER.map(str::to_owned)];
+    rows.extend(study.rows.iter().map(cells));
+    let unit = &mechanism.length_unit;
+    let mut text = format!(
+        "{}: {} unknowns, {} poses\n",
+        mechanism.title, study.unknowns, study.poses
+    );
+    text.push_str(&aligned(&rows));
+    text.push_str(&format!(
+        "\nerror: largest difference of a coordinate to the true pose in {unit}; end_error: at the last pose.\n"
+    ));
+    text.push_str(&match study.reference_bound {
+        Some(bound) => {
+            format!("The true poses are those of `mechanim solve`, proved to {bound:.1e} {unit}.\n")
+        }
+        None => {
+            "The true poses are those of `mechanim solve`; there is no proof for this mechanism.\n"
+                .to_owned()
+        }
+    });
+    if !study.drift.is_empty() {
+        let mut rows = vec![["route", "turns", "error", "closure_error"].map(str::to_owned)];
+        rows.extend(study.drift.iter().map(|d| {
+            [
+                d.name.to_owned(),
+                d.turns.to_string(),
+                format!("{:.2e}", d.error),
+                format!("{:.1e}", d.closure),
+            ]
+        }));
+        let steps = super::work_precision::DRIFT_STEPS;
+        text.push_str(&format!(
+            "\nDrift, {steps} steps a turn, against the pose at the start:\n"
+        ));
+        text.push_str(&aligned(&rows));
+    }
+    text
+}
+
+/// The first column to the left, the others to the right.
+fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = format!("{:<1$}", row[0], widths[0]);
+        for (cell, width) in row.iter().zip(&widths).skip(1) {
+            line.push_str(&format!("  {cell:>width$}"));
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// The rows as CSV; drift is in the JSON and in the table.
+pub fn csv(study: &Study) -> String {
+    let mut lines = vec![HEADER.join(",")];
+    for row in &study.rows {
+        let [predictor, tolerance, form] = setting(row);
+        let numbers = [
+            row.time,
+            row.iterations,
+            row.end_error,
+            row.error,
+            row.closure,
+        ];
+        let numbers = numbers.map(|v| {
+            if v.is_finite() {
+                format!("{v:e}")
+            } else {
+                String::new()
+            }
+        });
+        let steps = row.steps.to_string();
+        let mut cells = vec![row.family.to_owned(), predictor, tolerance, form, steps];
+        cells.extend(numbers);
+        cells.push(row.lost.to_string());
+        lines.push(cells.join(","));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// The study as one JSON object.
+pub fn json(mechanism: &Mechanism, study: &Study) -> Value {
+    let rows: Vec<Value> = study.rows.iter().map(row_json).collect();
+    let drift: Vec<Value> = study
+        .drift
+        .iter()
+        .map(|d| {
+            json!({
+                "route": d.name,
+                "turns": d.turns,
+                "error": number(d.error),
+                "closure_error": number(d.closure),
+            })
+        })
+        .collect();
+    json!({
+        "schema": "mechanim-accuracy/1",
+        "title": mechanism.title,
+        "units": { "length": mechanism.length_unit, "time_per_pose": "us" },
+        "size": mechanism.size,
+        "unknowns": study.unknowns,
+        "poses": study.poses,
+        "reference_bound": study.reference_bound,
+        "rows": rows,
+        "drift_steps_per_turn": super::work_precision::DRIFT_STEPS,
+        "drift": drift,
+    })
+}
+
+fn row_json(row: &Row) -> Value {
+    let (predictor, tolerance, form) = match row.route {
+        Some(Route::Position {
+            predictor,
+            tolerance,
+            ..
+        }) => (json!(predictor), json!(tolerance), json!(setting(row)[2])),
+        Some(Route::Ode { .. }) | None => (Value::Null, Value::Null, Value::Null),
+    };
+    json!({
+        "route": row.family,
+        "predictor": predictor,
+        "tolerance": tolerance,
+        "residual": form,
+        "steps": row.steps,
+        "us_per_pose": number(row.time),
+        "newton_per_pose": number(row.iterations),
+        "end_error": number(row.end_error),
+        "error": number(row.error),
+        "closure_error": number(row.closure),
+        "lost": row.lost,
+    })
+}
+
+/// A number that JSON cannot say is missing: the route came to no pose.
+fn number(value: f64) -> Value {
+    if value.is_finite() {
+        json!(value)
+    } else {
+        Value::Null
+    }
+}
+
+/// Time per pose over error, both logarithmic; one curve per family, fastest and most exact towards the lower left.
+pub fn chart(mechanism: &Mechanism, study: &Study) -> Chart {
+    let mut families: Vec<&str> = Vec::new();
+    let shown: Vec<&Row> = study.rows.iter().filter(|r| is_shown(r, study)).collect();
+    for row in &shown {
+        if !families.contains(&row.family) {
+            families.push(row.family);
+        }
+    }
+    let least = LEAST_SHOWN * mechanism.size;
+    let series = families.into_iter().map(|family| {
+        let rows = shown.iter().filter(|r| r.family == family);
+        let mut points: Vec<[f64; 2]> = rows.map(|r| [r.error.max(least), r.time]).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Series {
+            name: family.to_owned(),
+            points: points.into_iter().map(Some).collect(),
+            style: SeriesStyle::Dots,
+            ..Series::default()
+        }
+    });
+    let axis = |label: &str, unit: &str| Axis {
+        label: label.to_owned(),
+        unit: unit.to_owned(),
+        scale: ScaleKind::Log,
+        tight: false,
+    };
+    Chart {
+        title: format!("{}: work against precision", mechanism.title),
+        description: format!(
+            "Microseconds per pose against the largest error of {} poses, by route",
+            study.poses
+        ),
+        panels: vec![Panel {
+            x: axis("largest error", &mechanism.length_unit),
+            y: axis("time per pose", "µs"),
+            series: series.filter(|s| !s.points.is_empty()).collect(),
+            ..Panel::default()
+        }],
+        notes: vec![format!(
+            "{} unknowns, {} poses",
+            study.unknowns, study.poses
+        )],
+    }
+}
+
+/// Whether a row is a point of the chart: the skew residual lies on top of the rotation vector's curve, and Newton
+/// needs no smaller steps; both are in the table.
+fn is_shown(row: &Row, study: &Study) -> bool {
+    let is_variant = match row.route {
+        Some(Route::Position { form, .. }) => {
+            form == RotationForm::Skew || row.steps != study.poses
+        }
+        _ => false,
+    };
+    row.error.is_finite() && row.lost == 0 && !is_variant
+}

@@ -1,0 +1,82 @@
+//! The poses that routes are compared with: solved with all care, and how well they are known.
+
+use super::observer::{distance, positions};
+use crate::kinematics::certificate::Certificate;
+use crate::kinematics::closure::{BlockWorkspace, Want};
+use crate::kinematics::continuation::solve;
+use crate::kinematics::qr::PivotedQr;
+use crate::kinematics::rank::RANK_TOLERANCE;
+use crate::kinematics::structure::{Structure, StructureError};
+use crate::model::mechanism::Mechanism;
+
+/// The true motion at some instants, as well as f64 can say it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// Seconds.
+    pub times: Vec<f64>,
+    /// Unknowns, then inputs, at these times; `None` where the mechanism cannot be closed.
+    pub poses: Vec<Option<Vec<f64>>>,
+    /// Worst proved error of an unknown, in the scene's unit (angles times the size); `None` where any has no proof.
+    pub bound: Option<f64>,
+    /// Largest change of a coordinate by one more Newton step, in the scene's unit: what rounding leaves.
+    pub moved: f64,
+    /// The same at the last pose.
+    pub moved_at_end: f64,
+}
+
+impl Reference {
+    /// Solves `mechanism` at `times`.
+    ///
+    /// # Errors
+    /// Only where the mechanism itself is ill-posed.
+    pub fn new(
+        mechanism: &Mechanism,
+        structure: &Structure,
+        times: Vec<f64>,
+    ) -> Result<Self, StructureError> {
+        let trajectory = solve(mechanism, &times)?;
+        let mut reference = Self {
+            times,
+            bound: Some(0.0),
+            ..Self::default()
+        };
+        for sample in &trajectory.samples {
+            let Some(pose) = &sample.pose else {
+                reference.poses.push(None);
+                continue;
+            };
+            reference.bound = match (reference.bound, pose.certificate) {
+                (Some(worst), Certificate::Certified { error_bound, .. }) => {
+                    Some(worst.max(error_bound))
+                }
+                _ => None,
+            };
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            let next = newton_step(mechanism, structure, &coordinates);
+            let here = positions(mechanism, &coordinates);
+            let moved = distance(&here, &positions(mechanism, &next));
+            reference.moved = reference.moved.max(moved);
+            reference.moved_at_end = moved;
+            reference.poses.push(Some(coordinates));
+        }
+        Ok(reference)
+    }
+}
+
+/// The pose after one more step, block by block.
+fn newton_step(mechanism: &Mechanism, structure: &Structure, coordinates: &[f64]) -> Vec<f64> {
+    let mut coordinates = coordinates.to_vec();
+    let (mut workspace, mut qr) = (BlockWorkspace::default(), PivotedQr::default());
+    for block in &structure.blocks {
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        workspace.evaluate(mechanism, block, &coordinates, Want::Jacobian);
+        qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);
+        let mut step = vec![0.0; columns];
+        let mut right_side: Vec<f64> = workspace.residual.iter().map(|r| -r).collect();
+        qr.solve(&mut right_side, &mut step);
+        for (unknown, step) in block.unknowns.iter().zip(&step) {
+            coordinates[*unknown] += mechanism.scale_of(*unknown) * step;
+        }
+    }
+    coordinates
+}

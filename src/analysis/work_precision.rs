@@ -1,0 +1,354 @@
+//! Work against precision: the same instants of one motion reached by many routes, each with its time and true error.
+//!
+//! Every route delivers the same poses; one that makes smaller steps in between pays for them. Times are measured
+//! and vary with the machine; errors do not.
+
+use super::observer::{distance, positions};
+use super::reference::Reference;
+use super::routes::{RotationForm, Route, Walker};
+use crate::kinematics::continuation::solve;
+use crate::kinematics::forward;
+use crate::kinematics::sampling::is_cyclic;
+use crate::kinematics::structure::{Structure, StructureError};
+use crate::model::mechanism::Mechanism;
+use std::time::Instant;
+
+/// A run is repeated until this many seconds have gone by; the fastest counts.
+const ENOUGH: f64 = 0.03;
+
+/// Most repetitions of a run.
+const MOST_RUNS: usize = 20;
+
+/// A pose farther from the true one than this share of the mechanism's size is another assembly, or lost.
+const LOST: f64 = 0.25;
+
+/// Start and end of a motion that returns differ by no more, relative to the size.
+const RETURNS: f64 = 1e-9;
+
+/// Steps of the integrations in the drift table, per turn.
+pub const DRIFT_STEPS: usize = 180;
+
+/// What was measured of one route.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Name of the group it belongs to; a curve of the chart.
+    pub family: &'static str,
+    /// The route; `None` for the program's own way.
+    pub route: Option<Route>,
+    /// Steps over the whole motion.
+    pub steps: usize,
+    /// Microseconds per pose delivered.
+    pub time: f64,
+    /// Newton iterations per pose, summed over blocks.
+    pub iterations: f64,
+    /// Largest coordinate difference to the reference at the end of the motion, in the scene's unit.
+    pub end_error: f64,
+    /// The same, at the worst instant.
+    pub error: f64,
+    /// Largest closure error at any instant, relative to the size.
+    pub closure: f64,
+    /// Instants without a pose, or with one that is not the motion's.
+    pub lost: usize,
+}
+
+/// How far a route has drifted after some turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drift {
+    /// Name of the route.
+    pub name: &'static str,
+    /// Turns.
+    pub turns: usize,
+    /// Largest coordinate difference to the pose at the start.
+    pub error: f64,
+    /// Closure error there.
+    pub closure: f64,
+}
+
+/// The whole study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// Instants compared, the start not counted.
+    pub poses: usize,
+    /// Unknowns of the mechanism.
+    pub unknowns: usize,
+    /// Worst proved error of an unknown in the reference, in the scene's unit; `None` where any has no proof.
+    pub reference_bound: Option<f64>,
+    /// One per route and setting.
+    pub rows: Vec<Row>,
+    /// Empty where the motion does not return to its start.
+    pub drift: Vec<Drift>,
+}
+
+/// Why there is no study.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The mechanism is ill-posed.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// Routes can only be compared where the motion has poses all along.
+    #[error(
+        "the motion has no pose at t = {time:.9} s: routes are compared on motions without gaps"
+    )]
+    Gap {
+        /// Seconds.
+        time: f64,
+    },
+}
+
+/// A mechanism with its reference.
+struct Bench<'m> {
+    mechanism: &'m Mechanism,
+    structure: Structure,
+    reference: Reference,
+    /// Positions of the reference at its times.
+    truth: Vec<Vec<f64>>,
+    start: Vec<f64>,
+}
+
+/// Compares routes on `mechanism` at `poses` instants after the start, and drifts over up to `turns` turns.
+///
+/// # Errors
+/// See [`StudyError`].
+pub fn study(mechanism: &Mechanism, poses: usize, turns: usize) -> Result<Study, StudyError> {
+    let structure = Structure::new(mechanism)?;
+    let times = instants(mechanism, poses);
+    let reference = Reference::new(mechanism, &structure, times)?;
+    let mut truth = Vec::with_capacity(poses + 1);
+    for (time, pose) in reference.times.iter().zip(&reference.poses) {
+        let Some(pose) = pose else {
+            return Err(StudyError::Gap { time: *time });
+        };
+        truth.push(positions(mechanism, pose));
+    }
+    let start = reference.poses[0].clone().unwrap_or_default();
+    let bench = Bench {
+        mechanism,
+        structure,
+        reference,
+        truth,
+        start,
+    };
+    let mut rows = vec![bench.own_row()?];
+    let settings = settings().into_iter();
+    rows.extend(settings.map(|(family, route, factor)| bench.row(family, route, poses * factor)));
+    Ok(Study {
+        poses,
+        unknowns: mechanism.unknowns.len(),
+        reference_bound: bench.reference.bound,
+        rows,
+        drift: bench.drift(turns),
+    })
+}
+
+/// `count` equal steps from the start to the end of the drive.
+fn instants(mechanism: &Mechanism, count: usize) -> Vec<f64> {
+    let share = |k: usize| k as f64 / count as f64;
+    (0..=count).map(|k| mechanism.duration * share(k)).collect()
+}
+
+/// Families, routes, and steps per pose.
+fn settings() -> Vec<(&'static str, Route, usize)> {
+    let position = |predictor, tolerance, form| Route::Position {
+        predictor,
+        tolerance,
+        form,
+    };
+    let mut list = Vec::new();
+    let families = [
+        "Newton from the last pose",
+        "tangent + Newton",
+        "Taylor 2 + Newton",
+        "Taylor 3 + Newton",
+    ];
+    for (predictor, family) in families.into_iter().enumerate() {
+        for tolerance in [1e-4, 1e-7, 1e-10, 1e-13] {
+            list.push((family, position(predictor, tolerance, RotationForm::Log), 1));
+        }
+    }
+    list.push((families[1], position(1, 1e-13, RotationForm::Log), 4));
+    for predictor in 0..2 {
+        list.push((
+            "skew residual",
+            position(predictor, 1e-13, RotationForm::Skew),
+            1,
+        ));
+    }
+    let ode = |order, projected| Route::Ode { order, projected };
+    for factor in [1, 4, 40] {
+        list.push(("Euler", ode(1, false), factor));
+    }
+    for factor in [1, 2, 4, 16, 40] {
+        list.push(("Runge-Kutta 4", ode(4, false), factor));
+    }
+    for factor in [1, 2] {
+        list.push(("Runge-Kutta 4 + Newton", ode(4, true), factor));
+    }
+    list
+}
+
+impl Bench<'_> {
+    fn row(&self, family: &'static str, route: Route, steps: usize) -> Row {
+        let poses = self.reference.times.len() - 1;
+        let mut walker = Walker::new(self.mechanism, &self.structure);
+        let (found, time) = fastest(|| {
+            walker.iterations = 0;
+            self.walk(&mut walker, route, steps)
+        });
+        Row {
+            family,
+            route: Some(route),
+            steps,
+            time: time * 1e6 / poses as f64,
+            iterations: walker.iterations as f64 / poses as f64,
+            ..self.judged(&found)
+        }
+    }
+
+    /// The poses at all instants after the start; those behind a failure are missing.
+    fn walk(&self, walker: &mut Walker, route: Route, steps: usize) -> Vec<Vec<f64>> {
+        let poses = self.reference.times.len() - 1;
+        let each = steps / poses;
+        let mut coordinates = self.start.clone();
+        let mut found = Vec::with_capacity(poses);
+        // Times are computed from their index, never summed up.
+        let time = |k: usize| self.mechanism.duration * (k as f64 / steps as f64);
+        for k in 0..steps {
+            let done = walker.advance(route, &mut coordinates, time(k), time(k + 1));
+            if done.is_none() {
+                break;
+            }
+            if (k + 1) % each == 0 {
+                found.push(coordinates.clone());
+            }
+        }
+        found
+    }
+
+    /// Errors of the poses at the instants after the start.
+    fn judged(&self, found: &[Vec<f64>]) -> Row {
+        let truth = &self.truth[1..];
+        let errors: Vec<f64> = found
+            .iter()
+            .zip(truth)
+            .map(|(pose, truth)| distance(&positions(self.mechanism, pose), truth))
+            .collect();
+        let limit = LOST * self.mechanism.size;
+        let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
+        let closures = found
+            .iter()
+            .map(|pose| forward::closure_error(self.mechanism, pose));
+        let is_whole = found.len() == truth.len();
+        Row {
+            family: "",
+            route: None,
+            steps: 0,
+            time: 0.0,
+            iterations: 0.0,
+            end_error: errors
+                .last()
+                .copied()
+                .filter(|_| is_whole)
+                .unwrap_or(f64::NAN),
+            error: errors.iter().copied().fold(0.0, f64::max),
+            closure: closures.fold(0.0, f64::max),
+            lost: truth.len() - found.len() + strayed,
+        }
+    }
+
+    /// What `mechanim solve` does: steps as long as they may be, branch watched, every pose proved.
+    fn own_row(&self) -> Result<Row, StudyError> {
+        let times = &self.reference.times;
+        let poses = times.len() - 1;
+        let (solved, time) = fastest(|| solve(self.mechanism, times));
+        let trajectory = solved?;
+        let samples = trajectory.samples[1..].iter();
+        let found: Vec<Vec<f64>> = samples
+            .filter_map(|s| Some([s.pose.as_ref()?.unknowns.as_slice(), &s.inputs].concat()))
+            .collect();
+        // The reference are these very poses; what another Newton step moves is what is left of their error.
+        let judged = Row {
+            error: self.reference.moved,
+            end_error: self.reference.moved_at_end,
+            ..self.judged(&found)
+        };
+        let iterations: u32 = trajectory.poses().skip(1).map(|p| p.iterations).sum();
+        Ok(Row {
+            family: "mechanim solve",
+            steps: poses,
+            time: time * 1e6 / poses as f64,
+            iterations: f64::from(iterations) / poses as f64,
+            ..judged
+        })
+    }
+
+    /// Errors after 1, 10, 100 … turns, as far as `turns`.
+    fn drift(&self, turns: usize) -> Vec<Drift> {
+        let (first, last) = (&self.truth[0], &self.truth[self.truth.len() - 1]);
+        let returns = distance(first, last) <= RETURNS * self.mechanism.size;
+        if !returns || !is_cyclic(self.mechanism) {
+            return Vec::new();
+        }
+        let newton = Route::Position {
+            predictor: 1,
+            tolerance: super::routes::TIGHT,
+            form: RotationForm::Log,
+        };
+        let ode = |projected| Route::Ode {
+            order: 4,
+            projected,
+        };
+        let routes = [
+            ("Runge-Kutta 4", ode(false)),
+            ("Runge-Kutta 4 + Newton", ode(true)),
+            ("tangent + Newton", newton),
+        ];
+        let mut list = Vec::new();
+        for (name, route) in routes {
+            self.drift_of(name, route, turns, &mut list);
+        }
+        list
+    }
+
+    fn drift_of(&self, name: &'static str, route: Route, turns: usize, list: &mut Vec<Drift>) {
+        let mut walker = Walker::new(self.mechanism, &self.structure);
+        let mut coordinates = self.start.clone();
+        let time = |k: usize| self.mechanism.duration * (k as f64 / DRIFT_STEPS as f64);
+        let mut next = 1;
+        for turn in 1..=turns {
+            for k in 0..DRIFT_STEPS {
+                if walker
+                    .advance(route, &mut coordinates, time(k), time(k + 1))
+                    .is_none()
+                {
+                    return;
+                }
+            }
+            if turn == next {
+                next *= 10;
+                let here = positions(self.mechanism, &coordinates);
+                list.push(Drift {
+                    name,
+                    turns: turn,
+                    error: distance(&here, &self.truth[0]),
+                    closure: forward::closure_error(self.mechanism, &coordinates),
+                });
+            }
+        }
+    }
+}
+
+/// The result of `run`, and the shortest time in seconds it took.
+fn fastest<T>(mut run: impl FnMut() -> T) -> (T, f64) {
+    let begin = Instant::now();
+    let mut result = run();
+    let mut best = begin.elapsed().as_secs_f64();
+    for _ in 1..MOST_RUNS {
+        if begin.elapsed().as_secs_f64() > ENOUGH {
+            break;
+        }
+        let start = Instant::now();
+        result = run();
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    (result, best)
+}

@@ -1,0 +1,108 @@
+//! Distance of two bodies: the least of all pairs of their elements.
+
+use super::core::{Core, Element, elements};
+use super::mesh;
+use super::pair::{Proximity, distance};
+use super::point::point_to;
+use crate::math::Pose;
+use crate::model::mechanism::Body;
+use glam::DVec3;
+
+/// A body's elements in its frame, and a ball around them.
+#[derive(Clone, Debug)]
+pub struct Hull {
+    /// The elements.
+    pub elements: Vec<Element>,
+    /// Centre and radius of the ball.
+    pub ball: (DVec3, f64),
+}
+
+/// The nearest, or deepest, elements of two bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyProximity {
+    /// Where they are, in the first body's frame.
+    pub proximity: Proximity,
+    /// Which elements.
+    pub elements: [usize; 2],
+}
+
+impl Hull {
+    /// Of a body; `None` if it has no solids.
+    pub fn new(body: &Body) -> Option<Self> {
+        let elements = elements(&body.shapes);
+        let balls: Vec<(DVec3, f64)> = elements.iter().map(Element::bounds).collect();
+        let low = balls.iter().map(|(c, r)| *c - *r).reduce(DVec3::min)?;
+        let high = balls.iter().map(|(c, r)| *c + *r).reduce(DVec3::max)?;
+        let center = (low + high) * 0.5;
+        let far = balls.iter().map(|(c, r)| c.distance(center) + r);
+        Some(Self {
+            ball: (center, far.fold(0.0, f64::max)),
+            elements,
+        })
+    }
+
+    /// Lower bound of the distance from another hull placed by `here_from_other`.
+    pub fn apart(&self, other: &Self, here_from_other: &Pose) -> f64 {
+        let center = here_from_other.transform_point(other.ball.0);
+        center.distance(self.ball.0) - self.ball.1 - other.ball.1
+    }
+}
+
+/// Lower bound of the distance of two elements in one frame.
+pub fn apart(a: &Element, b: &Element) -> f64 {
+    let ((p, r), (q, s)) = (a.bounds(), b.bounds());
+    let mut lowest = p.distance(q) - r - s;
+    // Long elements are far larger than they are thick: one's ball from the other itself says more.
+    for (element, center, radius) in [(a, q, s), (b, p, r)] {
+        if let Some(hit) = point_to(&element.core, center) {
+            lowest = lowest.max(hit.distance - element.radius - radius);
+        }
+    }
+    lowest
+}
+
+/// The nearest elements of two hulls.
+pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<BodyProximity> {
+    let placed: Vec<Element> = b.elements.iter().map(|e| e.moved(a_from_b)).collect();
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, first) in a.elements.iter().enumerate() {
+        pairs.extend(
+            placed
+                .iter()
+                .enumerate()
+                .map(|(j, second)| (apart(first, second), i, j)),
+        );
+    }
+    pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let mut best: Option<BodyProximity> = None;
+    for (lowest, i, j) in pairs {
+        if best.is_some_and(|b| lowest >= b.proximity.distance) {
+            break;
+        }
+        let proximity = distance(&a.elements[i], &placed[j]);
+        if best.is_none_or(|b| proximity.distance < b.proximity.distance) {
+            best = Some(BodyProximity {
+                proximity,
+                elements: [i, j],
+            });
+        }
+    }
+    best
+}
+
+/// Whether a mesh of one body encloses a solid of the other without touching it, or the other way round.
+pub fn enclosed(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<[usize; 2]> {
+    let is_mesh = |e: &Element| matches!(e.core, Core::Mesh(..));
+    for (i, first) in a.elements.iter().enumerate() {
+        for (j, second) in b.elements.iter().enumerate() {
+            let placed = second.moved(a_from_b);
+            if (is_mesh(first) || is_mesh(second))
+                && apart(first, &placed) < 0.0
+                && mesh::one_inside(&first.core, &placed.core)
+            {
+                return Some([i, j]);
+            }
+        }
+    }
+    None
+}

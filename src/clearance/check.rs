@@ -1,0 +1,239 @@
+//! The whole check: every pair of bodies, judged, excluded by rule or by the scene, and in what order to report them.
+
+use super::bodies::Hull;
+use super::core::Core;
+use super::mesh::Enclosure;
+use super::motion::Motion;
+use super::neighbours::Neighbours;
+use super::sweep::{Least, PairSweep};
+use crate::kinematics::structure::Structure;
+use crate::kinematics::structure::StructureError;
+use crate::model::clearance::ClearanceRules;
+use crate::model::mechanism::Mechanism;
+
+/// Most instants at which an excluded pair is looked at: it is reported, not judged.
+const LOOKS_AT_EXCLUDED: usize = 24;
+
+/// How a pair was judged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Judgement {
+    /// Never nearer than its minimum, and the bound says so too.
+    Passed,
+    /// Nearer than its minimum.
+    Failed,
+    /// The distances found pass, but the bound below them does not, and could not be made finer.
+    Undecided,
+    /// Joined by this joint: not judged.
+    Neighbours(&'static str),
+    /// Left out by the scene for this reason.
+    Ignored(String),
+}
+
+/// A pair of bodies over the motion.
+#[derive(Clone, Debug)]
+pub struct PairReport {
+    /// Indices of the bodies, ascending.
+    pub pair: [usize; 2],
+    /// Least distance that passes.
+    pub minimum: f64,
+    /// Where they are nearest.
+    pub least: Least,
+    /// What that means.
+    pub judgement: Judgement,
+    /// Distances at the sampled times; empty for excluded pairs.
+    pub distances: Vec<f64>,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct ClearanceReport {
+    /// Judged pairs: failed and undecided ones first, then by distance above their minimum.
+    pub judged: Vec<PairReport>,
+    /// Excluded pairs, those of the scene first.
+    pub excluded: Vec<PairReport>,
+    /// Sampled times, seconds.
+    pub times: Vec<f64>,
+    /// Stretches of time that could not be checked.
+    pub gaps: Vec<[f64; 2]>,
+    /// What is odd: exclusions that are not needed, meshes without an inside.
+    pub warnings: Vec<String>,
+    /// Asked nearness of distance and bound, relative.
+    pub tolerance: f64,
+}
+
+impl ClearanceReport {
+    /// Every judged pair passed.
+    pub fn passed(&self) -> bool {
+        self.judged.iter().all(|p| p.judgement == Judgement::Passed)
+    }
+
+    /// The pair to look at first.
+    pub fn worst(&self) -> Option<&PairReport> {
+        self.judged.first()
+    }
+
+    /// Bodies that are nearer to another one than their minimum at the sampled time nearest to `time`.
+    pub fn offenders(&self, time: f64) -> Vec<usize> {
+        let off = |k: &usize| (self.times[*k] - time).abs();
+        let sample = (0..self.times.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let is_near = |p: &&PairReport| {
+            let distance = sample.and_then(|k| p.distances.get(k));
+            distance.is_some_and(|d| *d < p.minimum)
+        };
+        let near = self.judged.iter().filter(is_near);
+        let mut list: Vec<usize> = near.flat_map(|p| p.pair).collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+}
+
+/// Checks the clearances of a mechanism over its drive, sampled at `times` (and wherever an input bends).
+///
+/// # Errors
+/// Only where the mechanism itself is ill-posed.
+pub fn check(
+    mechanism: &Mechanism,
+    rules: &ClearanceRules,
+    times: &[f64],
+    tolerance: f64,
+    progress: &dyn Fn(usize, usize),
+) -> Result<ClearanceReport, StructureError> {
+    let structure = Structure::new(mechanism)?;
+    let mut motion = Motion::new(mechanism, &structure, times)?;
+    let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
+    let neighbours = Neighbours::new(mechanism);
+    let mut report = ClearanceReport {
+        judged: Vec::new(),
+        excluded: Vec::new(),
+        times: motion
+            .samples
+            .iter()
+            .map(|k| motion.instants[*k].time)
+            .collect(),
+        gaps: Vec::new(),
+        warnings: mesh_warnings(mechanism, &hulls),
+        tolerance,
+    };
+    let count = hulls.len();
+    let all = count * count.saturating_sub(1) / 2;
+    let mut done = 0;
+    for a in 0..count {
+        for b in a + 1..count {
+            progress(done, all);
+            done += 1;
+            let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
+                continue;
+            };
+            let minimum = rules.minimum_of([a, b]);
+            let sweep = PairSweep::new(&motion, [a, b], [first, second], tolerance, minimum);
+            let ignored = rules.ignored.iter().find(|i| i.pair == [a, b]);
+            let joint = neighbours.joint(a, b);
+            let excluded = match (ignored, joint) {
+                (Some(ignored), _) => Some(Judgement::Ignored(ignored.reason.clone())),
+                (None, Some(joint)) => Some(Judgement::Neighbours(joint)),
+                (None, None) => None,
+            };
+            if let Some(judgement) = excluded {
+                let pair = look_at_excluded(&motion, &sweep, minimum, judgement);
+                if let (Some(_), Some(pair)) = (ignored, &pair) {
+                    report.warnings.extend(needless(mechanism, pair, joint));
+                }
+                report.excluded.extend(pair);
+            } else {
+                report.judged.extend(judge(&mut motion, &sweep, minimum));
+            }
+        }
+    }
+    progress(all, all);
+    report.gaps = motion.gaps;
+    let rank = |p: &PairReport| match p.judgement {
+        Judgement::Failed => 0,
+        Judgement::Undecided => 1,
+        _ => 2,
+    };
+    let spare = |p: &PairReport| p.least.distance - p.minimum;
+    report
+        .judged
+        .sort_by(|p, q| rank(p).cmp(&rank(q)).then(spare(p).total_cmp(&spare(q))));
+    report
+        .excluded
+        .sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
+    Ok(report)
+}
+
+fn look_at_excluded(
+    motion: &Motion,
+    sweep: &PairSweep,
+    minimum: f64,
+    judgement: Judgement,
+) -> Option<PairReport> {
+    let stride = motion.samples.len().div_ceil(LOOKS_AT_EXCLUDED).max(1);
+    let instants: Vec<usize> = motion.samples.iter().copied().step_by(stride).collect();
+    let least = sweep.sampled(motion, &instants, &mut Vec::new())?;
+    Some(PairReport {
+        pair: sweep.bodies(),
+        minimum,
+        least,
+        judgement,
+        distances: Vec::new(),
+    })
+}
+
+/// An exclusion that excludes nothing.
+fn needless(mechanism: &Mechanism, pair: &PairReport, joint: Option<&str>) -> Option<String> {
+    let [a, b] = pair.pair.map(|k| &mechanism.bodies[k].name);
+    if let Some(joint) = joint {
+        return Some(format!(
+            "`{a}` and `{b}` need no `ignore`: they are neighbours ({joint})"
+        ));
+    }
+    (pair.least.distance >= pair.minimum).then(|| {
+        format!(
+            "`{a}` and `{b}` need no `ignore`: they were never seen nearer than {:.6} {}",
+            pair.least.distance, mechanism.length_unit
+        )
+    })
+}
+
+fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairReport> {
+    let mut distances = Vec::new();
+    let least = sweep.least_over(motion, &mut distances)?;
+    // The distance is known to within its distance from the bound, which is as small as was asked.
+    let judgement = if least.distance < minimum {
+        Judgement::Failed
+    } else if least.bound >= minimum || least.is_refined {
+        Judgement::Passed
+    } else {
+        Judgement::Undecided
+    };
+    Some(PairReport {
+        pair: sweep.bodies(),
+        minimum,
+        least,
+        judgement,
+        distances,
+    })
+}
+
+fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
+    let mut list = Vec::new();
+    for (body, hull) in mechanism.bodies.iter().zip(hulls) {
+        for element in hull.iter().flat_map(|h| &h.elements) {
+            let Core::Mesh(tree, _) = &element.core else {
+                continue;
+            };
+            let (name, file) = (&body.name, &tree.source);
+            match tree.enclosure {
+                Enclosure::Solid => {}
+                Enclosure::InsideOut => list.push(format!(
+                    "the mesh of `{name}` ({file}) is inside out: its inside is taken as the enclosed space all the same"
+                )),
+                Enclosure::Open => list.push(format!(
+                    "the mesh of `{name}` ({file}) is open: only its surface counts, what lies inside is not noticed"
+                )),
+            }
+        }
+    }
+    list
+}

@@ -1,0 +1,299 @@
+//! The elements that bodies are made of for distances: a core (point, segment, circle, box, frustum, triangle, mesh)
+//! grown by a radius. Holds no distances.
+//!
+//! A sphere is a grown point, a capsule a grown segment, a torus a grown circle, a tube one grown segment a piece:
+//! each of them exactly. Nothing round is replaced by facets.
+
+use super::mesh::MeshTree;
+use crate::math::Pose;
+use crate::model::shape::{Shape, Solid};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// All points within `radius` of the core. Lengths in the scene's unit.
+#[derive(Clone, Debug)]
+pub struct Element {
+    /// What is grown.
+    pub core: Core,
+    /// By how much.
+    pub radius: f64,
+    /// Index of the body's shape it comes from.
+    pub shape: usize,
+}
+
+/// A circle in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle {
+    /// Centre.
+    pub center: DVec3,
+    /// Unit normal of its plane.
+    pub axis: DVec3,
+    /// Radius; zero gives a point.
+    pub radius: f64,
+}
+
+/// A box: `from_box` maps its own axes, `half` are half edge lengths.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Pose of the box's own frame, origin in the centre.
+    pub from_box: Pose,
+    /// Half edge lengths.
+    pub half: DVec3,
+}
+
+/// A flat-ended cylinder or cone frustum.
+#[derive(Clone, Copy, Debug)]
+pub struct Frustum {
+    /// Centre of the first end.
+    pub from: DVec3,
+    /// Unit vector to the other end.
+    pub axis: DVec3,
+    /// Distance of the ends.
+    pub length: f64,
+    /// Radii at both ends.
+    pub radii: [f64; 2],
+}
+
+/// What an element is grown from.
+#[derive(Clone, Debug)]
+pub enum Core {
+    /// A point.
+    Point(DVec3),
+    /// A segment.
+    Segment([DVec3; 2]),
+    /// A circle (the line, not the disk).
+    Circle(Circle),
+    /// A solid box.
+    Box(Block),
+    /// A solid cylinder or frustum.
+    Frustum(Frustum),
+    /// A flat triangle.
+    Triangle([DVec3; 3]),
+    /// Triangles of a file, placed by a pose.
+    Mesh(Arc<MeshTree>, Pose),
+}
+
+impl Frustum {
+    /// The circles at both ends.
+    pub fn rims(&self) -> [Circle; 2] {
+        [0, 1].map(|k| Circle {
+            center: self.from + self.axis * (self.length * k as f64),
+            axis: self.axis,
+            radius: self.radii[k],
+        })
+    }
+
+    /// The axis between the ends.
+    pub fn spine(&self) -> [DVec3; 2] {
+        [self.from, self.from + self.axis * self.length]
+    }
+}
+
+impl Circle {
+    /// Two unit vectors in its plane, perpendicular to each other.
+    pub fn directions(&self) -> [DVec3; 2] {
+        let frame = Pose::from_z_axis(self.axis).rotation;
+        [frame.x_axis, frame.y_axis]
+    }
+}
+
+/// Corner `k` of eight, as signs.
+fn corner_signs(k: usize) -> DVec3 {
+    let sign = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
+    DVec3::new(sign(1), sign(2), sign(4))
+}
+
+/// Indices of corners that are joined by the edges of a box: they differ in one bit.
+pub const BOX_EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [2, 3],
+    [4, 5],
+    [6, 7],
+    [0, 2],
+    [1, 3],
+    [4, 6],
+    [5, 7],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
+impl Block {
+    /// The corners; edges join them as in [`BOX_EDGES`].
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|k| self.from_box.transform_point(self.half * corner_signs(k)))
+    }
+}
+
+impl Core {
+    /// The same core after a motion.
+    pub fn moved(&self, pose: &Pose) -> Self {
+        let point = |p: &DVec3| pose.transform_point(*p);
+        match self {
+            Self::Point(p) => Self::Point(point(p)),
+            Self::Segment(ends) => Self::Segment(ends.each_ref().map(point)),
+            Self::Triangle(corners) => Self::Triangle(corners.each_ref().map(point)),
+            Self::Circle(c) => Self::Circle(Circle {
+                center: point(&c.center),
+                axis: pose.transform_vector(c.axis),
+                radius: c.radius,
+            }),
+            Self::Box(b) => Self::Box(Block {
+                from_box: *pose * b.from_box,
+                half: b.half,
+            }),
+            Self::Frustum(f) => Self::Frustum(Frustum {
+                from: point(&f.from),
+                axis: pose.transform_vector(f.axis),
+                ..*f
+            }),
+            Self::Mesh(tree, placed) => Self::Mesh(Arc::clone(tree), *pose * *placed),
+        }
+    }
+
+    /// Centre and radius of a sphere around it.
+    pub fn bounds(&self) -> (DVec3, f64) {
+        match self {
+            Self::Point(p) => (*p, 0.0),
+            Self::Segment([a, b]) => ((*a + *b) * 0.5, 0.5 * a.distance(*b)),
+            Self::Circle(c) => (c.center, c.radius),
+            Self::Box(b) => (b.from_box.translation, b.half.length()),
+            Self::Frustum(f) => {
+                let center = f.from + f.axis * (0.5 * f.length);
+                let widest = f.radii[0].max(f.radii[1]);
+                (center, libm::hypot(0.5 * f.length, widest))
+            }
+            Self::Triangle(corners) => {
+                let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+                let far = corners.iter().map(|c| c.distance(center));
+                (center, far.fold(0.0, f64::max))
+            }
+            Self::Mesh(tree, pose) => {
+                let (center, radius) = tree.bounds();
+                (pose.transform_point(center), radius)
+            }
+        }
+    }
+
+    /// Largest n · p over the points p of a convex core; `None` for circles and meshes, which are not convex.
+    pub fn support(&self, n: DVec3) -> Option<f64> {
+        Some(match self {
+            Self::Point(p) => n.dot(*p),
+            Self::Segment([a, b]) => n.dot(*a).max(n.dot(*b)),
+            Self::Triangle([a, b, c]) => n.dot(*a).max(n.dot(*b)).max(n.dot(*c)),
+            Self::Box(b) => {
+                let local = b.from_box.rotation.transpose() * n;
+                n.dot(b.from_box.translation) + local.abs().dot(b.half)
+            }
+            Self::Frustum(f) => {
+                let along = n.dot(f.axis);
+                let across = (n - f.axis * along).length();
+                let start = n.dot(f.from);
+                let ends = [0.0, along * f.length];
+                let [a, b] = [0, 1].map(|k: usize| start + ends[k] + f.radii[k] * across);
+                a.max(b)
+            }
+            Self::Circle(_) | Self::Mesh(..) => return None,
+        })
+    }
+}
+
+impl Element {
+    /// The same element after a motion.
+    pub fn moved(&self, pose: &Pose) -> Self {
+        Self {
+            core: self.core.moved(pose),
+            ..*self
+        }
+    }
+
+    /// Centre and radius of a sphere around it.
+    pub fn bounds(&self) -> (DVec3, f64) {
+        let (center, radius) = self.core.bounds();
+        (center, radius + self.radius)
+    }
+}
+
+/// The elements of a body's shapes, in the body's frame. Translucent shapes count like all others.
+pub fn elements(shapes: &[Shape]) -> Vec<Element> {
+    let mut list = Vec::new();
+    for (index, shape) in shapes.iter().enumerate() {
+        let mut add = |core: Core, radius: f64| {
+            list.push(Element {
+                core: core.moved(&shape.body_from_shape),
+                radius,
+                shape: index,
+            });
+        };
+        match &shape.solid {
+            Solid::Sphere { center, radius } => add(Core::Point(*center), *radius),
+            Solid::Capsule { from, to, radius } => add(segment([*from, *to]), *radius),
+            Solid::Cylinder { from, to, radius } => add(frustum(*from, *to, [*radius; 2]), 0.0),
+            Solid::Cone {
+                from,
+                to,
+                radius_from,
+                radius_to,
+            } => add(frustum(*from, *to, [*radius_from, *radius_to]), 0.0),
+            Solid::Box { center, size } => {
+                let block = Block {
+                    from_box: Pose::from_translation(*center),
+                    half: *size * 0.5,
+                };
+                add(Core::Box(block), 0.0);
+            }
+            Solid::Torus {
+                center,
+                axis,
+                ring,
+                tube,
+            } => {
+                let circle = Circle {
+                    center: *center,
+                    axis: *axis,
+                    radius: *ring,
+                };
+                add(Core::Circle(circle), *tube);
+            }
+            Solid::Tube {
+                points,
+                radius,
+                closed,
+            } => {
+                for pair in points.windows(2) {
+                    add(segment([pair[0], pair[1]]), *radius);
+                }
+                if let (true, Some(first), Some(last)) = (closed, points.first(), points.last()) {
+                    add(segment([*last, *first]), *radius);
+                }
+            }
+            Solid::Triangles(soup) => {
+                add(
+                    Core::Mesh(Arc::new(MeshTree::new(soup)), Pose::IDENTITY),
+                    0.0,
+                );
+            }
+        }
+    }
+    list
+}
+
+/// A segment, or a point where both ends are the same.
+fn segment(ends: [DVec3; 2]) -> Core {
+    if ends[0] == ends[1] {
+        Core::Point(ends[0])
+    } else {
+        Core::Segment(ends)
+    }
+}
+
+fn frustum(from: DVec3, to: DVec3, radii: [f64; 2]) -> Core {
+    let span = to - from;
+    Core::Frustum(Frustum {
+        from,
+        axis: span.try_normalize().unwrap_or(DVec3::Z),
+        length: span.length(),
+        radii,
+    })
+}

@@ -1,0 +1,280 @@
+//! Distance of two cores that do not overlap: which candidates there are, and the best of them.
+//!
+//! The nearest points of two convex cores lie on a vertex or edge of one of them, on the rim of one, or on two curved
+//! sides whose common normal is known in closed form. Each candidate is a point of one core and its nearest point on
+//! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
+
+use super::core::{BOX_EDGES, Circle, Core, Frustum};
+use super::point::{PointHit, on_segment, point_to};
+use super::search::{Spot, least, least_convex};
+use crate::math::sin_cos;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// The nearest points found of two cores.
+#[derive(Clone, Copy, Debug)]
+pub struct CorePair {
+    /// Their distance; negative or zero where a point of one lies in the other.
+    pub distance: f64,
+    /// A point of the first and one of the second.
+    pub points: [DVec3; 2],
+    /// Unit vector from the first to the second; zero if unknown.
+    pub normal: DVec3,
+}
+
+impl CorePair {
+    /// Nothing found yet.
+    pub const FAR: Self = Self {
+        distance: f64::INFINITY,
+        points: [DVec3::ZERO; 2],
+        normal: DVec3::ZERO,
+    };
+
+    /// A point of the second core near the first core.
+    fn onto_first(point: DVec3, hit: PointHit) -> Self {
+        Self {
+            distance: hit.distance,
+            points: [hit.nearest, point],
+            normal: hit.normal,
+        }
+    }
+
+    fn take(&mut self, other: Self) {
+        if other.distance < self.distance {
+            *self = other;
+        }
+    }
+
+    /// Seen from the other core.
+    pub fn swapped(self) -> Self {
+        Self {
+            distance: self.distance,
+            points: [self.points[1], self.points[0]],
+            normal: -self.normal,
+        }
+    }
+}
+
+/// The nearest points of two cores, neither of which is a mesh.
+///
+/// Where two solid cores overlap the distance is negative or zero, but no depth yet.
+pub fn nearest(a: &Core, b: &Core) -> CorePair {
+    match (a, b) {
+        (_, Core::Point(p)) => of_point(a, *p),
+        (Core::Point(p), _) => of_point(b, *p).swapped(),
+        (Core::Circle(_), Core::Circle(circle)) => of_circle(a, circle),
+        (_, Core::Circle(circle)) => of_circle(a, circle),
+        (Core::Circle(circle), _) => of_circle(b, circle).swapped(),
+        (Core::Segment(s), Core::Segment(t)) => of_segments(s, t),
+        (_, Core::Segment(ends)) => of_edge(a, ends),
+        (Core::Segment(ends), _) => of_edge(b, ends).swapped(),
+        _ => of_solids(a, b),
+    }
+}
+
+fn of_point(a: &Core, point: DVec3) -> CorePair {
+    point_to(a, point).map_or(CorePair::FAR, |hit| CorePair::onto_first(point, hit))
+}
+
+/// Nearest points of two segments, parallel ones included.
+pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
+    let mut best = CorePair::FAR;
+    let mut take = |p: DVec3, q: DVec3| {
+        let span = q - p;
+        let distance = span.length();
+        best.take(CorePair {
+            distance,
+            points: [p, q],
+            normal: if distance > 0.0 {
+                span / distance
+            } else {
+                DVec3::ZERO
+            },
+        });
+    };
+    for p in *a {
+        take(p, on_segment(b, p));
+    }
+    for q in *b {
+        take(on_segment(a, q), q);
+    }
+    // Inside both: only where the lines are not parallel, and then the cross product says it without cancellation.
+    let (u, v, w) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
+    let across = u.cross(v);
+    let size = across.length_squared();
+    let s = w.cross(v).dot(across) / size;
+    let t = w.cross(u).dot(across) / size;
+    if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+        take(a[0] + u * s, b[0] + v * t);
+    }
+    best
+}
+
+/// Nearest points of a convex core and a segment: the distance is convex along the segment.
+fn of_edge(a: &Core, ends: &[DVec3; 2]) -> CorePair {
+    if let Core::Triangle(corners) = a
+        && let Some(point) = crossing(corners, ends)
+    {
+        return CorePair {
+            distance: 0.0,
+            points: [point; 2],
+            normal: DVec3::ZERO,
+        };
+    }
+    let span = ends[1] - ends[0];
+    let at = |t: f64| ends[0] + span * t;
+    let spot = least_convex(0.0, 1.0, |t| spot(a, t, at(t), span));
+    of_point(a, at(spot.at))
+}
+
+/// Where a segment goes through a triangle: rounding would leave a distance.
+fn crossing(corners: &[DVec3; 3], ends: &[DVec3; 2]) -> Option<DVec3> {
+    let [a, b, c] = *corners;
+    let normal = (b - a).cross(c - a);
+    let [from, to] = ends.map(|p| normal.dot(p - a));
+    if from * to > 0.0 || from == to {
+        return None;
+    }
+    let point = ends[0] + (ends[1] - ends[0]) * (from / (from - to));
+    let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
+    (within(a, b) && within(b, c) && within(c, a)).then_some(point)
+}
+
+fn spot(a: &Core, at: f64, point: DVec3, tangent: DVec3) -> Spot {
+    point_to(a, point).map_or(Spot::default(), |hit| Spot {
+        at,
+        value: hit.distance,
+        slope: hit.normal.dot(tangent),
+    })
+}
+
+/// Nearest points of any core and a circle.
+fn of_circle(a: &Core, circle: &Circle) -> CorePair {
+    if circle.radius <= 0.0 {
+        return of_point(a, circle.center);
+    }
+    let [x, y] = circle.directions().map(|d| d * circle.radius);
+    let at = |angle: f64| {
+        let (sin, cos) = sin_cos(angle);
+        (circle.center + x * cos + y * sin, y * cos - x * sin)
+    };
+    let best = least(0.0, TAU, circle.radius, |angle| {
+        let (point, tangent) = at(angle);
+        spot(a, angle, point, tangent)
+    });
+    of_point(a, at(best.at).0)
+}
+
+/// Corners of a polyhedral core, how many there are, and which of them its edges join.
+type Polyhedron = ([DVec3; 8], usize, &'static [[usize; 2]]);
+
+fn polyhedron(core: &Core) -> Option<Polyhedron> {
+    match core {
+        Core::Box(block) => Some((block.corners(), 8, &BOX_EDGES)),
+        Core::Triangle([a, b, c]) => {
+            let mut corners = [*a; 8];
+            (corners[1], corners[2]) = (*b, *c);
+            Some((corners, 3, &[[0, 1], [1, 2], [2, 0]]))
+        }
+        _ => None,
+    }
+}
+
+/// Nearest points of two convex cores with faces.
+fn of_solids(a: &Core, b: &Core) -> CorePair {
+    let mut best = CorePair::FAR;
+    features_of_second(a, b, &mut best);
+    let mut other = best.swapped();
+    features_of_second(b, a, &mut other);
+    best = other.swapped();
+    if let (Core::Frustum(f), Core::Frustum(g)) = (a, b) {
+        sides(f, g, &mut best);
+    }
+    best
+}
+
+/// Edges, rims and spines of `b` against the solid `a`.
+fn features_of_second(a: &Core, b: &Core, best: &mut CorePair) {
+    if let Some((corners, count, edges)) = polyhedron(b) {
+        let mut far = [0.0; 8];
+        for k in 0..count {
+            let hit = of_point(a, corners[k]);
+            far[k] = hit.distance;
+            best.take(hit);
+        }
+        for &[i, j] in edges {
+            // The distance falls along the edge by no more than the way.
+            let lowest = 0.5 * (far[i] + far[j] - corners[i].distance(corners[j]));
+            if lowest < best.distance {
+                best.take(of_edge(a, &[corners[i], corners[j]]));
+            }
+        }
+    }
+    if let Core::Frustum(frustum) = b {
+        for rim in frustum.rims() {
+            let lowest = of_point(a, rim.center).distance - rim.radius;
+            if lowest < best.distance {
+                best.take(of_circle(a, &rim));
+            }
+        }
+        // A thin solid may pierce this one without touching its rims.
+        let spine = of_edge(a, &frustum.spine());
+        if spine.distance <= 0.0 {
+            best.take(spine);
+        }
+    }
+}
+
+/// Where the curved sides of two frusta face each other: the common normal makes a given angle with both axes.
+fn sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
+    let lean = |f: &Frustum| {
+        let fall = f.radii[0] - f.radii[1];
+        fall / libm::hypot(fall, f.length)
+    };
+    let (along_f, along_g) = (lean(f), -lean(g));
+    let w = f.axis.cross(g.axis);
+    let size = w.length_squared();
+    if size <= f64::EPSILON {
+        return; // parallel: rims are as near
+    }
+    let c = f.axis.dot(g.axis);
+    let alpha = (along_f - along_g * c) / size;
+    let beta = (along_g - along_f * c) / size;
+    let in_plane = f.axis * alpha + g.axis * beta;
+    let rest = (1.0 - in_plane.length_squared()) / size;
+    if rest < 0.0 {
+        return;
+    }
+    for sign in [1.0, -1.0] {
+        let n = in_plane + w * (sign * rest.sqrt());
+        let (p, q) = (ruling(f, n), ruling(g, -n));
+        let (u, v, span) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
+        let across = u.cross(v);
+        let size = across.length_squared();
+        let s = span.cross(v).dot(across) / size;
+        let t = span.cross(u).dot(across) / size;
+        if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+            let points = [p[0] + u * s, q[0] + v * t];
+            let distance = n.dot(points[1] - points[0]);
+            // Seen from the wrong end the sides face away from each other; a real overlap holds the middle.
+            let middle = (points[0] + points[1]) * 0.5;
+            let held = |f: &Frustum| {
+                let hit = point_to(&Core::Frustum(*f), middle);
+                hit.is_some_and(|hit| hit.distance <= 0.0)
+            };
+            if distance > 0.0 || (held(f) && held(g)) {
+                best.take(CorePair {
+                    distance,
+                    points,
+                    normal: n,
+                });
+            }
+        }
+    }
+}
+
+/// The straight line of a frustum's side whose normal is nearest to `n`.
+fn ruling(f: &Frustum, n: DVec3) -> [DVec3; 2] {
+    let outward = (n - f.axis * n.dot(f.axis)).normalize_or_zero();
+    f.rims().map(|rim| rim.center + outward * rim.radius)
+}

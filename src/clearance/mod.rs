@@ -1,0 +1,18 @@
+//! Clearance: signed distances of solids, their least values over the motion with a bound, and what may touch.
+//!
+//! Everything here is values in, values out; nothing prints.
+
+pub mod bodies;
+pub mod check;
+pub mod core;
+mod cores;
+mod depth;
+mod drive_rate;
+pub mod mesh;
+pub mod motion;
+pub mod neighbours;
+pub mod pair;
+mod point;
+mod relative;
+mod search;
+pub mod sweep;

@@ -1,0 +1,195 @@
+//! Distance of a point from a core: closed forms with sign, nearest point and outward direction.
+
+use super::core::{Block, Circle, Core, Frustum};
+use crate::math::Pose;
+use glam::{DVec2, DVec3};
+
+/// How a point lies to a core.
+#[derive(Clone, Copy, Debug)]
+pub struct PointHit {
+    /// Negative inside a solid core.
+    pub distance: f64,
+    /// Nearest point of the core's surface.
+    pub nearest: DVec3,
+    /// Gradient of the distance: unit, away from the core; zero on a line core itself.
+    pub normal: DVec3,
+}
+
+impl PointHit {
+    /// From the nearest point of a core without inside.
+    fn outside(point: DVec3, nearest: DVec3) -> Self {
+        let span = point - nearest;
+        let distance = span.length();
+        Self {
+            distance,
+            nearest,
+            normal: if distance > 0.0 {
+                span / distance
+            } else {
+                DVec3::ZERO
+            },
+        }
+    }
+}
+
+/// Distance of `point` from a core; `None` for meshes.
+pub fn point_to(core: &Core, point: DVec3) -> Option<PointHit> {
+    Some(match core {
+        Core::Point(p) => PointHit::outside(point, *p),
+        Core::Segment(ends) => PointHit::outside(point, on_segment(ends, point)),
+        Core::Circle(circle) => to_circle(circle, point),
+        Core::Box(block) => to_box(block, point),
+        Core::Frustum(frustum) => to_frustum(frustum, point),
+        Core::Triangle(corners) => PointHit::outside(point, on_triangle(corners, point)),
+        Core::Mesh(..) => return None,
+    })
+}
+
+/// Nearest point of a segment.
+pub fn on_segment(ends: &[DVec3; 2], point: DVec3) -> DVec3 {
+    let span = ends[1] - ends[0];
+    let length_squared = span.length_squared();
+    if length_squared == 0.0 {
+        return ends[0];
+    }
+    let t = ((point - ends[0]).dot(span) / length_squared).clamp(0.0, 1.0);
+    ends[0] + span * t
+}
+
+/// Distance from a circle.
+pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
+    let offset = point - circle.center;
+    let height = offset.dot(circle.axis);
+    let across = offset - circle.axis * height;
+    let rho = across.length();
+    let outward = if rho > 0.0 {
+        across / rho
+    } else {
+        // All points of the circle are as near: any will do.
+        circle.directions()[0]
+    };
+    let nearest = circle.center + outward * circle.radius;
+    // Lengths are far from overflow: a root is faster than `hypot` and as exact.
+    let distance = DVec2::new(rho - circle.radius, height).length();
+    let normal = if distance > 0.0 {
+        (outward * (rho - circle.radius) + circle.axis * height) / distance
+    } else {
+        DVec3::ZERO
+    };
+    PointHit {
+        distance,
+        nearest,
+        normal,
+    }
+}
+
+fn to_box(block: &Block, point: DVec3) -> PointHit {
+    let Pose {
+        rotation,
+        translation,
+    } = block.from_box;
+    let local = rotation.transpose() * (point - translation);
+    let clamped = local.clamp(-block.half, block.half);
+    let out = local - clamped;
+    let distance = out.length();
+    if distance > 0.0 {
+        return PointHit {
+            distance,
+            nearest: rotation * clamped + translation,
+            normal: rotation * (out / distance),
+        };
+    }
+    let gaps = block.half - local.abs();
+    let axis = (0..3).fold(0, |best, k| if gaps[k] < gaps[best] { k } else { best });
+    let sign = if local[axis] < 0.0 { -1.0 } else { 1.0 };
+    let mut nearest = local;
+    nearest[axis] = sign * block.half[axis];
+    PointHit {
+        distance: -gaps[axis],
+        nearest: rotation * nearest + translation,
+        normal: rotation.col(axis) * sign,
+    }
+}
+
+fn to_frustum(frustum: &Frustum, point: DVec3) -> PointHit {
+    let offset = point - frustum.from;
+    let height = offset.dot(frustum.axis);
+    let across = offset - frustum.axis * height;
+    let rho = across.length();
+    let outward = if rho > 0.0 {
+        across / rho
+    } else {
+        Pose::from_z_axis(frustum.axis).rotation.x_axis
+    };
+    let (distance, nearest, normal) = to_profile(frustum, DVec2::new(rho, height));
+    let space = |v: DVec2| outward * v.x + frustum.axis * v.y;
+    PointHit {
+        distance,
+        nearest: frustum.from + space(nearest),
+        normal: space(normal),
+    }
+}
+
+/// Signed distance, nearest point and normal in the half plane (radius, height).
+fn to_profile(frustum: &Frustum, p: DVec2) -> (f64, DVec2, DVec2) {
+    let [low, high] = frustum.radii;
+    let top = frustum.length;
+    let corners = [
+        DVec2::ZERO,
+        DVec2::new(low, 0.0),
+        DVec2::new(high, top),
+        DVec2::new(0.0, top),
+    ];
+    let mut inside = true;
+    let mut best = (f64::INFINITY, DVec2::ZERO, DVec2::ZERO);
+    for k in 0..3 {
+        let (a, b) = (corners[k], corners[k + 1]);
+        let span = b - a;
+        // The outward side of the edge is on the right of its direction.
+        let outward = DVec2::new(span.y, -span.x).normalize_or_zero();
+        inside &= outward.dot(p - a) <= 0.0;
+        let length_squared = span.length_squared();
+        let t = if length_squared > 0.0 {
+            ((p - a).dot(span) / length_squared).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let nearest = a + span * t;
+        let distance = p.distance(nearest);
+        // A face of no width (the apex of a cone) has no outward side.
+        if distance < best.0 && (length_squared > 0.0 || !inside) {
+            best = (distance, nearest, outward);
+        }
+    }
+    let (distance, nearest, outward) = best;
+    if inside {
+        return (-distance, nearest, outward);
+    }
+    let normal = if distance > 0.0 {
+        (p - nearest) / distance
+    } else {
+        outward
+    };
+    (distance, nearest, normal)
+}
+
+/// Nearest point of a triangle: the foot in its plane if it lies inside, else the nearest point of its edges.
+pub fn on_triangle(corners: &[DVec3; 3], point: DVec3) -> DVec3 {
+    let [a, b, c] = *corners;
+    let normal = (b - a).cross(c - a);
+    let size = normal.length_squared();
+    if size > 0.0 {
+        let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
+        if within(a, b) && within(b, c) && within(c, a) {
+            return point - normal * (normal.dot(point - a) / size);
+        }
+    }
+    let feet = [[a, b], [b, c], [c, a]].map(|edge| on_segment(&edge, point));
+    feet.into_iter().fold(feet[0], |best, foot| {
+        if foot.distance_squared(point) < best.distance_squared(point) {
+            foot
+        } else {
+            best
+        }
+    })
+}

@@ -1,0 +1,291 @@
+//! Animated PNG: every colour, changed rectangles, exact delays. Source: PNG specification, third edition, W3C 2025.
+
+use super::delta::Area;
+use super::error::ExportError;
+use super::png::{Effort, PngSettings, check_size, smallest};
+use super::target::Output;
+use super::timing::{FrameTimes, Schedule, fraction};
+use super::{ExportSummary, FrameCoder, FrameSink};
+use ::png::{BitDepth, BlendOp, ColorType, Compression, DisposeOp, Encoder, Filter, Writer};
+use image::RgbaImage;
+use image::codecs::png::FilterType;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Both numbers of a delay are 16-bit fields.
+const LARGEST_NUMBER: u32 = u16::MAX as u32;
+
+/// Ticks a second for frames that are not evenly spaced: finer than any screen.
+const UNEVEN_TICKS: u32 = 10_000;
+
+/// A pixel through which the frame before shows. Runs of it pack in half the bytes of the colours themselves, and a
+/// quarter better still without a filter, which would smear their borders.
+const LEFT_OUT: [u8; 4] = [0; 4];
+
+/// What an APNG should be like.
+#[derive(Clone, Debug)]
+pub struct ApngSettings {
+    /// Size in pixels.
+    pub size: [u32; 2],
+    /// When each frame is shown.
+    pub times: FrameTimes,
+    /// Repeats forever; else plays once.
+    pub repeat: bool,
+    /// Time against size of the file.
+    pub effort: Effort,
+    /// The frames are translucent; else their alpha must be 255 everywhere.
+    pub alpha: bool,
+}
+
+/// Writes an APNG frame by frame. Memory does not grow with the number of frames.
+pub struct ApngSink {
+    output: Box<dyn Output>,
+    /// What the encoder has made and the output has not taken yet.
+    spool: Spool,
+    writer: Writer<Spool>,
+    size: [u32; 2],
+    schedule: Schedule,
+    ticks: u16,
+    effort: Effort,
+    alpha: bool,
+    /// The frame before, RGBA; empty before the first.
+    shown: Vec<[u8; 4]>,
+    /// Pixels of the rectangle being written.
+    bytes: Vec<u8>,
+    summary: ExportSummary,
+}
+
+impl ApngSink {
+    /// Writes the header.
+    ///
+    /// Errors: a side of 0 or too long, no frames, times that do not rise, a failed write.
+    pub fn new(output: Box<dyn Output>, settings: ApngSettings) -> Result<Self, ExportError> {
+        check_size(settings.size)?;
+        let count = settings.times.count();
+        let frames = u32::try_from(count).ok().filter(|n| *n > 0);
+        let frames = frames.ok_or(ExportError::FrameCount {
+            format: "an APNG",
+            needed: "one frame or more",
+            got: count,
+        })?;
+        let ticks = ticks_per_second(&settings.times);
+        let schedule = Schedule::in_ticks(settings.times, u32::from(ticks))?;
+        let spool = Spool::default();
+        let [width, height] = settings.size;
+        let mut encoder = Encoder::new(spool.clone(), width, height);
+        encoder.set_color(ColorType::Rgba);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_compression(match settings.effort {
+            Effort::Fast => Compression::Fast,
+            // On what changes between frames the highest level saves nothing; the choice of filter does.
+            Effort::Balanced | Effort::Small => Compression::Balanced,
+        });
+        // Laid over, a pixel that does not change can be left out; a translucent one would show what was below.
+        let blend = if settings.alpha {
+            BlendOp::Source
+        } else {
+            BlendOp::Over
+        };
+        let plays = u32::from(!settings.repeat);
+        let writer = encoder
+            .set_animated(frames, plays)
+            .and_then(|()| encoder.set_blend_op(blend))
+            .and_then(|()| encoder.set_dispose_op(DisposeOp::None))
+            .and_then(|()| encoder.write_header());
+        let mut sink = Self {
+            output,
+            spool,
+            writer: writer.map_err(refused)?,
+            size: settings.size,
+            schedule,
+            ticks,
+            effort: settings.effort,
+            alpha: settings.alpha,
+            shown: Vec::new(),
+            bytes: Vec::new(),
+            summary: ExportSummary::default(),
+        };
+        sink.drain()?;
+        Ok(sink)
+    }
+
+    /// Hands what the encoder made to the output.
+    fn drain(&mut self) -> Result<(), ExportError> {
+        let bytes = self.spool.take();
+        let written = self.output.write_all(&bytes);
+        written.map_err(|e| ExportError::write(self.output.name(), e))?;
+        self.summary.bytes += bytes.len() as u64;
+        self.spool.give_back(bytes);
+        Ok(())
+    }
+
+    /// Sets the filter for the bytes that wait, pixels of a rectangle of `size`.
+    fn choose_filter(&mut self, size: [u32; 2]) -> Result<(), ExportError> {
+        let filter = match self.effort {
+            Effort::Fast => Filter::Adaptive,
+            Effort::Balanced if self.is_mostly_left_out() => Filter::NoFilter,
+            Effort::Balanced => Filter::Adaptive,
+            Effort::Small => {
+                let settings = PngSettings {
+                    size,
+                    effort: Effort::Balanced,
+                    alpha: true,
+                };
+                match smallest(&self.bytes, settings)?.0 {
+                    FilterType::NoFilter => Filter::NoFilter,
+                    _ => Filter::Adaptive,
+                }
+            }
+        };
+        self.writer.set_filter(filter);
+        Ok(())
+    }
+
+    /// Whether half of the bytes that wait are pixels that do not change: then a filter smears more than it gains.
+    fn is_mostly_left_out(&self) -> bool {
+        let (pixels, _) = self.bytes.as_chunks::<4>();
+        let left_out = pixels.iter().filter(|p| **p == LEFT_OUT).count();
+        !self.alpha && 2 * left_out >= pixels.len()
+    }
+
+    /// Encodes the pixels of `frame` inside `area`.
+    fn put(&mut self, area: &Area, frame: &[[u8; 4]], delay: u16) -> Result<(), ExportError> {
+        self.bytes.clear();
+        let width = self.size[0] as usize;
+        if self.alpha || self.shown.is_empty() {
+            let rows = area.rows(frame, width);
+            rows.for_each(|row| self.bytes.extend(row.as_flattened()));
+        } else {
+            let rows = area.rows(frame, width).zip(area.rows(&self.shown, width));
+            let pixels = rows.flat_map(|(new, old)| new.iter().zip(old));
+            let kept = |(new, old): (&[u8; 4], &[u8; 4])| if new == old { LEFT_OUT } else { *new };
+            self.bytes.extend(pixels.flat_map(kept));
+        }
+        self.choose_filter([area.width as u32, area.height as u32])?;
+        let [left, top] = [area.left as u32, area.top as u32];
+        let [width, height] = [area.width as u32, area.height as u32];
+        let writer = &mut self.writer;
+        // The encoder checks the new size at the old place, so the rectangle goes to the corner first.
+        let done = writer
+            .reset_frame_position()
+            .and_then(|()| writer.set_frame_dimension(width, height))
+            .and_then(|()| writer.set_frame_position(left, top))
+            .and_then(|()| writer.set_frame_delay(delay, self.ticks))
+            .and_then(|()| writer.write_image_data(&self.bytes));
+        done.map_err(refused)
+    }
+}
+
+impl FrameSink for ApngSink {
+    fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    fn coder(&self) -> Box<dyn FrameCoder> {
+        Box::new(Pixels { size: self.size })
+    }
+
+    fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {
+        let (frame, _) = coded.as_chunks::<4>();
+        let size = self.size.map(|s| s as usize);
+        let area = if self.shown.is_empty() {
+            Area::whole(size)
+        } else {
+            // A frame that changes nothing still needs a pixel to carry its delay.
+            Area::changed(&self.shown, frame, size[0]).unwrap_or(Area::whole([1, 1]))
+        };
+        let delay = self.schedule.delay(index).min(LARGEST_NUMBER);
+        self.put(&area, frame, delay as u16)?;
+        self.shown.clear();
+        self.shown.extend_from_slice(frame);
+        self.summary.frames += 1;
+        self.summary.seconds += self.schedule.delay_seconds(index);
+        self.drain()
+    }
+
+    fn finish(self: Box<Self>) -> Result<ExportSummary, ExportError> {
+        if self.summary.frames != self.schedule.count() {
+            return Err(ExportError::FrameCount {
+                format: "an APNG",
+                needed: "as many frames as were announced",
+                got: self.summary.frames,
+            });
+        }
+        let Self {
+            mut output,
+            spool,
+            writer,
+            mut summary,
+            ..
+        } = *self;
+        writer.finish().map_err(refused)?;
+        let end = spool.take();
+        let written = output.write_all(&end);
+        written.map_err(|e| ExportError::write(output.name(), e))?;
+        summary.bytes += end.len() as u64;
+        output.commit()?;
+        Ok(summary)
+    }
+}
+
+/// Ticks a second in which every delay is a whole number, or as near to that as 16 bits allow.
+fn ticks_per_second(times: &FrameTimes) -> u16 {
+    let longest = (0..times.count())
+        .map(|k| times.start(k + 1) - times.start(k))
+        .fold(0.0, f64::max);
+    let wanted = match times {
+        FrameTimes::Uniform { fps, .. } => fraction(*fps, LARGEST_NUMBER).0,
+        FrameTimes::At { .. } => UNEVEN_TICKS,
+    };
+    let most = (f64::from(LARGEST_NUMBER) / longest.max(1.0)).floor();
+    f64::from(wanted).min(most).max(1.0) as u16
+}
+
+fn refused(error: ::png::EncodingError) -> ExportError {
+    ExportError::Encode {
+        name: "APNG".to_owned(),
+        message: error.to_string(),
+    }
+}
+
+/// Hands frames on as they are.
+pub(super) struct Pixels {
+    pub(super) size: [u32; 2],
+}
+
+impl FrameCoder for Pixels {
+    fn code(&mut self, frame: &RgbaImage, coded: &mut Vec<u8>) -> Result<(), ExportError> {
+        super::check_frame(frame, self.size)?;
+        coded.clear();
+        coded.extend_from_slice(frame.as_raw());
+        Ok(())
+    }
+}
+
+/// Bytes between the encoder, which keeps its writer to itself, and the output.
+#[derive(Clone, Default)]
+struct Spool(Arc<Mutex<Vec<u8>>>);
+
+impl Spool {
+    fn take(&self) -> Vec<u8> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Keeps the memory of `bytes` for what comes next.
+    fn give_back(&self, mut bytes: Vec<u8>) {
+        bytes.clear();
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = bytes;
+    }
+}
+
+impl Write for Spool {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut spool = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        spool.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,95 @@
+//! Events and stretches without a pose as JSON, in the scene's units.
+
+use crate::kinematics::trajectory::{Event, EventKind, Gap, Instant, Lack, Trajectory};
+use crate::model::mechanism::Mechanism;
+use serde_json::{Map, Value, json};
+
+/// All events of a motion: kind, time, inputs, and what belongs to the kind.
+pub fn events(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
+    let events = trajectory.events.iter();
+    events.map(|e| event(mechanism, e)).collect()
+}
+
+fn event(mechanism: &Mechanism, event: &Event) -> Value {
+    let kind = match &event.kind {
+        EventKind::MotionEnds => "motion-ends",
+        EventKind::MotionResumes { .. } => "motion-resumes",
+        EventKind::SingularPosePassed => "singular-pose-passed",
+        EventKind::LimitPosition { .. } => "limit-position",
+        EventKind::InputUndefined { .. } => "input-undefined",
+        EventKind::StartNotClosed { .. } => "start-not-closed",
+        EventKind::GimbalLock { .. } => "gimbal-lock",
+        EventKind::StartSingular => "start-singular",
+        EventKind::OtherStart => "other-start",
+    };
+    let mut object = Map::new();
+    object.insert("kind".to_owned(), json!(kind));
+    object.insert("time".to_owned(), json!(event.time));
+    object.insert("inputs".to_owned(), inputs(mechanism, &event.inputs).into());
+    match &event.kind {
+        EventKind::MotionResumes { same_branch } => {
+            object.insert("same_branch".to_owned(), json!(same_branch));
+        }
+        EventKind::LimitPosition {
+            name,
+            measure,
+            value,
+            is_largest,
+        } => {
+            let extreme = if *is_largest { "largest" } else { "smallest" };
+            object.insert("coordinate".to_owned(), json!(name));
+            object.insert(
+                "value".to_owned(),
+                json!(value * mechanism.file_units(*measure)),
+            );
+            object.insert("extreme".to_owned(), json!(extreme));
+        }
+        _ => {}
+    }
+    object.into()
+}
+
+/// All stretches without a pose: where poses end, where they begin again, and how much is lacking in between; null
+/// where the drive begins or ends inside.
+pub fn gaps(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
+    let gaps = trajectory.gaps.iter();
+    gaps.map(|g| gap(mechanism, g)).collect()
+}
+
+fn gap(mechanism: &Mechanism, gap: &Gap) -> Value {
+    json!({
+        "from": gap.from.as_ref().map(|at| instant(mechanism, at)),
+        "until": gap.until.as_ref().map(|at| instant(mechanism, at)),
+        "widest": gap.widest.as_ref().map(|lack| self::lack(mechanism, lack)),
+    })
+}
+
+fn instant(mechanism: &Mechanism, at: &Instant) -> Value {
+    json!({ "time": at.time, "inputs": inputs(mechanism, &at.inputs) })
+}
+
+/// The angle is in radians, like all angles of proofs.
+fn lack(mechanism: &Mechanism, lack: &Lack) -> Value {
+    json!({
+        "time": lack.at.time,
+        "inputs": inputs(mechanism, &lack.at.inputs),
+        "loop": lack.name,
+        "angle": lack.angle,
+        "distance": lack.distance,
+    })
+}
+
+fn inputs(mechanism: &Mechanism, values: &[f64]) -> Map<String, Value> {
+    let pairs = mechanism.inputs.iter().zip(values);
+    let named = pairs.map(|(input, v)| {
+        let value = v * mechanism.file_units(input.kind);
+        // JSON has no infinities; a text is not mistaken for a missing value.
+        let value = if value.is_finite() {
+            json!(value)
+        } else {
+            json!(value.to_string())
+        };
+        (input.name.clone(), value)
+    });
+    named.collect()
+}

@@ -1,0 +1,287 @@
+//! Animated GLB: a node with a mesh for every body, its poses as an animation, paths as line strips.
+//!
+//! Source: glTF 2.0 specification, Khronos 2021; unlit lines by its extension `KHR_materials_unlit`.
+
+use super::ExportSummary;
+use super::error::ExportError;
+use super::glb_buffer::Buffer;
+use super::model::{Model, ModelBody, ModelCamera, ModelPart, ModelTrace};
+use super::target::Output;
+use crate::math::{Pose, narrow, narrow_rotation, rotations};
+use glam::{DMat3, DVec3};
+use serde_json::{Value, json};
+
+/// Marks in the file's header and before its two chunks.
+const MAGIC: &[u8; 4] = b"glTF";
+const VERSION: u32 = 2;
+const JSON_CHUNK: &[u8; 4] = b"JSON";
+const BINARY_CHUNK: &[u8; 4] = b"BIN\0";
+
+/// How matt bodies look: neither metal nor mirror.
+const ROUGHNESS: f64 = 0.55;
+
+/// Modes of a primitive.
+const LINE_STRIP: u32 = 3;
+const TRIANGLES: u32 = 4;
+
+/// Writes `model` and returns what was written; `frames` counts the keys.
+///
+/// Errors: more than 4 GiB, a failed write.
+pub fn write_glb(model: &Model, mut output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+    let mut file = Document::default();
+    file.add(model);
+    let bytes = file.into_bytes(output.name())?;
+    let written = output.write_all(&bytes);
+    written.map_err(|e| ExportError::write(output.name(), e))?;
+    output.commit()?;
+    Ok(ExportSummary {
+        frames: model.times.len(),
+        bytes: bytes.len() as u64,
+        seconds: model.times.last().copied().unwrap_or(0.0),
+    })
+}
+
+/// The lists of a glTF document under construction; entries refer to each other by their place.
+#[derive(Default)]
+struct Document {
+    buffer: Buffer,
+    nodes: Vec<Value>,
+    roots: Vec<usize>,
+    meshes: Vec<Value>,
+    materials: Vec<Value>,
+    cameras: Vec<Value>,
+    channels: Vec<Value>,
+    samplers: Vec<Value>,
+    title: String,
+}
+
+impl Document {
+    fn add(&mut self, model: &Model) {
+        self.title.clone_from(&model.title);
+        let times = (model.times.len() > 1).then(|| self.buffer.scalars(&model.times));
+        let mut children = Vec::new();
+        for body in &model.bodies {
+            children.push(self.body(body, times));
+        }
+        for trace in model.traces.iter().filter(|trace| !trace.runs.is_empty()) {
+            children.push(self.trace(trace));
+        }
+        let [rotation] = rotations(&[model.upright])[..] else {
+            return;
+        };
+        let world = json!({
+            "name": "world",
+            "rotation": narrow_rotation(rotation),
+            "scale": ([model.metres; 3]),
+            "children": children,
+        });
+        self.root(world);
+        if let Some(camera) = &model.camera {
+            self.camera(camera, model);
+        }
+    }
+
+    fn push(list: &mut Vec<Value>, entry: Value) -> usize {
+        list.push(entry);
+        list.len() - 1
+    }
+
+    fn root(&mut self, node: Value) {
+        let index = Self::push(&mut self.nodes, node);
+        self.roots.push(index);
+    }
+
+    /// The node of a body, with its animation if it moves.
+    fn body(&mut self, body: &ModelBody, times: Option<usize>) -> usize {
+        let primitives: Vec<Value> = body
+            .parts
+            .iter()
+            .filter(|part| !part.mesh.triangles.is_empty())
+            .map(|part| self.part(part))
+            .collect();
+        let turns: Vec<DMat3> = body.poses.iter().map(|pose| pose.rotation).collect();
+        let turns: Vec<[f32; 4]> = rotations(&turns).into_iter().map(narrow_rotation).collect();
+        let places: Vec<[f32; 3]> = body.poses.iter().map(|p| narrow(p.translation)).collect();
+        let mut node = json!({ "name": body.name });
+        if let (Some(turn), Some(place)) = (turns.first(), places.first()) {
+            node["rotation"] = json!(turn);
+            node["translation"] = json!(place);
+        }
+        if !primitives.is_empty() {
+            let mesh = json!({ "name": body.name, "primitives": primitives });
+            node["mesh"] = Self::push(&mut self.meshes, mesh).into();
+        }
+        let index = Self::push(&mut self.nodes, node);
+        if let Some(times) = times {
+            if turns.windows(2).any(|w| w[0] != w[1]) {
+                let values = self.buffer.quaternions(&turns);
+                self.channel(index, "rotation", times, values);
+            }
+            if places.windows(2).any(|w| w[0] != w[1]) {
+                let values = self.buffer.keys(&places);
+                self.channel(index, "translation", times, values);
+            }
+        }
+        index
+    }
+
+    fn channel(&mut self, node: usize, path: &str, times: usize, values: usize) {
+        let sampler = json!({ "input": times, "output": values, "interpolation": "LINEAR" });
+        let sampler = Self::push(&mut self.samplers, sampler);
+        let target = json!({ "node": node, "path": path });
+        self.channels
+            .push(json!({ "sampler": sampler, "target": target }));
+    }
+
+    fn part(&mut self, part: &ModelPart) -> Value {
+        let narrowed = |list: &[DVec3]| list.iter().map(|v| narrow(*v)).collect::<Vec<_>>();
+        let positions = self.buffer.vertices(&narrowed(&part.mesh.positions), true);
+        let normals = self.buffer.vertices(&narrowed(&part.mesh.normals), false);
+        let indices = self.buffer.indices(part.mesh.triangles.as_flattened());
+        let mut material = json!({
+            "pbrMetallicRoughness": {
+                "baseColorFactor": linear(part.colour, part.opacity),
+                "metallicFactor": 0.0,
+                "roughnessFactor": ROUGHNESS,
+            },
+        });
+        if part.opacity < 1.0 {
+            material["alphaMode"] = "BLEND".into();
+        }
+        json!({
+            "attributes": { "POSITION": positions, "NORMAL": normals },
+            "indices": indices,
+            "material": self.material(material),
+            "mode": TRIANGLES,
+        })
+    }
+
+    /// The place of a material; equal ones are one.
+    fn material(&mut self, material: Value) -> usize {
+        let known = self.materials.iter().position(|m| *m == material);
+        known.unwrap_or_else(|| Self::push(&mut self.materials, material))
+    }
+
+    fn trace(&mut self, trace: &ModelTrace) -> usize {
+        let material = self.material(json!({
+            "pbrMetallicRoughness": { "baseColorFactor": linear(trace.colour, 1.0) },
+            "extensions": { "KHR_materials_unlit": {} },
+        }));
+        let primitives = trace.runs.iter().map(|run| {
+            let points: Vec<[f32; 3]> = run.iter().map(|p| narrow(*p)).collect();
+            let positions = self.buffer.vertices(&points, true);
+            json!({ "attributes": { "POSITION": positions }, "material": material, "mode": LINE_STRIP })
+        });
+        let primitives: Vec<Value> = primitives.collect();
+        let mesh = json!({ "name": trace.name, "primitives": primitives });
+        let mesh = Self::push(&mut self.meshes, mesh);
+        let node = json!({ "name": format!("path of {}", trace.name), "mesh": mesh });
+        Self::push(&mut self.nodes, node)
+    }
+
+    /// The camera stands outside the scaled world: its distances are in metres.
+    fn camera(&mut self, camera: &ModelCamera, model: &Model) {
+        let [near, far] = camera.range.map(|distance| distance * model.metres);
+        let (kind, lens) = match camera.fov_y {
+            Some(fov) => (
+                "perspective",
+                json!({ "yfov": fov, "aspectRatio": camera.aspect, "znear": near, "zfar": far }),
+            ),
+            None => {
+                let half = 0.5 * camera.height * model.metres;
+                let lens = json!({ "xmag": half * camera.aspect, "ymag": half, "znear": near, "zfar": far });
+                ("orthographic", lens)
+            }
+        };
+        let lens = json!({ "type": kind, kind: lens });
+        let lens = Self::push(&mut self.cameras, lens);
+        let Pose {
+            rotation,
+            translation,
+        } = camera.world_from_camera;
+        let place = model.upright * translation * model.metres;
+        for turn in rotations(&[model.upright * rotation]) {
+            self.root(json!({
+                "name": "camera",
+                "camera": lens,
+                "rotation": narrow_rotation(turn),
+                "translation": narrow(place),
+            }));
+        }
+    }
+
+    fn into_bytes(self, name: &str) -> Result<Vec<u8>, ExportError> {
+        let uses_unlit = self.materials.iter().any(|m| !m["extensions"].is_null());
+        let (views, accessors, binary) = self.buffer.into_parts();
+        let mut json = json!({
+            "asset": { "version": "2.0", "generator": concat!("mechanim ", env!("CARGO_PKG_VERSION")) },
+            "scene": 0,
+            "scenes": [{ "name": self.title, "nodes": self.roots }],
+        });
+        let lists = [
+            ("nodes", self.nodes),
+            ("meshes", self.meshes),
+            ("materials", self.materials),
+            ("cameras", self.cameras),
+            ("bufferViews", views),
+            ("accessors", accessors),
+        ];
+        // Empty lists are not allowed.
+        for (key, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
+            json[key] = list.into();
+        }
+        if !self.channels.is_empty() {
+            let motion =
+                json!({ "name": "motion", "channels": self.channels, "samplers": self.samplers });
+            json["animations"] = json!([motion]);
+        }
+        if !binary.is_empty() {
+            json["buffers"] = json!([{ "byteLength": binary.len() }]);
+        }
+        if uses_unlit {
+            json["extensionsUsed"] = json!(["KHR_materials_unlit"]);
+        }
+        container(json.to_string().into_bytes(), binary, name)
+    }
+}
+
+/// Header and chunks, each padded to four bytes: JSON with spaces, binary with zeros.
+fn container(mut json: Vec<u8>, mut binary: Vec<u8>, name: &str) -> Result<Vec<u8>, ExportError> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let mut chunks = vec![(JSON_CHUNK, json)];
+    if !binary.is_empty() {
+        chunks.push((BINARY_CHUNK, binary));
+    }
+    let total: usize = 12
+        + chunks
+            .iter()
+            .map(|(_, bytes)| 8 + bytes.len())
+            .sum::<usize>();
+    let total = u32::try_from(total).map_err(|_| ExportError::Encode {
+        name: name.to_owned(),
+        message: "a GLB holds at most 4 GiB".to_owned(),
+    })?;
+    let mut file = MAGIC.to_vec();
+    file.extend(VERSION.to_le_bytes());
+    file.extend(total.to_le_bytes());
+    for (mark, bytes) in chunks {
+        file.extend((bytes.len() as u32).to_le_bytes());
+        file.extend(mark);
+        file.extend(bytes);
+    }
+    Ok(file)
+}
+
+/// An sRGB colour as the linear factors that glTF wants (IEC 61966-2-1), with its opacity.
+fn linear(colour: [u8; 3], opacity: f64) -> [f64; 4] {
+    let [r, g, b] = colour.map(|code| {
+        let code = f64::from(code) / 255.0;
+        if code <= 0.040_45 {
+            code / 12.92
+        } else {
+            libm::pow((code + 0.055) / 1.055, 2.4)
+        }
+    });
+    [r, g, b, opacity]
+}

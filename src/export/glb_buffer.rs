@@ -1,0 +1,109 @@
+//! The binary part of a GLB: arrays of numbers, the views on them and what they mean.
+//!
+//! Every array is of four-byte numbers, so that everything is aligned as glTF 2.0 section 3.6.2.4 asks.
+
+use serde_json::{Value, json};
+
+/// Types of numbers.
+const F32: u32 = 5126;
+const U32: u32 = 5125;
+
+/// What a view is used for.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+
+/// Bytes, the views on them and their accessors.
+#[derive(Default)]
+pub(super) struct Buffer {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Buffer {
+    /// Times of keys in seconds; their bounds are required.
+    pub(super) fn scalars(&mut self, values: &[f64]) -> usize {
+        let values: Vec<[f32; 1]> = values.iter().map(|v| [*v as f32]).collect();
+        self.floats(&values, "SCALAR", None, true)
+    }
+
+    /// Rotations (x, y, z, w).
+    pub(super) fn quaternions(&mut self, values: &[[f32; 4]]) -> usize {
+        self.floats(values, "VEC4", None, false)
+    }
+
+    /// Vectors of an animation.
+    pub(super) fn keys(&mut self, values: &[[f32; 3]]) -> usize {
+        self.floats(values, "VEC3", None, false)
+    }
+
+    /// Vectors of a mesh; positions need their bounds.
+    pub(super) fn vertices(&mut self, values: &[[f32; 3]], bounds: bool) -> usize {
+        self.floats(values, "VEC3", Some(VERTICES), bounds)
+    }
+
+    /// Corners of triangles.
+    pub(super) fn indices(&mut self, values: &[u32]) -> usize {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let view = self.view(&bytes, Some(INDICES));
+        self.accessor(json!({
+            "bufferView": view,
+            "componentType": U32,
+            "count": values.len(),
+            "type": "SCALAR",
+        }))
+    }
+
+    /// The views, the accessors and the bytes.
+    pub(super) fn into_parts(self) -> (Vec<Value>, Vec<Value>, Vec<u8>) {
+        (self.views, self.accessors, self.bytes)
+    }
+
+    fn floats<const N: usize>(
+        &mut self,
+        values: &[[f32; N]],
+        kind: &str,
+        target: Option<u32>,
+        bounds: bool,
+    ) -> usize {
+        let numbers = values.as_flattened().iter();
+        let bytes: Vec<u8> = numbers.flat_map(|v| v.to_le_bytes()).collect();
+        let view = self.view(&bytes, target);
+        let mut accessor = json!({
+            "bufferView": view,
+            "componentType": F32,
+            "count": values.len(),
+            "type": kind,
+        });
+        if let (true, Some(first)) = (bounds, values.first()) {
+            let fold = |pick: fn(f32, f32) -> f32| {
+                let ends = values.iter().fold(*first, |ends, value| {
+                    std::array::from_fn(|i| pick(ends[i], value[i]))
+                });
+                ends.to_vec()
+            };
+            accessor["min"] = json!(fold(f32::min));
+            accessor["max"] = json!(fold(f32::max));
+        }
+        self.accessor(accessor)
+    }
+
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        let mut view = json!({
+            "buffer": 0,
+            "byteOffset": self.bytes.len(),
+            "byteLength": bytes.len(),
+        });
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        self.bytes.extend_from_slice(bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    fn accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}

@@ -1,0 +1,101 @@
+//! Newton's iterates as a table: CSV without the polygons, or JSON with them.
+
+use super::error::ExportError;
+use super::table::{number, quoted};
+use super::target::Output;
+use crate::kinematics::iterates::Iterate;
+use crate::model::mechanism::Mechanism;
+use serde_json::{Map, Value, json};
+
+/// Names of the columns in their order.
+fn header(mechanism: &Mechanism) -> Vec<String> {
+    let unknowns = || mechanism.unknowns.iter().map(|c| c.name.as_str());
+    let mut names = vec!["block".to_owned(), "iteration".to_owned()];
+    names.extend(unknowns().map(str::to_owned));
+    names.extend(unknowns().map(|name| format!("correction({name})")));
+    for item in &mechanism.loops {
+        names.extend(
+            ["gap.x", "gap.y", "gap.z", "turn"].map(|what| format!("{}.{what}", item.name)),
+        );
+    }
+    names.extend(
+        mechanism
+            .equations
+            .iter()
+            .map(|e| format!("{}.gap", e.name)),
+    );
+    names
+}
+
+/// The numbers of an iterate in the file's units.
+fn cells(mechanism: &Mechanism, iterate: &Iterate) -> Vec<f64> {
+    let scaled = |values: &[f64]| -> Vec<f64> {
+        let pairs = mechanism.unknowns.iter().zip(values);
+        pairs
+            .map(|(c, v)| v * mechanism.file_units(c.kind))
+            .collect()
+    };
+    let mut cells = vec![iterate.block as f64, iterate.iteration as f64];
+    cells.extend(scaled(&iterate.unknowns));
+    cells.extend(scaled(&iterate.corrections));
+    for item in &iterate.loops {
+        cells.extend(item.gap.to_array());
+        cells.push(item.turn / mechanism.angle_unit.radians);
+    }
+    cells.extend(&iterate.equations);
+    cells
+}
+
+/// Writes CSV.
+pub fn write_csv(
+    mechanism: &Mechanism,
+    iterates: &[Iterate],
+    output: &mut dyn Output,
+) -> Result<(), ExportError> {
+    let names: Vec<String> = header(mechanism).iter().map(|name| quoted(name)).collect();
+    let mut text = names.join(",") + "\n";
+    for iterate in iterates {
+        let row: Vec<String> = cells(mechanism, iterate).into_iter().map(number).collect();
+        text.push_str(&(row.join(",") + "\n"));
+    }
+    emit(&text, output)
+}
+
+/// Writes one JSON object: the same columns, and the opened polygon of every loop.
+pub fn write_json(
+    mechanism: &Mechanism,
+    iterates: &[Iterate],
+    closed: bool,
+    output: &mut dyn Output,
+) -> Result<(), ExportError> {
+    let names = header(mechanism);
+    let rows = iterates.iter().map(|iterate| {
+        let values = cells(mechanism, iterate).into_iter().map(|v| json!(v));
+        let mut row: Map<String, Value> = names.iter().cloned().zip(values).collect();
+        row.insert("block".to_owned(), json!(iterate.block));
+        row.insert("iteration".to_owned(), json!(iterate.iteration));
+        let loops = mechanism.loops.iter().zip(&iterate.loops);
+        let polygons: Map<String, Value> = loops
+            .map(|(item, open)| {
+                let corners: Vec<[f64; 3]> = open.polygon.iter().map(|p| p.to_array()).collect();
+                (item.name.clone(), json!(corners))
+            })
+            .collect();
+        row.insert("polygons".to_owned(), Value::Object(polygons));
+        Value::Object(row)
+    });
+    let document = json!({
+        "schema": "mechanim-iterates/1",
+        "title": mechanism.title,
+        "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name },
+        "closed": closed,
+        "iterates": rows.collect::<Vec<_>>(),
+    });
+    emit(&format!("{document:#}\n"), output)
+}
+
+fn emit(text: &str, output: &mut dyn Output) -> Result<(), ExportError> {
+    output
+        .write_all(text.as_bytes())
+        .map_err(|source| ExportError::write(output.name(), source))
+}

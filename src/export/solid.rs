@@ -1,0 +1,113 @@
+//! Triangles of one pose: binary STL and Wavefront OBJ, in the world frame and the scene's unit.
+
+use super::ExportSummary;
+use super::error::ExportError;
+use super::model::Model;
+use super::target::Output;
+use crate::math::narrow;
+use std::io::{self, BufWriter, Write};
+
+/// Writes the first key of `model` as binary STL and returns what was written. Colours and bodies are lost.
+///
+/// Errors: no triangles, a failed write.
+pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+    let mut triangles = Vec::new();
+    for (_, part, pose) in model.placed_parts() {
+        let corner = |index: u32| pose.transform_point(part.mesh.positions[index as usize]);
+        for triangle in &part.mesh.triangles {
+            let [a, b, c] = triangle.map(corner);
+            // Triangles without area have no normal; the format wants zeros then.
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            triangles.push(stl_io::Triangle {
+                normal: stl_io::Normal::new(narrow(normal)),
+                vertices: [a, b, c].map(|v| stl_io::Vertex::new(narrow(v))),
+            });
+        }
+    }
+    finish(output, "an STL", triangles.len(), |mut file| {
+        stl_io::write_stl(&mut file, triangles.iter())
+    })
+}
+
+/// Writes the first key of `model` as OBJ, one object a body, colours at the vertices (`v x y z r g b`, 0 to 1).
+///
+/// Errors: no triangles, a failed write.
+pub fn write_obj(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+    let parts = model.placed_parts();
+    let triangles = parts.map(|(_, part, _)| part.mesh.triangles.len()).sum();
+    finish(output, "an OBJ", triangles, |file| obj(model, file))
+}
+
+fn obj(model: &Model, file: &mut dyn Write) -> io::Result<()> {
+    writeln!(file, "# {}", one_line(&model.title))?;
+    // Corners are counted from 1 over the whole file.
+    let mut base = 1;
+    let mut object = None;
+    for (body, part, pose) in model.placed_parts() {
+        if object != Some(&body.name) {
+            writeln!(file, "o {}", one_line(&body.name).replace(' ', "_"))?;
+            object = Some(&body.name);
+        }
+        let [r, g, b] = part.colour.map(|c| f32::from(c) / 255.0);
+        for point in &part.mesh.positions {
+            let [x, y, z] = narrow(pose.transform_point(*point));
+            writeln!(file, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
+        }
+        for normal in &part.mesh.normals {
+            let [x, y, z] = narrow(pose.transform_vector(*normal));
+            writeln!(file, "vn {x:.6} {y:.6} {z:.6}")?;
+        }
+        for triangle in &part.mesh.triangles {
+            let [a, b, c] = triangle.map(|i| base + i as usize);
+            writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
+        }
+        base += part.mesh.positions.len();
+    }
+    Ok(())
+}
+
+fn one_line(text: &str) -> String {
+    text.replace(|c: char| c.is_control(), " ")
+}
+
+/// Writes through a buffer, counts, and commits.
+fn finish(
+    output: Box<dyn Output>,
+    format: &'static str,
+    triangles: usize,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<ExportSummary, ExportError> {
+    if triangles == 0 {
+        return Err(ExportError::NoTriangles { format });
+    }
+    let name = output.name().to_owned();
+    let mut file = BufWriter::new(Counted { output, bytes: 0 });
+    let written = write(&mut file).and_then(|()| file.flush());
+    written.map_err(|e| ExportError::write(&name, e))?;
+    let counted = file.into_inner();
+    let Counted { output, bytes } =
+        counted.map_err(|e| ExportError::write(&name, e.into_error()))?;
+    output.commit()?;
+    Ok(ExportSummary {
+        frames: 1,
+        bytes,
+        seconds: 0.0,
+    })
+}
+
+struct Counted {
+    output: Box<dyn Output>,
+    bytes: u64,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = self.output.write(bytes)?;
+        self.bytes += taken as u64;
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.output.flush()
+    }
+}

@@ -1,0 +1,198 @@
+//! Anything that is a row of pictures: a PNG, an APNG, a GIF, a folder of PNGs. Read frame by frame.
+
+use super::{ImportError, natural, read_png};
+use image::codecs::gif::GifDecoder;
+use image::codecs::png::PngDecoder;
+use image::metadata::LoopCount;
+use image::{AnimationDecoder, Frames, ImageDecoder, RgbaImage};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+/// First bytes of the files that are known.
+const GIF_MAGIC: &[u8] = b"GIF8";
+const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// How often an animation plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plays {
+    /// Without end.
+    Forever,
+    /// So many times.
+    Times(u32),
+}
+
+/// One frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmFrame {
+    /// The file's name in a folder; empty elsewhere.
+    pub name: String,
+    /// What a viewer shows, all parts laid over each other.
+    pub picture: RgbaImage,
+    /// Seconds it is shown; 0 where the format has no time.
+    pub seconds: f64,
+}
+
+/// A row of pictures.
+pub struct Film {
+    path: PathBuf,
+    /// How often it plays; `None` where the format has no time.
+    pub plays: Option<Plays>,
+    /// What it is, for messages.
+    pub kind: &'static str,
+    frames: Box<dyn Iterator<Item = Result<FilmFrame, ImportError>>>,
+}
+
+impl Film {
+    /// Opens a file or a folder; the file's contents decide what it is, not its name.
+    ///
+    /// Errors: it cannot be read, is none of the known kinds, or is a folder without PNG files.
+    pub fn open(path: &Path) -> Result<Self, ImportError> {
+        if path.is_dir() {
+            return Self::of_folder(path);
+        }
+        let failed = |e| ImportError::read(path, e);
+        let mut file = BufReader::new(File::open(path).map_err(failed)?);
+        let start = file.fill_buf().map_err(failed)?;
+        if start.starts_with(GIF_MAGIC) {
+            return Self::of_gif(path, file);
+        }
+        if start.starts_with(PNG_MAGIC) {
+            return Self::of_png(path, file);
+        }
+        Err(ImportError::decode(path, "neither a PNG nor a GIF"))
+    }
+
+    /// Where it comes from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn new(
+        path: &Path,
+        kind: &'static str,
+        plays: Option<Plays>,
+        frames: impl Iterator<Item = Result<FilmFrame, ImportError>> + 'static,
+    ) -> Self {
+        Self {
+            path: path.to_owned(),
+            plays,
+            kind,
+            frames: Box::new(frames),
+        }
+    }
+
+    fn of_gif(path: &Path, mut file: BufReader<File>) -> Result<Self, ImportError> {
+        let plays = gif_plays(&mut file).map_err(|e| ImportError::read(path, e))?;
+        let mut decoder = GifDecoder::new(file).map_err(|e| ImportError::decode(path, e))?;
+        let limited = decoder.set_limits(super::limits());
+        limited.map_err(|e| ImportError::decode(path, e))?;
+        let frames = timed(path, decoder.into_frames());
+        Ok(Self::new(path, "a GIF", Some(plays), frames))
+    }
+
+    fn of_png(path: &Path, file: BufReader<File>) -> Result<Self, ImportError> {
+        let refuse = |e| ImportError::decode(path, e);
+        let decoder = PngDecoder::with_limits(file, super::limits()).map_err(refuse)?;
+        if !decoder.is_apng().map_err(refuse)? {
+            let still = FilmFrame {
+                name: String::new(),
+                picture: read_png(path)?,
+                seconds: 0.0,
+            };
+            return Ok(Self::new(path, "a PNG", None, std::iter::once(Ok(still))));
+        }
+        let decoder = decoder.apng().map_err(refuse)?;
+        let plays = match decoder.loop_count() {
+            LoopCount::Infinite => Plays::Forever,
+            LoopCount::Finite(times) => Plays::Times(times.get()),
+        };
+        let frames = timed(path, decoder.into_frames());
+        Ok(Self::new(path, "an APNG", Some(plays), frames))
+    }
+
+    fn of_folder(path: &Path) -> Result<Self, ImportError> {
+        let files = png_files(path)?;
+        if files.is_empty() {
+            return Err(ImportError::decode(path, "the folder has no PNG files"));
+        }
+        let frames = files.into_iter().map(|file| {
+            let name = file.file_name().unwrap_or_default();
+            Ok(FilmFrame {
+                name: name.to_string_lossy().into_owned(),
+                picture: read_png(&file)?,
+                seconds: 0.0,
+            })
+        });
+        Ok(Self::new(path, "a folder", None, frames))
+    }
+}
+
+impl Iterator for Film {
+    type Item = Result<FilmFrame, ImportError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.frames.next()
+    }
+}
+
+/// The PNG files of a folder, counted as people do.
+///
+/// Errors: the folder cannot be read.
+pub fn png_files(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    let failed = |e| ImportError::read(folder, e);
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let is_png = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        if is_png && path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_by(|a, b| natural(a, b));
+    Ok(files)
+}
+
+fn timed(
+    path: &Path,
+    frames: Frames<'static>,
+) -> impl Iterator<Item = Result<FilmFrame, ImportError>> + use<> {
+    let path = path.to_owned();
+    frames.map(move |frame| {
+        let frame = frame.map_err(|e| ImportError::decode(&path, e))?;
+        let (numerator, denominator) = frame.delay().numer_denom_ms();
+        Ok(FilmFrame {
+            name: String::new(),
+            seconds: f64::from(numerator) / f64::from(denominator) / 1e3,
+            picture: frame.into_buffer(),
+        })
+    })
+}
+
+/// How often a GIF plays, read off its loop extension and put back to the start of the file.
+///
+/// The decoder knows the extension only once it has passed it, and takes a missing one for an endless loop.
+fn gif_plays(file: &mut BufReader<File>) -> std::io::Result<Plays> {
+    use std::io::{Read, Seek};
+    /// The extension stands before the first picture: after a header of 13 bytes and at most 256 colours.
+    const BEFORE_PICTURES: u64 = 13 + 3 * 256 + 4096;
+    const NAME: &[u8] = b"\x21\xff\x0bNETSCAPE2.0\x03\x01";
+    let mut start = Vec::new();
+    file.by_ref()
+        .take(BEFORE_PICTURES)
+        .read_to_end(&mut start)?;
+    file.rewind()?;
+    let place = start.windows(NAME.len()).position(|w| w == NAME);
+    let count = place.and_then(|p| start.get(p + NAME.len()..p + NAME.len() + 2));
+    Ok(match count {
+        None => Plays::Times(1),
+        Some([0, 0]) => Plays::Forever,
+        // The field says how often it is repeated after the first time.
+        Some(count) => {
+            let repeats = count.iter().rev().fold(0, |n, b| 256 * n + u32::from(*b));
+            Plays::Times(repeats + 1)
+        }
+    })
+}

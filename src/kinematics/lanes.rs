@@ -1,0 +1,279 @@
+//! Rows of small dense matrices in groups of four numbers, four at a time.
+//!
+//! Rows are padded with zeros to whole groups. Sums run in a fixed order, so that results are the same everywhere.
+
+use wide::f64x4;
+
+/// Four neighbours of a row.
+pub type Lanes = [f64; 4];
+
+/// Groups that a row of `length` numbers takes.
+#[inline]
+pub fn groups(length: usize) -> usize {
+    length.div_ceil(4)
+}
+
+/// `target += factor · row`.
+#[inline]
+pub fn add_scaled(target: &mut [Lanes], factor: f64, row: &[Lanes]) {
+    let factor = f64x4::splat(factor);
+    for (t, r) in target.iter_mut().zip(row) {
+        *t = (f64x4::new(*t) + factor * f64x4::new(*r)).to_array();
+    }
+}
+
+/// The scalar product.
+#[inline]
+pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
+    let mut sums = f64x4::ZERO;
+    for (a, b) in a.iter().zip(b) {
+        sums += f64x4::new(*a) * f64x4::new(*b);
+    }
+    total(sums.to_array())
+}
+
+/// The sum of |a| b for positive b.
+#[inline]
+pub fn dot_of_sizes(a: &[Lanes], b: &[Lanes]) -> f64 {
+    let mut sums = f64x4::ZERO;
+    for (a, b) in a.iter().zip(b) {
+        sums += f64x4::new(*a).abs() * f64x4::new(*b);
+    }
+    total(sums.to_array())
+}
+
+/// Adds the squares of a row.
+#[inline]
+pub fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {
+    for (sum, r) in sums.iter_mut().zip(row) {
+        let r = f64x4::new(*r);
+        *sum = (f64x4::new(*sum) + r * r).to_array();
+    }
+}
+
+/// `target · factor`.
+#[inline]
+pub fn scale(target: &mut [Lanes], factor: f64) {
+    let factor = f64x4::splat(factor);
+    for t in target {
+        *t = (f64x4::new(*t) * factor).to_array();
+    }
+}
+
+/// `target = Σ factorₖ · rowₖ` over rows as long as the target.
+#[inline]
+pub fn combine(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
+    // The usual lengths by themselves, so that the sums stay in registers.
+    match target.len() {
+        1 => combine_fixed::<1>(target, factors, rows),
+        2 => combine_fixed::<2>(target, factors, rows),
+        3 => combine_fixed::<3>(target, factors, rows),
+        4 => combine_fixed::<4>(target, factors, rows),
+        length => {
+            target.fill([0.0; 4]);
+            for (factor, row) in factors.iter().zip(rows.chunks_exact(length.max(1))) {
+                add_scaled(target, *factor, row);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn combine_fixed<const G: usize>(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
+    let mut sums = [f64x4::ZERO; G];
+    for (factor, row) in factors.iter().zip(rows.as_chunks::<G>().0) {
+        let factor = f64x4::splat(*factor);
+        for g in 0..G {
+            sums[g] += factor * f64x4::new(row[g]);
+        }
+    }
+    for (t, sum) in target.iter_mut().zip(sums) {
+        *t = sum.to_array();
+    }
+}
+
+/// Subtracts from every row the multiple of `pivot_row` that clears its entry `column`; `clear` says whether the entry
+/// is set to zero before.
+#[inline]
+pub fn clear_column(rows: &mut [Lanes], pivot_row: &[Lanes], column: usize, clear: bool) {
+    match pivot_row.len() {
+        1 => clear_fixed::<1>(rows, pivot_row, column, clear),
+        2 => clear_fixed::<2>(rows, pivot_row, column, clear),
+        3 => clear_fixed::<3>(rows, pivot_row, column, clear),
+        4 => clear_fixed::<4>(rows, pivot_row, column, clear),
+        length => {
+            for row in rows.chunks_exact_mut(length.max(1)) {
+                let factor = row[column / 4][column % 4];
+                if clear {
+                    row[column / 4][column % 4] = 0.0;
+                }
+                add_scaled(row, -factor, pivot_row);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn clear_fixed<const G: usize>(
+    rows: &mut [Lanes],
+    pivot_row: &[Lanes],
+    column: usize,
+    clear: bool,
+) {
+    let mut pivot = [f64x4::ZERO; G];
+    for (p, row) in pivot.iter_mut().zip(pivot_row) {
+        *p = f64x4::new(*row);
+    }
+    let (group, lane) = (column / 4 % G, column % 4);
+    for row in rows.as_chunks_mut::<G>().0 {
+        let factor = f64x4::splat(row[group][lane]);
+        if clear {
+            row[group][lane] = 0.0;
+        }
+        for g in 0..G {
+            row[g] = (f64x4::new(row[g]) - factor * pivot[g]).to_array();
+        }
+    }
+}
+
+/// The sum of a group.
+#[inline]
+pub fn total(lanes: Lanes) -> f64 {
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
+}
+
+/// A row-major matrix in reusable storage.
+#[derive(Clone, Debug, Default)]
+pub struct LaneMatrix {
+    stride: usize,
+    entries: Vec<Lanes>,
+}
+
+impl LaneMatrix {
+    /// Makes it a matrix of zeros.
+    pub fn reset(&mut self, rows: usize, columns: usize) {
+        self.stride = groups(columns);
+        self.entries.clear();
+        self.entries.resize(rows * self.stride, [0.0; 4]);
+    }
+
+    /// Takes over another matrix without new storage.
+    pub fn copy(&mut self, other: &Self) {
+        self.stride = other.stride;
+        self.entries.clear();
+        self.entries.extend_from_slice(&other.entries);
+    }
+
+    /// Takes over a column-major matrix.
+    pub fn copy_columns(&mut self, a: &[f64], rows: usize, columns: usize) {
+        self.reset(rows, columns);
+        self.copy_columns_into(&a[..rows * columns], rows);
+    }
+
+    /// Writes the columns of a column-major matrix over its own first ones.
+    pub fn copy_columns_into(&mut self, a: &[f64], rows: usize) {
+        for (j, column) in a.chunks_exact(rows.max(1)).enumerate() {
+            let groups = self.entries[j / 4..].iter_mut().step_by(self.stride);
+            for (group, value) in groups.zip(column) {
+                group[j % 4] = *value;
+            }
+        }
+    }
+
+    /// Takes over a row-major matrix: the transpose of a column-major one.
+    pub fn copy_rows(&mut self, a: &[f64], rows: usize, columns: usize) {
+        self.reset(rows, columns);
+        let stride = self.stride.max(1);
+        let targets = self.entries.chunks_exact_mut(stride);
+        for (target, row) in targets.zip(a.chunks_exact(columns.max(1))) {
+            target.as_flattened_mut()[..columns].copy_from_slice(row);
+        }
+    }
+
+    /// An entry.
+    #[inline]
+    pub fn at(&self, row: usize, column: usize) -> f64 {
+        self.entries[row * self.stride + column / 4][column % 4]
+    }
+
+    /// A place to write an entry.
+    #[inline]
+    pub fn at_mut(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.entries[row * self.stride + column / 4][column % 4]
+    }
+
+    /// A row.
+    #[inline]
+    pub fn row(&self, row: usize) -> &[Lanes] {
+        &self.entries[row * self.stride..(row + 1) * self.stride]
+    }
+
+    /// A row to change.
+    #[inline]
+    pub fn row_mut(&mut self, row: usize) -> &mut [Lanes] {
+        &mut self.entries[row * self.stride..(row + 1) * self.stride]
+    }
+
+    /// The rows in order.
+    #[inline]
+    pub fn rows(&self) -> std::slice::ChunksExact<'_, Lanes> {
+        self.entries.chunks_exact(self.stride.max(1))
+    }
+
+    /// All rows, one after the other.
+    #[inline]
+    pub fn groups(&self) -> &[Lanes] {
+        &self.entries
+    }
+
+    /// The rows up to `row`, and those from it on.
+    #[inline]
+    pub fn split_at_row(&mut self, row: usize) -> (&mut [Lanes], &mut [Lanes]) {
+        self.entries.split_at_mut(row * self.stride)
+    }
+
+    /// Groups in a row.
+    #[inline]
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Exchanges two columns.
+    pub fn swap_columns(&mut self, a: usize, b: usize) {
+        for row in self.entries.chunks_exact_mut(self.stride) {
+            let left = row[a / 4][a % 4];
+            row[a / 4][a % 4] = row[b / 4][b % 4];
+            row[b / 4][b % 4] = left;
+        }
+    }
+
+    /// Exchanges two rows.
+    pub fn swap_rows(&mut self, a: usize, b: usize) {
+        if a != b {
+            let (low, high) = (a.min(b), a.max(b));
+            let stride = self.stride;
+            let (upper, lower) = self.split_at_row(high);
+            upper[low * stride..(low + 1) * stride].swap_with_slice(&mut lower[..stride]);
+        }
+    }
+
+    /// The product with a vector, row by row.
+    #[inline]
+    pub fn times<'a>(&'a self, x: &'a [Lanes]) -> impl Iterator<Item = f64> + 'a {
+        self.rows().map(move |row| dot(row, x))
+    }
+}
+
+/// Writes numbers into padded groups.
+#[inline]
+pub fn pack(target: &mut Vec<Lanes>, values: impl Iterator<Item = f64>) {
+    target.clear();
+    for (k, value) in values.enumerate() {
+        if k % 4 == 0 {
+            target.push([0.0; 4]);
+        }
+        if let Some(last) = target.last_mut() {
+            last[k % 4] = value;
+        }
+    }
+}

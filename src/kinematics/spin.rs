@@ -1,0 +1,130 @@
+//! How links move along chains for given rates of the coordinates: twists, and the lines of pure rotations.
+
+use crate::math::Pose;
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::mechanism::Mechanism;
+use glam::DVec3;
+
+/// Below this share of the fastest coordinate (radians, sizes) a rate counts as none. Null vectors at closed poses
+/// are right to about ten digits, and so are the twists that follow.
+pub const STILL: f64 = 1e-6;
+
+/// A line in space: direction and moment about the origin over the size.
+pub type Line = (DVec3, DVec3);
+
+/// Angular velocity, and velocity at the origin over the size.
+pub type Twist = (DVec3, DVec3);
+
+/// Adds a link's twist to the line found so far: `None` if it fits neither rest nor that line.
+pub fn with(found: Option<Line>, twist: Twist) -> Option<Option<Line>> {
+    if twist.0.length() <= STILL && twist.1.length() <= STILL {
+        return Some(found);
+    }
+    let line = line_of(twist)?;
+    let fits = found.is_none_or(|known| same_line(&line, &known));
+    fits.then_some(Some(line))
+}
+
+/// The line of a pure rotation.
+pub fn line_of((turn, speed): Twist) -> Option<Line> {
+    let rate = turn.length();
+    let is_pure = rate > STILL && turn.dot(speed).abs() <= STILL * rate;
+    is_pure.then(|| (turn / rate, speed / rate))
+}
+
+/// Whether two lines are the same, whichever way they point.
+pub fn same_line(a: &Line, b: &Line) -> bool {
+    let sign = a.0.dot(b.0).signum();
+    (a.0 - b.0 * sign).length() <= STILL && (a.1 - b.1 * sign).length() <= STILL
+}
+
+/// Twists along chains for one motion, in the frame in which a chain begins; speeds over the size.
+pub struct Walk {
+    arguments: Vec<ArgumentValue>,
+    rates: Vec<f64>,
+    size: f64,
+}
+
+impl Walk {
+    /// The motion with the given rates of all coordinates, in their own units.
+    pub fn new(mechanism: &Mechanism, pose: &[f64], rates: &[f64]) -> Self {
+        let rate_of = |argument: &Argument| match argument {
+            Argument::Affine(affine) => affine.terms.iter().map(|(s, c)| c * rates[*s]).sum(),
+            Argument::Formula(expression) => {
+                let mut gradient = vec![0.0; rates.len()];
+                let (mut values, mut adjoints) = (Vec::new(), Vec::new());
+                expression.add_gradient(pose, 1.0, &mut gradient, &mut values, &mut adjoints);
+                gradient.iter().zip(rates).map(|(g, r)| g * r).sum()
+            }
+        };
+        Self {
+            arguments: mechanism.argument_values(pose),
+            rates: mechanism.arguments.iter().map(rate_of).collect(),
+            size: mechanism.size,
+        }
+    }
+
+    /// Calls `each` after every step with the step's own twist and the next step.
+    fn steps(&self, chain: &Chain, mut each: impl FnMut(Option<Twist>, &Step, Option<&Step>)) {
+        let mut pose = Pose::IDENTITY;
+        let mut steps = chain.steps.iter().peekable();
+        while let Some(step) = steps.next() {
+            let own = match *step {
+                Step::Fixed(_) => None,
+                Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    let axis = pose.rotation.col(axis) * (sign * self.rates[argument]);
+                    Some(match motion {
+                        Motion::Rotation => (axis, pose.translation.cross(axis) / self.size),
+                        Motion::Translation => (DVec3::ZERO, axis / self.size),
+                    })
+                }
+            };
+            step.advance(&mut pose, &self.arguments);
+            each(own, step, steps.peek().copied());
+        }
+    }
+
+    /// Twists of the links: what lies between the joints.
+    pub fn links(&self, chain: &Chain) -> Vec<Twist> {
+        let kind = |step: &Step| match step {
+            Step::Fixed(_) => None,
+            Step::Joint { motion, .. } => Some(*motion),
+        };
+        let (mut turn, mut speed, mut list) = (DVec3::ZERO, DVec3::ZERO, Vec::new());
+        self.steps(chain, |own, step, next| {
+            if let Some((t, s)) = own {
+                turn += t;
+                speed += s;
+            }
+            let next = next.and_then(kind);
+            if next.is_none() || next != kind(step) {
+                list.push((turn, speed));
+            }
+        });
+        list
+    }
+
+    /// Twists of the single joints that take part.
+    pub fn joints(&self, chain: &Chain) -> Vec<Twist> {
+        let mut list = Vec::new();
+        self.steps(chain, |own, _, _| {
+            list.extend(own.filter(|(t, s)| t.length() > STILL || s.length() > STILL));
+        });
+        list
+    }
+
+    /// Twist of the end of the chain.
+    pub fn whole(&self, chain: &Chain) -> Twist {
+        let mut sum = (DVec3::ZERO, DVec3::ZERO);
+        self.steps(chain, |own, _, _| {
+            let own = own.unwrap_or_default();
+            sum = (sum.0 + own.0, sum.1 + own.1);
+        });
+        sum
+    }
+}

@@ -1,0 +1,38 @@
+//! What a scene asks of the clearances of its bodies.
+
+/// A pair that is left out of the check.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ignored {
+    /// Indices of the bodies, ascending.
+    pub pair: [usize; 2],
+    /// Why, in the scene's words.
+    pub reason: String,
+}
+
+/// A pair with a clearance of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairMinimum {
+    /// Indices of the bodies, ascending.
+    pub pair: [usize; 2],
+    /// Least distance that passes, in the scene's unit.
+    pub minimum: f64,
+}
+
+/// The `[clearance]` section.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClearanceRules {
+    /// Least distance that passes, in the scene's unit; not negative.
+    pub minimum: f64,
+    /// Pairs that have their own.
+    pub pairs: Vec<PairMinimum>,
+    /// Pairs that may touch.
+    pub ignored: Vec<Ignored>,
+}
+
+impl ClearanceRules {
+    /// Least distance that passes for a pair (ascending indices).
+    pub fn minimum_of(&self, pair: [usize; 2]) -> f64 {
+        let own = self.pairs.iter().find(|p| p.pair == pair);
+        own.map_or(self.minimum, |p| p.minimum)
+    }
+}

@@ -1,0 +1,127 @@
+//! Scalars of a whole motion: tracks of poses beside the drive, and what is measured over them.
+
+use super::expression::Expression;
+use super::mechanism::Kind;
+
+/// Poses beside the drive: the inputs go from one set of values to another in equal steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Name in the scene.
+    pub name: String,
+    /// Number of poses, at least two.
+    pub samples: usize,
+    /// Inputs at the first pose.
+    pub from: Vec<f64>,
+    /// Inputs at the last pose.
+    pub to: Vec<f64>,
+}
+
+/// How one number is made of a row of values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taking {
+    /// The first.
+    First,
+    /// The last.
+    Last,
+    /// The last less the first.
+    Change,
+    /// The smallest.
+    Min,
+    /// The largest.
+    Max,
+    /// The largest less the smallest.
+    Range,
+    /// The largest of the absolute values.
+    Largest,
+    /// The sum.
+    Sum,
+    /// The arithmetic mean.
+    Mean,
+    /// The sum of the absolute values' powers, to the inverse of the power.
+    Norm,
+    /// Distance from the first to the last point of a path in the plane.
+    Chord,
+    /// Signed distance from the chord of that point of a path which is farthest from it, positive to the left of the way.
+    Bow,
+}
+
+impl Taking {
+    /// Names in scene files.
+    pub const NAMES: [(&'static str, Self); 12] = [
+        ("first", Self::First),
+        ("last", Self::Last),
+        ("change", Self::Change),
+        ("min", Self::Min),
+        ("max", Self::Max),
+        ("range", Self::Range),
+        ("largest", Self::Largest),
+        ("sum", Self::Sum),
+        ("mean", Self::Mean),
+        ("norm", Self::Norm),
+        ("chord", Self::Chord),
+        ("bow", Self::Bow),
+    ];
+
+    /// How many values a pose gives: a path has two coordinates.
+    pub const fn width(self) -> usize {
+        match self {
+            Self::Chord | Self::Bow => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// Where a measure comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MeasureSource {
+    /// A formula whose slots are the mechanism's inputs at the start of the drive (parameters that a study varies are
+    /// inputs), then the earlier measures.
+    Formula(Expression),
+    /// Values over the poses of a track, or of the drive.
+    Over {
+        /// Index of the track; the drive if there is none.
+        track: Option<usize>,
+        /// As many as `taking` is wide. Slots: coordinates, then x, y, z of every trace, then outputs.
+        of: Vec<Expression>,
+        /// Input by which the values are derived; the values themselves if there is none.
+        per: Option<usize>,
+        /// What is made of them.
+        taking: Taking,
+        /// For [`Taking::Norm`].
+        power: f64,
+    },
+}
+
+/// A scalar of a whole motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measure {
+    /// Name in the scene.
+    pub name: String,
+    /// What it measures.
+    pub kind: Kind,
+    /// Where it comes from.
+    pub source: MeasureSource,
+    /// Smallest allowed value.
+    pub min: Option<f64>,
+    /// Largest allowed value.
+    pub max: Option<f64>,
+    /// What a broken limit means, in the words of the scene.
+    pub why: Option<String>,
+}
+
+impl Measure {
+    /// How far `value` is beyond the limits, as a share of the limit; zero or less inside. NaN if the value is none.
+    pub fn violation(&self, value: f64) -> f64 {
+        let share = |over: f64, limit: f64| over / if limit == 0.0 { 1.0 } else { limit.abs() };
+        let above = self.max.map(|limit| share(value - limit, limit));
+        let below = self.min.map(|limit| share(limit - value, limit));
+        let parts = [above, below].into_iter().flatten();
+        let worse = |worst: f64, v: f64| if v > worst || v.is_nan() { v } else { worst };
+        parts.fold(f64::NEG_INFINITY, worse)
+    }
+
+    /// Whether `value` keeps the limits.
+    pub fn allows(&self, value: f64) -> bool {
+        self.min.is_none_or(|min| value >= min) && self.max.is_none_or(|max| value <= max)
+    }
+}

@@ -1,0 +1,109 @@
+//! A plot as resolved: which quantities of the motion are drawn against which, in which units.
+
+use super::expression::Expression;
+use super::mechanism::Kind;
+
+/// A plot of the motion; curves of different units stand in panels of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plot {
+    /// Its title; may be empty.
+    pub title: String,
+    /// What the curves are drawn against.
+    pub x: Abscissa,
+    /// The curves.
+    pub y: Vec<Curve>,
+    /// A unit is as long on both axes: for paths in a plane.
+    pub equal: bool,
+    /// Reference points, in the units of the axes.
+    pub marks: Vec<[f64; 2]>,
+    /// Reference lines, in the units of the axes.
+    pub lines: Vec<[[f64; 2]; 2]>,
+}
+
+/// The horizontal axis of a plot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Abscissa {
+    /// Seconds of the drive.
+    Time,
+    /// A quantity of the motion.
+    Quantity(Curve),
+}
+
+/// A quantity of the motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Name for people.
+    pub label: String,
+    /// Unit in which it is drawn; empty for plain numbers.
+    pub unit: String,
+    /// From internal values (radians, the scene's length unit) to that unit.
+    pub factor: f64,
+    /// Slots: coordinates, then x, y, z of every trace, then outputs.
+    pub expression: Expression,
+    /// What the expression itself measures.
+    pub kind: Kind,
+    /// Its rate is drawn in place of itself.
+    pub rate: Option<Rate>,
+}
+
+/// Which rate of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rate {
+    /// By what.
+    pub per: Per,
+    /// Order, one or more.
+    pub order: usize,
+}
+
+/// What a rate is taken by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// Seconds of the drive.
+    Time,
+    /// An input, the others standing still.
+    Input(usize),
+}
+
+/// Unit and factor of a rate from those of the quantity and of what it is taken by.
+pub fn rate_unit(
+    (unit, factor): (&str, f64),
+    (per, per_factor): (&str, f64),
+    order: usize,
+) -> (String, f64) {
+    let power = |k: usize| match k {
+        1 => String::new(),
+        2 => "²".to_owned(),
+        3 => "³".to_owned(),
+        4 => "⁴".to_owned(),
+        k => format!("^{k}"),
+    };
+    let text = match (unit, per) {
+        (unit, "") => unit.to_owned(),
+        (unit, per) if unit == per && order == 1 => String::new(),
+        (unit, per) if unit == per => format!("1/{per}{}", power(order - 1)),
+        ("", per) => format!("1/{per}{}", power(order)),
+        (unit, per) => format!("{unit}/{per}{}", power(order)),
+    };
+    (text, factor / per_factor.powi(order as i32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_rates() {
+        for (unit, per, order, expected) in [
+            ("mm", "s", 1, "mm/s"),
+            ("mm", "deg", 2, "mm/deg²"),
+            ("deg", "deg", 1, ""),
+            ("rad", "rad", 3, "1/rad²"),
+            ("", "s", 4, "1/s⁴"),
+            ("mm", "", 6, "mm"),
+            ("mm", "s", 6, "mm/s^6"),
+        ] {
+            assert_eq!(rate_unit((unit, 1.0), (per, 1.0), order).0, expected);
+        }
+        assert_eq!(rate_unit(("deg", 8.0), ("deg", 2.0), 2).1, 2.0);
+    }
+}

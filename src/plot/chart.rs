@@ -1,0 +1,120 @@
+//! What a chart shows, as a value: panels, series, marks. All numbers are in the units of the axes; no pixels here.
+
+use super::scale::ScaleKind;
+
+/// One or several panels under a title.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Chart {
+    /// Title of the whole.
+    pub title: String,
+    /// One sentence for readers who do not see the picture.
+    pub description: String,
+    /// The panels, in reading order.
+    pub panels: Vec<Panel>,
+    /// Lines under the panels: what the reader must know besides.
+    pub notes: Vec<String>,
+}
+
+/// One pair of axes and what is drawn in it.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Panel {
+    /// Title of the panel; empty for none.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// The curves.
+    pub series: Vec<Series>,
+    /// Places on the horizontal axis with a word.
+    pub events: Vec<EventMark>,
+    /// Ranges of the horizontal axis without values.
+    pub shades: Vec<Shade>,
+    /// Reference points.
+    pub marks: Vec<[f64; 2]>,
+    /// Reference lines, from point to point.
+    pub lines: Vec<[[f64; 2]; 2]>,
+    /// A unit is as long on one axis as on the other.
+    pub equal: bool,
+    /// Place of every sample on the horizontal axis, also of those without a point: where the playhead stands.
+    pub samples: Vec<f64>,
+}
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Axis {
+    /// What it measures.
+    pub label: String,
+    /// Unit; empty for plain numbers.
+    pub unit: String,
+    /// Linear or logarithmic.
+    pub scale: ScaleKind,
+    /// The axis ends where the values end, without a margin.
+    pub tight: bool,
+}
+
+/// How the points of a series are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SeriesStyle {
+    /// By a line.
+    #[default]
+    Line,
+    /// By a line with a dot at every point.
+    Dots,
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// Points in order; `None` interrupts the line.
+    pub points: Vec<Option<[f64; 2]>>,
+    /// Indices of points that are not joined to the one before: an angle has jumped by a turn there.
+    pub breaks: Vec<usize>,
+    /// Joined how.
+    pub style: SeriesStyle,
+}
+
+/// A place on the horizontal axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventMark {
+    /// Where.
+    pub x: f64,
+    /// What happens there.
+    pub label: String,
+}
+
+/// A range of the horizontal axis without values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shade {
+    /// Begin.
+    pub from: f64,
+    /// End.
+    pub to: f64,
+    /// Why.
+    pub word: String,
+}
+
+impl Axis {
+    /// Label with its unit in brackets; `factor` is a power of ten taken out of the tick labels.
+    pub fn heading(&self, factor: i32) -> String {
+        let unit = match (factor, self.unit.as_str()) {
+            (0, "") => String::new(),
+            (0, unit) => format!(" [{unit}]"),
+            (k, "") => format!(" [{}]", super::ticks::power_of_ten(k)),
+            (k, unit) => format!(" [{} {unit}]", super::ticks::power_of_ten(k)),
+        };
+        format!("{}{unit}", self.label).trim().to_owned()
+    }
+}
+
+impl Panel {
+    /// All finite points of series, marks and lines.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let series = self.series.iter().flat_map(|s| s.points.iter().flatten());
+        let lines = self.lines.iter().flatten();
+        let all = series.chain(&self.marks).chain(lines).copied();
+        all.filter(|p| p[0].is_finite() && p[1].is_finite())
+    }
+}

@@ -1,0 +1,355 @@
+//! A chart as a list of primitives: ranges without values, grid, events, curves, axes, in this order.
+
+use super::chart::{Chart, Panel, SeriesStyle};
+use super::frame::{Frame, left_room};
+use super::headings::curve_stroke;
+use super::layout::{Layout, Ruler, Sizes};
+use super::primitive::{Anchor, Primitive, Rect, Stroke};
+use super::scale::Scale;
+use super::theme::{Dashes, Theme};
+
+/// Most pixels of a hatched range's lines from each other, in heights of the capitals.
+const HATCH: f64 = 1.4;
+
+/// Points of a curve nearer than this to the line through their neighbours are left out, in pixels.
+const FLATNESS: f64 = 0.02;
+
+/// A chart laid out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Title and description, for readers who do not see the picture.
+    pub title: String,
+    /// One sentence.
+    pub description: String,
+    /// From back to front.
+    pub primitives: Vec<Primitive>,
+    /// Where values are, one per panel.
+    pub areas: Vec<Area>,
+    /// Colours.
+    pub theme: Theme,
+    /// Lengths.
+    pub sizes: Sizes,
+}
+
+/// Where the values of a panel are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Edges.
+    pub rect: Rect,
+    /// From left to right.
+    pub x: Scale,
+    /// From bottom to top.
+    pub y: Scale,
+}
+
+impl Area {
+    /// The pixel of a point, if it has one.
+    pub fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
+        Some([self.x.pixel(point[0])?, self.y.pixel(point[1])?])
+    }
+}
+
+/// Lays `chart` out in `size` pixels.
+pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
+    let sizes = Sizes::new(chart, size);
+    let (ruler, layout) = (Ruler::default(), Layout::new(chart, size, &sizes));
+    let mut drawing = Drawing {
+        size,
+        title: chart.title.clone(),
+        description: chart.description.clone(),
+        primitives: Vec::new(),
+        areas: Vec::new(),
+        theme,
+        sizes,
+    };
+    let list = &mut drawing.primitives;
+    list.push(Primitive::Area {
+        rect: Rect {
+            left: 0.0,
+            top: 0.0,
+            right: f64::from(size[0]),
+            bottom: f64::from(size[1]),
+        },
+        fill: theme.background,
+    });
+    let mut text = |y: f64, text: &str, size: f64, colour| {
+        list.push(Primitive::Text {
+            at: [layout.left, y],
+            text: text.to_owned(),
+            size,
+            anchor: Anchor::Start,
+            colour,
+        });
+    };
+    if !chart.title.is_empty() {
+        text(layout.title, &chart.title, sizes.title, theme.text);
+    }
+    for (note, y) in chart.notes.iter().zip(&layout.notes) {
+        text(*y, note, sizes.small, theme.faint_text);
+    }
+    let rooms: Vec<f64> = chart
+        .panels
+        .iter()
+        .zip(&layout.cells)
+        .map(|(panel, cell)| left_room(panel, cell, &ruler, &sizes))
+        .collect();
+    for (k, (panel, cell)) in chart.panels.iter().zip(&layout.cells).enumerate() {
+        // Panels above each other begin at the same place.
+        let column = rooms
+            .iter()
+            .skip(k % layout.columns)
+            .step_by(layout.columns);
+        let left = column.copied().fold(0.0, f64::max);
+        let words = words(panel, cell.width() - left, &ruler, &sizes);
+        let frame = Frame::new(panel, cell, left, &words, &ruler, &sizes);
+        let area = Area {
+            rect: frame.area,
+            x: frame.x,
+            y: frame.y,
+        };
+        draw_shades(
+            panel,
+            &area,
+            &ruler,
+            &drawing.sizes,
+            &theme,
+            &mut drawing.primitives,
+        );
+        frame.draw_grid(&sizes, &theme, &mut drawing.primitives);
+        draw_events(panel, &area, &sizes, &theme, &mut drawing.primitives);
+        draw_marks(panel, &area, &sizes, &theme, &mut drawing.primitives);
+        frame.draw_axes(panel, &sizes, &theme, &mut drawing.primitives);
+        draw_curves(panel, &area, &sizes, &theme, &mut drawing.primitives);
+        drawing.areas.push(area);
+    }
+    drawing
+}
+
+/// The words above an area: those of events, and those of ranges too narrow to hold them.
+fn words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, String)> {
+    let values = panel.points().map(|p| p[0]);
+    let ends = panel.shades.iter().flat_map(|s| [s.from, s.to]);
+    let (low, high) = values
+        .chain(ends)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        });
+    // Where nothing is drawn comes first: of the rest the lines tell something.
+    let mut words: Vec<(f64, String)> = Vec::new();
+    for shade in &panel.shades {
+        let share = (shade.to - shade.from).abs() / (high - low);
+        let fits = share * width > ruler.width(&shade.word, sizes.small) + 3.0 * sizes.gap;
+        if !fits {
+            words.push((0.5 * (shade.from + shade.to), shade.word.clone()));
+        }
+    }
+    let mut events: Vec<(f64, String)> = panel
+        .events
+        .iter()
+        .map(|e| (e.x, e.label.clone()))
+        .collect();
+    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    words.extend(events);
+    words.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
+    words
+}
+
+/// Hatched ranges with their words.
+fn draw_shades(
+    panel: &Panel,
+    area: &Area,
+    ruler: &Ruler,
+    sizes: &Sizes,
+    theme: &Theme,
+    list: &mut Vec<Primitive>,
+) {
+    for shade in &panel.shades {
+        let (Some(a), Some(b)) = (area.x.pixel(shade.from), area.x.pixel(shade.to)) else {
+            continue;
+        };
+        let middle = 0.5 * (a + b);
+        // A single missing sample must be seen too.
+        let half = (0.5 * (a - b).abs()).max(0.5 * sizes.curve);
+        let rect = Rect {
+            left: (middle - half).max(area.rect.left),
+            right: (middle + half).min(area.rect.right),
+            ..area.rect
+        };
+        let fill = theme.shade;
+        list.push(Primitive::Area { rect, fill });
+        hatch(&rect, sizes, theme, list);
+        let wide = ruler.width(&shade.word, sizes.small);
+        if wide + 2.0 * sizes.gap < rect.width() {
+            let y = rect.top + 0.5 * rect.height();
+            let pad = sizes.gap;
+            let plate = Rect {
+                left: middle - 0.5 * wide - pad,
+                right: middle + 0.5 * wide + pad,
+                top: y - 0.5 * sizes.small - pad,
+                bottom: y + 0.5 * sizes.small + pad,
+            };
+            list.push(Primitive::Area { rect: plate, fill });
+            list.push(Primitive::Text {
+                at: [middle, y + 0.5 * sizes.small],
+                text: shade.word.clone(),
+                size: sizes.small,
+                anchor: Anchor::Middle,
+                colour: theme.faint_text,
+            });
+        }
+    }
+}
+
+/// Lines rising to the right, cut at the edges of `rect`; lines of neighbouring ranges continue each other.
+fn hatch(rect: &Rect, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
+    let pitch = HATCH * sizes.text;
+    let stroke = Stroke::solid(theme.hatch, sizes.hair);
+    let first = ((rect.left + rect.top) / pitch).ceil() as i64;
+    let last = ((rect.right + rect.bottom) / pitch).floor() as i64;
+    for k in first..=last {
+        let sum = k as f64 * pitch;
+        let left = rect.left.max(sum - rect.bottom);
+        let right = rect.right.min(sum - rect.top);
+        if right > left {
+            list.push(Primitive::Line {
+                points: vec![[left, sum - left], [right, sum - right]],
+                stroke,
+                name: String::new(),
+            });
+        }
+    }
+}
+
+fn draw_events(
+    panel: &Panel,
+    area: &Area,
+    sizes: &Sizes,
+    theme: &Theme,
+    list: &mut Vec<Primitive>,
+) {
+    let stroke = Stroke {
+        colour: theme.event,
+        width: sizes.hair,
+        dashes: Dashes::Long,
+    };
+    for event in &panel.events {
+        if let Some(x) = area.x.pixel(event.x) {
+            list.push(Primitive::Line {
+                points: vec![[x, area.rect.top], [x, area.rect.bottom]],
+                stroke,
+                name: String::new(),
+            });
+        }
+    }
+}
+
+fn draw_marks(panel: &Panel, area: &Area, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
+    let stroke = Stroke {
+        dashes: Dashes::Long,
+        ..Stroke::solid(theme.mark, 1.2 * sizes.hair)
+    };
+    for [from, to] in &panel.lines {
+        if let (Some(from), Some(to)) = (area.pixel(*from), area.pixel(*to)) {
+            list.push(Primitive::Line {
+                points: vec![from, to],
+                stroke,
+                name: String::new(),
+            });
+        }
+    }
+    for mark in &panel.marks {
+        if let Some(centre) = area.pixel(*mark) {
+            list.push(Primitive::Circle {
+                centre,
+                radius: 2.2 * sizes.curve,
+                fill: theme.background,
+                stroke: Stroke::solid(theme.mark, 1.3 * sizes.hair),
+            });
+        }
+    }
+}
+
+fn draw_curves(
+    panel: &Panel,
+    area: &Area,
+    sizes: &Sizes,
+    theme: &Theme,
+    list: &mut Vec<Primitive>,
+) {
+    for (index, series) in panel.series.iter().enumerate() {
+        let stroke = curve_stroke(index, sizes, theme);
+        let dot = |centre| Primitive::Circle {
+            centre,
+            radius: 1.6 * sizes.curve,
+            fill: stroke.colour,
+            stroke: Stroke::solid(theme.background, sizes.hair),
+        };
+        let pixels: Vec<Option<[f64; 2]>> = series
+            .points
+            .iter()
+            .map(|p| p.and_then(|p| area.pixel(p)))
+            .collect();
+        for points in runs(&pixels, &series.breaks) {
+            match points.as_slice() {
+                [] => {}
+                // A point without neighbours has no line, but is there.
+                [alone] if series.style == SeriesStyle::Line => list.push(dot(*alone)),
+                [_] => {}
+                _ => list.push(Primitive::Line {
+                    points: thinned(&points),
+                    stroke,
+                    name: series.name.clone(),
+                }),
+            }
+        }
+        if series.style == SeriesStyle::Dots {
+            list.extend(pixels.into_iter().flatten().map(dot));
+        }
+    }
+}
+
+/// The pieces of a curve between its gaps and breaks.
+fn runs(pixels: &[Option<[f64; 2]>], breaks: &[usize]) -> Vec<Vec<[f64; 2]>> {
+    let mut runs = vec![Vec::new()];
+    for (index, pixel) in pixels.iter().enumerate() {
+        if pixel.is_none() || breaks.contains(&index) {
+            runs.push(Vec::new());
+        }
+        if let (Some(pixel), Some(run)) = (pixel, runs.last_mut()) {
+            run.push(*pixel);
+        }
+    }
+    runs
+}
+
+/// Leaves out points that lie on the straight line between those that are kept.
+fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut kept = vec![points[0]];
+    let mut start = 0;
+    for end in 2..points.len() {
+        let (a, b) = (points[start], points[end]);
+        let between = &points[start + 1..end];
+        // Long straight runs would cost the square of their length.
+        let far = between.len() > 64 || between.iter().any(|p| distance(*p, a, b) > FLATNESS);
+        if far {
+            kept.push(points[end - 1]);
+            start = end - 1;
+        }
+    }
+    kept.push(points[points.len() - 1]);
+    kept
+}
+
+/// Distance of `p` from the piece from `a` to `b`.
+fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (d, e) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let length = d[0] * d[0] + d[1] * d[1];
+    let share = if length > 0.0 {
+        ((d[0] * e[0] + d[1] * e[1]) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    libm::hypot(e[0] - share * d[0], e[1] - share * d[1])
+}

@@ -1,0 +1,26 @@
+//! Charts: values in, SVG text or pixels out. Knows nothing of files, windows or 3-D pictures.
+//!
+//! A [`Chart`] says what is shown; [`draw`] turns it into a [`Drawing`], a list of lines, areas and
+//! texts at places in pixels; [`svg`] and [`raster`] write that list. [`motion`] makes charts of a solved motion.
+
+pub mod chart;
+pub mod companion;
+pub mod drawing;
+mod frame;
+mod gaps;
+mod headings;
+mod layout;
+pub mod motion;
+pub mod playhead;
+pub mod primitive;
+pub mod raster;
+pub mod scale;
+pub mod svg;
+pub mod theme;
+pub mod ticks;
+
+pub use chart::{Axis, Chart, EventMark, Panel, Series, SeriesStyle, Shade};
+pub use drawing::{Drawing, draw};
+pub use layout::usual_size;
+pub use scale::ScaleKind;
+pub use theme::Theme;

@@ -1,0 +1,373 @@
+//! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose the chart
+//! says so.
+
+use super::chart::{Axis, Chart, EventMark, Panel, Series};
+use super::gaps::{leave_out_outliers, shades, short};
+use super::scale::ScaleKind;
+use crate::kinematics::rates::{By, observed_slots, rates};
+use crate::kinematics::structure::{Structure, StructureError};
+use crate::kinematics::taylor::{Series as Taylor, evaluate};
+use crate::kinematics::trajectory::{Event, EventKind, Sample, Trajectory};
+use crate::model::expression::{Expression, Op};
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate};
+use std::f64::consts::PI;
+
+/// Curves of a plot nobody asked for.
+const MOST_DEFAULT_CURVES: usize = 12;
+
+/// Charts `plots` of `trajectory`.
+///
+/// # Errors
+/// Only where the mechanism itself is ill-posed.
+pub fn chart(
+    mechanism: &Mechanism,
+    plots: &[Plot],
+    trajectory: &Trajectory,
+) -> Result<Chart, StructureError> {
+    let mut motion = Motion {
+        mechanism,
+        trajectory,
+        structure: Structure::new(mechanism)?,
+        slots: slots(mechanism, trajectory),
+        series: Vec::new(),
+    };
+    let mut chart = Chart {
+        title: mechanism.title.clone(),
+        ..Chart::default()
+    };
+    for plot in plots {
+        motion.add(plot, &mut chart);
+    }
+    let missing = trajectory.missing();
+    if missing > 0 {
+        let all = trajectory.samples.len();
+        chart.notes.push(format!(
+            "{missing} of {all} samples have no pose: the loops cannot be closed there"
+        ));
+    }
+    let named = |p: &Panel| {
+        let names: Vec<&str> = p.series.iter().map(|s| s.name.as_str()).collect();
+        format!("{} against {}", names.join(", "), p.x.heading(0))
+    };
+    let panels: Vec<String> = chart.panels.iter().map(named).collect();
+    chart.description = format!(
+        "{} at {} samples",
+        panels.join("; "),
+        trajectory.samples.len()
+    );
+    Ok(chart)
+}
+
+/// What is plotted of a scene that says nothing about it: its outputs, else its traced points, else its unknowns,
+/// against its only moving input if that goes one way, else against time.
+pub fn default_plot(mechanism: &Mechanism) -> Plot {
+    let slot = |slot: usize, label: &str, kind: Kind| Curve {
+        label: label.to_owned(),
+        unit: match kind {
+            Kind::Length => mechanism.length_unit.clone(),
+            Kind::Angle => mechanism.angle_unit.name.clone(),
+            Kind::Number => String::new(),
+        },
+        factor: mechanism.file_units(kind),
+        expression: Expression::new(vec![Op::Slot(slot)]),
+        kind,
+        rate: None,
+    };
+    let n = mechanism.coordinate_count();
+    let after_traces = n + 3 * mechanism.traces.len();
+    let outputs = mechanism.outputs.iter().enumerate();
+    let mut y: Vec<Curve> = outputs
+        .map(|(k, o)| slot(after_traces + k, &o.name, o.kind))
+        .collect();
+    if y.is_empty() {
+        let points = mechanism
+            .traces
+            .iter()
+            .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)));
+        y = points
+            .enumerate()
+            .map(|(k, name)| slot(n + k, &name, Kind::Length))
+            .collect();
+    }
+    if y.is_empty() {
+        let unknowns = mechanism.unknowns.iter().enumerate();
+        y = unknowns.map(|(k, c)| slot(k, &c.name, c.kind)).collect();
+    }
+    y.truncate(MOST_DEFAULT_CURVES);
+    let x = match lone_input(mechanism) {
+        Some(k) => {
+            let input = &mechanism.inputs[k];
+            Abscissa::Quantity(slot(mechanism.unknowns.len() + k, &input.name, input.kind))
+        }
+        None => Abscissa::Time,
+    };
+    Plot {
+        title: String::new(),
+        x,
+        y,
+        equal: false,
+        marks: Vec::new(),
+        lines: Vec::new(),
+    }
+}
+
+/// The only input that moves, if it never turns back.
+fn lone_input(mechanism: &Mechanism) -> Option<usize> {
+    const LOOKS: usize = 240;
+    let moving: Vec<usize> = (0..mechanism.drives.len())
+        .filter(|k| !mechanism.drives[*k].is_constant())
+        .collect();
+    let [only] = moving.as_slice() else {
+        return None;
+    };
+    let at = |k: usize| mechanism.drives[*only].value(mechanism.duration * k as f64 / LOOKS as f64);
+    let steps: Vec<f64> = (0..LOOKS).map(|k| at(k + 1) - at(k)).collect();
+    let one_way = steps.iter().all(|s| *s >= 0.0) || steps.iter().all(|s| *s <= 0.0);
+    one_way.then_some(*only)
+}
+
+/// Values of all slots at every sample that has a pose.
+fn slots(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Option<Vec<f64>>> {
+    let of = |sample: &Sample| {
+        let pose = sample.pose.as_ref()?;
+        let mut slots = pose.unknowns.clone();
+        slots.extend(&sample.inputs);
+        slots.extend(pose.traces.iter().flat_map(|p| p.to_array()));
+        slots.extend(&pose.outputs);
+        debug_assert!(slots.len() >= mechanism.coordinate_count());
+        Some(slots)
+    };
+    trajectory.samples.iter().map(of).collect()
+}
+
+/// Taylor series of all slots at every sample.
+type SeriesOfSamples = Vec<Option<Vec<Taylor>>>;
+
+/// A trajectory and what has been computed of it.
+struct Motion<'a> {
+    mechanism: &'a Mechanism,
+    trajectory: &'a Trajectory,
+    structure: Structure,
+    slots: Vec<Option<Vec<f64>>>,
+    series: Vec<(Rate, SeriesOfSamples)>,
+}
+
+impl Motion<'_> {
+    /// Adds the panels of a plot: one per unit.
+    fn add(&mut self, plot: &Plot, chart: &mut Chart) {
+        let places = self.abscissa(&plot.x);
+        let mut units: Vec<&str> = Vec::new();
+        for curve in &plot.y {
+            if !units.contains(&curve.unit.as_str()) {
+                units.push(&curve.unit);
+            }
+        }
+        for (k, unit) in units.into_iter().enumerate() {
+            let curves: Vec<&Curve> = plot.y.iter().filter(|c| c.unit == unit).collect();
+            let mut panel = self.panel(plot, &curves, &places);
+            // Reference points belong to the first quantity.
+            if k == 0 {
+                panel.title.clone_from(&plot.title);
+                panel.marks.clone_from(&plot.marks);
+                panel.lines.clone_from(&plot.lines);
+            }
+            chart.notes.extend(leave_out_outliers(&mut panel));
+            chart.panels.push(panel);
+        }
+    }
+
+    /// Curves of one unit.
+    fn panel(&mut self, plot: &Plot, curves: &[&Curve], places: &[f64]) -> Panel {
+        let is_known = self.places_of_all(&plot.x);
+        let (label, unit) = match &plot.x {
+            Abscissa::Time => ("time", "s"),
+            Abscissa::Quantity(curve) => (curve.label.as_str(), curve.unit.as_str()),
+        };
+        let alone = match curves {
+            [only] => only.label.clone(),
+            _ => String::new(),
+        };
+        let mut panel = Panel {
+            x: Axis {
+                label: label.to_owned(),
+                unit: unit.to_owned(),
+                scale: ScaleKind::Linear,
+                tight: is_known && !plot.equal,
+            },
+            y: Axis {
+                label: alone,
+                unit: curves.first().map_or_else(String::new, |c| c.unit.clone()),
+                ..Axis::default()
+            },
+            equal: plot.equal,
+            samples: places.to_vec(),
+            ..Panel::default()
+        };
+        let mut valueless = vec![false; places.len()];
+        for curve in curves {
+            let series = self.series_of(curve, &plot.x, places, &mut valueless);
+            panel.series.push(series);
+        }
+        if is_known {
+            panel.events = self.events(&plot.x);
+            let poseless: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
+            panel.shades = shades(&poseless, &valueless, places);
+        }
+        panel
+    }
+
+    fn series_of(
+        &mut self,
+        curve: &Curve,
+        x: &Abscissa,
+        places: &[f64],
+        valueless: &mut [bool],
+    ) -> Series {
+        let values = self.values(curve);
+        let mut series = Series {
+            name: curve.label.clone(),
+            ..Series::default()
+        };
+        for (k, value) in values.iter().enumerate() {
+            let point = value.map(|v| [places[k], v * curve.factor]);
+            let point = point.filter(|p| p[0].is_finite() && p[1].is_finite());
+            valueless[k] |= point.is_none() && self.slots[k].is_some();
+            series.points.push(point);
+        }
+        let x_turn = match x {
+            Abscissa::Quantity(c) if c.kind == Kind::Angle && c.rate.is_none() => PI * c.factor,
+            _ => f64::INFINITY,
+        };
+        let y_turn = match (curve.kind, curve.rate) {
+            (Kind::Angle, None) => PI * curve.factor,
+            _ => f64::INFINITY,
+        };
+        // Between two samples no angle moves half a turn: it was written one turn lower or higher.
+        series.breaks = (1..series.points.len())
+            .filter(|k| match (series.points[k - 1], series.points[*k]) {
+                (Some(a), Some(b)) => (a[0] - b[0]).abs() > x_turn || (a[1] - b[1]).abs() > y_turn,
+                _ => false,
+            })
+            .collect();
+        series
+    }
+
+    /// Internal values of a quantity at all samples; `None` without a pose or, for a rate, at a singular one.
+    fn values(&mut self, curve: &Curve) -> Vec<Option<f64>> {
+        let Some(rate) = curve.rate else {
+            let values = self
+                .slots
+                .iter()
+                .map(|s| s.as_ref().map(|s| curve.expression.value(s)));
+            return values.collect();
+        };
+        let order = rate.order;
+        let all = self.series(rate);
+        let value =
+            |slots: &Vec<Taylor>| evaluate(&curve.expression, slots, order).derivative(order);
+        all.iter().map(|s| s.as_ref().map(value)).collect()
+    }
+
+    /// Series of all slots along what `rate` is taken by; computed once for each kind.
+    fn series(&mut self, rate: Rate) -> &SeriesOfSamples {
+        if let Some(known) = self.series.iter().position(|(r, _)| *r == rate) {
+            return &self.series[known].1;
+        }
+        let (mechanism, structure) = (self.mechanism, &self.structure);
+        let by = match rate.per {
+            Per::Time => By::Time,
+            Per::Input(k) => By::Input(k),
+        };
+        let of = |sample: &Sample| {
+            let pose = sample.pose.as_ref()?;
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            let inputs = by.inputs(mechanism, &sample.inputs, sample.time, rate.order);
+            let series = rates(mechanism, structure, &coordinates, &inputs, rate.order)?;
+            Some(observed_slots(mechanism, &series, rate.order))
+        };
+        let all = self.trajectory.samples.iter().map(of).collect();
+        self.series.push((rate, all));
+        &self.series[self.series.len() - 1].1
+    }
+
+    /// Whether every sample has its place on the axis, also those without a pose.
+    fn places_of_all(&self, x: &Abscissa) -> bool {
+        let n = self.mechanism.unknowns.len();
+        match x {
+            Abscissa::Time => true,
+            Abscissa::Quantity(curve) => {
+                let inputs = n..self.mechanism.coordinate_count();
+                curve.rate.is_none() && curve.expression.slots().iter().all(|s| inputs.contains(s))
+            }
+        }
+    }
+
+    /// Places of all samples in the axis' unit; NaN where there is none.
+    fn abscissa(&mut self, x: &Abscissa) -> Vec<f64> {
+        let samples = &self.trajectory.samples;
+        match x {
+            Abscissa::Time => samples.iter().map(|s| s.time).collect(),
+            Abscissa::Quantity(_) if self.places_of_all(x) => samples
+                .iter()
+                .map(|s| self.place(x, s.time, &s.inputs))
+                .collect(),
+            Abscissa::Quantity(curve) => {
+                let values = self.values(curve);
+                values
+                    .into_iter()
+                    .map(|v| v.map_or(f64::NAN, |v| v * curve.factor))
+                    .collect()
+            }
+        }
+    }
+
+    /// Place on an axis that needs no pose.
+    fn place(&self, x: &Abscissa, time: f64, inputs: &[f64]) -> f64 {
+        match x {
+            Abscissa::Time => time,
+            Abscissa::Quantity(curve) => {
+                let unknowns = vec![f64::NAN; self.mechanism.unknowns.len()];
+                curve
+                    .expression
+                    .value(&[unknowns.as_slice(), inputs].concat())
+                    * curve.factor
+            }
+        }
+    }
+
+    fn events(&self, x: &Abscissa) -> Vec<EventMark> {
+        let mut marks: Vec<EventMark> = Vec::new();
+        for event in &self.trajectory.events {
+            let place = self.place(x, event.time, &event.inputs);
+            let label = word(event, place, x);
+            let mark = EventMark { x: place, label };
+            if !marks.contains(&mark) && !mark.label.is_empty() {
+                marks.push(mark);
+            }
+        }
+        marks
+    }
+}
+
+/// An event in a word or two.
+fn word(event: &Event, place: f64, x: &Abscissa) -> String {
+    let unit = match x {
+        Abscissa::Time => "s",
+        Abscissa::Quantity(curve) => curve.unit.as_str(),
+    };
+    match &event.kind {
+        EventKind::MotionEnds => format!("ends at {} {unit}", short(place))
+            .trim_end()
+            .to_owned(),
+        EventKind::MotionResumes { same_branch: true } => "resumes".to_owned(),
+        EventKind::MotionResumes { same_branch: false } => "resumes on another branch".to_owned(),
+        EventKind::SingularPosePassed => "singular pose".to_owned(),
+        EventKind::OtherStart => "other start".to_owned(),
+        EventKind::InputUndefined { name } => format!("{name} has no value"),
+        EventKind::LimitPosition { name, .. } => format!("{name} turns back"),
+        EventKind::GimbalLock { .. } => "gimbal lock".to_owned(),
+        EventKind::StartSingular => "singular start".to_owned(),
+        EventKind::StartNotClosed { .. } => String::new(),
+    }
+}

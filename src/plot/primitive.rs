@@ -1,0 +1,111 @@
+//! What both writers can draw: areas, lines, circles, texts, at places in pixels from the top left corner.
+
+use super::theme::{Colour, Dashes};
+
+/// Where a text hangs on its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// It begins there.
+    Start,
+    /// Its middle is there.
+    Middle,
+    /// It ends there.
+    End,
+}
+
+/// A line's look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Colour.
+    pub colour: Colour,
+    /// Pixels.
+    pub width: f64,
+    /// Interruptions.
+    pub dashes: Dashes,
+}
+
+impl Stroke {
+    /// A line without interruptions.
+    pub fn solid(colour: Colour, width: f64) -> Self {
+        Self {
+            colour,
+            width,
+            dashes: Dashes::None,
+        }
+    }
+}
+
+/// An axis-parallel rectangle in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Rect {
+    /// Left edge.
+    pub left: f64,
+    /// Top edge.
+    pub top: f64,
+    /// Right edge.
+    pub right: f64,
+    /// Bottom edge.
+    pub bottom: f64,
+}
+
+impl Rect {
+    /// Width in pixels.
+    pub fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    /// Whether a point is inside or on the edge.
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
+    }
+}
+
+/// One thing to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Primitive {
+    /// A filled rectangle.
+    Area {
+        /// Where.
+        rect: Rect,
+        /// Colour.
+        fill: Colour,
+    },
+    /// Joined straight pieces.
+    Line {
+        /// Corners.
+        points: Vec<[f64; 2]>,
+        /// Look.
+        stroke: Stroke,
+        /// Name of the curve it belongs to; empty for axes, grid and the like.
+        name: String,
+    },
+    /// A circle, filled and outlined.
+    Circle {
+        /// Centre.
+        centre: [f64; 2],
+        /// Pixels.
+        radius: f64,
+        /// Inside.
+        fill: Colour,
+        /// Outline.
+        stroke: Stroke,
+    },
+    /// A text on its baseline.
+    Text {
+        /// Place of the baseline.
+        at: [f64; 2],
+        /// The text, one line.
+        text: String,
+        /// Height of the capitals in pixels.
+        size: f64,
+        /// How it hangs on its place.
+        anchor: Anchor,
+        /// Colour.
+        colour: Colour,
+    },
+}

@@ -1,0 +1,130 @@
+//! Contacts of two surfaces as typed: which surfaces there are, and the keys each of them has.
+
+use super::file::required;
+use super::reader::{FormulaText, Spanned, TableReader};
+use crate::diag::Diagnostic;
+
+/// One entry of `[contacts]`.
+#[derive(Clone, Debug)]
+pub struct ContactFile {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// `first` and `second`; `None` if one of them could not be read, which is said already.
+    pub surfaces: Option<[SurfaceFile; 2]>,
+}
+
+/// One of the two surfaces.
+#[derive(Clone, Debug)]
+pub struct SurfaceFile {
+    /// The surface.
+    pub surface: Surface<FormulaText>,
+    /// `frame`: the chain `world_from_surface`; the world itself if absent.
+    pub frame: Option<FormulaText>,
+}
+
+/// A surface about the origin of its frame; axes and normals are along z. `T` is what its sizes are at this stage.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface<T> {
+    /// About the z axis: radius of the centre circle, radius of the tube (which may be the larger one).
+    Torus {
+        /// `ring`
+        ring: T,
+        /// `tube`
+        tube: T,
+    },
+    /// About the origin; a radius of zero is a point.
+    Sphere {
+        /// `radius`
+        radius: T,
+    },
+    /// About the z axis, without ends.
+    Cylinder {
+        /// `radius`
+        radius: T,
+    },
+    /// The xy plane, without borders; the other body is on the side of +z.
+    Plane,
+}
+
+impl<T> Surface<T> {
+    /// The name in scene files.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Torus { .. } => "torus",
+            Self::Sphere { .. } => "sphere",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Plane => "plane",
+        }
+    }
+
+    /// Its sizes with their names.
+    pub fn sizes(&self) -> Vec<(&'static str, &T)> {
+        match self {
+            Self::Torus { ring, tube } => vec![("ring", ring), ("tube", tube)],
+            Self::Sphere { radius } | Self::Cylinder { radius } => vec![("radius", radius)],
+            Self::Plane => Vec::new(),
+        }
+    }
+
+    /// The same surface with its sizes translated; `None` if one of them cannot be.
+    pub fn try_map<U>(&self, mut f: impl FnMut(&T) -> Option<U>) -> Option<Surface<U>> {
+        Some(match self {
+            Self::Torus { ring, tube } => {
+                let (ring, tube) = (f(ring), f(tube));
+                Surface::Torus {
+                    ring: ring?,
+                    tube: tube?,
+                }
+            }
+            Self::Sphere { radius } => Surface::Sphere { radius: f(radius)? },
+            Self::Cylinder { radius } => Surface::Cylinder { radius: f(radius)? },
+            Self::Plane => Surface::Plane,
+        })
+    }
+}
+
+/// Reads the two surfaces of a contact.
+pub fn surfaces(r: &mut TableReader) -> Option<[SurfaceFile; 2]> {
+    let first = required(r, "first", |r, k| r.table(k, surface)).flatten();
+    let second = required(r, "second", |r, k| r.table(k, surface)).flatten();
+    Some([first?, second?])
+}
+
+fn surface(r: &mut TableReader) -> Option<SurfaceFile> {
+    let span = r.span.clone();
+    let torus = r.table("torus", |s| {
+        let ring = required(s, "ring", |s, k| s.formula(k));
+        let tube = required(s, "tube", |s, k| s.formula(k));
+        Some(Surface::Torus {
+            ring: ring?,
+            tube: tube?,
+        })
+    });
+    let sphere = r.table("sphere", |s| {
+        let radius = required(s, "radius", |s, k| s.formula(k))?;
+        Some(Surface::Sphere { radius })
+    });
+    let cylinder = r.table("cylinder", |s| {
+        let radius = required(s, "radius", |s, k| s.formula(k))?;
+        Some(Surface::Cylinder { radius })
+    });
+    let plane = r.table("plane", |_| Some(Surface::Plane));
+    let frame = r.formula("frame");
+    let mut found = [torus, sphere, cylinder, plane].into_iter().flatten();
+    match (found.next(), found.next()) {
+        (Some(surface), None) => Some(SurfaceFile {
+            surface: surface?,
+            frame,
+        }),
+        (first, _) => {
+            let message = match first {
+                None => "a contact needs a surface on each side",
+                Some(_) => "a side of a contact has only one surface",
+            };
+            let hint = "one of torus = { ring, tube }, sphere = { radius }, cylinder = { radius }, plane = {}";
+            r.diagnostics
+                .push(Diagnostic::error(message).at(span).hint(hint));
+            None
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Tracks and measures as typed: poses beside the drive, and scalars of a whole motion.
+
+use super::file::{NamedFormula, required};
+use super::reader::{FormulaText, Spanned, TableReader};
+
+/// One entry of `[tracks]`.
+#[derive(Clone, Debug)]
+pub struct TrackFile {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// `samples`
+    pub samples: Option<FormulaText>,
+    /// `inputs`: each a value, or where it starts and ends.
+    pub inputs: Vec<(Spanned<String>, [FormulaText; 2])>,
+}
+
+/// One entry of `[measures]`.
+#[derive(Clone, Debug)]
+pub struct MeasureFile {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// What it is; `None` if it could not be read, which is said already.
+    pub source: Option<MeasureSourceFile>,
+    /// `min` and `max`
+    pub limits: [Option<FormulaText>; 2],
+    /// `why`: words for a broken limit.
+    pub why: Option<String>,
+}
+
+/// Where a measure comes from.
+#[derive(Clone, Debug)]
+pub enum MeasureSourceFile {
+    /// A formula of earlier measures.
+    Formula(FormulaText),
+    /// `of` taken over the poses of a track, or of the drive.
+    Over {
+        /// `track`
+        track: Option<Spanned<String>>,
+        /// `of`
+        of: Vec<FormulaText>,
+        /// `per`: the input by which `of` is derived
+        per: Option<Spanned<String>>,
+        /// `take`
+        take: Spanned<String>,
+        /// `power` of a norm
+        power: Option<FormulaText>,
+    },
+}
+
+/// Reads an entry of `[tracks]`.
+pub fn track(r: &mut TableReader, name: Spanned<String>) -> TrackFile {
+    let samples = required(r, "samples", |r, k| r.formula(k));
+    TrackFile {
+        name,
+        samples,
+        inputs: r.named_ranges("inputs"),
+    }
+}
+
+/// Reads an entry of `[measures]` that is a table.
+pub fn measure(r: &mut TableReader, name: Spanned<String>) -> MeasureFile {
+    let track = r.string("track");
+    let of = required(r, "of", |r, k| r.formula_or_formulas(k));
+    let take = required(r, "take", |r, k| r.string(k));
+    let (per, power) = (r.string("per"), r.formula("power"));
+    let limits = [r.formula("min"), r.formula("max")];
+    let why = r.string("why").map(|s| s.value);
+    let source = of.zip(take).map(|(of, take)| MeasureSourceFile::Over {
+        track,
+        of,
+        per,
+        take,
+        power,
+    });
+    MeasureFile {
+        name,
+        source,
+        limits,
+        why,
+    }
+}
+
+/// An entry of `[measures]` that is a formula.
+pub fn measure_formula((name, text): NamedFormula) -> MeasureFile {
+    MeasureFile {
+        name,
+        source: (!text.is_unread).then_some(MeasureSourceFile::Formula(text)),
+        limits: [None, None],
+        why: None,
+    }
+}

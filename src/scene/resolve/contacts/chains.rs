@@ -1,0 +1,243 @@
+//! A contact as the chain of lower pairs that moves like it, with generated names for the unknowns. Nothing is looked
+//! up here.
+//!
+//! Each surface is a chain from its frame to a frame in the contact point whose x axis is the outward normal: for a
+//! torus a turn about its axis, the ring's radius, a turn about the tube's centre line, the tube's radius. Two such
+//! frames meet with opposite normals, turned about them by `spin`. What a sphere leaves arbitrary is no unknown: its
+//! centre lies at its radius from the other surface, which says nothing about directions. A cylinder touches a plane
+//! along a line, and has no place along it.
+
+use super::super::super::contacts::{ContactFile, Surface, SurfaceFile};
+use super::super::super::formula::chain::{Factor, Item, Transform, parse as parse_chain};
+use super::super::super::formula::expression::{Node, NodeKind};
+use super::super::super::reader::Spanned;
+use super::super::parsed::{Named, expand_items, expression, note};
+use crate::diag::Diagnostics;
+use crate::model::chain::Motion;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A contact, parsed.
+pub struct ParsedContact {
+    pub name: Spanned<String>,
+    pub sides: [Side; 2],
+    pub closure: Closure,
+    /// World to the contact point, x along the normal from the first surface to the second.
+    pub frame: Option<Vec<Factor>>,
+}
+
+impl ParsedContact {
+    /// Whether both surfaces are spheres.
+    pub fn is_of_spheres(&self) -> bool {
+        matches!(self.closure, Closure::Distance)
+    }
+
+    /// Every factor whose names may be unknowns.
+    pub fn factors(&self) -> impl Iterator<Item = &Factor> {
+        let closing = match &self.closure {
+            Closure::Frame(factors) | Closure::Point(factors) => factors.as_slice(),
+            Closure::Distance => &[],
+        };
+        let frames = self.sides.iter().flat_map(|side| &side.frame);
+        frames.chain(closing)
+    }
+}
+
+/// One surface with the chain to its frame.
+pub struct Side {
+    pub surface: Surface<Node>,
+    pub frame: Vec<Factor>,
+}
+
+/// What must hold.
+pub enum Closure {
+    /// The product is the identity.
+    Frame(Vec<Factor>),
+    /// The product does not shift its origin.
+    Point(Vec<Factor>),
+    /// The origins of the two frames are as far apart as the radii are long.
+    Distance,
+}
+
+/// Items of a contact before expansion.
+pub struct ContactItems {
+    pub name: Spanned<String>,
+    surfaces: [(Surface<Node>, Vec<Item>); 2],
+}
+
+impl ContactItems {
+    /// Parses the formulas of a contact.
+    pub fn parse(contact: &ContactFile, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let [first, second] = contact.surfaces.as_ref()?;
+        let mut side = |file: &SurfaceFile| {
+            let surface = file.surface.try_map(|text| expression(text, diagnostics));
+            let frame = match &file.frame {
+                None => Some(vec![Item::Identity]),
+                Some(text) => note(parse_chain, text, diagnostics),
+            };
+            Some((surface?, frame?))
+        };
+        let (first, second) = (side(first), side(second));
+        Some(Self {
+            name: contact.name.clone(),
+            surfaces: [first?, second?],
+        })
+    }
+
+    /// The chain to the contact point, x along the normal from the first surface to the second. Two spheres have none.
+    pub fn frame(&self) -> Option<Vec<Item>> {
+        let [(first, _), (second, _)] = &self.surfaces;
+        if !matches!(first, Surface::Sphere { .. }) {
+            return Some(self.to_point(0, None));
+        }
+        if matches!(second, Surface::Sphere { .. }) {
+            return None;
+        }
+        let mut items = self.to_point(1, None);
+        items.push(self.turn(1, PI));
+        Some(items)
+    }
+
+    /// Expands the contact by the named chains.
+    pub fn expand(
+        self,
+        chains: &[Named<Vec<Item>>],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<ParsedContact> {
+        let closure = match self.closing_items() {
+            (_, None) => Some(Closure::Distance),
+            (true, Some(items)) => expand_items(&items, chains, diagnostics).map(Closure::Frame),
+            (false, Some(items)) => expand_items(&items, chains, diagnostics).map(Closure::Point),
+        };
+        let frame = self.frame();
+        let frame = frame.map(|items| expand_items(&items, chains, diagnostics));
+        let sides = self.surfaces.map(|(surface, items)| {
+            let frame = expand_items(&items, chains, diagnostics)?;
+            Some(Side { surface, frame })
+        });
+        let [first, second] = sides;
+        Some(ParsedContact {
+            name: self.name,
+            sides: [first?, second?],
+            closure: closure?,
+            frame: frame.flatten(),
+        })
+    }
+
+    /// Whether the product must be the identity, and its items; none for two spheres.
+    fn closing_items(&self) -> (bool, Option<Vec<Item>>) {
+        use Surface::{Plane, Sphere};
+        let [(first, first_frame), (second, second_frame)] = &self.surfaces;
+        let inverse = |items: Vec<Item>| Item::Inverse(items);
+        match (first, second) {
+            (Sphere { .. }, Sphere { .. }) => (false, None),
+            // From the point at the sphere's radius off the other surface to the sphere's centre.
+            (_, Sphere { radius }) => {
+                let mut items = vec![inverse(self.to_point(0, Some(radius)))];
+                items.extend(second_frame.iter().cloned());
+                (false, Some(items))
+            }
+            (Sphere { radius }, _) => {
+                let mut items = vec![inverse(self.to_point(1, Some(radius)))];
+                items.extend(first_frame.iter().cloned());
+                (false, Some(items))
+            }
+            (Plane, Plane) => {
+                let mut items = first_frame.clone();
+                items.extend(self.slides(0));
+                items.push(self.about(2, "spin"));
+                items.push(self.turn(0, PI));
+                items.push(inverse(second_frame.clone()));
+                (true, Some(items))
+            }
+            _ => {
+                let mut items = self.to_point(0, None);
+                items.push(self.about(0, "spin"));
+                items.push(self.turn(1, PI));
+                items.push(inverse(self.to_point(1, None)));
+                (true, Some(items))
+            }
+        }
+    }
+
+    /// From the world to the contact point of one side, and `further` off it, x along the outward normal.
+    fn to_point(&self, side: usize, further: Option<&Node>) -> Vec<Item> {
+        let (surface, frame) = &self.surfaces[side];
+        let (other, _) = &self.surfaces[1 - side];
+        let number = side + 1;
+        let out = |size: &Node| match further {
+            None => self.along_by(0, size.clone()),
+            Some(more) => {
+                let kind = NodeKind::Binary('+', Box::new(size.clone()), Box::new(more.clone()));
+                let span = size.span.clone();
+                self.along_by(0, Node { kind, span })
+            }
+        };
+        let mut items = frame.clone();
+        match surface {
+            Surface::Torus { ring, tube } => items.extend([
+                self.about(2, &format!("theta{number}")),
+                self.along_by(0, ring.clone()),
+                self.about(1, &format!("phi{number}")),
+                out(tube),
+            ]),
+            Surface::Cylinder { radius } => {
+                items.push(self.about(2, &format!("theta{number}")));
+                if !matches!(other, Surface::Plane) {
+                    items.push(self.along(2, &format!("w{number}")));
+                }
+                items.push(out(radius));
+            }
+            Surface::Plane => {
+                items.extend(self.slides(side));
+                items.push(self.turn(1, -FRAC_PI_2));
+                items.extend(further.map(|more| self.along_by(0, more.clone())));
+            }
+            Surface::Sphere { .. } => {}
+        }
+        items
+    }
+
+    fn slides(&self, side: usize) -> [Item; 2] {
+        let number = side + 1;
+        [
+            self.along(0, &format!("u{number}")),
+            self.along(1, &format!("v{number}")),
+        ]
+    }
+
+    /// Rotation about a coordinate axis by the unknown `NAME.what`.
+    fn about(&self, axis: usize, what: &str) -> Item {
+        self.elementary(Motion::Rotation, axis, self.unknown(what))
+    }
+
+    /// Translation along a coordinate axis by the unknown `NAME.what`.
+    fn along(&self, axis: usize, what: &str) -> Item {
+        self.elementary(Motion::Translation, axis, self.unknown(what))
+    }
+
+    fn along_by(&self, axis: usize, length: Node) -> Item {
+        self.elementary(Motion::Translation, axis, length)
+    }
+
+    /// Rotation by a fixed angle in radians.
+    fn turn(&self, axis: usize, angle: f64) -> Item {
+        let kind = NodeKind::Radians(angle);
+        let span = self.name.span.clone();
+        self.elementary(Motion::Rotation, axis, Node { kind, span })
+    }
+
+    fn unknown(&self, what: &str) -> Node {
+        Node {
+            kind: NodeKind::Name(format!("{}.{what}", self.name.value)),
+            span: self.name.span.clone(),
+        }
+    }
+
+    fn elementary(&self, motion: Motion, axis: usize, argument: Node) -> Item {
+        Item::Transform {
+            transform: Transform::Elementary(motion, axis),
+            arguments: vec![argument],
+            span: self.name.span.clone(),
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Parsed contacts as parts of the mechanism: loops and equations that close them, and the scalars that formulas of
+//! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
+
+use super::super::super::contacts::Surface;
+use super::super::super::formula::compile::constant;
+use super::super::super::formula::expression::Node;
+use super::super::joints::Joints;
+use super::super::names::Names;
+use super::super::symbolic::{Drafted, Formulas, Term, Vector};
+use super::chains::{Closure, ParsedContact};
+use crate::diag::{Diagnostic, Diagnostics, shown};
+use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::expression::Expression;
+use crate::model::mechanism::{Closes, Equation, Kind, Loop};
+
+/// What contacts add to the mechanism.
+#[derive(Default)]
+pub struct Contacts {
+    pub loops: Vec<Loop>,
+    pub equations: Vec<Equation>,
+    /// Full names of the scalars, with their formulas over the coordinates, or why there is none.
+    pub scalars: Vec<(String, Kind, Result<Expression, String>)>,
+}
+
+impl Contacts {
+    /// The scalar of that name.
+    pub fn scalar(&self, name: &str) -> Option<&(String, Kind, Result<Expression, String>)> {
+        self.scalars.iter().find(|(known, ..)| known == name)
+    }
+
+    /// Resolves all contacts.
+    pub fn resolve(
+        contacts: &[ParsedContact],
+        names: &Names,
+        joints: &mut Joints,
+        diagnostics: &mut Diagnostics,
+    ) -> Self {
+        let mut all = Self::default();
+        for contact in contacts {
+            let sound = is_sound(contact, names, diagnostics);
+            let chains = contact
+                .sides
+                .each_ref()
+                .map(|s| joints.chain(&s.frame, diagnostics));
+            let [Some(first), Some(second)] = chains else {
+                continue;
+            };
+            if !sound {
+                continue;
+            }
+            let moves = |chain: &Chain| chain.steps.iter().any(|s| matches!(s, Step::Joint { .. }));
+            if !moves(&first) && !moves(&second) {
+                let name = &contact.name;
+                diagnostics.push(
+                    Diagnostic::error(format!("neither surface of contact `{}` moves", name.value))
+                        .at(name.span.clone())
+                        .hint("give one of them the `frame` of a link"),
+                );
+                continue;
+            }
+            all.close(contact, names, joints, [&first, &second], diagnostics);
+            let frame = contact.frame.as_ref();
+            let frame = frame.and_then(|f| joints.chain(f, diagnostics));
+            all.describe(
+                contact,
+                names,
+                &joints.arguments,
+                frame.as_ref(),
+                [&first, &second],
+            );
+        }
+        all
+    }
+
+    fn close(
+        &mut self,
+        contact: &ParsedContact,
+        names: &Names,
+        joints: &mut Joints,
+        frames: [&Chain; 2],
+        diagnostics: &mut Diagnostics,
+    ) {
+        let name = contact.name.value.clone();
+        let (factors, closes) = match &contact.closure {
+            Closure::Frame(factors) => (factors, Closes::Frame),
+            Closure::Point(factors) => (factors, Closes::Point),
+            Closure::Distance => {
+                let mut formulas = Formulas::new(&joints.arguments);
+                let [a, b] = frames.map(|chain| formulas.walk(chain).origin);
+                let apart = formulas.difference(b, a);
+                let distance = formulas.length(apart);
+                let radii = Term::Constant(radii(contact, names));
+                let gap = formulas.subtract(distance, radii);
+                self.equations.push(Equation {
+                    name,
+                    expression: formulas.expression(gap),
+                    length_exponent: 1.0,
+                });
+                return;
+            }
+        };
+        if let Some(chain) = joints.chain(factors, diagnostics) {
+            self.loops.push(Loop {
+                name,
+                chain,
+                closes,
+            });
+        }
+    }
+
+    /// The scalars of a contact.
+    fn describe(
+        &mut self,
+        contact: &ParsedContact,
+        names: &Names,
+        arguments: &[Argument],
+        frame: Option<&Chain>,
+        [first, second]: [&Chain; 2],
+    ) {
+        let mut formulas = Formulas::new(arguments);
+        let (point, normal) = match frame {
+            Some(chain) => {
+                let frame = formulas.walk(chain);
+                (frame.origin, frame.axes[0])
+            }
+            None => {
+                let [a, b] = [first, second].map(|chain| formulas.walk(chain).origin);
+                let apart = formulas.difference(b, a);
+                let distance = formulas.length(apart);
+                let normal = apart.map(|component| formulas.divide(component, distance));
+                let radius = Term::Constant(first_radius(contact, names));
+                let out = normal.map(|component| formulas.multiply(component, radius));
+                (formulas.sum(a, out), normal)
+            }
+        };
+        let name = &contact.name.value;
+        for (what, vector, kind) in [
+            ("point", point, Kind::Length),
+            ("normal", normal, Kind::Number),
+        ] {
+            for (component, term) in ["x", "y", "z"].iter().zip(vector) {
+                let full = format!("{name}.{what}.{component}");
+                self.scalars
+                    .push((full, kind, Ok(formulas.expression(term))));
+            }
+        }
+        let angle = pressure_angle(&mut formulas, second, point, normal);
+        self.scalars
+            .push((format!("{name}.pressure_angle"), Kind::Angle, angle));
+    }
+}
+
+/// The angle between the normal and the velocity that the contact point has as a point of the second body, in 0..90
+/// degrees. The velocity's direction is known where one joint alone moves that body.
+fn pressure_angle(
+    formulas: &mut Formulas,
+    second: &Chain,
+    point: Vector,
+    normal: Vector,
+) -> Result<Expression, String> {
+    let frame = formulas.walk(second);
+    let mut slots: Vec<usize> = Vec::new();
+    let mut velocity = [Term::Constant(0.0); 3];
+    for Drafted {
+        motion,
+        axis,
+        origin,
+        argument,
+    } in frame.joints
+    {
+        let Argument::Affine(affine) = formulas.argument(argument) else {
+            return Err("a formula drives the second body".to_owned());
+        };
+        for (slot, coefficient) in affine.terms.clone() {
+            slots.push(slot);
+            let share = match motion {
+                Motion::Translation => axis,
+                Motion::Rotation => {
+                    let arm = formulas.difference(point, origin);
+                    formulas.cross(axis, arm)
+                }
+            };
+            let share = share.map(|c| formulas.multiply(c, Term::Constant(coefficient)));
+            velocity = formulas.sum(velocity, share);
+        }
+    }
+    slots.sort_unstable();
+    slots.dedup();
+    if slots.len() != 1 {
+        return Err(format!(
+            "{} joint coordinates move the second body, and one must",
+            slots.len()
+        ));
+    }
+    let across = formulas.cross(normal, velocity);
+    let across = formulas.length(across);
+    let along = formulas.dot(normal, velocity);
+    Ok(formulas.angle_of(across, along))
+}
+
+/// Sizes must be constants, positive but for the radius of a sphere, which may be zero.
+fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostics) -> bool {
+    let mut sound = true;
+    for side in &contact.sides {
+        let surface = &side.surface;
+        let may_vanish = matches!(surface, Surface::Sphere { .. });
+        for (what, node) in surface.sizes() {
+            let message = match constant(node, &|n, s| names.constant(n, s)) {
+                Ok(value) if value > 0.0 || (may_vanish && value == 0.0) => continue,
+                Ok(value) => {
+                    let word = surface.word();
+                    let allowed = if may_vanish {
+                        "must not be negative"
+                    } else {
+                        "must be positive"
+                    };
+                    let value_text = shown(value);
+                    let message = format!("`{what}` of a {word} {allowed}, found {value_text}");
+                    let diagnostic = Diagnostic::error(message).at(node.span.clone());
+                    if what == "ring" && value == 0.0 {
+                        diagnostic.hint(
+                            "a torus without a ring is a sphere: write sphere = { radius = … }",
+                        )
+                    } else {
+                        diagnostic
+                    }
+                }
+                Err(diagnostic) => diagnostic,
+            };
+            diagnostics.push(message);
+            sound = false;
+        }
+    }
+    if sound && contact.is_of_spheres() && radii(contact, names) == 0.0 {
+        let message = "two points cannot touch in one equation: one of the spheres needs a radius";
+        diagnostics.push(Diagnostic::error(message).at(contact.name.span.clone()));
+        return false;
+    }
+    sound
+}
+
+/// Sum of the radii of two spheres.
+fn radii(contact: &ParsedContact, names: &Names) -> f64 {
+    let sizes = contact.sides.iter().flat_map(|side| side.surface.sizes());
+    sizes.map(|(_, node)| value(node, names)).sum()
+}
+
+fn first_radius(contact: &ParsedContact, names: &Names) -> f64 {
+    let sizes = contact.sides[0].surface.sizes();
+    sizes.first().map_or(0.0, |(_, node)| value(node, names))
+}
+
+/// A size that is known to be sound.
+fn value(node: &Node, names: &Names) -> f64 {
+    constant(node, &|n, s| names.constant(n, s)).unwrap_or(0.0)
+}

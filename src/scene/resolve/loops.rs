@@ -1,0 +1,91 @@
+//! Loops that are odd but usable: written twice, or without anything that closing them could determine.
+
+use super::parsed::Parsed;
+use crate::diag::{Diagnostic, Diagnostics, Span};
+use crate::math::Pose;
+use crate::model::chain::{Chain, Step};
+use crate::model::mechanism::Mechanism;
+
+/// Fixed poses that agree within this are the same; it is rounding of the folded constants, relative to the size.
+const SAME: f64 = 1e-12;
+
+/// Warns of loops that repeat another one, and of loops without unknowns.
+pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostics) {
+    let place = |name: &str| -> Span {
+        let mut loops = parsed.loops.iter();
+        let found = loops.find(|(n, _)| n.value == name);
+        found.map_or(0..0, |(n, _)| n.span.clone())
+    };
+    for (k, item) in mechanism.loops.iter().enumerate() {
+        let span = place(&item.name);
+        let same = |other: &Chain| is_same(&item.chain, other, mechanism.size);
+        let earlier = &mechanism.loops[..k];
+        let first = earlier
+            .iter()
+            .find(|e| same(&e.chain) || same(&inverse(&e.chain)));
+        if let Some(first) = first {
+            let message = format!(
+                "loop `{}` says the same as loop `{}`",
+                item.name, first.name
+            );
+            diagnostics.push(
+                Diagnostic::warning(message)
+                    .at(span)
+                    .related(place(&first.name), "first here")
+                    .hint("its equations are redundant: take one of them out"),
+            );
+            continue;
+        }
+        let used = item.chain.arguments();
+        let slots = used
+            .iter()
+            .flat_map(|a| mechanism.arguments[*a].coordinates());
+        let slots: Vec<usize> = slots.collect();
+        if slots.is_empty() {
+            let message = format!(
+                "nothing moves in loop `{}`: it holds constants only",
+                item.name
+            );
+            let hint = "it is checked once and determines nothing";
+            diagnostics.push(Diagnostic::warning(message).at(span).hint(hint));
+        } else if slots.iter().all(|slot| *slot >= mechanism.unknowns.len()) {
+            let message = format!("loop `{}` holds no unknown, only inputs", item.name);
+            let hint = "it determines nothing, and closes only where the inputs fit together";
+            diagnostics.push(Diagnostic::warning(message).at(span).hint(hint));
+        }
+    }
+}
+
+/// The chain of the inverse product.
+fn inverse(chain: &Chain) -> Chain {
+    let back = |step: &Step| match *step {
+        Step::Fixed(pose) => Step::Fixed(pose.inverse()),
+        Step::Joint {
+            motion,
+            axis,
+            argument,
+            sign,
+        } => Step::Joint {
+            motion,
+            axis,
+            argument,
+            sign: -sign,
+        },
+    };
+    Chain {
+        steps: chain.steps.iter().rev().map(back).collect(),
+    }
+}
+
+fn is_same(a: &Chain, b: &Chain, size: f64) -> bool {
+    let near = |a: &Pose, b: &Pose| {
+        let turn = (a.rotation - b.rotation).to_cols_array();
+        let shift = (a.translation - b.translation).length();
+        turn.iter().all(|v| v.abs() <= SAME) && shift <= SAME * size
+    };
+    a.steps.len() == b.steps.len()
+        && a.steps.iter().zip(&b.steps).all(|pair| match pair {
+            (Step::Fixed(a), Step::Fixed(b)) => near(a, b),
+            (a, b) => a == b,
+        })
+}

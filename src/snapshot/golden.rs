@@ -1,0 +1,138 @@
+//! One picture against its golden file. A golden is never written unasked, and one that is missing fails.
+
+use super::Allowed;
+use crate::compare::{Comparison, Difference, compare, triptych};
+use crate::export::png::{Effort, encode};
+use crate::export::{ExportError, Target};
+use crate::import::read_png;
+use image::RgbaImage;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Every pixel exactly as in the golden: for the built-in renderer.
+pub const EXACT: Allowed = Allowed {
+    tolerance: 0,
+    pixels: 0,
+};
+
+/// Which goldens are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// None: compare only.
+    Never,
+    /// Those that are missing.
+    New,
+    /// Those that are missing or fail.
+    Failing,
+    /// All.
+    All,
+}
+
+/// What came of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// It equals its golden as far as it must.
+    Passed(Difference),
+    /// The golden was written.
+    Written,
+    /// It does not; what was drawn and, where there is a golden, both with their difference stand beside it.
+    Failed {
+        /// Why, in one line.
+        reason: String,
+        /// The difference, if the sizes agree.
+        difference: Option<Difference>,
+    },
+}
+
+/// Compares `actual` with the file `golden`. On failure `NAME.new.png` and, where there is a readable golden,
+/// `NAME.diff.png` are written beside it; on success they are removed.
+///
+/// Errors: a file cannot be written.
+pub fn judge(
+    golden: &Path,
+    actual: &RgbaImage,
+    allowed: Allowed,
+    update: Update,
+) -> Result<Verdict, ExportError> {
+    let (is_missing, outcome) = (!golden.exists(), held_against(golden, actual, allowed));
+    let [drawn, difference] = ["new", "diff"].map(|kind| beside(golden, kind));
+    for stale in [&drawn, &difference] {
+        // There is nothing to remove after a success before this one.
+        std::fs::remove_file(stale).ok();
+    }
+    let writes = match update {
+        Update::Never => false,
+        Update::New => is_missing,
+        Update::Failing => outcome.is_err(),
+        Update::All => true,
+    };
+    if writes {
+        save(golden, actual)?;
+        return Ok(Verdict::Written);
+    }
+    match outcome {
+        Ok(found) => Ok(Verdict::Passed(found)),
+        Err(failure) => {
+            save(&drawn, actual)?;
+            if let Some(expected) = &failure.expected {
+                save(&difference, &triptych(expected, actual, allowed.tolerance))?;
+            }
+            Ok(Verdict::Failed {
+                reason: failure.reason,
+                difference: failure.difference,
+            })
+        }
+    }
+}
+
+/// `a.png` to `a.KIND.png`.
+pub fn beside(golden: &Path, kind: &str) -> PathBuf {
+    golden.with_extension(format!("{kind}.png"))
+}
+
+struct Mismatch {
+    reason: String,
+    expected: Option<RgbaImage>,
+    difference: Option<Difference>,
+}
+
+fn held_against(
+    golden: &Path,
+    actual: &RgbaImage,
+    allowed: Allowed,
+) -> Result<Difference, Mismatch> {
+    let unreadable = |reason: String| Mismatch {
+        reason,
+        expected: None,
+        difference: None,
+    };
+    if !golden.exists() {
+        return Err(unreadable("the golden picture is missing".to_owned()));
+    }
+    let expected = read_png(golden).map_err(|e| unreadable(e.to_string()))?;
+    let outcome = compare(&expected, actual, allowed.tolerance);
+    let within = outcome.is_within(allowed.pixels);
+    let reason = format!("{outcome} (allowed {})", allowed.pixels);
+    match outcome {
+        Comparison::SameSize(found) if within => Ok(found),
+        Comparison::SameSize(found) => Err(Mismatch {
+            reason,
+            expected: Some(expected),
+            difference: Some(found),
+        }),
+        Comparison::SizeMismatch { .. } => Err(Mismatch {
+            reason: outcome.to_string(),
+            expected: Some(expected),
+            difference: None,
+        }),
+    }
+}
+
+fn save(path: &Path, image: &RgbaImage) -> Result<(), ExportError> {
+    let mut bytes = Vec::new();
+    encode(image, Effort::Balanced, &mut bytes)?;
+    let mut target = Target::create(path)?;
+    let written = target.write_all(&bytes);
+    written.map_err(|e| ExportError::write(&path.display().to_string(), e))?;
+    target.commit()
+}

@@ -1,0 +1,294 @@
+//! The list of golden pictures, `snapshots.toml`: which scene, which instant, which view, how much may differ.
+
+use super::Allowed;
+use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
+use crate::model::view::{GroundPlace, View, ViewProjection};
+use crate::scene::reader::{FormulaText, Spanned, TableReader, read_table};
+use toml::de::DeTable;
+
+/// Name of the list in its folder.
+pub const MANIFEST: &str = "snapshots.toml";
+
+/// Size and samples of a picture that says nothing of them: small, since goldens are kept under version control.
+const DEFAULT_SIZE: [u32; 2] = [192, 144];
+const DEFAULT_SAMPLES: u32 = 4;
+
+/// Longest side of a golden picture.
+const LONGEST_SIDE: f64 = 4096.0;
+
+/// Latest frame that can be asked for.
+const LAST_FRAME: f64 = 1e6;
+
+/// The field of view, in degrees, of a list that asks for a perspective without one.
+const DEFAULT_FOV_DEG: f64 = 24.0;
+
+/// The list as read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifest {
+    /// The pictures, in the order of the file.
+    pub pictures: Vec<Picture>,
+}
+
+/// One picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Name of the golden file in the folder of the list.
+    pub file: String,
+    /// Name of a built-in scene, or path of a scene file from the folder of the list.
+    pub scene: String,
+    /// Size in pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel.
+    pub samples: u32,
+    /// When.
+    pub instant: Instant,
+    /// What may differ.
+    pub allowed: Allowed,
+    /// Replaced parameters, by name.
+    pub parameters: Vec<(String, String)>,
+    /// Replaced drives of inputs.
+    pub inputs: Vec<(String, String)>,
+    /// Replaced start values.
+    pub guess: Vec<(String, String)>,
+    /// How it is seen.
+    pub view: ViewChange,
+}
+
+/// An instant of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instant {
+    /// The frame with this number, counted from 0, at the scene's rate.
+    Frame(usize),
+    /// Seconds.
+    Time(f64),
+}
+
+/// What differs from the scene's own view.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewChange {
+    azimuth: Option<f64>,
+    elevation: Option<f64>,
+    projection: Option<ViewProjection>,
+    background: Option<[u8; 3]>,
+    captions: Option<bool>,
+    ground: Option<bool>,
+}
+
+impl ViewChange {
+    /// Changes `view`.
+    pub fn apply(&self, view: &mut View) {
+        view.azimuth = self.azimuth.unwrap_or(view.azimuth);
+        view.elevation = self.elevation.unwrap_or(view.elevation);
+        view.projection = self.projection.unwrap_or(view.projection);
+        view.background = self.background.unwrap_or(view.background);
+        view.captions = self.captions.unwrap_or(view.captions);
+        if self.ground == Some(false) {
+            view.ground = GroundPlace::None;
+        }
+    }
+}
+
+impl Manifest {
+    /// Reads the list; all mistakes found are in the error.
+    pub fn read(source: &Source) -> Result<Self, Box<SceneError>> {
+        let mut diagnostics = Diagnostics::default();
+        let pictures = pictures(source, &mut diagnostics);
+        if diagnostics.has_errors() {
+            return Err(Box::new(SceneError {
+                source_text: source.clone(),
+                diagnostics,
+            }));
+        }
+        Ok(Self { pictures })
+    }
+}
+
+fn pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
+    let (table, errors) = DeTable::parse_recoverable(&source.text);
+    for error in errors {
+        let message = format!("not valid TOML: {}", error.message());
+        diagnostics.push(Diagnostic::error(message).at(error.span().unwrap_or(0..0)));
+    }
+    if diagnostics.has_errors() {
+        return Vec::new();
+    }
+    let whole = table.span();
+    let place = "the list".to_owned();
+    let list = read_table(
+        table.get_ref(),
+        &source.text,
+        whole,
+        place,
+        diagnostics,
+        |r| r.tables("picture", picture),
+    );
+    let mut pictures: Vec<(Picture, Span)> = list.into_iter().flatten().collect();
+    if pictures.is_empty() && !diagnostics.has_errors() {
+        diagnostics.push(
+            Diagnostic::error("the list has no pictures")
+                .hint("write a [[picture]] with `file` and `scene`"),
+        );
+    }
+    for k in 1..pictures.len() {
+        let (earlier, later) = pictures.split_at(k);
+        let (picture, span) = &later[0];
+        if earlier.iter().any(|(p, _)| p.file == picture.file) {
+            let message = format!("two pictures are kept in `{}`", picture.file);
+            diagnostics.push(Diagnostic::error(message).at(span.clone()));
+        }
+    }
+    pictures.drain(..).map(|(picture, _)| picture).collect()
+}
+
+fn picture(r: &mut TableReader) -> Option<(Picture, Span)> {
+    let (file, scene) = (r.string("file"), r.string("scene"));
+    for (key, value) in [("file", &file), ("scene", &scene)] {
+        if value.is_none() {
+            r.missing(key);
+        }
+    }
+    let size = size(r);
+    let samples = number(r, "samples", 1.0, 16.0).map_or(DEFAULT_SAMPLES, |n| n as u32);
+    let instant = instant(r);
+    let allowed = Allowed {
+        tolerance: number(r, "tolerance", 0.0, 255.0).map_or(0, |n| n as u8),
+        pixels: number(r, "pixels", 0.0, 1e9).map_or(0, |n| n as u64),
+    };
+    let [parameters, inputs, guess] = ["parameters", "inputs", "guess"].map(|key| {
+        let list = r.named_formulas(key);
+        list.into_iter()
+            .map(|(name, formula)| (name.value, formula.text))
+            .collect()
+    });
+    let view = r.table("view", view).unwrap_or_default();
+    let file = file.filter(|file| is_plain_png(r, file))?;
+    Some((
+        Picture {
+            file: file.value,
+            scene: scene?.value,
+            size,
+            samples,
+            instant,
+            allowed,
+            parameters,
+            inputs,
+            guess,
+            view,
+        },
+        file.span,
+    ))
+}
+
+/// Goldens lie in the folder of the list, so that one look shows them all.
+fn is_plain_png(r: &mut TableReader, file: &Spanned<String>) -> bool {
+    let stem = file.value.strip_suffix(".png");
+    let plain = stem.is_some_and(|stem| !stem.is_empty() && !stem.contains(['/', '\\', '.']));
+    if !plain {
+        let message = format!(
+            "`{}` is not the name of a PNG file in this folder",
+            file.value
+        );
+        r.diagnostics.push(
+            Diagnostic::error(message)
+                .at(file.span.clone())
+                .hint("write a name such as `side-100.png`, with one dot and no folder"),
+        );
+    }
+    plain
+}
+
+fn size(r: &mut TableReader) -> [u32; 2] {
+    let Some(texts) = r.vector::<2>("size") else {
+        return DEFAULT_SIZE;
+    };
+    let sides = texts.map(|text| whole(r, "a side", &text, 1.0, LONGEST_SIDE));
+    [0, 1].map(|k| sides[k].map_or(DEFAULT_SIZE[k], |side| side as u32))
+}
+
+fn instant(r: &mut TableReader) -> Instant {
+    let frame = number(r, "frame", 0.0, LAST_FRAME);
+    let time = r.formula("time");
+    match (frame, time) {
+        (Some(_), Some(time)) => {
+            let message = "a picture shows a `frame` or a `time`, not both";
+            r.diagnostics.push(Diagnostic::error(message).at(time.span));
+            Instant::Frame(0)
+        }
+        (_, Some(time)) => {
+            let seconds = real(r, "the time", &time, 0.0, f64::MAX);
+            Instant::Time(seconds.unwrap_or(0.0))
+        }
+        (frame, None) => Instant::Frame(frame.map_or(0, |frame| frame as usize)),
+    }
+}
+
+fn view(r: &mut TableReader) -> ViewChange {
+    let mut degrees = |key: &'static str, low: f64, high: f64| {
+        let text = r.formula(key)?;
+        real(r, key, &text, low, high).map(f64::to_radians)
+    };
+    let azimuth = degrees("azimuth", -720.0, 720.0);
+    let elevation = degrees("elevation", -90.0, 90.0);
+    let fov = degrees("fov", 1.0, 120.0);
+    let kind = r.string("projection");
+    let projection = match kind.as_ref().map(|kind| kind.value.as_str()) {
+        Some("orthographic") => Some(ViewProjection::Orthographic),
+        Some("perspective") => Some(ViewProjection::Perspective {
+            fov_y: fov.unwrap_or(DEFAULT_FOV_DEG.to_radians()),
+        }),
+        _ => fov.map(|fov_y| ViewProjection::Perspective { fov_y }),
+    };
+    if let Some(kind) =
+        kind.filter(|k| !["orthographic", "perspective"].contains(&k.value.as_str()))
+    {
+        r.diagnostics.push(
+            Diagnostic::error(format!("unknown projection `{}`", kind.value))
+                .at(kind.span)
+                .hint("one of perspective, orthographic"),
+        );
+    }
+    ViewChange {
+        azimuth,
+        elevation,
+        projection,
+        background: r.colour("background"),
+        captions: r.boolean("captions"),
+        ground: r.boolean("ground"),
+    }
+}
+
+/// A whole number under `key`.
+fn number(r: &mut TableReader, key: &'static str, low: f64, high: f64) -> Option<f64> {
+    let text = r.formula(key)?;
+    whole(r, key, &text, low, high)
+}
+
+fn whole(r: &mut TableReader, what: &str, text: &FormulaText, low: f64, high: f64) -> Option<f64> {
+    let value = real(r, what, text, low, high)?;
+    if value.fract() != 0.0 {
+        let message = format!("{what} must be a whole number, found {value}");
+        r.diagnostics
+            .push(Diagnostic::error(message).at(text.span.clone()));
+        return None;
+    }
+    Some(value)
+}
+
+fn real(r: &mut TableReader, what: &str, text: &FormulaText, low: f64, high: f64) -> Option<f64> {
+    let value = text
+        .text
+        .parse::<f64>()
+        .ok()
+        .filter(|v| (low..=high).contains(v));
+    if value.is_none() {
+        let range = if high == f64::MAX {
+            format!("a number of at least {low}")
+        } else {
+            format!("a number between {low} and {high}")
+        };
+        let message = format!("{what} must be {range}, found `{}`", text.text);
+        r.diagnostics
+            .push(Diagnostic::error(message).at(text.span.clone()));
+    }
+    value
+}

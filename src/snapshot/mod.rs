@@ -1,0 +1,10 @@
+//! Golden pictures: a list of pictures of scenes, and the files that they must equal.
+
+pub mod golden;
+pub mod manifest;
+pub mod picture;
+
+pub use crate::compare::film::Allowed;
+pub use golden::{EXACT, Update, Verdict, judge};
+pub use manifest::{MANIFEST, Manifest};
+pub use picture::{DrawError, draw};

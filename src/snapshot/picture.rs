@@ -1,0 +1,111 @@
+//! A picture of the list, drawn by the built-in renderer: the same bytes on every machine.
+
+use super::manifest::{Instant, Picture};
+use crate::diag::{SceneError, Source};
+use crate::kinematics::continuation::solve;
+use crate::kinematics::sampling::frame_times;
+use crate::kinematics::structure::StructureError;
+use crate::render::cpu::CpuRenderer;
+use crate::render::overlay::Overlay;
+use crate::render::{RenderError, Renderer};
+use crate::scene::{Overrides, Scene, builtin, load};
+use crate::staging::{PictureOptions, Staging};
+use image::RgbaImage;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Why a picture of the list could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum DrawError {
+    /// The scene cannot be read.
+    #[error(
+        "cannot read the scene `{name}`: {source}; it is neither a built-in one nor a file beside the list"
+    )]
+    Missing {
+        /// Its name in the list.
+        name: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The scene has mistakes.
+    #[error("the scene has mistakes")]
+    Scene(#[from] Box<SceneError>),
+    /// The mechanism is ill-posed.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// There is no such instant.
+    #[error("{0}")]
+    Instant(String),
+    /// The renderer refused.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// Draws `picture`; scenes that are files are looked for in `folder`. Where no pose exists the picture says so.
+///
+/// Errors: a scene that cannot be read or has mistakes, an instant outside its motion, a size that cannot be drawn.
+pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
+    let scene = scene(picture, folder)?;
+    let (times, index) = times(&scene, picture.instant)?;
+    let trajectory = solve(&scene.mechanism, &times)?;
+    let options = PictureOptions {
+        size: picture.size,
+        samples: picture.samples,
+    };
+    let staging = Staging::new(&scene, &trajectory, options);
+    let mut renderer = CpuRenderer::new(Arc::clone(&staging.stage))?;
+    let frame = staging.frame(index);
+    let mut image = RgbaImage::new(picture.size[0], picture.size[1]);
+    renderer.draw(&frame, &mut image)?;
+    Overlay::new(staging.stage.background).draw(&frame, &staging.stage.camera, &mut image);
+    Ok(image)
+}
+
+fn scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
+    let path = folder.join(&picture.scene);
+    let source = match builtin::find(&picture.scene) {
+        Some(source) => source,
+        None => Source {
+            name: path.display().to_string(),
+            text: std::fs::read_to_string(&path).map_err(|source| DrawError::Missing {
+                name: picture.scene.clone(),
+                source,
+            })?,
+        },
+    };
+    let overrides = Overrides {
+        parameters: picture.parameters.clone(),
+        inputs: picture.inputs.clone(),
+        guess: picture.guess.clone(),
+        folder: path.parent().unwrap_or(folder).to_owned(),
+        ..Overrides::default()
+    };
+    let mut scene = load(&source, &overrides).map_err(Box::new)?;
+    picture.view.apply(&mut scene.view);
+    Ok(scene)
+}
+
+/// The times that are solved, as `render` does: the whole motion frames the picture and leads to its branch.
+fn times(scene: &Scene, instant: Instant) -> Result<(Vec<f64>, usize), DrawError> {
+    let duration = scene.mechanism.duration;
+    let mut times = frame_times(&scene.mechanism, scene.view.fps);
+    match instant {
+        Instant::Frame(index) if index < times.len() => Ok((times, index)),
+        Instant::Frame(index) => {
+            let last = times.len() - 1;
+            let message = format!("the motion has frames 0 to {last}, {index} is outside");
+            Err(DrawError::Instant(message))
+        }
+        Instant::Time(time) if (0.0..=duration).contains(&time) => {
+            let index = times.partition_point(|t| *t < time);
+            if times.get(index) != Some(&time) {
+                times.insert(index, time);
+            }
+            Ok((times, index))
+        }
+        Instant::Time(time) => {
+            let message = format!("the motion lasts from 0 to {duration} s, {time} is outside");
+            Err(DrawError::Instant(message))
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Bodies and distances that a picture points out. Holds no judgement of its own.
+
+use crate::geometry::{Mesh, mesh_of};
+use crate::math::Pose;
+use crate::model::shape::Solid;
+use crate::render::{Anchor, Instance, Label};
+use glam::DVec3;
+
+/// Colour of bodies that are too near to another one.
+const ALARM: [u8; 3] = [0xe5, 0x14, 0x1e];
+
+/// Colours of the two bodies whose distance is shown.
+const PAIR: [[u8; 3]; 2] = [[0xe5, 0x14, 0x1e], [0x1f, 0x5f, 0xbf]];
+
+/// Colour of the line between them.
+const LINE: [u8; 3] = [0x11, 0x13, 0x18];
+
+/// What is left of the opacity of the other bodies.
+const FADED: f64 = 0.25;
+
+/// The pair itself is translucent, so that a line inside of it is seen.
+const PAIR_OPACITY: f64 = 0.8;
+
+/// Radius of the line, and of the balls at its ends, in pixels.
+const LINE_PIXELS: f64 = 1.6;
+const BALL_PIXELS: f64 = 3.6;
+
+/// Height of the label as a fraction of the picture's.
+const LABEL_SIZE: f64 = 0.035;
+
+/// A distance that is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measure {
+    /// The two bodies.
+    pub bodies: [usize; 2],
+    /// Its ends, in the world.
+    pub points: [DVec3; 2],
+    /// What is written beside it.
+    pub text: String,
+}
+
+/// What pictures point out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// For every sample the bodies that turn colour; may be shorter than the motion.
+    pub alarmed: Vec<Vec<usize>>,
+    /// A distance between two bodies, the same in every frame.
+    pub measure: Option<Measure>,
+}
+
+impl Marks {
+    /// Changes how a part of `body` looks in sample `index`.
+    pub fn colour(&self, index: usize, body: usize, instance: &mut Instance) {
+        if let Some(measure) = &self.measure {
+            match measure.bodies.iter().position(|b| *b == body) {
+                Some(k) => {
+                    instance.colour = PAIR[k];
+                    instance.opacity *= PAIR_OPACITY;
+                }
+                None => instance.opacity *= FADED,
+            }
+            instance.casts_shadow = false;
+        } else if self
+            .alarmed
+            .get(index)
+            .is_some_and(|bodies| bodies.contains(&body))
+        {
+            instance.colour = ALARM;
+        }
+    }
+
+    /// Adds the mesh of the line; returns its index.
+    pub fn mesh(&self, pixel: f64, meshes: &mut Vec<Mesh>) -> Option<usize> {
+        let [from, to] = self.measure.as_ref()?.points;
+        let mut mesh = Mesh::default();
+        let mut add = |solid: Solid| {
+            let part = mesh_of(&solid, 0.2 * pixel);
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(part.positions);
+            mesh.normals.extend(part.normals);
+            mesh.triangles
+                .extend(part.triangles.iter().map(|t| t.map(|k| k + first)));
+        };
+        let radius = LINE_PIXELS * pixel;
+        if from.distance(to) > radius {
+            add(Solid::Cylinder { from, to, radius });
+        }
+        for center in [from, to] {
+            add(Solid::Sphere {
+                center,
+                radius: BALL_PIXELS * pixel,
+            });
+        }
+        meshes.push(mesh);
+        Some(meshes.len() - 1)
+    }
+
+    /// The line as it is drawn.
+    pub fn line(mesh: usize, meshes: &[Mesh]) -> Instance {
+        Instance {
+            mesh,
+            world_from_mesh: Pose::IDENTITY,
+            colour: LINE,
+            opacity: 1.0,
+            triangles: 0..meshes[mesh].triangles.len() as u32,
+            casts_shadow: false,
+            flat: 1.0,
+        }
+    }
+
+    /// The text beside the line.
+    pub fn label(&self, height: f64) -> Option<Label> {
+        let measure = self.measure.as_ref()?;
+        Some(Label {
+            text: measure.text.clone(),
+            anchor: Anchor::World((measure.points[0] + measure.points[1]) * 0.5),
+            size: LABEL_SIZE * height,
+            colour: LINE,
+            plate: true,
+        })
+    }
+}

@@ -1,0 +1,174 @@
+//! From a solved scene to shapes in space with their motion, for 3-D files.
+
+use crate::export::model::{Model, ModelBody, ModelCamera, ModelPart, ModelTrace};
+use crate::geometry::{Mesh, mesh_of};
+use crate::kinematics::trajectory::Trajectory;
+use crate::math::Pose;
+use crate::model::mechanism::Mechanism;
+use crate::model::shape::Shape;
+use crate::model::view::UpAxis;
+use crate::render::{Camera, Projection};
+use crate::scene::Scene;
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// Largest distance between a round surface and its facets over the mechanism's size: a tenth of a millimetre for a
+/// machine of a metre, which neither a printer nor a viewer shows.
+const FACET_ERROR: f64 = 1e-4;
+
+/// Metres in the units of length that have a name of their own.
+const METRES: [(&str, f64); 8] = [
+    ("um", 1e-6),
+    ("µm", 1e-6),
+    ("mm", 1e-3),
+    ("cm", 1e-2),
+    ("m", 1.0),
+    ("km", 1e3),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+];
+
+/// The shapes of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures.
+///
+/// Where a sample has no pose the one before is held until the next: nothing is interpolated over a gap.
+pub fn of_motion(
+    scene: &Scene,
+    trajectory: &Trajectory,
+    samples: Range<usize>,
+    camera: Option<(Camera, f64)>,
+) -> Model {
+    let mechanism = &scene.mechanism;
+    let keys = keys(trajectory, samples);
+    let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
+        let poses = keys.iter().filter_map(|key| {
+            let pose = trajectory.samples[key.sample].pose.as_ref()?;
+            Some(pose.bodies[index])
+        });
+        ModelBody {
+            name: body.name.clone(),
+            parts: body.shapes.iter().map(|s| part(s, mechanism)).collect(),
+            poses: poses.collect(),
+        }
+    });
+    let unit = METRES
+        .iter()
+        .find(|(name, _)| *name == mechanism.length_unit);
+    Model {
+        title: mechanism.title.clone(),
+        upright: upright(scene.view.up),
+        metres: unit.map_or(1.0, |(_, metres)| *metres),
+        times: keys.iter().map(|key| key.time).collect(),
+        bodies: bodies.collect(),
+        traces: traces(mechanism, trajectory),
+        camera: camera.map(|(camera, aspect)| of_camera(&camera, aspect)),
+    }
+}
+
+/// A time, and the sample whose pose is shown at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Key {
+    time: f64,
+    sample: usize,
+}
+
+/// Keys at all samples; before the first after a gap one more, which holds the pose from before the gap.
+fn keys(trajectory: &Trajectory, samples: Range<usize>) -> Vec<Key> {
+    let shown = super::shown(trajectory);
+    let mut keys: Vec<Key> = Vec::new();
+    for index in samples {
+        let Some(sample) = shown[index] else { continue };
+        let time = trajectory.samples[index].time;
+        let gap_before = index > 0 && trajectory.samples[index - 1].pose.is_none();
+        if let Some(held) = keys.last().map(|key| key.sample).filter(|_| gap_before) {
+            push(
+                &mut keys,
+                Key {
+                    time: f64::from((time as f32).next_down()),
+                    sample: held,
+                },
+            );
+        }
+        push(&mut keys, Key { time, sample });
+    }
+    keys
+}
+
+/// Adds a key unless its time is that of the last in the file's 32 bits.
+fn push(keys: &mut Vec<Key>, key: Key) {
+    if keys
+        .last()
+        .is_none_or(|last| key.time as f32 > last.time as f32)
+    {
+        keys.push(key);
+    }
+}
+
+fn part(shape: &Shape, mechanism: &Mechanism) -> ModelPart {
+    let mesh = mesh_of(&shape.solid, FACET_ERROR * mechanism.size);
+    ModelPart {
+        mesh: placed(mesh, &shape.body_from_shape),
+        colour: shape.colour,
+        opacity: shape.opacity,
+    }
+}
+
+fn placed(mut mesh: Mesh, body_from_shape: &Pose) -> Mesh {
+    for position in &mut mesh.positions {
+        *position = body_from_shape.transform_point(*position);
+    }
+    for normal in &mut mesh.normals {
+        *normal = body_from_shape.transform_vector(*normal);
+    }
+    mesh
+}
+
+/// The visible paths over the whole motion, cut where there is no pose.
+fn traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrace> {
+    let visible = mechanism.traces.iter().enumerate();
+    let visible = visible.filter(|(_, trace)| trace.radius.is_none_or(|r| r > 0.0));
+    let path = |index: usize| -> Vec<Vec<DVec3>> {
+        let points: Vec<Option<DVec3>> = trajectory
+            .samples
+            .iter()
+            .map(|s| s.pose.as_ref().map(|p| p.traces[index]))
+            .collect();
+        let runs = points.split(Option::is_none);
+        runs.map(|run| {
+            let mut run: Vec<DVec3> = run.iter().flatten().copied().collect();
+            run.dedup();
+            run
+        })
+        .filter(|run| run.len() > 1)
+        .collect()
+    };
+    visible
+        .map(|(index, trace)| ModelTrace {
+            name: trace.name.clone(),
+            colour: trace.colour,
+            runs: path(index),
+        })
+        .collect()
+}
+
+/// The rotation that takes the up axis to y.
+fn upright(up: UpAxis) -> DMat3 {
+    match up {
+        UpAxis::Y => DMat3::IDENTITY,
+        UpAxis::Z => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
+        UpAxis::X => DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z),
+    }
+}
+
+fn of_camera(camera: &Camera, aspect: f64) -> ModelCamera {
+    let (fov_y, height) = match camera.projection {
+        Projection::Perspective { fov_y } => (Some(fov_y), 0.0),
+        Projection::Orthographic { height } => (None, height),
+    };
+    ModelCamera {
+        world_from_camera: camera.world_from_camera,
+        fov_y,
+        height,
+        aspect,
+        range: [camera.near, camera.far],
+    }
+}

@@ -1,0 +1,385 @@
+//! Clearances over the motion: least distances against dense samples, bounds that hold, pairs that are excluded,
+//! mutated scenes that fail with the right pair.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use mechanim::clearance::bodies::{Hull, nearest};
+use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport, check};
+use mechanim::diag::Source;
+use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::sampling::{even_times, frame_times};
+use mechanim::scene::{Overrides, Scene, load};
+
+fn open(text: &str) -> Scene {
+    let source = Source {
+        name: "test".into(),
+        text: text.into(),
+    };
+    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+}
+
+fn builtin(name: &str) -> String {
+    mechanim::scene::builtin::find(name).unwrap().text
+}
+
+fn data(name: &str) -> String {
+    std::fs::read_to_string(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn report(scene: &Scene, samples: usize, tolerance: f64) -> ClearanceReport {
+    let times = even_times(&scene.mechanism, samples);
+    let rules = scene.clearance.as_ref().expect("a [clearance] section");
+    check(&scene.mechanism, rules, &times, tolerance, &|_, _| {}).unwrap()
+}
+
+fn names(scene: &Scene, p: &PairReport) -> [String; 2] {
+    p.pair.map(|k| scene.mechanism.bodies[k].name.clone())
+}
+
+/// Least distance of two bodies over `count` plain samples.
+fn dense(scene: &Scene, pair: [usize; 2], count: usize) -> f64 {
+    let trajectory = solve(&scene.mechanism, &even_times(&scene.mechanism, count)).unwrap();
+    let hulls = pair.map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
+    let at = |pose: &mechanim::kinematics::trajectory::ClosedPose| {
+        let a_from_b = pose.bodies[pair[0]].inverse() * pose.bodies[pair[1]];
+        nearest(&hulls[0], &hulls[1], &a_from_b)
+            .unwrap()
+            .proximity
+            .distance
+    };
+    trajectory.poses().map(at).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn bars_of_the_dyad_mechanism_come_as_near_as_known() {
+    let scene = open(&data("dyad-bars.toml"));
+    for samples in [15, 30, 120] {
+        let report = report(&scene, samples, 1e-3);
+        let least = &report.judged[0].least;
+        // Two radii of 1 less than the distance of the bars' centre lines, 4.710267.
+        assert!(
+            (least.distance - 2.710_267).abs() < 2e-4,
+            "{}",
+            least.distance
+        );
+        assert!(least.is_certified && least.is_refined, "{least:?}");
+        assert!(
+            least.bound <= 2.710_268 && least.bound > 2.710_267 * 0.99,
+            "{least:?}"
+        );
+    }
+}
+
+#[test]
+fn bounds_hold_against_dense_samples() {
+    for (name, count) in [("gearshift", 2_500), ("slider-crank", 10_000)] {
+        let scene = open(&builtin(name));
+        let report = report(&scene, 120, 1e-2);
+        for p in &report.judged {
+            let dense = dense(&scene, p.pair, count);
+            let least = &p.least;
+            let pair = names(&scene, p);
+            if least.distance > 0.0 {
+                assert!(least.is_certified, "{name} {pair:?}: {least:?}");
+                assert!(
+                    least.bound <= dense,
+                    "{name} {pair:?}: {} > {dense}",
+                    least.bound
+                );
+                assert!(
+                    least.bound >= 0.989 * least.distance,
+                    "{name} {pair:?}: {least:?}"
+                );
+                assert!(
+                    least.distance <= dense * 1.02,
+                    "{name} {pair:?}: {} {dense}",
+                    least.distance
+                );
+            }
+        }
+    }
+}
+
+/// Every stretch's claims at many poses within it: plays of arguments against a solved motion.
+#[test]
+fn rates_stay_within_their_bounds() {
+    use mechanim::clearance::motion::Motion;
+    use mechanim::kinematics::structure::Structure;
+    let scene = open(&builtin("gearshift"));
+    let mechanism = &scene.mechanism;
+    let structure = Structure::new(mechanism).unwrap();
+    let mut motion = Motion::new(mechanism, &structure, &even_times(mechanism, 480)).unwrap();
+    let mut proved = 0;
+    for root in (0..motion.roots).step_by(7) {
+        let Some(halves) = motion.halves(root) else {
+            continue;
+        };
+        for first in halves {
+            let Some(quarters) = motion.halves(first) else {
+                continue;
+            };
+            for k in quarters {
+                let span = motion.spans[k].clone();
+                if !span.is_certified {
+                    continue;
+                }
+                proved += 1;
+                let (from, to) = (
+                    motion.instants[span.start].time,
+                    motion.instants[span.end].time,
+                );
+                let times: Vec<f64> = (0..=20)
+                    .map(|i| from + (to - from) * f64::from(i) / 20.0)
+                    .collect();
+                let start: Vec<f64> = [0.0]
+                    .into_iter()
+                    .chain(even_times(mechanism, 480))
+                    .filter(|t| *t < from)
+                    .collect();
+                let trajectory = solve(mechanism, &[start.clone(), times].concat()).unwrap();
+                let middle = &motion.instants[span.middle];
+                for sample in &trajectory.samples[start.len()..] {
+                    let pose = sample.pose.as_ref().unwrap();
+                    let values = mechanism
+                        .argument_values(&[pose.unknowns.as_slice(), &sample.inputs].concat());
+                    for ((drift, there), here) in
+                        span.arguments.iter().zip(&values).zip(&middle.arguments)
+                    {
+                        let way = sample.time - middle.time;
+                        let off = (there.value - here.value - drift.rate * way).abs();
+                        let most = drift.deviation * way.abs() + 1e-9;
+                        assert!(off <= most, "{off} > {most} at {} {drift:?}", sample.time);
+                    }
+                }
+            }
+        }
+    }
+    assert!(proved > 20, "{proved}");
+}
+
+const THIN_AND_FAST: &str = r#"
+title = "A thin arm that flies past a thin pin"
+units = { length = "mm", angle = "rad" }
+duration = 1
+[inputs]
+a = "20*t"
+b = 0
+[[bodies]]
+name = "arm"
+frame = "Rz(a) Tx(1) Rz(b)"
+shapes = [{ capsule = { from = [10, 0, 0], to = [100, 0, 0], radius = 0.2 } }]
+[[bodies]]
+name = "pin"
+frame = "Rz(1.234)"
+shapes = [{ capsule = { from = [90, 0, -5], to = [90, 0, 5], radius = 0.2 } }]
+[[bodies]]
+name = "hub"
+shapes = [{ cylinder = { from = [0, 0, -1], to = [0, 0, 1], radius = 5 } }]
+[clearance]
+minimum = 0.1
+"#;
+
+#[test]
+fn a_thin_fast_pair_between_two_samples_is_caught() {
+    let scene = open(THIN_AND_FAST);
+    let report = report(&scene, 5, 1e-3);
+    let sampled = report.judged[0]
+        .distances
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    assert!(sampled > 5.0, "the samples miss it: {sampled}");
+    let worst = &report.judged[0];
+    assert_eq!(worst.judgement, Judgement::Failed);
+    assert_eq!(names(&scene, worst), ["arm", "pin"]);
+    let passes = [
+        1.234 / 20.0,
+        (1.234 + std::f64::consts::TAU) / 20.0,
+        (1.234 + 2.0 * std::f64::consts::TAU) / 20.0,
+    ];
+    assert!(
+        passes.iter().any(|t| (worst.least.time - t).abs() < 1e-3),
+        "{}",
+        worst.least.time
+    );
+    // Two joints lie between arm and hub; pin and hub are one part.
+    assert_eq!(report.judged.len(), 2);
+    let joints: Vec<_> = report
+        .excluded
+        .iter()
+        .map(|p| p.judgement.clone())
+        .collect();
+    assert_eq!(joints, [Judgement::Neighbours("one rigid part")]);
+}
+
+#[test]
+fn neighbours_of_the_gearshift() {
+    let scene = open(&builtin("gearshift"));
+    let report = report(&scene, 12, 1.0);
+    let mut found: Vec<String> = report
+        .excluded
+        .iter()
+        .map(|p| {
+            let [a, b] = names(&scene, p);
+            let Judgement::Neighbours(joint) = p.judgement else {
+                panic!("{p:?}")
+            };
+            format!("{a} - {b}: {joint}")
+        })
+        .collect();
+    found.sort();
+    assert_eq!(
+        found,
+        [
+            "cardan arm - pull rod: revolute joint",
+            "coupler - gear lever: revolute joint",
+            "coupler - short link: ball joint",
+            "frame - gear lever: ball joint",
+            "frame - rocker: revolute joint",
+            "frame - shaft: cylindrical joint",
+            "pull rod - rocker: ball joint",
+            "pull rod - short link: universal joint",
+            "rocker - coupler: ball joint",
+            "shaft - cardan arm: revolute joint",
+        ]
+    );
+}
+
+/// What is changed in a scene, and the pair that must fail then.
+#[test]
+fn mutated_scenes_fail_with_the_right_pair() {
+    let swap = |text: &str, from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    };
+    let shift = builtin("gearshift");
+    let crank = builtin("slider-crank");
+    let bars = data("dyad-bars.toml");
+    let cases = [
+        (
+            "rocker's arm thickened",
+            swap(
+                &shift,
+                r#"to = [0, 0, "L5h"], radius = 11"#,
+                r#"to = [0, 0, "L5h"], radius = 90"#,
+            ),
+            ["rocker", "short link"],
+            Some(0.70),
+        ),
+        (
+            "rail moved into the coupler's way",
+            swap(
+                &shift,
+                "center = [455, 235, 150], size = [1450, 26, 110]",
+                "center = [455, 205, 250], size = [1450, 26, 310]",
+            ),
+            ["frame", "short link"],
+            None,
+        ),
+        (
+            "ignore removed",
+            swap(&crank, "ignore = ", "# ignore = "),
+            ["frame", "rod"],
+            None,
+        ),
+        (
+            "bars thickened",
+            bars.replace("radius = 1 ", "radius = 2.4 "),
+            ["bar 0-5", "bar 8-9"],
+            Some(1.47487),
+        ),
+        (
+            "more room asked for",
+            swap(&bars, "minimum = 1", "minimum = 2.8"),
+            ["bar 0-5", "bar 8-9"],
+            Some(1.47487),
+        ),
+        (
+            "input stretched",
+            swap(&shift, "[0.70, -17], [1.45, 17]", "[0.70, -17], [1.45, 26]"),
+            ["frame", "coupler"],
+            Some(1.45),
+        ),
+    ];
+    for (what, text, pair, time) in cases {
+        let text = if what == "input stretched" {
+            text.replace("minimum = 0.5", "minimum = 31")
+        } else {
+            text
+        };
+        let scene = open(&text);
+        let report = report(&scene, 120, 1e-2);
+        assert!(!report.passed(), "{what}");
+        let worst = report.worst().unwrap();
+        assert_eq!(names(&scene, worst), pair, "{what}");
+        assert_eq!(worst.judgement, Judgement::Failed, "{what}");
+        if let Some(time) = time {
+            assert!(
+                (worst.least.time - time).abs() < 0.02,
+                "{what}: {}",
+                worst.least.time
+            );
+        }
+    }
+    for text in [shift, crank, bars] {
+        let scene = open(&text);
+        let report = report(&scene, 60, 1e-1);
+        assert!(report.passed(), "{:?}", report.worst());
+        assert!(report.gaps.is_empty());
+        assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    }
+}
+
+#[test]
+fn exclusions_that_are_not_needed_are_named() {
+    let text = THIN_AND_FAST.to_owned()
+        + "ignore = [{ pair = [\"hub\", \"pin\"], reason = \"a bearing\" }, { pair = [\"pin\", \"arm\"], reason = \"a brush\" }]\n";
+    let scene = open(&text);
+    let report = report(&scene, 40, 1e-2);
+    assert_eq!(report.judged.len(), 1);
+    assert!(
+        report.warnings.iter().any(|w| w.contains("neighbours")),
+        "{:?}",
+        report.warnings
+    );
+    let ignored = report
+        .excluded
+        .iter()
+        .find(|p| p.judgement == Judgement::Ignored("a brush".to_owned()));
+    assert!(
+        ignored.is_some_and(|p| p.least.distance.is_finite()),
+        "{ignored:?}"
+    );
+}
+
+/// A drive that is a general formula of time, and a joint that is one: bounds are proved for the first and estimated,
+/// and said to be, for the second.
+#[test]
+fn what_cannot_be_proved_is_called_estimated() {
+    let with = |drive: &str, frame: &str| {
+        THIN_AND_FAST
+            .replace("a = \"20*t\"", &format!("a = \"{drive}\""))
+            .replace("Rz(a) Tx(1)", &format!("{frame} Tx(1)"))
+            .replace("minimum = 0.1", "minimum = 0.0")
+    };
+    for (drive, frame, certified) in [
+        ("0.5*sin(3*t)", "Rz(a)", true),
+        ("floor(3*t)", "Rz(a)", false),
+        ("0.5*t", "Rz(a*a)", false),
+    ] {
+        let scene = open(&with(drive, frame));
+        let report = report(&scene, 30, 1e-2);
+        let least = &report.judged[0].least;
+        assert!(least.distance > 0.0, "{drive} {frame}: {least:?}");
+        assert_eq!(least.is_certified, certified, "{drive} {frame}: {least:?}");
+    }
+}
+
+#[test]
+fn frames_and_ends_of_the_drive_are_all_sampled() {
+    let scene = open(&builtin("slider-crank"));
+    let times = frame_times(&scene.mechanism, scene.view.fps);
+    let rules = scene.clearance.as_ref().unwrap();
+    let report = check(&scene.mechanism, rules, &times, 1.0, &|_, _| {}).unwrap();
+    assert_eq!(report.times.first(), Some(&0.0));
+    assert_eq!(report.times.last(), Some(&scene.mechanism.duration));
+}

@@ -1,0 +1,548 @@
+//! Mobility by count and by rank, idle freedoms, over-constrained loops that move, and the order of solution.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod program;
+
+use mechanim::diag::Source;
+use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::mobility::Mobility;
+use mechanim::kinematics::sampling::even_times;
+use mechanim::kinematics::structure::{Structure, StructureError};
+use mechanim::kinematics::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::model::mechanism::Mechanism;
+use mechanim::scene::{Overrides, builtin, load};
+use program::Workspace;
+use std::f64::consts::PI;
+
+fn read(text: &str) -> Mechanism {
+    let source = Source {
+        name: "test".into(),
+        text: text.into(),
+    };
+    let scene = load(&source, &Overrides::default());
+    scene
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+        .mechanism
+}
+
+fn file(name: &str) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mobility");
+    std::fs::read_to_string(format!("{folder}/{name}.toml")).unwrap()
+}
+
+/// A built-in scene, or one of `tests/data/mobility`.
+fn text_of(name: &str) -> String {
+    match name {
+        // The lecture's own count has a ball joint where the scene has a universal one.
+        "gearshift-ball" => gearshift_with_ball(),
+        _ => builtin::find(name).map_or_else(|| file(name), |source| source.text),
+    }
+}
+
+fn gearshift_with_ball() -> String {
+    let text = builtin::find("gearshift").unwrap().text;
+    let ball = text.replace("Tz(-L7) Rx(a13)", "Tz(-L7) Rz(spin) Rx(a13)");
+    assert_ne!(ball, text);
+    ball
+}
+
+fn run(mechanism: &Mechanism, samples: usize) -> Trajectory {
+    let trajectory = solve(mechanism, &even_times(mechanism, samples)).unwrap();
+    assert_eq!(trajectory.missing(), 0, "{:?}", trajectory.events);
+    for pose in trajectory.poses() {
+        assert!(pose.closure_error < 1e-14, "{}", pose.closure_error);
+        assert_eq!(pose.rank, mechanism.unknowns.len());
+        assert!(matches!(pose.certificate, Certificate::Certified { .. }));
+    }
+    trajectory
+}
+
+fn unknown(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
+    let index = mechanism.unknowns.iter().position(|u| u.name == name);
+    pose.unknowns[index.unwrap()]
+}
+
+/// Distance of two angles, whole turns aside.
+fn apart(a: f64, b: f64) -> f64 {
+    let turns = ((a - b) / (2.0 * PI)).round();
+    (a - b - 2.0 * PI * turns).abs()
+}
+
+#[test]
+fn count_and_rank_of_known_mechanisms() {
+    // Name; mobility by count; by rank; redundant equations; idle: what moves.
+    let known: [(&str, i64, usize, usize, &[&str]); 10] = [
+        ("slider-crank", 1, 1, 0, &[]),
+        ("gearshift", 2, 2, 0, &[]),
+        ("gearshift-ball", 3, 3, 0, &["a12 spin"]),
+        ("rssr-balls", 2, 2, 0, &["a b c d"]),
+        ("sphere-on-sphere", 3, 3, 0, &["c d f"]),
+        ("bennett", -2, 1, 3, &[]),
+        ("goldberg", -1, 1, 2, &[]),
+        ("bricard", 0, 1, 1, &[]),
+        ("sarrus", 0, 1, 1, &[]),
+        ("four-bar-and-bennett", -2, 1, 3, &[]),
+    ];
+    for (name, count, rank, redundant, idle) in known {
+        let mechanism = read(&text_of(name));
+        let structure = Structure::new(&mechanism).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let mobility = Mobility::new(&mechanism, &structure);
+        assert_eq!(mobility.count(), count, "{name}");
+        assert_eq!(mobility.generic.unwrap().mobility, rank, "{name}");
+        assert_eq!(mobility.at_start, mobility.generic, "{name}");
+        assert_eq!(mobility.redundant.len(), redundant, "{name}");
+        assert!(mobility.conditions.is_empty(), "{name}");
+        let moving = mobility.idle.iter().map(|held| {
+            let names = held
+                .moving
+                .iter()
+                .map(|u| mechanism.unknowns[*u].name.as_str());
+            names.collect::<Vec<_>>().join(" ")
+        });
+        assert_eq!(moving.collect::<Vec<_>>(), idle, "{name}");
+    }
+}
+
+#[test]
+fn planar_mechanisms_are_counted_as_vector_loops_wherever_their_plane_lies() {
+    let tilted = "duration = 1\n[inputs]\nphi = \"t\"\n[loops]\n\
+        A = \"R(1, 2, 3, 0.7) Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h) R(1, 2, 3, -0.7)\"\n[guess]\nh = 120\n";
+    for text in [text_of("slider-crank"), tilted.to_owned()] {
+        let mechanism = read(&text);
+        let structure = Structure::new(&mechanism).unwrap();
+        let mobility = Mobility::new(&mechanism, &structure);
+        assert_eq!(
+            (mobility.count(), mobility.planar_dependents()),
+            (1, Some(2))
+        );
+    }
+}
+
+#[test]
+fn a_ball_joint_more_moves_nothing_else() {
+    let (plain, ball) = (read(&text_of("gearshift")), read(&gearshift_with_ball()));
+    let (a, b) = (run(&plain, 60), run(&ball, 60));
+    for (a, b) in a.poses().zip(b.poses()) {
+        for (name, value) in plain.unknowns.iter().map(|u| &u.name).zip(&a.unknowns) {
+            assert!((unknown(&ball, b, name) - value).abs() < 1e-12, "{name}");
+        }
+        assert_eq!(unknown(&ball, b, "spin"), 0.0);
+    }
+}
+
+#[test]
+fn rods_between_ball_joints_are_solved_and_certified() {
+    // Closed form: the ends of the rod stay its length apart, here by the bodies' own frames.
+    let mechanism = read(&file("rssr-balls"));
+    for pose in run(&mechanism, 200).poses() {
+        let (phi_end, g) = (pose.bodies[0].translation, unknown(&mechanism, pose, "g"));
+        let base = glam::DVec3::new(30.0, 50.0, 70.0);
+        let rocker = base + glam::DVec3::new(0.0, 60.0 * g.cos(), -60.0 * g.sin());
+        assert!(((rocker - phi_end).length() - 100.0).abs() < 1e-11);
+    }
+    let mechanism = read(&file("sphere-on-sphere"));
+    let trajectory = run(&mechanism, 50);
+    for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+        let across: f64 = sample.inputs.iter().map(|v| v * v).sum();
+        let height = unknown(&mechanism, pose, "h");
+        assert!((height - (2500.0 - across).sqrt()).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn two_rods_have_two_idle_freedoms_and_a_missing_input_is_still_named() {
+    // A platform on a slider held by one rod, and a second rod beside it; the platform's turn about y is free to z.
+    let rod = |k: usize, x: f64| {
+        format!(
+            "R{k} = \"Tx({x}) Rx(a{k}) Ry(b{k}) Rz(c{k}) Tz(50) Rx(d{k}) Ry(e{k}) Rz(f{k}) Tx(-{x}) Ry(-turn) Tz(-h) Tx(-s)\"\n"
+        )
+    };
+    let loops = format!("[loops]\n{}{}[guess]\nh = 45\n", rod(1, 0.0), rod(2, 30.0));
+    let mechanism = read(&format!(
+        "duration = 1\n[inputs]\ns = \"10 + 5*t\"\n{loops}"
+    ));
+    let structure = Structure::new(&mechanism).unwrap();
+    let name = |u: usize| mechanism.unknowns[u].name.as_str();
+    let held: Vec<&str> = structure.held.iter().map(|h| name(h.unknown)).collect();
+    assert_eq!(held, ["c1", "c2"]);
+    run(&mechanism, 20);
+    // With `s` an unknown the parallelogram moves: that is no spin of a link.
+    let error = Structure::new(&read(&format!("duration = 1\n{loops}"))).unwrap_err();
+    let StructureError::UnderDetermined { freedoms, names } = error else {
+        panic!("{error:?}")
+    };
+    assert_eq!(freedoms, 1);
+    assert!(names.contains(&"s".to_owned()), "{names:?}");
+}
+
+#[test]
+fn what_a_trace_or_an_output_shows_is_not_idle() {
+    let text = file("rssr-balls");
+    for seen in [
+        "[[traces]]\nname = \"P\"\nbody = \"rod\"\npoint = [50, 5, 0]\n",
+        "[outputs]\nspin = \"d\"\n",
+    ] {
+        let mechanism = read(&format!("{text}\n{seen}"));
+        let error = Structure::new(&mechanism).unwrap_err();
+        let StructureError::UnderDetermined { freedoms, .. } = error else {
+            panic!("{error:?}")
+        };
+        assert_eq!(freedoms, 1);
+    }
+    // A point on the line itself stays where it is.
+    let on_line = "[[traces]]\nname = \"P\"\nbody = \"rod\"\npoint = [50, 0, 0]\n";
+    run(&read(&format!("{text}\n{on_line}")), 20);
+}
+
+/// Solves an over-constrained scene and compares every sample with `truth`, which names unknowns and their values
+/// for an input.
+fn compare(name: &str, mechanism: &Mechanism, truth: impl Fn(f64) -> Vec<(&'static str, f64)>) {
+    let trajectory = run(mechanism, 121);
+    for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+        for (unknown_name, value) in truth(sample.inputs[0]) {
+            let error = apart(unknown(mechanism, pose, unknown_name), value);
+            assert!(error < 2e-13, "{name}: {unknown_name} off by {error:e}");
+        }
+    }
+}
+
+#[test]
+fn overconstrained_loops_move_as_their_closed_forms_say() {
+    let half = |k: f64, t: f64| 2.0 * (k / (0.5 * t).tan()).atan();
+    let k1 = 1.0 + 3f64.sqrt();
+    compare("bennett", &read(&file("bennett")), |t1| {
+        let t2 = half(k1, t1);
+        vec![("t2", t2), ("t3", -t1), ("t4", -t2)]
+    });
+    let k2 = (37.5f64.to_radians().sin()) / (-7.5f64.to_radians()).sin();
+    compare("goldberg", &read(&file("goldberg")), |t1| {
+        let t2 = half(k1, t1);
+        let u1 = 2.0 * (k2 * (0.5 * t2).tan()).atan();
+        vec![
+            ("t2", t2),
+            ("s", u1 - t1 - PI),
+            ("u2", PI - t2),
+            ("u3", -u1),
+        ]
+    });
+    compare("sarrus", &read(&file("sarrus")), |q| {
+        vec![
+            ("a", 2.0 * q),
+            ("b", -q),
+            ("c", q),
+            ("d", -2.0 * q),
+            ("e", q),
+        ]
+    });
+}
+
+#[test]
+fn bricard_loops_of_60_and_90_degrees_keep_their_symmetry() {
+    for (angle, drive) in [(60.0_f64, "120 - 100*t/4"), (90.0, "80 + 9*t")] {
+        let text = file("bricard").replace("A = 60", &format!("A = {angle}"));
+        let guess = if angle == 60.0 {
+            (0.0, 120.0)
+        } else {
+            (98.5, 80.0)
+        };
+        let text = text.replace("120 - 100*t/4", drive);
+        let text = text.split("[guess]").next().unwrap().to_owned()
+            + &format!(
+                "[guess]\nt2 = {0}\nt3 = {1}\nt4 = {0}\nt5 = {1}\nt6 = {0}\n",
+                guess.0, guess.1
+            );
+        let mechanism = read(&text);
+        let trajectory = run(&mechanism, 101);
+        let (s, c) = angle.to_radians().sin_cos();
+        for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+            let of = |name| unknown(&mechanism, pose, name);
+            let (t1, t2) = (sample.inputs[0], of("t2"));
+            for (name, value) in [("t3", t1), ("t5", t1), ("t4", t2), ("t6", t2)] {
+                assert!(apart(of(name), value) < 1e-12, "{angle}: {name}");
+            }
+            let (c1, c2) = (t1.cos(), t2.cos());
+            let open =
+                c * c + s * s * (c1 + c2) + (1.0 + c * c) * c1 * c2 - 2.0 * c * t1.sin() * t2.sin();
+            assert!(open.abs() < 1e-13, "{angle}: {open:e}");
+        }
+        if angle == 90.0 {
+            let t2 = unknown(&mechanism, trajectory.poses().next().unwrap(), "t2");
+            assert!((t2 - 1.719297435178).abs() < 1e-12, "{t2}");
+        }
+    }
+}
+
+/// Output k of 100 four-bars drives the next.
+fn four_bars(count: usize) -> String {
+    let name = |k: usize| {
+        if k == 0 {
+            "phi".to_owned()
+        } else {
+            format!("o{k}")
+        }
+    };
+    let mut text = "duration = 1\n[inputs]\nphi = \"1 + t\"\n[loops]\n".to_owned();
+    for k in 0..count {
+        text += &format!(
+            "L{k} = \"Rz({}) Tx(100) Rz(a{k}) Tx(90) Rz(b{k}) Tx(-80) Rz(-{}) Tx(-40)\"\n",
+            name(k),
+            name(k + 1)
+        );
+    }
+    text
+}
+
+/// Cells of a lazy tongs with bars of 100 that cross in the middle: the width w drives the first cell, each cell the
+/// next. The lower left pin of a cell is its base.
+fn scissors(count: usize) -> String {
+    let mut text = "duration = 1\n[inputs]\nw0 = \"50 + 10*t\"\n[loops]\n".to_owned();
+    let mut guess = "[guess]\n".to_owned();
+    for k in 0..count {
+        text += &format!(
+            "L{k} = \"Rz(u{k}) Tx(50) Rz(v{k}) Tx(-50) Rz(x{k}) Ty(-w{k})\"\n\
+             R{k} = \"Rz(u{k}) Tx(50) Rz(v{k}) Tx(50) Rz(y{k}) Ty(w{0}) Rz(z{k}) Tx(-100) Rz(-u{k})\"\n",
+            k + 1
+        );
+        guess += &format!(
+            "u{k} = 0.5\nv{k} = -1\nx{k} = 0.5\ny{k} = 0.5\nz{k} = 0.5\nw{} = 50\n",
+            k + 1
+        );
+    }
+    text + &guess
+}
+
+#[test]
+fn long_chains_of_loops_are_blocks_of_one_loop_each() {
+    let mechanism = read(&four_bars(100));
+    let structure = Structure::new(&mechanism).unwrap();
+    assert_eq!(structure.blocks.len(), 100);
+    assert!(
+        structure
+            .blocks
+            .iter()
+            .all(|b| b.rows() == 3 && b.unknowns.len() == 3)
+    );
+    // Written the other way round the order is found all the same.
+    let text = four_bars(100);
+    let (head, loops) = text.split_once("[loops]\n").unwrap();
+    let back: Vec<&str> = loops.lines().rev().collect();
+    let mechanism = read(&format!("{head}[loops]\n{}\n", back.join("\n")));
+    let structure = Structure::new(&mechanism).unwrap();
+    assert_eq!(structure.blocks.len(), 100);
+    assert_eq!(structure.blocks[0].loops[0].index, 99);
+}
+
+#[test]
+fn a_hundred_scissor_cells_are_two_hundred_blocks_and_keep_their_digits() {
+    let mechanism = read(&scissors(100));
+    assert_eq!(Structure::new(&mechanism).unwrap().blocks.len(), 200);
+    let trajectory = solve(&mechanism, &[0.0, 0.5, 1.0]).unwrap();
+    assert_eq!(trajectory.missing(), 0);
+    for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+        let width = sample.inputs[0];
+        assert!((unknown(&mechanism, pose, "w100") - width).abs() < 1e-11);
+        let turn = (width / 100.0).asin();
+        assert!((unknown(&mechanism, pose, "u99") - turn).abs() < 1e-13 * 100.0);
+    }
+}
+
+#[test]
+fn a_long_chain_of_coupled_pairs_is_as_many_blocks() {
+    // Two loops of each stage need each other, and the stage before.
+    let mut text = "duration = 1\n[inputs]\nw0 = \"1 + t\"\n[equations]\n".to_owned();
+    for k in 0..100 {
+        text += &format!(
+            "p{k} = \"u{k} + 0.5*v{k} - w{k}\"\nq{k} = \"u{k}*v{k} - 0.1*w{k}\"\nr{k} = \"w{0} - u{k} - 2*v{k}\"\n",
+            k + 1
+        );
+    }
+    let structure = Structure::new(&read(&text)).unwrap();
+    let sizes: Vec<usize> = structure.blocks.iter().map(|b| b.unknowns.len()).collect();
+    assert_eq!(sizes.iter().filter(|n| **n == 2).count(), 100);
+    assert_eq!(sizes.iter().filter(|n| **n == 1).count(), 100);
+}
+
+#[test]
+fn mechanisms_of_any_size_take_the_same_steps() {
+    for (scale, text) in [(1e-9, "1e-9"), (1e6, "1e6")] {
+        for name in ["gearshift", "rssr-balls", "slider-crank"] {
+            let plain = read(&text_of(name));
+            let scaled = scaled(&plain, scale);
+            let (a, b) = (run(&plain, 40), run(&scaled, 40));
+            for (a, b) in a.poses().zip(b.poses()) {
+                assert_eq!(a.iterations, b.iterations, "{name} times {text}");
+                assert!((a.sigma_min / b.sigma_min - 1.0).abs() < 1e-9);
+                let values = a.unknowns.iter().zip(&b.unknowns).enumerate();
+                for (k, (x, y)) in values {
+                    let (x, y) = (x / plain.scale_of(k), y / scaled.scale_of(k));
+                    assert!((x - y).abs() < 1e-12, "{name} times {text}: {x} {y}");
+                }
+            }
+        }
+    }
+}
+
+/// The mechanism with all lengths multiplied.
+fn scaled(mechanism: &Mechanism, scale: f64) -> Mechanism {
+    use mechanim::model::chain::{Argument, Motion, Step};
+    use mechanim::model::drive::Drive;
+    use mechanim::model::mechanism::Kind;
+    let mut other = mechanism.clone();
+    other.size *= scale;
+    (other.bodies, other.traces, other.outputs) = (Vec::new(), Vec::new(), Vec::new());
+    for step in other.loops.iter_mut().flat_map(|l| &mut l.chain.steps) {
+        match step {
+            Step::Fixed(pose) => pose.translation *= scale,
+            Step::Joint {
+                motion: Motion::Translation,
+                argument,
+                ..
+            } => {
+                let Argument::Affine(affine) = &mechanism.arguments[*argument] else {
+                    panic!("a formula")
+                };
+                assert_eq!(affine.constant, 0.0);
+            }
+            Step::Joint { .. } => {}
+        }
+    }
+    for (guess, unknown) in other.guess.iter_mut().zip(&mechanism.unknowns) {
+        *guess *= if unknown.kind == Kind::Length {
+            scale
+        } else {
+            1.0
+        };
+    }
+    for (drive, input) in other.drives.iter_mut().zip(&mechanism.inputs) {
+        if let (Drive::Keys { values, .. }, Kind::Length) = (drive, input.kind) {
+            values.iter_mut().for_each(|v| *v *= scale);
+        }
+    }
+    other
+}
+
+#[test]
+fn a_motion_that_starts_where_assemblies_meet_says_so() {
+    let text = "duration = 1\n[inputs]\nphi = \"pi*t\"\n[loops]\n\
+        A = \"Rz(phi) Tx(40) Rz(a) Tx(100) Rz(b) Tx(-40) Rz(-psi) Tx(-100)\"\n";
+    let mechanism = read(text);
+    let trajectory = solve(&mechanism, &[0.0]).unwrap();
+    assert_eq!(trajectory.missing(), 0);
+    let kinds: Vec<&EventKind> = trajectory.events.iter().map(|e| &e.kind).collect();
+    assert_eq!(kinds, [&EventKind::StartSingular]);
+    // A guess at a singular pose that is not closed is only a start.
+    let crank = "duration = 1\n[inputs]\nphi = \"1 + t\"\n[loops]\n\
+        A = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n";
+    let trajectory = run(&read(crank), 5);
+    assert!(trajectory.events.is_empty(), "{:?}", trajectory.events);
+}
+
+#[test]
+fn odd_loops_are_solved_or_refused_and_always_said() {
+    let crank = "Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h)";
+    let back = "Tx(h) Rz(-b) Tx(-80) Rz(-a) Tx(-40) Rz(-phi)";
+    let scene = |inputs: &str, loops: &str| {
+        format!("duration = 1\n[inputs]\n{inputs}\n[loops]\n{loops}\n[guess]\nh = 110\n")
+    };
+    let one = "phi = \"0.5 + t\"";
+    let two = "phi = \"0.5 + t\"\npsi = \"0.5 + t\"";
+    // Inputs and loops; the exit code; what is said.
+    let cases: [(String, i32, &[&str]); 8] = [
+        (
+            scene(one, &format!("A = \"{crank}\"\nB = \"{crank}\"")),
+            0,
+            &[
+                "warning: loop `B` says the same as loop `A`",
+                "take one of them out",
+            ],
+        ),
+        (
+            scene(one, &format!("A = \"{crank}\"\nB = \"{back}\"")),
+            0,
+            &["loop `B` says the same as loop `A`"],
+        ),
+        (
+            scene(one, &format!("A = \"{crank}\"\nB = \"Tx(2) Tx(-2)\"")),
+            0,
+            &["nothing moves in loop `B`"],
+        ),
+        (
+            scene(one, &format!("A = \"{crank}\"\nB = \"Tx(2) Tx(-3)\"")),
+            4,
+            &[
+                "loop `B` cannot close",
+                "the translation along x always differs by -1",
+            ],
+        ),
+        (
+            scene(two, &format!("A = \"{crank}\"\nB = \"Rz(phi) Rz(-psi)\"")),
+            0,
+            &["loop `B` holds no unknown, only inputs"],
+        ),
+        (
+            scene(
+                "phi = \"0.5 + t\"\npsi = \"0.7 + t\"",
+                &format!("A = \"{crank}\"\nB = \"Rz(phi) Rz(-psi)\""),
+            ),
+            4,
+            &[
+                "loop `B` does not close",
+                "0.200000 rad",
+                "inputs phi, psi contradict each other",
+            ],
+        ),
+        (
+            scene(
+                two,
+                "A = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(h) Tx(60) Rz(psi) Tx(-90)\"",
+            ),
+            4,
+            &["`A` has 3 equations and 2 unknowns", "phi, psi contradict"],
+        ),
+        (
+            scene(one, &format!("A = \"{crank} Rx(c - c)\"")),
+            2,
+            &["no loop and no equation holds `c`"],
+        ),
+    ];
+    let workspace = Workspace::new();
+    for (text, code, said) in cases {
+        workspace.write("odd.toml", &text);
+        let run = workspace.run(&["check", "odd.toml"]);
+        assert_eq!(run.code, code, "{text}\n{}", run.stderr);
+        run.says(said);
+    }
+}
+
+#[test]
+fn the_report_names_what_is_held_and_what_is_redundant() {
+    let workspace = Workspace::new();
+    workspace.write("ball.toml", gearshift_with_ball());
+    let text = workspace.run(&["check", "ball.toml"]).exits(0).text();
+    for part in [
+        "3 by count (21 joint freedoms - 6 of loop A - 6 of loop B - 6 of loop C)",
+        "3 by the rank 18 of 21 coordinates; 2 inputs, 1 idle freedom",
+        "a link of loop B can spin about the line of its own joints (a12, spin); `spin` is held",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let run = workspace.run(&["solve", "ball.toml", "--samples", "3", "--out", "-"]);
+    run.exits(0).says(&[
+        "idle: a link of loop B",
+        "`spin` is held at its start value",
+    ]);
+    workspace.write("bennett.toml", file("bennett"));
+    let json = workspace
+        .run(&["check", "bennett.toml", "--json", "-"])
+        .exits(0)
+        .text();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let mobility = &json["mobility"];
+    assert_eq!(
+        (&mobility["count"], &mobility["numeric"]),
+        (&(-2).into(), &1.into())
+    );
+    assert_eq!(mobility["redundant"].as_array().unwrap().len(), 3);
+    assert_eq!(mobility["redundant"][0]["loop"], "A");
+}
