@@ -118,3 +118,56 @@ fn the_slope_is_optimised_by_simplex_and_by_gradients() {
         );
     }
 }
+
+/// Surfaces of contacts, derivatives by inputs, and angles as variables: exact gradients against differences.
+#[test]
+fn gradients_of_a_contact_agree_with_differences() {
+    let source = builtin::find("torus-torus").unwrap();
+    let family = Family::load(&source, &Overrides::default(), &[]).unwrap();
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    let exact = evaluator.gradients(&stand).unwrap();
+    for k in 0..family.study.variables.len() {
+        let mut moved = |h: f64| {
+            let mut values = family.start();
+            values[k] += h;
+            let reached = evaluator.reach(&stand, &values).unwrap();
+            evaluator.measure(&reached).unwrap().measures
+        };
+        let h = 1e-6;
+        let (up, down) = (moved(h), moved(-h));
+        for (m, measure) in family.mechanism.measures.iter().enumerate() {
+            let slope = (up[m] - down[m]) / (2.0 * h);
+            let found = exact.rows[m][k];
+            let name = &family.study.variables[k].name;
+            assert!(
+                (slope - found).abs() <= 1e-6 * (1.0 + found.abs()),
+                "d{}/d{name}: {found} {slope}",
+                measure.name
+            );
+        }
+    }
+}
+
+/// The paper's parameters are far from the least largest deviation; a few linear programmes show it.
+#[test]
+fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
+    use mechanim::analysis::study::optimum::{Method, optimise, verify};
+    let source = builtin::find("torus-torus").unwrap();
+    let family = Family::load(&source, &Overrides::default(), &[]).unwrap();
+    let method = Method::Minimax { tolerance: 1e-9 };
+    let found = optimise(&family, method, 12, Box::new(|_, _, _| true)).unwrap();
+    assert!((found.first_value - 0.00903136).abs() < 1e-7);
+    assert!(found.minimum.value < 0.004, "{found:?}");
+    let units = |k: usize| family.mechanism.file_units(family.study.variables[k].kind);
+    let parameters: Vec<(String, String)> = (0..found.minimum.x.len())
+        .map(|k| {
+            let value = found.minimum.x[k] * units(k);
+            (family.study.variables[k].name.clone(), format!("{value:?}"))
+        })
+        .collect();
+    let again = verify(&source, &Overrides::default(), parameters, &[]).unwrap();
+    assert_eq!(again.unproved, 0);
+    assert!((again.measures[0] - found.minimum.value).abs() < 1e-9);
+    assert!(again.measures[2].to_degrees() <= 60.0 + 1e-3);
+}

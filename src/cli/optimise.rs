@@ -113,6 +113,9 @@ fn method(args: &OptimiseArgs) -> Method {
         MethodArg::Bfgs => Method::Bfgs {
             tolerance: tolerance(GRADIENT_TOLERANCE),
         },
+        MethodArg::Minimax => Method::Minimax {
+            tolerance: tolerance(GRADIENT_TOLERANCE),
+        },
         MethodArg::Evolution => Method::Evolution {
             tolerance: tolerance(GRADIENT_TOLERANCE),
             seed: args.seed,

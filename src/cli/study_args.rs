@@ -115,6 +115,8 @@ pub enum MethodArg {
     NelderMead,
     /// Quasi-Newton method with exact gradients.
     Bfgs,
+    /// Linear programmes on every pose: for an objective that is the largest of many values.
+    Minimax,
     /// Differential evolution over the whole ranges, then bfgs from its best.
     Evolution,
 }

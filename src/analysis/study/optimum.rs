@@ -1,7 +1,9 @@
 //! Searching a study's optimum by a chosen method, and proving afterwards what was found.
 
 use super::{Family, FamilyError, Refusals, Search, Watch};
-use crate::analysis::optimise::{Minimum, Objective, bfgs, constraints, evolution, nelder_mead};
+use crate::analysis::optimise::{
+    Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
+};
 use crate::diag::Source;
 use crate::scene::Overrides;
 
@@ -10,6 +12,9 @@ const LET_PASS: f64 = 1e-7;
 
 /// Length of the first step of a gradient search, as a share of the variables.
 const FIRST_STEP: f64 = 0.02;
+
+/// Radius of a trust region, as a share of the variables, below which nothing is gained.
+const SMALLEST_RADIUS: f64 = 1e-12;
 
 /// Members of a generation for each variable.
 const MEMBERS_PER_VARIABLE: usize = 8;
@@ -25,6 +30,11 @@ pub enum Method {
     /// Quasi-Newton.
     Bfgs {
         /// Of the scaled gradient, relative to the first value.
+        tolerance: f64,
+    },
+    /// Linear programmes on every pose, for an objective that is the largest of many values.
+    Minimax {
+        /// Of the promised gain, relative.
         tolerance: f64,
     },
     /// Differential evolution, then quasi-Newton.
@@ -57,6 +67,9 @@ pub fn optimise(
     iterations: usize,
     watch: Box<Watch<'_>>,
 ) -> Result<Optimum, FamilyError> {
+    if let Method::Minimax { tolerance } = method {
+        return least_largest(family, tolerance, iterations, watch);
+    }
     let mut search = Search::new(family, watch)?;
     let (bounds, scales) = (search.bounds(), search.scales());
     let finite = bounds
@@ -88,7 +101,9 @@ pub fn optimise(
                 };
                 nelder_mead::minimise(objective, x, &bounds, limits)
             }
-            Method::Bfgs { tolerance } => newton(objective, x, tolerance),
+            Method::Bfgs { tolerance } | Method::Minimax { tolerance } => {
+                newton(objective, x, tolerance)
+            }
             Method::Evolution { tolerance, seed } => {
                 let limits = evolution::Limits {
                     members: MEMBERS_PER_VARIABLE * x.len() + 4,
@@ -121,6 +136,31 @@ pub fn optimise(
         minimum,
         first_value,
         refusals: search.refusals,
+    })
+}
+
+fn least_largest(
+    family: &Family,
+    tolerance: f64,
+    iterations: usize,
+    watch: Box<Watch<'_>>,
+) -> Result<Optimum, FamilyError> {
+    let quiet = Search::new(family, Box::new(|_, _, _| true))?;
+    let (bounds, scales, first_value) = (quiet.bounds(), quiet.scales(), quiet.value());
+    let mut evaluator = super::Evaluator::new(family);
+    let start = evaluator.nominal(family.nominal()?.poses);
+    let mut peaks = super::Peaks::new(family, evaluator, start, watch)?;
+    let search = minimax::Search {
+        radius: FIRST_STEP,
+        smallest_radius: SMALLEST_RADIUS,
+        tolerance,
+        iterations,
+    };
+    let minimum = minimax::minimise(&mut peaks, &family.start(), &scales, &bounds, search);
+    Ok(Optimum {
+        minimum,
+        first_value,
+        refusals: peaks.refusals,
     })
 }
 

@@ -108,11 +108,6 @@ impl<'f, 'w> Peaks<'f, 'w> {
         })
     }
 
-    /// The evaluator and the best stand.
-    pub fn into_parts(self) -> (Evaluator<'f>, Stand) {
-        (self.evaluator, self.base)
-    }
-
     fn look(&mut self, x: &[f64], with_slopes: bool) -> Option<(Heights, Slopes)> {
         match self.look_or_refuse(x, with_slopes) {
             Ok(found) => Some(found),

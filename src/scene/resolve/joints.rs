@@ -8,7 +8,7 @@ use super::names::{Names, kind_of_motion};
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::math::Pose;
-use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
 use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
 use glam::DVec3;
@@ -129,8 +129,18 @@ impl<'a> Joints<'a> {
     ) -> Option<Pose> {
         let before = self.arguments.len();
         let chain = self.chain(factors, diagnostics)?;
-        let moving = self.arguments.len() > before
-            || chain.steps.iter().any(|s| matches!(s, Step::Joint { .. }));
+        // Shapes keep the file's values of what a study varies.
+        let resting = self.names.resting();
+        let rests = |a: &usize| {
+            let mut slots = self.arguments[*a].coordinates().into_iter();
+            slots.all(|slot| self.names.rests(slot))
+        };
+        let moving = !chain.arguments().iter().all(rests);
+        let mut scratch = Vec::new();
+        let values = self.arguments.iter();
+        let values: Vec<ArgumentValue> = values
+            .map(|a| ArgumentValue::new(a.value(&resting, &mut scratch)))
+            .collect();
         self.arguments.truncate(before);
         if moving {
             diagnostics.push(
@@ -140,7 +150,7 @@ impl<'a> Joints<'a> {
             );
             return None;
         }
-        Some(chain.pose(&[]))
+        Some(chain.pose(&values))
     }
 
     fn step(&mut self, factor: &Factor) -> Result<Step, Diagnostic> {

@@ -133,13 +133,19 @@ impl<'a> Formulas<'a> {
                 }
                 sum
             }
-            Argument::Formula(expression) => {
-                let start = self.ops.len();
-                self.ops
-                    .extend(expression.ops().iter().map(|op| op.shifted(start)));
-                Term::Op(self.ops.len() - 1)
-            }
+            Argument::Formula(expression) => self.inline(expression),
         }
+    }
+
+    /// A formula of the coordinates as a term.
+    pub fn inline(&mut self, expression: &Expression) -> Term {
+        if let [Op::Constant(value)] = expression.ops() {
+            return Term::Constant(*value);
+        }
+        let start = self.ops.len();
+        self.ops
+            .extend(expression.ops().iter().map(|op| op.shifted(start)));
+        Term::Op(self.ops.len() - 1)
     }
 
     /// Σ of the axes by constant weights.

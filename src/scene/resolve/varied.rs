@@ -12,6 +12,21 @@ use crate::model::chain::Motion;
 use crate::model::mechanism::{Body, Coordinate, Kind, Trace};
 
 impl Names {
+    /// Whether a slot of coordinates is a varied parameter.
+    pub fn rests(&self, slot: usize) -> bool {
+        let input = slot.checked_sub(self.unknowns.len());
+        self.varied.iter().any(|(_, k)| Some(*k) == input)
+    }
+
+    /// Coordinates with the file's values of the varied parameters, and zeros.
+    pub fn resting(&self) -> Vec<f64> {
+        let mut coordinates = vec![0.0; self.unknowns.len() + self.inputs.len()];
+        for (parameter, input) in &self.varied {
+            coordinates[self.unknowns.len() + input] = self.parameters[*parameter].value;
+        }
+        coordinates
+    }
+
     /// The input that stands for a varied parameter.
     pub fn varied_input(&self, name: &str) -> Option<usize> {
         let index = self.parameters.iter().position(|p| p.name == name)?;
@@ -77,12 +92,16 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
         return;
     }
     let expand = |node: &mut Node| substitute(node, &dependents, MAX_DEPTH);
+    let expand_factor = |factor: &mut Factor| match factor {
+        Factor::Elementary(_, _, node) => expand(node),
+        Factor::Direction(nodes, _) => nodes.iter_mut().for_each(expand),
+    };
     let loops = parsed.loops.iter_mut().map(|(_, factors)| factors);
-    for factor in loops.chain(&mut parsed.frames).flatten() {
-        match factor {
-            Factor::Elementary(_, _, node) => expand(node),
-            Factor::Direction(nodes, _) => nodes.iter_mut().for_each(expand),
-        }
+    let chains = loops.chain(&mut parsed.frames).flatten();
+    chains.for_each(expand_factor);
+    for contact in &mut parsed.contacts {
+        contact.visit_factors(&expand_factor);
+        contact.visit_sizes(&expand);
     }
     let formulas = parsed.equations.iter_mut().chain(&mut parsed.outputs);
     formulas.for_each(|(_, node)| expand(node));

@@ -31,6 +31,31 @@ impl ParsedContact {
         matches!(self.closure, Closure::Distance)
     }
 
+    /// Changes every factor.
+    pub fn visit_factors(&mut self, change: &dyn Fn(&mut Factor)) {
+        let closing = match &mut self.closure {
+            Closure::Frame(factors) | Closure::Point(factors) => Some(factors),
+            Closure::Distance => None,
+        };
+        let frames = self.sides.iter_mut().map(|side| &mut side.frame);
+        let all = frames.chain(closing).chain(&mut self.frame);
+        all.flatten().for_each(change);
+    }
+
+    /// Changes every size.
+    pub fn visit_sizes(&mut self, change: &dyn Fn(&mut Node)) {
+        for side in &mut self.sides {
+            let changed = side.surface.try_map(|node| {
+                let mut node = node.clone();
+                change(&mut node);
+                Some(node)
+            });
+            if let Some(surface) = changed {
+                side.surface = surface;
+            }
+        }
+    }
+
     /// Every factor whose names may be unknowns.
     pub fn factors(&self) -> impl Iterator<Item = &Factor> {
         let closing = match &self.closure {

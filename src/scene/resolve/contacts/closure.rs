@@ -2,7 +2,7 @@
 //! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
 
 use super::super::super::contacts::Surface;
-use super::super::super::formula::compile::constant;
+use super::super::super::formula::compile::{compile, constant};
 use super::super::super::formula::expression::Node;
 use super::super::joints::Joints;
 use super::super::names::Names;
@@ -89,7 +89,7 @@ impl Contacts {
                 let [a, b] = frames.map(|chain| formulas.walk(chain).origin);
                 let apart = formulas.difference(b, a);
                 let distance = formulas.length(apart);
-                let radii = Term::Constant(radii(contact, names));
+                let radii = sum_of_radii(&mut formulas, contact, names);
                 let gap = formulas.subtract(distance, radii);
                 self.equations.push(Equation {
                     name,
@@ -128,7 +128,9 @@ impl Contacts {
                 let apart = formulas.difference(b, a);
                 let distance = formulas.length(apart);
                 let normal = apart.map(|component| formulas.divide(component, distance));
-                let radius = Term::Constant(first_radius(contact, names));
+                let radius = sizes_of(contact).next();
+                let radius = radius.map(|node| size(&mut formulas, node, names));
+                let radius = radius.unwrap_or(Term::Constant(0.0));
                 let out = normal.map(|component| formulas.multiply(component, radius));
                 (formulas.sum(a, out), normal)
             }
@@ -144,7 +146,7 @@ impl Contacts {
                     .push((full, kind, Ok(formulas.expression(term))));
             }
         }
-        let angle = pressure_angle(&mut formulas, second, point, normal);
+        let angle = pressure_angle(&mut formulas, names, second, point, normal);
         self.scalars
             .push((format!("{name}.pressure_angle"), Kind::Angle, angle));
     }
@@ -154,6 +156,7 @@ impl Contacts {
 /// degrees. The velocity's direction is known where one joint alone moves that body.
 fn pressure_angle(
     formulas: &mut Formulas,
+    names: &Names,
     second: &Chain,
     point: Vector,
     normal: Vector,
@@ -171,7 +174,9 @@ fn pressure_angle(
         let Argument::Affine(affine) = formulas.argument(argument) else {
             return Err("a formula drives the second body".to_owned());
         };
-        for (slot, coefficient) in affine.terms.clone() {
+        // What a study varies rests along the motion.
+        let moving = affine.terms.iter().filter(|(slot, _)| !names.rests(*slot));
+        for (slot, coefficient) in moving.copied().collect::<Vec<_>>() {
             slots.push(slot);
             let share = match motion {
                 Motion::Translation => axis,
@@ -239,15 +244,33 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
     sound
 }
 
-/// Sum of the radii of two spheres.
+/// Sum of the radii of two spheres in the file.
 fn radii(contact: &ParsedContact, names: &Names) -> f64 {
-    let sizes = contact.sides.iter().flat_map(|side| side.surface.sizes());
-    sizes.map(|(_, node)| value(node, names)).sum()
+    sizes_of(contact).map(|node| value(node, names)).sum()
 }
 
-fn first_radius(contact: &ParsedContact, names: &Names) -> f64 {
-    let sizes = contact.sides[0].surface.sizes();
-    sizes.first().map_or(0.0, |(_, node)| value(node, names))
+/// The same as a formula: a study may vary them.
+fn sum_of_radii(formulas: &mut Formulas, contact: &ParsedContact, names: &Names) -> Term {
+    let mut sum = Term::Constant(0.0);
+    for node in sizes_of(contact) {
+        let radius = size(formulas, node, names);
+        sum = formulas.add(sum, radius);
+    }
+    sum
+}
+
+/// The sizes of both surfaces.
+fn sizes_of(contact: &ParsedContact) -> impl Iterator<Item = &Node> {
+    let sizes = contact.sides.iter().flat_map(|side| side.surface.sizes());
+    sizes.map(|(_, node)| node)
+}
+
+/// A size that is known to be sound, as a formula.
+fn size(formulas: &mut Formulas, node: &Node, names: &Names) -> Term {
+    match compile(node, &|n, s| names.coordinate(n, s)) {
+        Ok(expression) => formulas.inline(&expression),
+        Err(_) => Term::Constant(value(node, names)),
+    }
 }
 
 /// A size that is known to be sound.
