@@ -16,6 +16,7 @@ use super::structure::{Block, LoopPart, Structure, block, components_of};
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::mechanism::Mechanism;
+use std::collections::HashMap;
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,7 +155,7 @@ fn start(mechanism: &Mechanism, structure: &Structure) -> Option<Vec<f64>> {
 }
 
 /// One row of a Jacobian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum RowName {
     /// Loop and component.
     Loop(usize, usize),
@@ -219,13 +220,10 @@ impl Whole {
         let mut workspace = BlockWorkspace::default();
         workspace.evaluate(&self.mechanism, &self.block, pose, Want::Jacobian);
         let (rows, columns) = (self.block.rows(), self.block.unknowns.len());
-        let first_equation = 6 * self.mechanism.loops.len();
+        // Not every loop has six rows: one that closes in a point has three.
+        let places: HashMap<RowName, usize> = row_names(&self.block).zip(0..).collect();
         let mut list = Vec::with_capacity(names.len() * columns);
-        for name in names {
-            let row = match name {
-                RowName::Loop(index, component) => 6 * index + component,
-                RowName::Equation(index) => first_equation + index,
-            };
+        for row in names.iter().filter_map(|name| places.get(name)) {
             list.extend((0..columns).map(|j| workspace.jacobian[j * rows + row]));
         }
         list
