@@ -15,7 +15,8 @@ use super::qr::PivotedQr;
 use super::structure::{Block, LoopPart, Structure, block, components_of};
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Mechanism};
+use glam::DVec3;
 use std::collections::HashMap;
 
 /// The motions that a loop's joints can make together.
@@ -245,33 +246,44 @@ impl Whole {
 fn loop_spaces(mechanism: &Mechanism) -> Vec<LoopSpace> {
     let poses = random_poses(mechanism);
     let of_loop = |item: &crate::model::mechanism::Loop| {
-        let (mut twists, mut turns) = (Vec::new(), Vec::new());
+        let (mut twists, mut turns, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
         for pose in &poses {
             let arguments = mechanism.argument_values(pose);
             let mut here = Pose::IDENTITY;
+            let mut own: Vec<(DVec3, DVec3)> = Vec::new();
             for step in &item.chain.steps {
                 if let Step::Joint { motion, axis, .. } = *step {
                     let axis = here.rotation.col(axis);
                     let (turn, speed) = match motion {
                         Motion::Rotation => (axis, here.translation.cross(axis) / mechanism.size),
-                        Motion::Translation => (glam::DVec3::ZERO, axis),
+                        Motion::Translation => (DVec3::ZERO, axis),
                     };
+                    own.push((turn, speed));
                     twists.extend(turn.to_array().into_iter().chain(speed.to_array()));
                     turns.extend(turn.to_array());
                 }
                 step.advance(&mut here, &arguments);
             }
+            let end = here.translation / mechanism.size;
+            let of_end = own.iter().map(|(turn, speed)| *speed + turn.cross(end));
+            speeds.extend(of_end.flat_map(|speed| speed.to_array()));
         }
         let rank = |entries: &[f64], rows: usize| {
             let mut qr = PivotedQr::default();
             qr.factor(entries, rows, entries.len() / rows, RANK);
             qr.rank()
         };
-        let dimension = rank(&twists, 6);
+        // Where a loop closes in a point, only the ways of that point count.
+        let closes_all = item.closes == Closes::Frame;
+        let dimension = if closes_all {
+            rank(&twists, 6)
+        } else {
+            rank(&speeds, 3)
+        };
         LoopSpace {
             name: item.name.clone(),
             dimension,
-            is_planar: dimension == 3 && rank(&turns, 3) == 1,
+            is_planar: closes_all && dimension == 3 && rank(&turns, 3) == 1,
         }
     };
     mechanism.loops.iter().map(of_loop).collect()
