@@ -10,6 +10,7 @@ use glam::DVec3;
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::certificate::tube::certify_motion;
 use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::mobility::Mobility;
 use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, find_modes};
 use mechanim::kinematics::rates::{By, RateColumns, add_derivatives};
 use mechanim::kinematics::structure::Structure;
@@ -287,6 +288,16 @@ fn motion_of_contacts_is_proved_between_the_samples() {
         let proved = certify_motion(&mechanism, &trajectory).unwrap();
         let refused = proved.iter().filter(|i| i.refused.is_some());
         assert_eq!((proved.len(), refused.count()), (119, 0), "{name}");
+    }
+}
+
+#[test]
+fn contacts_leave_the_driver_as_the_only_freedom() {
+    for name in ["torus-torus", "sphere-torus", "sphere-sphere"] {
+        let mechanism = scene(name, &[], &[]);
+        let structure = Structure::new(&mechanism).unwrap();
+        let mobility = Mobility::new(&mechanism, &structure);
+        assert_eq!(mobility.generic.map(|n| n.mobility), Some(1), "{name}");
     }
 }
 

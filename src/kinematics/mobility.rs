@@ -16,8 +16,6 @@ use super::structure::{Block, LoopPart, Structure, block, components_of};
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::mechanism::{Closes, Mechanism};
-use glam::DVec3;
-use std::collections::HashMap;
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,7 +154,7 @@ fn start(mechanism: &Mechanism, structure: &Structure) -> Option<Vec<f64>> {
 }
 
 /// One row of a Jacobian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RowName {
     /// Loop and component.
     Loop(usize, usize),
@@ -221,10 +219,12 @@ impl Whole {
         let mut workspace = BlockWorkspace::default();
         workspace.evaluate(&self.mechanism, &self.block, pose, Want::Jacobian);
         let (rows, columns) = (self.block.rows(), self.block.unknowns.len());
-        // Not every loop has six rows: one that closes in a point has three.
-        let places: HashMap<RowName, usize> = row_names(&self.block).zip(0..).collect();
+        let all: Vec<RowName> = row_names(&self.block).collect();
         let mut list = Vec::with_capacity(names.len() * columns);
-        for row in names.iter().filter_map(|name| places.get(name)) {
+        for name in names {
+            let Some(row) = all.iter().position(|known| known == name) else {
+                continue;
+            };
             list.extend((0..columns).map(|j| workspace.jacobian[j * rows + row]));
         }
         list
@@ -246,44 +246,38 @@ impl Whole {
 fn loop_spaces(mechanism: &Mechanism) -> Vec<LoopSpace> {
     let poses = random_poses(mechanism);
     let of_loop = |item: &crate::model::mechanism::Loop| {
-        let (mut twists, mut turns, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut twists, mut turns) = (Vec::new(), Vec::new());
         for pose in &poses {
             let arguments = mechanism.argument_values(pose);
             let mut here = Pose::IDENTITY;
-            let mut own: Vec<(DVec3, DVec3)> = Vec::new();
             for step in &item.chain.steps {
                 if let Step::Joint { motion, axis, .. } = *step {
                     let axis = here.rotation.col(axis);
                     let (turn, speed) = match motion {
                         Motion::Rotation => (axis, here.translation.cross(axis) / mechanism.size),
-                        Motion::Translation => (DVec3::ZERO, axis),
+                        Motion::Translation => (glam::DVec3::ZERO, axis),
                     };
-                    own.push((turn, speed));
                     twists.extend(turn.to_array().into_iter().chain(speed.to_array()));
                     turns.extend(turn.to_array());
                 }
                 step.advance(&mut here, &arguments);
             }
-            let end = here.translation / mechanism.size;
-            let of_end = own.iter().map(|(turn, speed)| *speed + turn.cross(end));
-            speeds.extend(of_end.flat_map(|speed| speed.to_array()));
         }
         let rank = |entries: &[f64], rows: usize| {
             let mut qr = PivotedQr::default();
             qr.factor(entries, rows, entries.len() / rows, RANK);
             qr.rank()
         };
-        // Where a loop closes in a point, only the ways of that point count.
-        let closes_all = item.closes == Closes::Frame;
-        let dimension = if closes_all {
-            rank(&twists, 6)
-        } else {
-            rank(&speeds, 3)
+        let all = rank(&twists, 6);
+        // Where a point closes the loop, its three coordinates are all that counts.
+        let dimension = match item.closes {
+            Closes::Frame => all,
+            Closes::Point => all.min(3),
         };
         LoopSpace {
             name: item.name.clone(),
             dimension,
-            is_planar: closes_all && dimension == 3 && rank(&turns, 3) == 1,
+            is_planar: dimension == 3 && rank(&turns, 3) == 1,
         }
     };
     mechanism.loops.iter().map(of_loop).collect()
