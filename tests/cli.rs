@@ -484,6 +484,29 @@ fn ctrl_c_leaves_nothing_behind() {
 }
 
 #[test]
+#[cfg(unix)]
+fn ctrl_c_ends_a_solve_in_its_middle() {
+    let w = workspace();
+    // Two samples, and billions of turns between them.
+    w.write("long.toml", moving().replace("2*t", "1e9*t"));
+    for (scene, samples) in [("moving.toml", "100000000"), ("long.toml", "3")] {
+        let run = ["solve", scene, "--samples", samples, "--out", "x.csv"];
+        let child = w.command(&run).spawn().unwrap();
+        while w.files().len() < 4 {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        let id = child.id().to_string();
+        let kill = std::process::Command::new("kill")
+            .args(["-INT", &id])
+            .status();
+        assert!(kill.unwrap().success());
+        finish(child).exits(130).says(&["interrupted"]);
+        assert_eq!(w.files(), ["long.toml", "moving.toml", "still.toml"]);
+    }
+}
+
+#[test]
 fn a_motion_that_leaves_its_range_is_written_as_far_as_it_goes() {
     let w = workspace();
     w.write("leaves.toml", LEAVES);

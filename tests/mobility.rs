@@ -105,6 +105,19 @@ fn count_and_rank_of_known_mechanisms() {
 }
 
 #[test]
+fn loops_that_close_in_a_point_are_counted_with_their_three_equations() {
+    for name in ["sphere-torus", "sphere-sphere", "torus-torus"] {
+        let mechanism = read(&text_of(name));
+        let structure = Structure::new(&mechanism).unwrap();
+        let mobility = Mobility::new(&mechanism, &structure);
+        let inputs = mechanism.inputs.len();
+        assert_eq!(mobility.at_start.unwrap().mobility, inputs, "{name}");
+        assert_eq!(mobility.count(), inputs as i64, "{name}");
+        assert!(mobility.redundant.is_empty(), "{name}");
+    }
+}
+
+#[test]
 fn planar_mechanisms_are_counted_as_vector_loops_wherever_their_plane_lies() {
     let tilted = "duration = 1\n[inputs]\nphi = \"t\"\n[loops]\n\
         A = \"R(1, 2, 3, 0.7) Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h) R(1, 2, 3, -0.7)\"\n[guess]\nh = 120\n";

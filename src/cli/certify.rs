@@ -4,12 +4,13 @@ use super::args::CertifyArg;
 use super::outcome::Failure;
 use super::report;
 use crate::kinematics::certificate::tube::{IntervalCertificate, certify_motion};
-use crate::kinematics::continuation::{solve, solve_unproved};
+use crate::kinematics::continuation::solve_until;
 use crate::kinematics::sampling::is_cyclic;
 use crate::kinematics::structure::{Structure, StructureError};
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
+use std::sync::atomic::Ordering;
 
 /// The motion at `times`. A cyclic motion is proved up to its end, where it is solved once more for that purpose.
 pub fn motion(
@@ -18,12 +19,16 @@ pub fn motion(
     certify: CertifyArg,
 ) -> Result<Trajectory, Failure> {
     let trajectory = match certify {
-        CertifyArg::None => solve_unproved(mechanism, times)?,
-        CertifyArg::Pose => solve(mechanism, times)?,
+        CertifyArg::None => solve_until(mechanism, times, false, &interrupted)?,
+        CertifyArg::Pose => solve_until(mechanism, times, true, &interrupted)?,
         CertifyArg::Motion => proved(mechanism, times)?,
     };
     super::solve::refuse_interrupted()?;
     Ok(trajectory)
+}
+
+fn interrupted() -> bool {
+    super::CANCEL.load(Ordering::Relaxed)
 }
 
 fn proved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
@@ -32,7 +37,10 @@ fn proved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureE
     if times.len() > 1 && last < mechanism.duration && is_cyclic(mechanism) {
         wanted.push(mechanism.duration);
     }
-    let mut trajectory = solve(mechanism, &wanted)?;
+    let mut trajectory = solve_until(mechanism, &wanted, true, &interrupted)?;
+    if interrupted() {
+        return Ok(trajectory);
+    }
     trajectory.intervals = certify_motion(mechanism, &trajectory)?;
     trajectory.samples.truncate(times.len());
     Ok(trajectory)

@@ -79,6 +79,10 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
         } else {
             String::new()
         };
+        if !lack.distance.is_finite() {
+            let at = inputs(mechanism, &lack.at.inputs);
+            return format!("; `{}` has no value at {at}", lack.name);
+        }
         format!(
             "; `{}` stays {:.6} {unit}{turned} open at {}",
             lack.name,
@@ -124,6 +128,9 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
                 return format!(
                     "contact `{name}` cannot be made at {at}: the best pose found leaves {distance:.6} {unit} between the surfaces"
                 );
+            }
+            if !distance.is_finite() {
+                return format!("`{name}` has no value at {at} where the search ended");
             }
             format!(
                 "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"

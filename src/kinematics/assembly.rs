@@ -128,6 +128,11 @@ fn perturb(mechanism: &Mechanism, attempt: usize, coordinates: &mut [f64]) {
         return;
     }
     let amplitude = 0.3 + 2.8 * attempt as f64 / EXTRA_STARTS as f64;
+    shake(mechanism, attempt, amplitude, coordinates);
+}
+
+/// Moves every unknown by a random amount up to `amplitude` in scaled unknowns; the same for the same `attempt`.
+pub fn shake(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordinates: &mut [f64]) {
     let mut state = 0x2545_f491_4f6c_dd1d_u64.wrapping_mul(attempt as u64 + 1);
     for (index, value) in coordinates[..mechanism.unknowns.len()]
         .iter_mut()
@@ -353,7 +358,7 @@ fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
         let value = equation.expression.value(coordinates).abs();
-        let scaled = value * mechanism.size.powf(-equation.length_exponent);
+        let scaled = value * mechanism.weight_of(*index);
         if scaled > largest || scaled.is_nan() {
             largest = scaled;
             worst = NotClosed {

@@ -13,9 +13,15 @@ use crate::model::mechanism::Mechanism;
 #[derive(Clone, Debug, Default)]
 pub struct BranchWatch {
     rows: Vec<Vec<usize>>,
+    /// By block: turns signs of the present row basis into those of the first.
+    turned: Vec<i8>,
     qr: PivotedQr,
     square: Vec<f64>,
 }
+
+/// Rows of an over-determined block are replaced when their smallest pivot falls below this share of the block's
+/// smallest singular value; well-chosen rows have several times it.
+const WORN: f64 = 0.1;
 
 /// State of an assembly at a pose.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,6 +87,7 @@ impl BranchWatch {
         state.condition = 1.0;
         state.rank = 0;
         let (rows_of, qr, square) = (&mut self.rows, &mut self.qr, &mut self.square);
+        let turned = &mut self.turned;
         corrector.conditions(
             mechanism,
             structure,
@@ -92,13 +99,14 @@ impl BranchWatch {
                 );
                 if rows_of.len() == index {
                     rows_of.push(row_basis(jacobian, rows, columns, qr));
+                    turned.push(1);
                 }
                 state.signs.push(if columns == 0 {
                     1
                 } else if rows == columns {
                     square_sign
                 } else {
-                    sign(jacobian, rows, columns, &rows_of[index], square, qr)
+                    turned[index] * sign(jacobian, rows, columns, &rows_of[index], square, qr)
                 });
                 state.sigma_min = state.sigma_min.min(c.sigma_min);
                 state.condition = state.condition.max(if columns == 0 {
@@ -107,6 +115,50 @@ impl BranchWatch {
                     c.sigma_max / c.sigma_min
                 });
                 state.rank += c.rank;
+            },
+        );
+    }
+}
+
+impl BranchWatch {
+    /// Chooses other rows for over-determined blocks where the present ones are about to depend on each other though
+    /// the block as a whole is regular. Signs go on as they were, so the pose must lie on the motion.
+    pub fn renew(
+        &mut self,
+        mechanism: &Mechanism,
+        structure: &Structure,
+        corrector: &mut Corrector,
+        coordinates: &[f64],
+    ) {
+        if structure
+            .blocks
+            .iter()
+            .all(|b| b.rows() == b.unknowns.len())
+        {
+            return;
+        }
+        let (rows_of, turned) = (&mut self.rows, &mut self.turned);
+        let (qr, square) = (&mut self.qr, &mut self.square);
+        corrector.conditions(
+            mechanism,
+            structure,
+            coordinates,
+            |index, jacobian, c: Conditioning, _| {
+                let block = &structure.blocks[index];
+                let (rows, columns) = (block.rows(), block.unknowns.len());
+                if rows == columns || columns == 0 || rows_of.len() <= index {
+                    return;
+                }
+                let old = sign(jacobian, rows, columns, &rows_of[index], square, qr);
+                if old == 0 || qr.smallest_pivot() >= WORN * c.sigma_min {
+                    return;
+                }
+                let basis = row_basis(jacobian, rows, columns, qr);
+                let new = sign(jacobian, rows, columns, &basis, square, qr);
+                if new != 0 {
+                    turned[index] *= old * new;
+                    rows_of[index] = basis;
+                }
             },
         );
     }

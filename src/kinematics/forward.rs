@@ -33,8 +33,8 @@ pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
         note(angle);
         note(distance / mechanism.size);
     }
-    for equation in &mechanism.equations {
-        let scale = mechanism.size.powf(-equation.length_exponent);
+    for (index, equation) in mechanism.equations.iter().enumerate() {
+        let scale = mechanism.weight_of(index);
         note((equation.expression.value(coordinates) * scale).abs());
     }
     largest

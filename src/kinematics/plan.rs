@@ -129,7 +129,7 @@ impl BlockPlan {
             plan.equations.push(PlannedEquation {
                 index,
                 row: row + k,
-                scale: mechanism.size.powf(-equation.length_exponent),
+                scale: mechanism.weight_of(index),
                 shares,
             });
         }

@@ -41,8 +41,10 @@ pub fn conditioning(jacobian: &[f64], rows: usize, columns: usize) -> Conditioni
             rank: 0,
         };
     }
-    let Some(values) = SVD::try_new(matrix, false, false, SVD_CONVERGENCE, SVD_SWEEPS)
-        .map(|svd| svd.singular_values)
+    let scale = matrix.amax();
+    let scale = if scale > 0.0 { scale } else { 1.0 };
+    let Some(values) = SVD::try_new(matrix / scale, false, false, SVD_CONVERGENCE, SVD_SWEEPS)
+        .map(|svd| svd.singular_values * scale)
     else {
         return Conditioning {
             sigma_min: 0.0,
@@ -78,6 +80,14 @@ pub fn null_space(jacobian: &[f64], rows: usize, columns: usize, rank: usize) ->
         }
     }
     let all = || vec![vec![1.0; columns]; columns - rank.min(columns)];
+    // The decomposition must see neither a NaN nor squares that overflow.
+    let largest = matrix.amax();
+    if !matrix.iter().all(|v| v.is_finite()) {
+        return all();
+    }
+    if largest > 0.0 {
+        matrix /= largest;
+    }
     let Some(svd) = SVD::try_new(matrix, false, true, SVD_CONVERGENCE, SVD_SWEEPS) else {
         return all();
     };
@@ -106,6 +116,15 @@ mod tests {
         let c = conditioning(&[3.0, 0.0, 0.0, 0.5], 2, 2);
         assert_eq!((c.sigma_max, c.sigma_min, c.rank), (3.0, 0.5, 2));
         assert_eq!(conditioning(&[1.0, 0.0, 0.0, 0.0], 2, 2).rank, 1);
+    }
+
+    #[test]
+    fn values_that_are_none_or_overflow_make_no_decomposition_fail() {
+        for bad in [f64::NAN, f64::INFINITY, 1e200, 1e308, 1e-320] {
+            let c = conditioning(&[1.0, bad, 0.0, 0.5], 2, 2);
+            assert!(c.rank <= 2 && !c.sigma_min.is_nan());
+            assert_eq!(null_space(&[1.0, bad, 0.0, 0.5], 2, 2, 1).len(), 1);
+        }
     }
 
     #[test]

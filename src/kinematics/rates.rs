@@ -98,7 +98,7 @@ fn residual_coefficient(
     }
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
-        let scale = mechanism.size.powf(-equation.length_exponent);
+        let scale = mechanism.weight_of(*index);
         let value = evaluate(&equation.expression, series, k);
         residual.push(value.coefficients()[k] * scale);
     }

@@ -67,6 +67,8 @@ pub struct Equation {
     pub expression: Expression,
     /// Power of length in its dimension: its natural scale is `size` to this power.
     pub length_exponent: f64,
+    /// What its terms amount to beside that power of the size: one, but where no length is known.
+    pub magnitude: f64,
 }
 
 /// A link: where its frame is and what it looks like.
@@ -152,6 +154,8 @@ pub struct Mechanism {
     pub measures: Vec<Measure>,
     /// Characteristic length: what residuals and unknown lengths are measured against.
     pub size: f64,
+    /// What plain numbers among the unknowns amount to, by unknown; empty where each counts as one.
+    pub magnitudes: Vec<f64>,
     /// Length of the drive in seconds.
     pub duration: f64,
 }
@@ -176,12 +180,19 @@ impl Mechanism {
             .collect()
     }
 
-    /// Scale of unknown `index`: the mechanism's size for a length, one otherwise.
+    /// Scale of unknown `index`: the mechanism's size for a length, its magnitude for a number, one otherwise.
     pub fn scale_of(&self, index: usize) -> f64 {
         match self.unknowns[index].kind {
             Kind::Length => self.size,
-            Kind::Angle | Kind::Number => 1.0,
+            Kind::Angle => 1.0,
+            Kind::Number => self.magnitudes.get(index).copied().unwrap_or(1.0),
         }
+    }
+
+    /// Factor that makes the value of equation `index` comparable with one.
+    pub fn weight_of(&self, index: usize) -> f64 {
+        let equation = &self.equations[index];
+        self.size.powf(-equation.length_exponent) / equation.magnitude
     }
 
     /// Factor from internal values to the file's unit for a coordinate or output of `kind`.

@@ -196,9 +196,8 @@ impl BlockFlow {
         }
         let first = forms.len() - block.equations.len();
         for (k, index) in block.equations.iter().enumerate() {
-            let exponent = mechanism.equations[*index].length_exponent;
             let mut columns = vec![0.0; forms.len()];
-            columns[first + k] = mechanism.size.powf(-exponent);
+            columns[first + k] = mechanism.weight_of(*index);
             let place = None;
             rows.push(FlowRow { place, columns });
         }

@@ -109,8 +109,7 @@ impl BlockSystem {
         }
         for index in &block.equations {
             let affine = forms[first_equation + index].clone().unwrap_or_default();
-            let exponent = mechanism.equations[*index].length_exponent;
-            let scale = mechanism.size.powf(-exponent);
+            let scale = mechanism.weight_of(*index);
             system.equations.push(EquationRow { affine, scale });
         }
         system.rows = vec![Row::default(); block.rows()];

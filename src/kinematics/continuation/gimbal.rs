@@ -121,6 +121,15 @@ impl Follower<'_> {
         chart.rename(coordinates, &near);
     }
 
+    /// Has the rows of over-determined blocks replaced where they are worn out.
+    pub(super) fn renew_rows(&mut self, coordinates: &[f64]) {
+        if self.chart.is_none() {
+            let (mechanism, structure) = (self.mechanism, self.structure);
+            self.watch
+                .renew(mechanism, structure, &mut self.corrector, coordinates);
+        }
+    }
+
     /// Singular values and signs, with ball joints as rotations: no angle's sign enters, and next to locked poses no
     /// angle's singularity.
     pub(super) fn observe(&mut self, coordinates: &[f64]) -> BranchState {

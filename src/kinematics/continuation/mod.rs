@@ -5,6 +5,7 @@
 
 mod gaps;
 mod gimbal;
+mod leaps;
 mod locate;
 mod record;
 mod step;
@@ -36,15 +37,32 @@ pub fn solve(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, Structu
     Ok(Follower::new(mechanism, &structure).run(times))
 }
 
-/// The same without certificates of the poses, which say that nobody asked for them.
+/// The same with certificates or without, which then say that nobody asked for them. Stops early, with the samples it
+/// has, when `cancelled` says so.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_until(
+    mechanism: &Mechanism,
+    times: &[f64],
+    proved: bool,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Trajectory, StructureError> {
+    let structure = Structure::new(mechanism)?;
+    let mut follower = Follower::new(mechanism, &structure);
+    follower.cancelled = cancelled;
+    if !proved {
+        follower.certifier = None;
+    }
+    Ok(follower.run(times))
+}
+
+/// [`solve`] without certificates of the poses.
 ///
 /// # Errors
 /// As [`solve`].
 pub fn solve_unproved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
-    let structure = Structure::new(mechanism)?;
-    let mut follower = Follower::new(mechanism, &structure);
-    follower.certifier = None;
-    Ok(follower.run(times))
+    solve_until(mechanism, times, false, &|| false)
 }
 
 /// A regular or singular pose on the way, with what is needed to go on from it.
@@ -66,6 +84,7 @@ enum Stop {
 struct Follower<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
+    cancelled: &'m dyn Fn() -> bool,
     corrector: Corrector,
     predictor: Predictor,
     watch: BranchWatch,
@@ -95,6 +114,7 @@ impl<'m> Follower<'m> {
         Self {
             mechanism,
             structure,
+            cancelled: &|| false,
             corrector: Corrector::new(structure),
             predictor: Predictor::default(),
             watch: BranchWatch::default(),
@@ -117,6 +137,9 @@ impl<'m> Follower<'m> {
         let mut stand: Option<Stand> = None;
         let mut lost = false;
         for (index, &time) in times.iter().enumerate() {
+            if (self.cancelled)() {
+                break;
+            }
             self.interval = if index > 0 {
                 (time - times[index - 1]).abs()
             } else {
@@ -221,6 +244,9 @@ impl<'m> Follower<'m> {
         {
             return Ok(Stand { time, ..here });
         }
+        if let Some(beyond) = self.leave_singular_start(&here, time) {
+            here = beyond;
+        }
         loop {
             match self.follow(here, time) {
                 Ok(stand) => return Ok(stand),
@@ -229,14 +255,17 @@ impl<'m> Follower<'m> {
                     return Err(Some(stand));
                 }
                 Err(Stop::Ends(stand)) => match self
-                    .settle(&stand, time)
+                    .leap(&stand)
+                    .or_else(|| self.settle(&stand, time))
                     .or_else(|| self.cross(&stand, time))
                 {
                     Some(beyond) if beyond.time == time && !self.is_usable(&beyond.branch) => {
                         return Ok(beyond);
                     }
                     Some(beyond) => {
-                        self.passed(stand.time);
+                        if self.jump_after(&stand).is_none() {
+                            self.passed(stand.time);
+                        }
                         here = self.keep(beyond);
                     }
                     None => {
@@ -274,6 +303,9 @@ impl<'m> Follower<'m> {
         let direction = (time - here.time).signum();
         let mut step = (time - here.time).abs();
         while here.time != time {
+            if (self.cancelled)() {
+                return Err(Stop::Ends(here));
+            }
             let next = if step >= (time - here.time).abs() {
                 time
             } else {

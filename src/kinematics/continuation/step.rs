@@ -168,6 +168,7 @@ impl Follower<'_> {
     pub(super) fn keep(&mut self, stand: Stand) -> Stand {
         self.watch_gimbals(&stand);
         if self.is_trusted(&stand.branch) {
+            self.renew_rows(&stand.coordinates);
             self.locate_crossing(&stand);
             self.anchor = Some(stand.clone());
         }

@@ -20,6 +20,9 @@ pub struct Coordinates {
 /// Longest motion accepted, in seconds: a year is certainly a slip.
 const MAX_DURATION: f64 = 3.2e7;
 
+/// Shortest motion accepted, in seconds: parts of much shorter ones are no different numbers any more.
+const MIN_DURATION: f64 = 1e-100;
+
 /// Resolves inputs, guesses and duration.
 pub fn resolve(
     file: &SceneFile,
@@ -168,7 +171,7 @@ fn duration(
     };
     let node = expression(text, diagnostics)?;
     match constant(&node, &|n, s| names.constant(n, s)) {
-        Ok(value) if value > 0.0 && value <= MAX_DURATION => Some(value),
+        Ok(value) if (MIN_DURATION..=MAX_DURATION).contains(&value) => Some(value),
         Ok(value) => {
             let value = shown(value);
             let message =

@@ -62,6 +62,7 @@ impl<'a> Joints<'a> {
                     name: name.value.clone(),
                     expression,
                     length_exponent: self.length_exponent(&node),
+                    magnitude: 1.0,
                 }),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }

@@ -5,6 +5,7 @@ mod contacts;
 mod coordinates;
 mod joints;
 mod loops;
+mod magnitudes;
 mod measures;
 mod names;
 mod outputs;
@@ -191,9 +192,11 @@ pub fn resolve(
         tracks,
         measures,
         size: 1.0,
+        magnitudes: Vec::new(),
         duration: coordinates.duration,
     };
     mechanism.size = size(&mechanism, &names);
+    magnitudes::estimate(&mut mechanism);
     loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {

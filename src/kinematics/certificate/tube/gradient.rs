@@ -42,7 +42,12 @@ pub fn gradient(expression: &Expression, slots: &[Series]) -> Vec<Series> {
                 pass(b, -v[i].divided(&v[b]));
             }
             Op::Power(a, b) => {
-                pass(a, v[b] * v[a].power(&(v[b] - number(1.0))));
+                // A whole exponent stays one number, or a negative base would have no power.
+                let less = match expression.ops()[b] {
+                    Op::Constant(e) if e.fract() == 0.0 && (e - 1.0) + 1.0 == e => number(e - 1.0),
+                    _ => v[b] - number(1.0),
+                };
+                pass(a, v[b] * v[a].power(&less));
                 if !matches!(expression.ops()[b], Op::Constant(_)) {
                     pass(b, v[i] * v[a].ln());
                 }
@@ -140,6 +145,19 @@ mod tests {
             add(Op::Call(function, 0, 1));
         }
         list
+    }
+
+    #[test]
+    fn whole_powers_of_negative_bases_have_derivatives() {
+        for (exponent, exact) in [(2.0, -1.4), (3.0, 1.47), (-1.0, -1.0 / 0.49), (1.0, 1.0)] {
+            let ops = vec![Op::Slot(0), Op::Constant(exponent), Op::Power(0, 1)];
+            let base = Series::constant(Interval::point(-0.7));
+            let found = gradient(&Expression::new(ops), &[base]);
+            assert!(
+                found[0].0[0].distance(exact) < 1e-14,
+                "{exponent}: {found:?}"
+            );
+        }
     }
 
     #[test]

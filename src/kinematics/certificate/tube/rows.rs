@@ -74,10 +74,10 @@ impl Site<'_> {
 
     fn equations(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let first = self.mechanism.arguments.len();
-        self.block.equations.iter().map(move |index| {
-            let exponent = self.mechanism.equations[*index].length_exponent;
-            (first + index, self.mechanism.size.powf(-exponent))
-        })
+        self.block
+            .equations
+            .iter()
+            .map(move |index| (first + index, self.mechanism.weight_of(*index)))
     }
 
     /// Adds `derivative` times the derivatives of a form to a row of the Jacobian.
