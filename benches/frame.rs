@@ -22,6 +22,8 @@ const SIZE: [u32; 2] = [640, 480];
 const FRAMES: u32 = 120;
 /// The frame whose picture is compared.
 const COMPARED: u32 = 30;
+/// Levels between neighbours that make an edge.
+const EDGE: f64 = 16.0;
 
 /// Triangles of a grid of `around` by `along` vertices, closed around and maybe along.
 fn grid(around: u32, along: u32, closed: bool) -> Vec<[u32; 3]> {
@@ -241,6 +243,24 @@ fn rmse(image: &RgbaImage, reference: &[[f64; 3]]) -> f64 {
     (sum / (3.0 * reference.len() as f64)).sqrt()
 }
 
+/// RMSE over the pixels at edges: those that differ from the pixel to the left or above by more than [`EDGE`].
+fn edge_error(image: &RgbaImage, reference: &[[f64; 3]]) -> f64 {
+    let width = SIZE[0] as usize;
+    let differ =
+        |a: usize, b: usize| (0..3).any(|k| (reference[a][k] - reference[b][k]).abs() > EDGE);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (at, pixel) in image.pixels().enumerate() {
+        let beside = at % width > 0 && differ(at, at - 1);
+        if beside || (at >= width && differ(at, at - width)) {
+            sum += (0..3)
+                .map(|k| (f64::from(pixel.0[k]) - reference[at][k]).powi(2))
+                .sum::<f64>();
+            count += 3.0;
+        }
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}
+
 /// Time of all frames with one number of samples, and the distance from the truth if it is known.
 fn measure(stage: Stage, frames: &[Frame], truth: Option<&[[f64; 3]]>) -> RgbaImage {
     let samples = stage.samples;
@@ -260,7 +280,8 @@ fn measure(stage: Stage, frames: &[Frame], truth: Option<&[[f64; 3]]>) -> RgbaIm
         .draw(&frames[COMPARED as usize], &mut image)
         .expect("a picture");
     let error = truth.map_or(String::new(), |truth| {
-        format!(", RMSE {:.3}", rmse(&image, truth))
+        let edges = edge_error(&image, truth);
+        format!(", RMSE {:.3}, at edges {edges:.3}", rmse(&image, truth))
     });
     println!(
         "  {samples:2} samples: {cpu:6.2} CPU ms a frame (best {:6.2} wall){error}",

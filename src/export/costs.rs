@@ -147,8 +147,9 @@ impl Costs {
         if self.limit == 0 {
             return;
         }
-        // An index within reach of the wanted colour is within twice that reach of its nearest colour.
-        let reach = 4 * (wish.least + self.limit);
+        // Distances a (wanted to nearest) and b (wanted to an index that may be sent) reach (a + b)^2 from the
+        // nearest colour at most, which is no more than 2 a^2 + 2 b^2.
+        let reach = 4 * wish.least + 2 * self.limit;
         for &(index, distance) in &self.neighbours[usize::from(nearest)] {
             if distance > reach {
                 break;

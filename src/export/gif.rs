@@ -51,13 +51,13 @@ impl Quality {
         (1..=100).contains(&value).then_some(Self(value))
     }
 
-    /// The price doubles every 12.5 steps, from 2 squared levels at 100.
+    /// Both double every 12.5 steps, from 3.5 (rounded) and 12 squared levels at 100.
     fn loss(self) -> Loss {
         let steps = f64::from(100 - self.0.min(100));
-        let price = 2.0 * libm::exp2(steps / 12.5);
+        let scale = libm::exp2(steps / 12.5);
         Loss {
-            price: price.round() as i32,
-            limit: (6.0 * price).round() as i32,
+            price: (3.5 * scale).round() as i32,
+            limit: (12.0 * scale).round() as i32,
         }
     }
 }
