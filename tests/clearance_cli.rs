@@ -162,13 +162,12 @@ fn reports_of_clearances_need_a_section() {
         swing(1.0).split("[clearance]").next().unwrap(),
     );
     w.run(&["check", "plain.toml"]).exits(0);
-    for option in ["--junit", "--csv", "--render"] {
+    for option in ["--junit", "--csv", "--plot", "--render"] {
         let run = w.run(&["check", "plain.toml", option, "x.png"]);
         run.exits(2)
             .says(&["the scene asks for none", "[clearance]"]);
     }
-    w.run(&["check", "plain.toml", "--bound-tolerance", "0"])
-        .exits(2);
+    w.run(&["check", "plain.toml", "--tolerance", "0"]).exits(2);
     w.write("bad.toml", swing(30.0));
     w.run(&["check", "bad.toml", "--render", "x.gif"])
         .exits(2)
