@@ -48,6 +48,8 @@ fn a_violation_fails_and_is_in_every_report() {
         "r.xml",
         "--csv",
         "r.csv",
+        "--plot",
+        "r.svg",
         "--render",
         "r.png",
     ]);
@@ -71,6 +73,10 @@ fn a_violation_fails_and_is_in_every_report() {
         junit.contains("<failure message=\"`arm` (capsule 1) and `post` (cylinder 1)"),
         "{junit}"
     );
+    let svg = String::from_utf8(read("r.svg")).unwrap();
+    for words in ["arm / post", "26.0000 mm", "come nearest", "clearance [mm]"] {
+        assert!(svg.contains(words), "{words}: {svg}");
+    }
     let csv = String::from_utf8(read("r.csv")).unwrap();
     assert_eq!(csv.lines().count(), 21);
     let first: Vec<f64> = csv

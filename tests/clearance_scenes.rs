@@ -23,7 +23,7 @@ fn report(scene: &Scene, samples: usize) -> ClearanceReport {
 
 #[test]
 fn every_built_in_scene_passes_its_check() {
-    let names: Vec<String> = builtin::all().map(|s| s.name.to_owned()).collect();
+    let names: Vec<String> = builtin::ALL.map(|s| s.name.to_owned()).to_vec();
     assert!(names.len() >= 20, "{names:?}");
     for name in names {
         let output = Command::new(env!("CARGO_BIN_EXE_mechanim"))
