@@ -57,8 +57,8 @@ fn surfaces_of_another_size_are_not_in_contact() {
     let text = builtin::find("torus-torus").unwrap().text;
     for (tube, sign) in [("s2 + 1e-6", -1.0), ("s2 - 1e-6", 1.0)] {
         let other = text.replace(
-            r#"{ torus = { ring = "r2", tube = "s2" }"#,
-            &format!(r#"{{ torus = {{ ring = "r2", tube = "{tube}" }}"#),
+            r#"[{ torus = { ring = "r2", tube = "s2" }"#,
+            &format!(r#"[{{ torus = {{ ring = "r2", tube = "{tube}" }}"#),
         );
         assert_ne!(other, text);
         let report = report(&open(&other), 60);
