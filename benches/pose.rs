@@ -21,21 +21,20 @@ use std::time::Instant;
 /// Repetitions; the machine is rarely quiet.
 const REPETITIONS: usize = 31;
 
-const RSSR: &str = r#"
-duration = 1
-[parameters]
-a = 40
-b = 130
-c = 90
-[inputs]
-phi = "2*pi*t"
-[chains]
-ground = "Tx(110) Ty(25) Tz(40) Rx(pi/2) Ry(0.35)"
-[loops]
-A = "Rz(phi) Tx(a) Ry(q1) Rz(q2) Tx(b) Rx(q3) Ry(q4) Rz(q5) inv(ground Rz(q6) Tx(c))"
-[guess]
-q6 = 1.5
-"#;
+/// The mechanisms that other programs were measured on, with the names and numbers of poses of that comparison.
+const COMPARED: [(&str, &str, usize); 3] = [
+    (
+        "compared: slider crank",
+        include_str!("scenes/slider-crank.toml"),
+        360,
+    ),
+    ("compared: RSSR", include_str!("scenes/rssr.toml"), 360),
+    (
+        "compared: three loops",
+        include_str!("scenes/three-loops.toml"),
+        300,
+    ),
+];
 
 /// Four-bars in series: the rocker of each is the crank of the next, so that every one is a block of its own.
 fn four_bars(count: usize) -> Source {
@@ -197,10 +196,6 @@ fn measure(name: &str, mechanism: &Mechanism, count: usize, repetitions: usize) 
 
 fn main() {
     let read = |source: &Source| -> Option<Scene> { load(source, &Overrides::default()).ok() };
-    let rssr = Source {
-        name: "rssr".into(),
-        text: RSSR.into(),
-    };
     println!(
         "µs per pose: best / median. Lengths in the scene's unit; bounds of angles times the mechanism's size."
     );
@@ -208,7 +203,14 @@ fn main() {
         "| mechanism | unknowns | poses | Newton | + rank, branch | + certificate | solve | iterations | closure, Newton | closure, certified | worst bound |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    let mut cases = vec![("RSSR four-bar".to_owned(), Some(rssr), 360, REPETITIONS)];
+    let mut cases: Vec<(String, Option<Source>, usize, usize)> = Vec::new();
+    for (name, text, count) in COMPARED {
+        let source = Source {
+            name: name.into(),
+            text: text.into(),
+        };
+        cases.push((name.to_owned(), Some(source), count, REPETITIONS));
+    }
     for (name, count) in [("slider-crank", 360), ("seven-r", 360), ("gearshift", 300)] {
         cases.push((name.to_owned(), builtin::find(name), count, REPETITIONS));
     }

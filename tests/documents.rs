@@ -47,7 +47,12 @@ fn keys_of_the_reader(files: &[&str]) -> BTreeSet<String> {
 #[test]
 fn every_scene_key_is_documented() {
     let document = read("docs/scene-format.md");
-    let keys = keys_of_the_reader(&["src/scene/file.rs", "src/scene/plots.rs"]);
+    let keys = keys_of_the_reader(&[
+        "src/scene/file.rs",
+        "src/scene/plots.rs",
+        "src/scene/studies.rs",
+        "src/scene/measures.rs",
+    ]);
     assert!(keys.len() > 40, "the search found too few keys: {keys:?}");
     let missing: Vec<_> = keys
         .iter()

@@ -1,7 +1,11 @@
 //! Studies of the solver itself and of mechanisms: loops around solving, never a second engine.
 
 pub mod observer;
+pub mod optimise;
 pub mod precision_report;
+pub mod random;
 pub mod reference;
 pub mod routes;
+pub mod study;
+pub mod tolerance;
 pub mod work_precision;

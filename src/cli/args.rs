@@ -2,6 +2,7 @@
 
 use super::file_args::{DiffArgs, EncodeArgs, FileArgs, SnapshotArgs};
 use super::plot_args::{AccuracyArgs, PlotArgs};
+use super::study_args::{OptimiseArgs, SensitivityArgs, ToleranceArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -44,6 +45,12 @@ pub enum Command {
     Diff(DiffArgs),
     /// Draw a list of pictures and compare them with the golden ones beside it.
     Snapshot(SnapshotArgs),
+    /// Derivatives of the study's measures by every dimension, ranked.
+    Sensitivity(SensitivityArgs),
+    /// What tolerances of the dimensions do to the study's measures: linear rules and random pieces.
+    Tolerance(ToleranceArgs),
+    /// Change dimensions so that the study's objective becomes least.
+    Optimise(OptimiseArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.

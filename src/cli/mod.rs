@@ -19,6 +19,7 @@ mod measured;
 mod models;
 mod modes;
 mod open_scene;
+mod optimise;
 mod outcome;
 mod plot;
 pub mod plot_args;
@@ -26,9 +27,13 @@ mod progress;
 mod render;
 mod report;
 mod scenes;
+mod sensitivity;
 mod snapshot;
 mod solve;
+mod study;
+pub mod study_args;
 mod term;
+mod tolerance;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -63,6 +68,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Encode(args) => encode::run(&args, &term),
         Command::Diff(args) => diff::run(&args, &term),
         Command::Snapshot(args) => snapshot::run(&args, &term),
+        Command::Sensitivity(args) => sensitivity::run(&args, &term),
+        Command::Tolerance(args) => tolerance::run(&args, &term),
+        Command::Optimise(args) => optimise::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),

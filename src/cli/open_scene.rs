@@ -23,14 +23,8 @@ pub fn open_with_plot(
     plot: Option<PlotText>,
     term: &Term,
 ) -> Result<Scene, Failure> {
-    let source = source(&args.scene)?;
-    let overrides = Overrides {
-        parameters: args.parameters.clone(),
-        inputs: args.inputs.clone(),
-        guess: args.guess.clone(),
-        plot,
-        folder: folder(&args.scene),
-    };
+    let (source, mut overrides) = text_of(args)?;
+    overrides.plot = plot;
     let mut scene = load(&source, &overrides).map_err(Box::new)?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
@@ -40,6 +34,19 @@ pub fn open_with_plot(
         modes::start_from(&mut scene.mechanism, number)?;
     }
     Ok(scene)
+}
+
+/// The scene's text, and what the command line changes in it.
+pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
+    let overrides = Overrides {
+        parameters: args.parameters.clone(),
+        inputs: args.inputs.clone(),
+        guess: args.guess.clone(),
+        plot: None,
+        folder: folder(&args.scene),
+        vary: Vec::new(),
+    };
+    Ok((source(&args.scene)?, overrides))
 }
 
 /// True when `out` is the scene's own file.

@@ -83,6 +83,9 @@ pub enum Failure {
     /// Stopped by Ctrl-C.
     #[error("interrupted; nothing was written")]
     Interrupted,
+    /// Stopped by Ctrl-C after the best so far was written.
+    #[error("interrupted; the best so far was written")]
+    Stopped,
     /// A fault of the program.
     #[error("internal error: {0}")]
     Internal(String),
@@ -112,7 +115,7 @@ impl Failure {
             Self::Render(RenderError::NoAdapter(_)) => NO_ADAPTER,
             Self::Render(RenderError::Size(_)) => BAD_USAGE,
             Self::Render(RenderError::Device(_)) => NO_ADAPTER,
-            Self::Interrupted => INTERRUPTED,
+            Self::Interrupted | Self::Stopped => INTERRUPTED,
             Self::Internal(_) => INTERNAL,
         }
     }

@@ -33,8 +33,12 @@ pub enum Taking {
     Range,
     /// The largest of the absolute values.
     Largest,
+    /// The sum.
+    Sum,
     /// The arithmetic mean.
     Mean,
+    /// The sum of the absolute values' powers, to the inverse of the power.
+    Norm,
     /// Distance from the first to the last point of a path in the plane.
     Chord,
     /// Signed distance from the chord of that point of a path which is farthest from it, positive to the left of the way.
@@ -43,7 +47,7 @@ pub enum Taking {
 
 impl Taking {
     /// Names in scene files.
-    pub const NAMES: [(&'static str, Self); 10] = [
+    pub const NAMES: [(&'static str, Self); 12] = [
         ("first", Self::First),
         ("last", Self::Last),
         ("change", Self::Change),
@@ -51,7 +55,9 @@ impl Taking {
         ("max", Self::Max),
         ("range", Self::Range),
         ("largest", Self::Largest),
+        ("sum", Self::Sum),
         ("mean", Self::Mean),
+        ("norm", Self::Norm),
         ("chord", Self::Chord),
         ("bow", Self::Bow),
     ];
@@ -68,7 +74,8 @@ impl Taking {
 /// Where a measure comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeasureSource {
-    /// A formula whose slots are the earlier measures.
+    /// A formula whose slots are the mechanism's inputs at the start of the drive (parameters that a study varies are
+    /// inputs), then the earlier measures.
     Formula(Expression),
     /// Values over the poses of a track, or of the drive.
     Over {
@@ -76,8 +83,12 @@ pub enum MeasureSource {
         track: Option<usize>,
         /// As many as `taking` is wide. Slots: coordinates, then x, y, z of every trace, then outputs.
         of: Vec<Expression>,
+        /// Input by which the values are derived; the values themselves if there is none.
+        per: Option<usize>,
         /// What is made of them.
         taking: Taking,
+        /// For [`Taking::Norm`].
+        power: f64,
     },
 }
 
@@ -99,6 +110,16 @@ pub struct Measure {
 }
 
 impl Measure {
+    /// How far `value` is beyond the limits, as a share of the limit; zero or less inside. NaN if the value is none.
+    pub fn violation(&self, value: f64) -> f64 {
+        let share = |over: f64, limit: f64| over / if limit == 0.0 { 1.0 } else { limit.abs() };
+        let above = self.max.map(|limit| share(value - limit, limit));
+        let below = self.min.map(|limit| share(limit - value, limit));
+        let parts = [above, below].into_iter().flatten();
+        let worse = |worst: f64, v: f64| if v > worst || v.is_nan() { v } else { worst };
+        parts.fold(f64::NEG_INFINITY, worse)
+    }
+
     /// Whether `value` keeps the limits.
     pub fn allows(&self, value: f64) -> bool {
         self.min.is_none_or(|min| value >= min) && self.max.is_none_or(|max| value <= max)

@@ -8,4 +8,5 @@ pub mod measure;
 pub mod mechanism;
 pub mod plot;
 pub mod shape;
+pub mod study;
 pub mod view;

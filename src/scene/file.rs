@@ -7,6 +7,7 @@ use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
 use super::plots::{PlotFile, plot};
 use super::reader::{FormulaText, Spanned, TableReader, read_table};
 use super::shapes::{ShapeFile, shape};
+use super::studies::{StudyFile, study};
 use super::values::formula_of;
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
@@ -59,6 +60,8 @@ pub struct SceneFile {
     pub plots: Vec<PlotFile>,
     /// `[view]`
     pub view: ViewFile,
+    /// `[study]`
+    pub study: Option<StudyFile>,
     /// Whole sections could not be read: what refers to them cannot be judged.
     pub lacks_sections: bool,
 }
@@ -218,6 +221,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         clearance: r.table("clearance", clearance::read),
         plots: r.tables("plots", plot).into_iter().flatten().collect(),
         view: r.table("view", view).unwrap_or_default(),
+        study: r.table("study", |s| study(s, text)),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }
 }

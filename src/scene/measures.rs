@@ -38,8 +38,12 @@ pub enum MeasureSourceFile {
         track: Option<Spanned<String>>,
         /// `of`
         of: Vec<FormulaText>,
+        /// `per`: the input by which `of` is derived
+        per: Option<Spanned<String>>,
         /// `take`
         take: Spanned<String>,
+        /// `power` of a norm
+        power: Option<FormulaText>,
     },
 }
 
@@ -58,11 +62,16 @@ pub fn measure(r: &mut TableReader, name: Spanned<String>) -> MeasureFile {
     let track = r.string("track");
     let of = required(r, "of", |r, k| r.formula_or_formulas(k));
     let take = required(r, "take", |r, k| r.string(k));
+    let (per, power) = (r.string("per"), r.formula("power"));
     let limits = [r.formula("min"), r.formula("max")];
     let why = r.string("why").map(|s| s.value);
-    let source = of
-        .zip(take)
-        .map(|(of, take)| MeasureSourceFile::Over { track, of, take });
+    let source = of.zip(take).map(|(of, take)| MeasureSourceFile::Over {
+        track,
+        of,
+        per,
+        take,
+        power,
+    });
     MeasureFile {
         name,
         source,

@@ -12,12 +12,14 @@ pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
+pub mod studies;
 pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 use crate::model::plot::Plot;
+use crate::model::study::Study;
 use crate::model::view::View;
 use std::path::PathBuf;
 
@@ -34,6 +36,10 @@ pub struct Scene {
     pub clearance: Option<ClearanceRules>,
     /// What of its motion it wants to be plotted.
     pub plots: Vec<Plot>,
+    /// What may be varied in it, and what is asked of it.
+    pub study: Option<Study>,
+    /// Lengths and angles that the file gives as numbers: what else could be varied.
+    pub dimensions: Vec<String>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }
@@ -51,6 +57,33 @@ pub struct Overrides {
     pub plot: Option<PlotText>,
     /// Folder that relative file names in the scene start from.
     pub folder: PathBuf,
+    /// Parameters that are to be inputs, behind the scene's own: what a study varies.
+    pub vary: Vec<String>,
+}
+
+/// The text of `source` with other values of some parameters, which are formulas of the file.
+///
+/// `None` if the text has mistakes or no such parameter.
+pub fn with_parameters(source: &Source, values: &[(String, String)]) -> Option<String> {
+    let mut diagnostics = Diagnostics::default();
+    let file = file::read(source, &mut diagnostics);
+    let mut edits = Vec::with_capacity(values.len());
+    for (name, value) in values {
+        let (_, formula) = file.parameters.iter().find(|(n, _)| n.value == *name)?;
+        edits.push((formula.span.clone(), value));
+    }
+    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let mut text = source.text.clone();
+    for (span, value) in edits {
+        let plain = value.parse::<f64>().is_ok();
+        let value = if plain {
+            value.clone()
+        } else {
+            format!("{value:?}")
+        };
+        text.replace_range(span, &value);
+    }
+    (!diagnostics.has_errors()).then_some(text)
 }
 
 /// A plot asked for on the command line: formulas as in the scene's `[[plots]]`.
@@ -76,7 +109,8 @@ pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError>
         });
     }
     resolve::apply_overrides(&mut file, overrides, &mut diagnostics);
-    let scene = resolve::resolve(&file, &overrides.folder, &mut diagnostics);
+    let vary = &overrides.vary;
+    let scene = resolve::resolve(&file, &overrides.folder, vary, &mut diagnostics);
     match scene {
         Some(mut scene) if !diagnostics.has_errors() => {
             scene.warnings = diagnostics;

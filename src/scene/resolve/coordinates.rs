@@ -29,7 +29,7 @@ pub fn resolve(
     diagnostics: &mut Diagnostics,
 ) -> Option<Coordinates> {
     let mut drives = Vec::new();
-    for (index, coordinate) in names.inputs.iter().enumerate() {
+    for (index, coordinate) in names.inputs[..file.inputs.len()].iter().enumerate() {
         let input = parsed
             .inputs
             .iter()
@@ -41,7 +41,7 @@ pub fn resolve(
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
-    let is_whole = drives.len() == names.inputs.len();
+    let is_whole = drives.len() == file.inputs.len();
     let guess = guess(parsed, names, unit, diagnostics);
     let known_drives = is_whole.then_some(drives.as_slice());
     let duration = duration(file, names, known_drives, diagnostics)?;

@@ -16,6 +16,9 @@ use crate::model::mechanism::Kind;
 /// Most poses of a track: each is solved whenever the measures are asked for.
 const MOST_SAMPLES: f64 = 10_000.0;
 
+/// Power of a norm that names none.
+const DEFAULT_POWER: f64 = 2.0;
+
 /// Resolves the tracks; `start` are the inputs at the start of the drive, which a track keeps where it says nothing.
 pub fn tracks(
     file: &SceneFile,
@@ -119,9 +122,7 @@ fn resolve_measure(
 ) -> Option<Measure> {
     let (source, kind) = match item.source.as_ref()? {
         MeasureSourceFile::Formula(text) => formula(text, file, scope.names, earlier, diagnostics)?,
-        MeasureSourceFile::Over { track, of, take } => {
-            over(track, of, take, file, scope, tracks, diagnostics)?
-        }
+        source @ MeasureSourceFile::Over { .. } => over(source, file, scope, tracks, diagnostics)?,
     };
     let [min, max] = item.limits.each_ref().map(|text| match text {
         None => Some(None),
@@ -138,14 +139,22 @@ fn resolve_measure(
 }
 
 fn over(
-    track: &Option<Spanned<String>>,
-    of: &[FormulaText],
-    take: &Spanned<String>,
+    source: &MeasureSourceFile,
     file: &SceneFile,
     scope: &Scope,
     tracks: &[Track],
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
+    let MeasureSourceFile::Over {
+        track,
+        of,
+        per,
+        take,
+        power,
+    } = source
+    else {
+        return None;
+    };
     let track = match track {
         None => None,
         Some(name) => Some(track_index(name, file, tracks, diagnostics)?),
@@ -185,12 +194,59 @@ fn over(
             }
         }
     }
+    let per = match per {
+        None => None,
+        Some(name) => Some(input_index(name, scope.names, diagnostics)?),
+    };
+    if let Some(input) = per
+        && scope.names.inputs[input].kind != Kind::Number
+    {
+        kind = match kind == scope.names.inputs[input].kind {
+            true => Kind::Number,
+            false => kind,
+        };
+    }
+    let power = match power {
+        None => DEFAULT_POWER,
+        Some(text) => {
+            let power = Constants { names: scope.names }.value(text, diagnostics)?;
+            if power < 1.0 {
+                let message = format!("the power of a norm is at least 1, found {}", shown(power));
+                diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+                return None;
+            }
+            power
+        }
+    };
     let source = MeasureSource::Over {
         track,
         of: formulas,
+        per,
         taking: *taking,
+        power,
     };
     Some((source, kind))
+}
+
+fn input_index(
+    name: &Spanned<String>,
+    names: &Names,
+    diagnostics: &mut Diagnostics,
+) -> Option<usize> {
+    let found = names.inputs.iter().position(|i| i.name == name.value);
+    if found.is_none() {
+        let known = names.inputs.iter().map(|i| i.name.as_str());
+        let message = format!(
+            "values are derived by an input, and `{}` is none",
+            name.value
+        );
+        diagnostics.push(
+            Diagnostic::error(message)
+                .at(name.span.clone())
+                .suggest(&name.value, known),
+        );
+    }
+    found
 }
 
 fn track_index(
@@ -226,7 +282,7 @@ fn formula(
     let kind = kind_of(&node, names, &known);
     let lookup = |used: &str, span: &Span| {
         if let Some(slot) = earlier.iter().position(|m| m.name == used) {
-            return Ok(Value::Slot(slot));
+            return Ok(Value::Slot(names.inputs.len() + slot));
         }
         if file.measures.iter().any(|m| m.name.value == used) {
             return Err(Diagnostic::error(format!(
@@ -234,6 +290,9 @@ fn formula(
             ))
             .at(span.clone())
             .hint("a measure may use only earlier ones"));
+        }
+        if let Some(input) = names.varied_input(used) {
+            return Ok(Value::Slot(input));
         }
         names.constant(used, span).map_err(|d| {
             d.suggest(used, earlier.iter().map(|m| m.name.as_str()))

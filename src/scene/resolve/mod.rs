@@ -10,7 +10,9 @@ mod names;
 mod outputs;
 mod parsed;
 mod plots;
+mod study;
 mod symbolic;
+mod varied;
 mod view;
 
 use super::file::{InputFile, SceneFile};
@@ -18,6 +20,7 @@ use super::plots::PlotFile;
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::drive::Drive;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use contacts::closure::Contacts;
 use names::Names;
@@ -93,21 +96,33 @@ fn outside(text: &str) -> FormulaText {
     }
 }
 
-/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`.
-pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -> Option<Scene> {
+/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`. The
+/// parameters called `varied` become inputs that rest.
+pub fn resolve(
+    file: &SceneFile,
+    folder: &Path,
+    varied: &[String],
+    diagnostics: &mut Diagnostics,
+) -> Option<Scene> {
     let angle_unit = angle_unit(file, diagnostics);
-    let parsed = Parsed::new(file, diagnostics);
+    let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
+    varied::expand_dependents(&mut parsed, varied, diagnostics);
+    let varied_values = names.promote(varied);
     let mut joints = joints::Joints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
     let mut equations = joints.equations(&parsed, diagnostics);
     let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
     loops.append(&mut contacts.loops);
     equations.append(&mut contacts.equations);
-    let bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
-    let traces = bodies::traces(file, &names, &bodies, diagnostics);
+    let mut bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
+    let mut traces = bodies::traces(file, &names, &bodies, diagnostics);
+    if !varied.is_empty() && !diagnostics.has_errors() {
+        let points = (&mut bodies, &mut traces[..]);
+        varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
+    }
     let scope = Scope::resolve(
         &parsed,
         &names,
@@ -116,7 +131,11 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         &angle_unit,
         diagnostics,
     );
-    let coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    let mut coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    if let Some(coordinates) = &mut coordinates {
+        let resting = varied_values.into_iter().map(Drive::constant);
+        coordinates.drives.extend(resting);
+    }
     let plots = plots::resolve(file, &scope, diagnostics);
     let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
     let constants = bodies::Constants { names: &names };
@@ -141,6 +160,7 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
                 .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
         );
     }
+    let study = study::resolve(file, &names, &angle_unit, &measures, varied, diagnostics);
     let coordinates = coordinates?;
     if diagnostics.has_errors() {
         return None;
@@ -180,6 +200,8 @@ pub fn resolve(file: &SceneFile, folder: &Path, diagnostics: &mut Diagnostics) -
         description,
         mechanism,
         view,
+        study,
+        dimensions: names.dimensions(&parsed),
         clearance,
         plots,
         warnings: Diagnostics::default(),

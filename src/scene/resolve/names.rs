@@ -35,6 +35,8 @@ pub struct Names {
     /// All loops could be read, so that every unknown is known.
     is_complete: bool,
     traces: Vec<String>,
+    /// Parameters that are inputs in a study, as (parameter, input).
+    pub varied: Vec<(usize, usize)>,
 }
 
 /// What a name in a formula of coordinates refers to.
@@ -74,6 +76,7 @@ impl Names {
             broken: broken(file, parsed),
             is_complete: parsed.is_complete,
             traces: file.traces.iter().map(|t| t.name.value.clone()).collect(),
+            varied: Vec::new(),
         };
         let mut found: Vec<(String, Span)> = Vec::new();
         let mut gather = |name: &str, span: &Span| {
@@ -177,7 +180,10 @@ impl Names {
             return Err(Diagnostic::inherited());
         }
         match self.meaning(name) {
-            Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
+            Some(Meaning::Parameter(i)) => Ok(match self.varied.iter().find(|(p, _)| *p == i) {
+                Some((_, input)) => Value::Slot(self.unknowns.len() + input),
+                None => Value::Constant(self.parameters[i].value),
+            }),
             Some(Meaning::Unknown(i)) => Ok(Value::Slot(i)),
             Some(Meaning::Input(i)) => Ok(Value::Slot(self.unknowns.len() + i)),
             None if !self.is_complete => Err(Diagnostic::inherited()),

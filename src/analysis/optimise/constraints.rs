@@ -1,0 +1,151 @@
+//! Inequality constraints by the augmented Lagrangian (Nocedal and Wright, Numerical Optimization, 2nd ed., chapter
+//! 17): a few searches of a penalised function whose multipliers learn, so that weights stay moderate.
+
+use super::{Ended, Minimum, Objective};
+
+/// A function and what must not be positive.
+pub trait Constrained {
+    /// The value, then every constraint; `None` where `x` is refused.
+    fn values(&mut self, x: &[f64]) -> Option<Vec<f64>>;
+
+    /// The same with a gradient each.
+    fn gradients(&mut self, x: &[f64]) -> Option<(Vec<f64>, Vec<Vec<f64>>)>;
+
+    /// Called after every iteration with the value without penalties; `false` ends the search.
+    fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool;
+}
+
+/// Most searches.
+const ROUNDS: usize = 12;
+
+/// First weight of a squared violation, relative to the first value of the function and the constraints' scale.
+const FIRST_WEIGHT: f64 = 10.0;
+
+/// Factor of the weight after a round that did not lessen the violation enough.
+const HEAVIER: f64 = 8.0;
+
+/// What counts as enough.
+const LESSENED: f64 = 0.25;
+
+/// The function with its penalties.
+struct Penalised<'a> {
+    inner: &'a mut dyn Constrained,
+    multipliers: Vec<f64>,
+    weight: f64,
+    /// Typical size of each constraint.
+    scales: Vec<f64>,
+    /// Iterations of earlier rounds.
+    before: usize,
+    stopped: bool,
+}
+
+impl Penalised<'_> {
+    /// Active part of constraint `k` and its penalty.
+    fn penalty(&self, k: usize, g: f64) -> (f64, f64) {
+        let (g, multiplier) = (g / self.scales[k], self.multipliers[k]);
+        let active = (multiplier + self.weight * g).max(0.0);
+        let penalty = (active * active - multiplier * multiplier) / (2.0 * self.weight);
+        (active / self.scales[k], penalty)
+    }
+}
+
+impl Objective for Penalised<'_> {
+    fn value(&mut self, x: &[f64]) -> f64 {
+        let Some(values) = self.inner.values(x) else {
+            return f64::INFINITY;
+        };
+        let penalties = values[1..]
+            .iter()
+            .enumerate()
+            .map(|(k, g)| self.penalty(k, *g).1);
+        values[0] + penalties.sum::<f64>()
+    }
+
+    fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let (values, rows) = self.inner.gradients(x)?;
+        let (mut value, mut gradient) = (values[0], rows[0].clone());
+        for (k, (g, row)) in values[1..].iter().zip(&rows[1..]).enumerate() {
+            let (active, penalty) = self.penalty(k, *g);
+            value += penalty;
+            gradient
+                .iter_mut()
+                .zip(row)
+                .for_each(|(sum, d)| *sum += active * d);
+        }
+        Some((value, gradient))
+    }
+
+    fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
+        let on = self.inner.progress(self.before + iteration, x, value);
+        self.stopped |= !on;
+        on
+    }
+}
+
+/// Minimises under constraints by repeated searches `run` of a function without any.
+///
+/// `tolerance` is the violation that is let pass, in the constraints' own `scales`. The minimum's value is that of the
+/// function without penalties.
+pub fn minimise(
+    inner: &mut dyn Constrained,
+    start: &[f64],
+    scales: &[f64],
+    tolerance: f64,
+    run: &mut dyn FnMut(&mut dyn Objective, &[f64]) -> Minimum,
+) -> Minimum {
+    let first = inner.values(start).map_or(1.0, |v| v[0].abs());
+    let mut penalised = Penalised {
+        inner,
+        multipliers: vec![0.0; scales.len()],
+        weight: FIRST_WEIGHT * first.max(f64::MIN_POSITIVE),
+        scales: scales.to_vec(),
+        before: 0,
+        stopped: false,
+    };
+    let mut total = run(&mut penalised, start);
+    let mut worst = f64::INFINITY;
+    for _ in 1..ROUNDS {
+        let Some(values) = penalised.inner.values(&total.x) else {
+            break;
+        };
+        total.value = values[0];
+        let scaled: Vec<f64> = values[1..].iter().zip(scales).map(|(g, s)| g / s).collect();
+        let violation = scaled.iter().fold(0.0_f64, |m, g| m.max(*g));
+        let idle = penalised
+            .multipliers
+            .iter()
+            .zip(&scaled)
+            .all(|(m, g)| *m == 0.0 && *g <= 0.0);
+        if scales.is_empty() || idle || penalised.stopped {
+            break;
+        }
+        let settled = (0..scales.len()).all(|k| {
+            let next = (penalised.multipliers[k] + penalised.weight * scaled[k]).max(0.0);
+            let change = (next - penalised.multipliers[k]).abs();
+            penalised.multipliers[k] = next;
+            change <= tolerance * (penalised.weight + next.abs())
+        });
+        if violation <= tolerance && settled {
+            break;
+        }
+        if violation > LESSENED * worst {
+            penalised.weight *= HEAVIER;
+        }
+        worst = worst.min(violation);
+        penalised.before = total.iterations;
+        let next = run(&mut penalised, &total.x);
+        total = Minimum {
+            iterations: total.iterations + next.iterations,
+            evaluations: total.evaluations + next.evaluations,
+            gradients: total.gradients + next.gradients,
+            ..next
+        };
+    }
+    if let Some(values) = penalised.inner.values(&total.x) {
+        total.value = values[0];
+    }
+    if penalised.stopped {
+        total.ended = Ended::Stopped;
+    }
+    total
+}

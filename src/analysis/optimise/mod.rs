@@ -1,0 +1,81 @@
+//! Minimisers of functions of a few variables: values may be refused, gradients may be asked for. They know nothing
+//! of mechanisms.
+
+pub mod bfgs;
+pub mod constraints;
+pub mod evolution;
+pub mod minimax;
+pub mod nelder_mead;
+
+/// A function to be made small.
+pub trait Objective {
+    /// The value at `x`; infinite where `x` is refused.
+    fn value(&mut self, x: &[f64]) -> f64;
+
+    /// The value and gradient at `x`; `None` where `x` is refused.
+    fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)>;
+
+    /// Called after every iteration with the best point so far; `false` ends the search.
+    fn progress(&mut self, _iteration: usize, _x: &[f64], _value: f64) -> bool {
+        true
+    }
+}
+
+/// A box that the variables stay in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest values.
+    pub lower: Vec<f64>,
+    /// Largest values.
+    pub upper: Vec<f64>,
+}
+
+impl Bounds {
+    /// No bounds on `count` variables.
+    pub fn none(count: usize) -> Self {
+        Self {
+            lower: vec![f64::NEG_INFINITY; count],
+            upper: vec![f64::INFINITY; count],
+        }
+    }
+
+    /// The point of the box that is nearest to `x`.
+    pub fn clamp(&self, x: &mut [f64]) {
+        for ((x, low), high) in x.iter_mut().zip(&self.lower).zip(&self.upper) {
+            *x = x.clamp(*low, *high);
+        }
+    }
+}
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// The tolerances are met.
+    Converged,
+    /// No step makes the value smaller any more: rounding, a kink, or a refused neighbourhood.
+    Stalled,
+    /// The allowed number of evaluations or iterations is used up.
+    OutOfBudget,
+    /// [`Objective::progress`] said so.
+    Stopped,
+}
+
+/// What a search found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Minimum {
+    /// Best point.
+    pub x: Vec<f64>,
+    /// Its value.
+    pub value: f64,
+    /// Iterations made.
+    pub iterations: usize,
+    /// Values asked for.
+    pub evaluations: usize,
+    /// Gradients asked for.
+    pub gradients: usize,
+    /// Why it ended.
+    pub ended: Ended,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,159 @@
+//! The simplex search of Nelder and Mead (Computer Journal 7, 1965) in the form of Lagarias et al. (SIAM J. Optim. 9,
+//! 1998): no derivatives, any dimension up to a dozen or so.
+
+use super::{Bounds, Ended, Minimum, Objective};
+
+const REFLECTION: f64 = 1.0;
+const EXPANSION: f64 = 2.0;
+const CONTRACTION: f64 = 0.5;
+const SHRINKAGE: f64 = 0.5;
+
+/// First simplex: every coordinate in turn changed by this share of it.
+const FIRST_STEP: f64 = 0.05;
+
+/// First change of a coordinate that is zero.
+const FIRST_STEP_FROM_ZERO: f64 = 0.00025;
+
+/// When the search is over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Largest distance of a corner from the best one, along any coordinate.
+    pub x_tolerance: f64,
+    /// Largest difference of a corner's value from the best one.
+    pub value_tolerance: f64,
+    /// Most values asked for.
+    pub evaluations: usize,
+}
+
+/// Searches from `start`; points outside the bounds are moved to their edge.
+pub fn minimise(
+    objective: &mut dyn Objective,
+    start: &[f64],
+    bounds: &Bounds,
+    limits: Limits,
+) -> Minimum {
+    let mut search = Search {
+        objective,
+        bounds,
+        evaluations: 0,
+    };
+    let mut simplex = search.first_simplex(start);
+    // Making the first simplex is counted as an iteration, as others do.
+    let mut iterations = 1;
+    let ended = loop {
+        simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+        if is_small(&simplex, limits) {
+            break Ended::Converged;
+        }
+        if search.evaluations >= limits.evaluations {
+            break Ended::OutOfBudget;
+        }
+        iterations += 1;
+        search.improve(&mut simplex);
+        let best = simplex.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((x, value)) = best
+            && !search.objective.progress(iterations, x, *value)
+        {
+            break Ended::Stopped;
+        }
+    };
+    simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let evaluations = search.evaluations;
+    let (x, value) = simplex.swap_remove(0);
+    Minimum {
+        x,
+        value,
+        iterations,
+        evaluations,
+        gradients: 0,
+        ended,
+    }
+}
+
+type Corner = (Vec<f64>, f64);
+
+fn is_small(simplex: &[Corner], limits: Limits) -> bool {
+    let (best, value) = &simplex[0];
+    simplex[1..].iter().all(|(corner, v)| {
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= limits.x_tolerance;
+        (v - value).abs() <= limits.value_tolerance && corner.iter().zip(best).all(near)
+    })
+}
+
+struct Search<'a> {
+    objective: &'a mut dyn Objective,
+    bounds: &'a Bounds,
+    evaluations: usize,
+}
+
+impl Search<'_> {
+    fn corner(&mut self, mut x: Vec<f64>) -> Corner {
+        self.bounds.clamp(&mut x);
+        self.evaluations += 1;
+        let value = self.objective.value(&x);
+        (x, if value.is_nan() { f64::INFINITY } else { value })
+    }
+
+    fn first_simplex(&mut self, start: &[f64]) -> Vec<Corner> {
+        let mut simplex = vec![self.corner(start.to_vec())];
+        for k in 0..start.len() {
+            let mut x = start.to_vec();
+            let step = if x[k] == 0.0 {
+                FIRST_STEP_FROM_ZERO
+            } else {
+                FIRST_STEP * x[k]
+            };
+            // A corner on the edge of the box would flatten the simplex: step inwards instead.
+            let outside = x[k] + step > self.bounds.upper[k] || x[k] + step < self.bounds.lower[k];
+            x[k] += if outside { -step } else { step };
+            simplex.push(self.corner(x));
+        }
+        simplex
+    }
+
+    /// One reflection, expansion, contraction or shrinkage of a sorted simplex.
+    fn improve(&mut self, simplex: &mut [Corner]) {
+        let last = simplex.len() - 1;
+        let count = last as f64;
+        let centre: Vec<f64> = (0..last)
+            .map(|k| simplex[..last].iter().map(|(x, _)| x[k]).sum::<f64>() / count)
+            .collect();
+        let worst = simplex[last].clone();
+        let along = |share: f64| -> Vec<f64> {
+            let pairs = centre.iter().zip(&worst.0);
+            pairs.map(|(c, w)| c + share * (c - w)).collect()
+        };
+        let reflected = self.corner(along(REFLECTION));
+        if reflected.1 < simplex[0].1 {
+            let expanded = self.corner(along(REFLECTION * EXPANSION));
+            simplex[last] = if expanded.1 < reflected.1 {
+                expanded
+            } else {
+                reflected
+            };
+            return;
+        }
+        if reflected.1 < simplex[last - 1].1 {
+            simplex[last] = reflected;
+            return;
+        }
+        let outside = reflected.1 < worst.1;
+        let share = if outside { CONTRACTION } else { -CONTRACTION };
+        let contracted = self.corner(along(share));
+        let accepted = if outside {
+            contracted.1 <= reflected.1
+        } else {
+            contracted.1 < worst.1
+        };
+        if accepted {
+            simplex[last] = contracted;
+            return;
+        }
+        let best = simplex[0].0.clone();
+        for corner in &mut simplex[1..] {
+            let pairs = best.iter().zip(&corner.0);
+            let x = pairs.map(|(b, c)| b + SHRINKAGE * (c - b)).collect();
+            *corner = self.corner(x);
+        }
+    }
+}

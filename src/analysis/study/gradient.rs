@@ -1,0 +1,188 @@
+//! Exact derivatives of measures by the variables: Taylor series through the loops, then the chain rule.
+
+use super::measure::Shown;
+use super::{Evaluator, Rejection, Stand};
+use crate::kinematics::measures::along;
+use crate::kinematics::taylor::{Series, evaluate};
+use crate::model::expression::Expression;
+use crate::model::measure::MeasureSource;
+
+/// Poses for which a thread of its own pays.
+const LEAST_PORTION: usize = 32;
+
+/// Measures of a stand and their derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradients {
+    /// Every measure of the mechanism.
+    pub measures: Vec<f64>,
+    /// d(measure)/d(variable): one row per measure.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// How what a pose shows changes with the variables.
+pub(super) struct Changes {
+    /// Along every variable, to the second order where a measure derives by an input.
+    variables: Vec<Vec<Series>>,
+    /// Along an input by which measures derive, and along it and every variable together.
+    mixed: Vec<Mixed>,
+}
+
+struct Mixed {
+    input: usize,
+    alone: Vec<Series>,
+    together: Vec<Vec<Series>>,
+}
+
+impl Changes {
+    /// Adds `scale` times the derivative of a formula (or of its derivative by an input) to `row`.
+    pub fn add(
+        &self,
+        formula: &Expression,
+        per: Option<usize>,
+        shown: &Shown,
+        scale: f64,
+        row: &mut [f64],
+    ) {
+        if let Some(mixed) = per.and_then(|k| self.mixed.iter().find(|m| m.input == k)) {
+            // The mixed second derivative is the second coefficient of both moving less those of each alone.
+            let second = |series: &[Series]| evaluate(formula, series, 2).coefficients()[2];
+            let alone = second(&mixed.alone);
+            let pairs = mixed.together.iter().zip(&self.variables);
+            for (entry, (both, variable)) in row.iter_mut().zip(pairs) {
+                *entry += scale * (second(both) - alone - second(variable));
+            }
+            return;
+        }
+        let slots = &shown.slots;
+        let mut gradient = vec![0.0; slots.len()];
+        formula.add_gradient(
+            slots,
+            scale,
+            &mut gradient,
+            &mut Vec::new(),
+            &mut Vec::new(),
+        );
+        for slot in formula.slots() {
+            for (entry, series) in row.iter_mut().zip(&self.variables) {
+                *entry += gradient[slot] * series[slot].coefficients()[1];
+            }
+        }
+    }
+}
+
+impl Evaluator<'_> {
+    /// Measures and their exact gradients.
+    ///
+    /// Where a maximum, minimum or bow changes its pose the gradient is that of one side.
+    ///
+    /// # Errors
+    /// A measure without a value or derivative (names it), or a singular pose.
+    pub fn gradients(&self, stand: &Stand) -> Result<Gradients, Rejection> {
+        let mechanism = &self.family.mechanism;
+        let (own, count) = (self.family.own_inputs(), stand.values.len());
+        let shown = self.shown(stand);
+        let (numbers, reductions) = self.numbers(stand, &shown);
+        let changes = self.changes(stand)?;
+        // Derivatives of the slots of the measures' formulas: inputs, then measures.
+        let mut rows = vec![vec![0.0; count]; own + count];
+        (0..count).for_each(|k| rows[own + k][k] = 1.0);
+        for (measure, reduced) in mechanism.measures.iter().zip(&reductions) {
+            let mut row = vec![0.0; count];
+            match (&measure.source, reduced) {
+                (MeasureSource::Formula(formula), _) => chain(formula, &numbers, &rows, &mut row),
+                (MeasureSource::Over { track, of, per, .. }, Some(reduced)) => {
+                    let poses = self.family.poses_of(*track);
+                    for (formula, weights) in of.iter().zip(&reduced.weights) {
+                        for (pose, weight) in poses.clone().zip(weights) {
+                            if *weight != 0.0 {
+                                changes[pose].add(formula, *per, &shown[pose], *weight, &mut row);
+                            }
+                        }
+                    }
+                }
+                _ => {}
+            }
+            rows.push(row);
+        }
+        let first = mechanism.inputs.len();
+        let (measures, rows) = (numbers[first..].to_vec(), rows.split_off(first));
+        for (index, measure) in mechanism.measures.iter().enumerate() {
+            let finite = measures[index].is_finite() && rows[index].iter().all(|v| v.is_finite());
+            if !finite {
+                return Err(Rejection::NoValue(measure.name.clone()));
+            }
+        }
+        Ok(Gradients { measures, rows })
+    }
+
+    /// How every pose of a stand changes with the variables.
+    pub(super) fn changes(&self, stand: &Stand) -> Result<Vec<Changes>, Rejection> {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let portion = stand.poses.len().div_ceil(workers).max(LEAST_PORTION);
+        let work = |first: usize, poses: &[Vec<f64>]| -> Vec<Option<Changes>> {
+            let poses = poses.iter().enumerate();
+            poses
+                .map(|(k, pose)| self.changes_at(first + k, pose))
+                .collect()
+        };
+        let found: Vec<Option<Changes>> = std::thread::scope(|scope| {
+            let portions = stand.poses.chunks(portion).enumerate();
+            let workers: Vec<_> = portions
+                .map(|(k, poses)| scope.spawn(move || work(k * portion, poses)))
+                .collect();
+            let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
+            results.flatten().collect()
+        });
+        let places = found.into_iter().enumerate();
+        let changes = places.map(|(index, changes)| {
+            changes.ok_or_else(|| {
+                let (track, pose) = self.family.place_of(index);
+                Rejection::NotReached { track, pose }
+            })
+        });
+        changes.collect()
+    }
+
+    fn changes_at(&self, index: usize, pose: &[f64]) -> Option<Changes> {
+        let family = self.family;
+        let (first, count) = (family.own_inputs(), family.study.variables.len());
+        let inputs = self.derived_by(index);
+        let order = if inputs.is_empty() { 1 } else { 2 };
+        let series =
+            |moving: &[usize]| along(&family.mechanism, &family.structure, pose, moving, order);
+        let variables: Option<Vec<_>> = (0..count).map(|k| series(&[first + k])).collect();
+        let mixed: Option<Vec<Mixed>> = inputs
+            .into_iter()
+            .map(|input| {
+                let together: Option<Vec<_>> =
+                    (0..count).map(|k| series(&[input, first + k])).collect();
+                Some(Mixed {
+                    input,
+                    alone: series(&[input])?,
+                    together: together?,
+                })
+            })
+            .collect();
+        Some(Changes {
+            variables: variables?,
+            mixed: mixed?,
+        })
+    }
+}
+
+/// Adds the derivative of a formula of earlier numbers, whose derivatives are `rows`.
+fn chain(formula: &Expression, numbers: &[f64], rows: &[Vec<f64>], row: &mut [f64]) {
+    let mut gradient = vec![0.0; numbers.len()];
+    formula.add_gradient(
+        numbers,
+        1.0,
+        &mut gradient,
+        &mut Vec::new(),
+        &mut Vec::new(),
+    );
+    for slot in formula.slots() {
+        for (entry, change) in row.iter_mut().zip(&rows[slot]) {
+            *entry += gradient[slot] * change;
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Measures of a stand: what every pose shows, reduced along the tracks, put into the measures' formulas.
+
+use super::{Evaluator, Rejection, Stand};
+use crate::kinematics::measures::along;
+use crate::kinematics::measures::reduce::{Reduced, reduce};
+use crate::kinematics::taylor::{Series, evaluate};
+use crate::model::expression::Expression;
+use crate::model::measure::MeasureSource;
+use crate::model::mechanism::Mechanism;
+
+/// The numbers of a stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Every measure of the mechanism.
+    pub measures: Vec<f64>,
+}
+
+/// What a pose shows: coordinates, traces, outputs, and their series along the inputs by which measures derive.
+pub(super) struct Shown {
+    pub slots: Vec<f64>,
+    along: Vec<(usize, Option<Vec<Series>>)>,
+}
+
+impl Shown {
+    /// The value of a formula, or its derivative by an input.
+    pub fn value(&self, formula: &Expression, per: Option<usize>, scratch: &mut Vec<f64>) -> f64 {
+        let Some(input) = per else {
+            return formula.value_with(&self.slots, scratch);
+        };
+        let series = self.along.iter().find(|(k, _)| *k == input);
+        match series {
+            Some((_, Some(series))) => evaluate(formula, series, 1).coefficients()[1],
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// Coordinates, x, y, z of the traces, outputs.
+fn slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
+    let arguments = mechanism.argument_values(pose);
+    let mut slots = pose.to_vec();
+    for trace in &mechanism.traces {
+        let frame = mechanism.bodies[trace.body]
+            .world_from_body
+            .pose(&arguments);
+        slots.extend(frame.transform_point(trace.point).to_array());
+    }
+    let mut scratch = Vec::new();
+    for output in &mechanism.outputs {
+        let value = output.expression.value_with(&slots, &mut scratch);
+        slots.push(value);
+    }
+    slots
+}
+
+impl Evaluator<'_> {
+    /// What every pose of a stand shows.
+    pub(super) fn shown(&self, stand: &Stand) -> Vec<Shown> {
+        let poses = stand.poses.iter().enumerate();
+        poses
+            .map(|(index, pose)| self.shown_at(index, pose))
+            .collect()
+    }
+
+    fn shown_at(&self, index: usize, pose: &[f64]) -> Shown {
+        let family = self.family;
+        let (mechanism, structure) = (&family.mechanism, &family.structure);
+        let inputs = self.derived_by(index);
+        let series = |input: usize| (input, along(mechanism, structure, pose, &[input], 1));
+        Shown {
+            slots: slots(mechanism, pose),
+            along: inputs.into_iter().map(series).collect(),
+        }
+    }
+
+    /// Inputs by which measures derive at pose `index`.
+    pub(super) fn derived_by(&self, index: usize) -> Vec<usize> {
+        let mut inputs = Vec::new();
+        for measure in &self.family.mechanism.measures {
+            if let MeasureSource::Over {
+                track,
+                per: Some(input),
+                ..
+            } = measure.source
+                && self.family.poses_of(track).contains(&index)
+                && !inputs.contains(&input)
+            {
+                inputs.push(input);
+            }
+        }
+        inputs
+    }
+
+    /// The measures of a stand.
+    ///
+    /// # Errors
+    /// A measure that has no value (names it).
+    pub fn measure(&self, stand: &Stand) -> Result<Measured, Rejection> {
+        let shown = self.shown(stand);
+        let (numbers, _) = self.numbers(stand, &shown);
+        let measures = numbers[self.family.mechanism.inputs.len()..].to_vec();
+        match measures.iter().position(|v| !v.is_finite()) {
+            Some(bad) => {
+                let name = self.family.mechanism.measures[bad].name.clone();
+                Err(Rejection::NoValue(name))
+            }
+            None => Ok(Measured { measures }),
+        }
+    }
+
+    /// Inputs and measures, the slots of the measures' formulas; and how those over tracks came about.
+    pub(super) fn numbers(
+        &self,
+        stand: &Stand,
+        shown: &[Shown],
+    ) -> (Vec<f64>, Vec<Option<Reduced>>) {
+        let mechanism = &self.family.mechanism;
+        let mut numbers = mechanism.inputs_at(0.0);
+        let own = self.family.own_inputs();
+        numbers[own..].copy_from_slice(&stand.values);
+        let mut scratch = Vec::new();
+        let mut reductions = Vec::with_capacity(mechanism.measures.len());
+        for measure in &mechanism.measures {
+            let (value, reduced) = match &measure.source {
+                MeasureSource::Formula(formula) => {
+                    (formula.value_with(&numbers, &mut scratch), None)
+                }
+                MeasureSource::Over {
+                    track,
+                    of,
+                    per,
+                    taking,
+                    power,
+                } => {
+                    let poses = &shown[self.family.poses_of(*track)];
+                    let rows: Vec<Vec<f64>> = of
+                        .iter()
+                        .map(|f| {
+                            poses
+                                .iter()
+                                .map(|s| s.value(f, *per, &mut scratch))
+                                .collect()
+                        })
+                        .collect();
+                    let reduced = reduce(*taking, *power, &rows);
+                    (reduced.as_ref().map_or(f64::NAN, |r| r.value), reduced)
+                }
+            };
+            numbers.push(value);
+            reductions.push(reduced);
+        }
+        (numbers, reductions)
+    }
+}

@@ -1,0 +1,212 @@
+//! A mechanism with variables, posed along the tracks of its study, and the measures of that: values and exact
+//! gradients. Optimisers, sensitivities and tolerances are loops around this.
+
+mod gradient;
+mod measure;
+pub mod optimum;
+mod peaks;
+mod search;
+mod stand;
+
+use crate::diag::{SceneError, Source};
+use crate::kinematics::certificate::Certificate;
+use crate::kinematics::continuation::solve;
+use crate::kinematics::measures::poses_of;
+use crate::kinematics::sampling::even_times;
+use crate::kinematics::structure::{Structure, StructureError};
+use crate::kinematics::trajectory::Sample;
+use crate::model::measure::{Measure, MeasureSource};
+use crate::model::mechanism::Mechanism;
+use crate::model::study::Study;
+use crate::scene::{Overrides, load};
+pub use gradient::Gradients;
+pub use measure::Measured;
+pub use peaks::Peaks;
+pub use search::{Refusals, Search, Watch};
+pub use stand::{Evaluator, Rejection, Stand};
+
+/// Poses at which measures along the drive itself are taken in a study.
+const DRIVE_SAMPLES: usize = 180;
+
+/// A mechanism whose last inputs are the variables of its study.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// The mechanism; traced points have frames of their own in it, bodies are as in the file.
+    pub mechanism: Mechanism,
+    /// What is varied and asked.
+    pub study: Study,
+    structure: Structure,
+    /// Number of poses of every track, and of the drive behind them if a measure looks along it.
+    counts: Vec<usize>,
+}
+
+/// The poses of a study with the file's values, and what is proved of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Nominal {
+    /// Unknowns, then inputs, of every pose, track after track.
+    pub poses: Vec<Vec<f64>>,
+    /// Largest certified error of a coordinate, in the scene's unit as certificates have it.
+    pub error_bound: f64,
+    /// Poses without a certificate.
+    pub unproved: usize,
+}
+
+impl Nominal {
+    fn add(&mut self, pose: Vec<f64>, certificate: Certificate) {
+        self.poses.push(pose);
+        match certificate {
+            Certificate::Certified { error_bound, .. } => {
+                self.error_bound = self.error_bound.max(error_bound)
+            }
+            Certificate::Refused { .. } => self.unproved += 1,
+        }
+    }
+}
+
+/// Why a study cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FamilyError {
+    /// The scene has mistakes.
+    #[error(transparent)]
+    Scene(#[from] Box<SceneError>),
+    /// The mechanism is ill-posed.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// Something the study needs is missing.
+    #[error("{0}")]
+    Lacks(String),
+    /// A pose of a track does not exist with the file's own values.
+    #[error("track `{track}`: {message}")]
+    Track {
+        /// Name of the track.
+        track: String,
+        /// Which pose, and why.
+        message: String,
+    },
+}
+
+impl Family {
+    /// Reads the scene with the parameters called `vary` as variables, or with those of its `[study]`.
+    ///
+    /// # Errors
+    /// Mistakes in the scene; nothing to vary; a mechanism that is not determined.
+    pub fn load(
+        source: &Source,
+        overrides: &Overrides,
+        vary: &[String],
+    ) -> Result<Self, FamilyError> {
+        let nominal = load(source, overrides).map_err(Box::new)?;
+        let own = nominal.study.iter().flat_map(|s| &s.variables);
+        let names: Vec<String> = if vary.is_empty() {
+            own.map(|v| v.name.clone()).collect()
+        } else {
+            vary.to_vec()
+        };
+        if names.is_empty() {
+            let message =
+                "nothing is to be varied: name parameters in `[study.variables]` or with --vary";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        let overrides = Overrides {
+            vary: names,
+            ..overrides.clone()
+        };
+        let scene = load(source, &overrides).map_err(Box::new)?;
+        let mut mechanism = scene.mechanism;
+        // Fixed offsets became joints of this mechanism; its residuals keep their scale.
+        mechanism.size = nominal.mechanism.size;
+        let structure = Structure::new(&mechanism)?;
+        let study = scene.study.unwrap_or_default();
+        if mechanism.measures.is_empty() {
+            let message = "the scene has no `[measures]`: a study asks what becomes of them";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        let mut counts: Vec<usize> = mechanism.tracks.iter().map(|t| t.samples).collect();
+        let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+        if mechanism.measures.iter().any(along_drive) {
+            counts.push(DRIVE_SAMPLES);
+        }
+        Ok(Self {
+            mechanism,
+            study,
+            structure,
+            counts,
+        })
+    }
+
+    /// Number of the scene's own inputs; the variables follow them.
+    pub fn own_inputs(&self) -> usize {
+        self.mechanism.inputs.len() - self.study.variables.len()
+    }
+
+    /// The file's values of the variables.
+    pub fn start(&self) -> Vec<f64> {
+        self.study.variables.iter().map(|v| v.start).collect()
+    }
+
+    /// Every pose of every track with the file's values, followed from the start of the drive.
+    ///
+    /// # Errors
+    /// The first pose that does not exist.
+    pub fn nominal(&self) -> Result<Nominal, FamilyError> {
+        let mut nominal = Nominal::default();
+        for row in 0..self.counts.len() {
+            let samples = match self.mechanism.tracks.get(row) {
+                Some(track) => poses_of(&self.mechanism, track)?,
+                None => {
+                    let times = even_times(&self.mechanism, DRIVE_SAMPLES);
+                    solve(&self.mechanism, &times)?.samples
+                }
+            };
+            self.add_samples(row, &samples, &mut nominal)?;
+        }
+        Ok(nominal)
+    }
+
+    fn add_samples(
+        &self,
+        row: usize,
+        samples: &[Sample],
+        nominal: &mut Nominal,
+    ) -> Result<(), FamilyError> {
+        for (k, sample) in samples.iter().enumerate() {
+            let Some(pose) = &sample.pose else {
+                return Err(FamilyError::Track {
+                    track: self.row_name(row),
+                    message: format!(
+                        "the mechanism cannot be closed at pose {} with the file's values",
+                        k + 1
+                    ),
+                });
+            };
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            nominal.add(coordinates, pose.certificate);
+        }
+        Ok(())
+    }
+
+    /// Name of a track, or of the drive behind them.
+    fn row_name(&self, row: usize) -> String {
+        let track = self.mechanism.tracks.get(row);
+        track.map_or_else(|| "the drive".to_owned(), |t| t.name.clone())
+    }
+
+    /// Which of all poses belong to a track, or to the drive.
+    fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
+        let row = track.unwrap_or(self.mechanism.tracks.len());
+        let start: usize = self.counts[..row].iter().sum();
+        start..start + self.counts[row]
+    }
+
+    /// Name of the track of pose `index` of all, and its number there from 1.
+    fn place_of(&self, index: usize) -> (String, usize) {
+        let mut rest = index;
+        for (row, count) in self.counts.iter().enumerate() {
+            if rest < *count {
+                return (self.row_name(row), rest + 1);
+            }
+            rest -= count;
+        }
+        (String::new(), 0)
+    }
+}

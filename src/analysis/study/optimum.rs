@@ -1,0 +1,176 @@
+//! Searching a study's optimum by a chosen method, and proving afterwards what was found.
+
+use super::{Family, FamilyError, Refusals, Search, Watch};
+use crate::analysis::optimise::{Minimum, Objective, bfgs, constraints, evolution, nelder_mead};
+use crate::diag::Source;
+use crate::scene::Overrides;
+
+/// A violation of a constraint that is let pass, as a share of its bound.
+const LET_PASS: f64 = 1e-7;
+
+/// Length of the first step of a gradient search, as a share of the variables.
+const FIRST_STEP: f64 = 0.02;
+
+/// Members of a generation for each variable.
+const MEMBERS_PER_VARIABLE: usize = 8;
+
+/// How the minimum is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Simplex; tolerance of variables and values as they are.
+    NelderMead {
+        /// Of both.
+        tolerance: f64,
+    },
+    /// Quasi-Newton.
+    Bfgs {
+        /// Of the scaled gradient, relative to the first value.
+        tolerance: f64,
+    },
+    /// Differential evolution, then quasi-Newton.
+    Evolution {
+        /// Of the generation's values, relative.
+        tolerance: f64,
+        /// Where random numbers start.
+        seed: u64,
+    },
+}
+
+/// What a search of a study found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimum {
+    /// The minimum; variables in internal units.
+    pub minimum: Minimum,
+    /// The objective at the file's own values.
+    pub first_value: f64,
+    /// Candidates that were refused.
+    pub refusals: Refusals,
+}
+
+/// Minimises the study's objective within bounds and constraints.
+///
+/// # Errors
+/// No objective, no poses at the start, or no bounds where the method needs them.
+pub fn optimise(
+    family: &Family,
+    method: Method,
+    iterations: usize,
+    watch: Box<Watch<'_>>,
+) -> Result<Optimum, FamilyError> {
+    let mut search = Search::new(family, watch)?;
+    let (bounds, scales) = (search.bounds(), search.scales());
+    let finite = bounds
+        .lower
+        .iter()
+        .chain(&bounds.upper)
+        .all(|b| b.is_finite());
+    if matches!(method, Method::Evolution { .. }) && !finite {
+        let message = "evolution searches a box: give every variable a range";
+        return Err(FamilyError::Lacks(message.to_owned()));
+    }
+    let first_value = search.value();
+    let limits = search.constraint_scales();
+    let mut run = |objective: &mut dyn Objective, x: &[f64]| -> Minimum {
+        let newton = |objective: &mut dyn Objective, x: &[f64], tolerance: f64| {
+            let limits = bfgs::Limits {
+                gradient_tolerance: tolerance,
+                iterations,
+                first_step: FIRST_STEP,
+            };
+            bfgs::minimise(objective, x, &scales, &bounds, limits)
+        };
+        match method {
+            Method::NelderMead { tolerance } => {
+                let limits = nelder_mead::Limits {
+                    x_tolerance: tolerance,
+                    value_tolerance: tolerance,
+                    evaluations: 4 * iterations,
+                };
+                nelder_mead::minimise(objective, x, &bounds, limits)
+            }
+            Method::Bfgs { tolerance } => newton(objective, x, tolerance),
+            Method::Evolution { tolerance, seed } => {
+                let limits = evolution::Limits {
+                    members: MEMBERS_PER_VARIABLE * x.len() + 4,
+                    generations: iterations,
+                    seed,
+                    value_tolerance: tolerance,
+                };
+                let found = evolution::minimise(objective, x, &bounds, limits);
+                let refined = newton(objective, &found.x, tolerance);
+                let total = Minimum {
+                    iterations: found.iterations + refined.iterations,
+                    evaluations: found.evaluations + refined.evaluations,
+                    ..refined
+                };
+                if total.value <= found.value {
+                    total
+                } else {
+                    found
+                }
+            }
+        }
+    };
+    let start = family.start();
+    let minimum = if limits.is_empty() {
+        run(&mut search, &start)
+    } else {
+        constraints::minimise(&mut search, &start, &limits, LET_PASS, &mut run)
+    };
+    Ok(Optimum {
+        minimum,
+        first_value,
+        refusals: search.refusals,
+    })
+}
+
+/// What an independent motion along the tracks says of found values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verified {
+    /// Every measure.
+    pub measures: Vec<f64>,
+    /// Largest certified error of a coordinate.
+    pub error_bound: f64,
+    /// Poses without a certificate.
+    pub unproved: usize,
+    /// Number of poses.
+    pub poses: usize,
+    /// Largest violation of a constraint, as a share of its bound; zero or less inside.
+    pub violation: f64,
+}
+
+/// Reads the scene again with the values as its parameters, follows the tracks from the start of the drive, and measures.
+///
+/// # Errors
+/// What is wrong with the values: they do not assemble, or not on the way from the start values.
+pub fn verify(
+    source: &Source,
+    overrides: &Overrides,
+    parameters: Vec<(String, String)>,
+    vary: &[String],
+) -> Result<Verified, FamilyError> {
+    let overrides = Overrides {
+        parameters,
+        ..overrides.clone()
+    };
+    let family = Family::load(source, &overrides, vary)?;
+    let nominal = family.nominal()?;
+    let (error_bound, unproved, poses) =
+        (nominal.error_bound, nominal.unproved, nominal.poses.len());
+    let mut evaluator = super::Evaluator::new(&family);
+    let stand = evaluator.nominal(nominal.poses);
+    let measured = evaluator.measure(&stand);
+    let measures = measured
+        .map_err(|r| FamilyError::Lacks(r.to_string()))?
+        .measures;
+    let pairs = family.mechanism.measures.iter().zip(&measures);
+    let violations = pairs.map(|(m, value)| m.violation(*value));
+    let violation = violations.fold(f64::NEG_INFINITY, f64::max);
+    Ok(Verified {
+        measures,
+        error_bound,
+        unproved,
+        poses,
+        violation,
+    })
+}

@@ -1,0 +1,201 @@
+//! A study as a function for the minimisers: poses from the best stand so far, refused candidates counted by cause.
+
+use super::{Evaluator, Family, FamilyError, Rejection, Stand};
+use crate::analysis::optimise::constraints::Constrained;
+use crate::analysis::optimise::{Bounds, Objective};
+
+/// How many candidates were refused, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Refusals {
+    /// A pose could not be reached: no assembly, or a singular pose on the way.
+    pub not_reached: usize,
+    /// A measure had no value.
+    pub no_value: usize,
+}
+
+impl Refusals {
+    /// Counts a refusal by its cause.
+    pub(super) fn count_one(&mut self, rejection: &Rejection) {
+        match rejection {
+            Rejection::NotReached { .. } => self.not_reached += 1,
+            Rejection::NoValue(_) => self.no_value += 1,
+        }
+    }
+
+    /// All of them.
+    pub fn count(&self) -> usize {
+        self.not_reached + self.no_value
+    }
+}
+
+/// Called with iteration, values of the variables and the objective; `false` ends the search.
+pub type Watch<'w> = dyn FnMut(usize, &[f64], f64) -> bool + 'w;
+
+/// A family with its objective.
+pub struct Search<'f, 'w> {
+    evaluator: Evaluator<'f>,
+    base: Stand,
+    base_value: f64,
+    objective: usize,
+    /// Candidates that were refused.
+    pub refusals: Refusals,
+    watch: Box<Watch<'w>>,
+}
+
+impl<'f, 'w> Search<'f, 'w> {
+    /// Prepares the search from the file's own values.
+    ///
+    /// # Errors
+    /// No objective; poses or measures that do not exist at the start.
+    pub fn new(family: &'f Family, watch: Box<Watch<'w>>) -> Result<Self, FamilyError> {
+        let Some(objective) = family.study.objective else {
+            let message =
+                "the study has nothing to minimise: name a measure with `minimise` in `[study]`";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        };
+        let mut evaluator = Evaluator::new(family);
+        let base = evaluator.nominal(family.nominal()?.poses);
+        let measured = evaluator.measure(&base);
+        let measures = measured.map_err(|refusal| {
+            FamilyError::Lacks(format!("at the file's own values: {refusal}"))
+        })?;
+        Ok(Self {
+            base_value: measures.measures[objective],
+            evaluator,
+            base,
+            objective,
+            refusals: Refusals::default(),
+            watch,
+        })
+    }
+
+    /// The objective at the best values so far (at the start: at the file's own).
+    pub fn value(&self) -> f64 {
+        self.base_value
+    }
+
+    /// The box of the variables.
+    pub fn bounds(&self) -> Bounds {
+        let variables = &self.evaluator.family().study.variables;
+        Bounds {
+            lower: variables.iter().map(|v| v.lower).collect(),
+            upper: variables.iter().map(|v| v.upper).collect(),
+        }
+    }
+
+    /// Typical sizes of the variables: their values, or the width of their range where that is zero.
+    pub fn scales(&self) -> Vec<f64> {
+        let family = self.evaluator.family();
+        let variables = family.study.variables.iter();
+        variables
+            .map(|v| {
+                let width = v.upper - v.lower;
+                if v.start != 0.0 {
+                    v.start.abs()
+                } else if width.is_finite() {
+                    width
+                } else {
+                    family.mechanism.size
+                }
+            })
+            .collect()
+    }
+
+    /// Typical sizes of the constraints: the measures' limits.
+    pub fn constraint_scales(&self) -> Vec<f64> {
+        let measures = self.evaluator.family().mechanism.measures.iter();
+        let size = |bound: f64| if bound == 0.0 { 1.0 } else { bound.abs() };
+        measures
+            .flat_map(|m| m.max.into_iter().chain(m.min))
+            .map(size)
+            .collect()
+    }
+
+    /// All measures at `x`, and their gradients if `with_gradients`.
+    fn look(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        match self.look_or_refuse(x, with_gradients) {
+            Ok(found) => Some(found),
+            Err(rejection) => {
+                self.refusals.count_one(&rejection);
+                None
+            }
+        }
+    }
+
+    fn look_or_refuse(
+        &mut self,
+        x: &[f64],
+        with_gradients: bool,
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Rejection> {
+        let stand = self.evaluator.approach(&self.base, x)?;
+        let (measures, rows) = if with_gradients {
+            let found = self.evaluator.gradients(&stand)?;
+            (found.measures, found.rows)
+        } else {
+            (self.evaluator.measure(&stand)?.measures, Vec::new())
+        };
+        // The next candidates are mostly near the best one: it is the stand to start from.
+        if measures[self.objective] < self.base_value {
+            self.base_value = measures[self.objective];
+            self.base = self.evaluator.settled(stand);
+        }
+        Ok((measures, rows))
+    }
+}
+
+impl Constrained for Search<'_, '_> {
+    fn values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        let (measures, _) = self.look(x, false)?;
+        let mut values = vec![measures[self.objective]];
+        for (measure, value) in self
+            .evaluator
+            .family()
+            .mechanism
+            .measures
+            .iter()
+            .zip(&measures)
+        {
+            values.extend(measure.max.map(|high| value - high));
+            values.extend(measure.min.map(|low| low - value));
+        }
+        Some(values)
+    }
+
+    fn gradients(&mut self, x: &[f64]) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        let (measures, rows) = self.look(x, true)?;
+        let mut values = vec![measures[self.objective]];
+        let mut gradients = vec![rows[self.objective].clone()];
+        let list = self.evaluator.family().mechanism.measures.iter();
+        for ((measure, value), row) in list.zip(&measures).zip(&rows) {
+            if let Some(high) = measure.max {
+                values.push(value - high);
+                gradients.push(row.clone());
+            }
+            if let Some(low) = measure.min {
+                values.push(low - value);
+                gradients.push(row.iter().map(|d| -d).collect());
+            }
+        }
+        Some((values, gradients))
+    }
+
+    fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
+        (self.watch)(iteration, x, value)
+    }
+}
+
+impl Objective for Search<'_, '_> {
+    fn value(&mut self, x: &[f64]) -> f64 {
+        self.look(x, false)
+            .map_or(f64::INFINITY, |(measures, _)| measures[self.objective])
+    }
+
+    fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let (measures, mut rows) = self.look(x, true)?;
+        Some((measures[self.objective], rows.swap_remove(self.objective)))
+    }
+
+    fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
+        (self.watch)(iteration, x, value)
+    }
+}

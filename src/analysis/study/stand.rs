@@ -1,0 +1,224 @@
+//! Posing the mechanism with other values of its variables: from a known stand along the straight way to the new
+//! values, with the branch checks of any motion.
+
+use super::Family;
+use crate::kinematics::branch::BranchWatch;
+use crate::kinematics::newton::{Corrector, Pace};
+
+/// Largest correction of a prediction, in scaled unknowns; a larger one could have reached another branch.
+const MAX_CORRECTION: f64 = 0.05;
+
+/// A correction may be this fraction of the predicted change.
+const CORRECTION_OF_STEP: f64 = 0.25;
+
+/// Floor of the above, for changes that are next to nothing.
+const CORRECTION_FLOOR: f64 = 1e-9;
+
+/// Smallest share of the way that is tried before a candidate is given up.
+const SMALLEST_SHARE: f64 = 1.0 / 256.0;
+
+/// A pose whose smallest singular value is below this share of the first one's is next to a singular pose, where the
+/// motion could go on on either side: nothing may be built on it.
+const LEAST_SIGMA: f64 = 1e-5;
+
+/// All poses of all tracks with one set of values, and how they change with the values.
+#[derive(Clone, Debug)]
+pub struct Stand {
+    /// Values of the variables.
+    pub values: Vec<f64>,
+    /// Unknowns, then inputs (the variables last), of every pose, track after track.
+    pub poses: Vec<Vec<f64>>,
+    /// d(unknowns)/d(variable) of every pose, variable after variable.
+    sensitivities: Vec<Vec<f64>>,
+    signs: Vec<Vec<i8>>,
+    /// Smallest singular value of every pose with the file's values.
+    sigmas: Vec<f64>,
+}
+
+/// Why values of the variables are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Rejection {
+    /// A pose does not exist, or cannot be reached without crossing a singular one.
+    #[error("pose {pose} of track `{track}` cannot be reached on this branch")]
+    NotReached {
+        /// Name of the track.
+        track: String,
+        /// Number of the pose, from 1.
+        pose: usize,
+    },
+    /// A measure has no value.
+    #[error("`{0}` has no value")]
+    NoValue(String),
+}
+
+/// Poses a family; one for each thread.
+#[derive(Clone, Debug)]
+pub struct Evaluator<'f> {
+    pub(super) family: &'f Family,
+    corrector: Corrector,
+    watch: BranchWatch,
+}
+
+impl<'f> Evaluator<'f> {
+    /// Buffers for `family`.
+    pub fn new(family: &'f Family) -> Self {
+        Self {
+            family,
+            corrector: Corrector::new(&family.structure),
+            watch: BranchWatch::default(),
+        }
+    }
+
+    /// The family that is posed.
+    pub fn family(&self) -> &'f Family {
+        self.family
+    }
+
+    /// The stand at the file's own values, from their `poses`.
+    pub fn nominal(&mut self, poses: Vec<Vec<f64>>) -> Stand {
+        let states = poses.iter().map(|pose| self.side(pose));
+        let (signs, sigmas) = states.unzip();
+        let mut stand = Stand {
+            values: self.family.start(),
+            sensitivities: Vec::new(),
+            signs,
+            sigmas,
+            poses,
+        };
+        self.add_sensitivities(&mut stand);
+        stand
+    }
+
+    /// On which side of its singular poses a pose is, and how far from them.
+    fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
+        let Family {
+            mechanism,
+            structure,
+            ..
+        } = self.family;
+        let watch = &mut self.watch;
+        let state = watch.observe(mechanism, structure, &mut self.corrector, pose);
+        (state.signs, state.sigma_min)
+    }
+
+    fn add_sensitivities(&mut self, stand: &mut Stand) {
+        let family = self.family;
+        let (n, count) = (family.mechanism.unknowns.len(), stand.values.len());
+        let first = family.mechanism.coordinate_count() - count;
+        stand.sensitivities = Vec::with_capacity(stand.poses.len());
+        let mut rates = vec![0.0; family.mechanism.coordinate_count()];
+        for pose in &stand.poses {
+            let mut all = Vec::with_capacity(n * count);
+            for variable in 0..count {
+                rates.fill(0.0);
+                rates[first + variable] = 1.0;
+                let (mechanism, structure) = (&family.mechanism, &family.structure);
+                self.corrector
+                    .tangent(mechanism, structure, pose, &mut rates);
+                all.extend_from_slice(&rates[..n]);
+            }
+            stand.sensitivities.push(all);
+        }
+    }
+
+    /// The stand at other values, reached from `stand` by as many steps as it takes.
+    ///
+    /// # Errors
+    /// The pose at which the way ends.
+    pub fn reach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
+        let reached = self.approach(stand, values)?;
+        Ok(self.settled(reached))
+    }
+
+    /// An approached stand with the sensitivities that further steps need.
+    pub fn settled(&mut self, mut stand: Stand) -> Stand {
+        self.add_sensitivities(&mut stand);
+        stand
+    }
+
+    /// As [`reach`](Self::reach), without the sensitivities that further steps would need.
+    ///
+    /// # Errors
+    /// The pose at which the way ends.
+    pub fn approach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
+        let first = match self.step(stand, values) {
+            Ok(reached) => return Ok(reached),
+            Err(pose) => pose,
+        };
+        let (mut here, mut share, mut step, mut stuck) = (stand.clone(), 0.0, 0.5, first);
+        while share < 1.0 {
+            if step < SMALLEST_SHARE {
+                let (track, pose) = self.family.place_of(stuck);
+                return Err(Rejection::NotReached { track, pose });
+            }
+            let next = f64::min(share + step, 1.0);
+            let ends = stand.values.iter().zip(values);
+            let between: Vec<f64> = ends.map(|(a, b)| a + (b - a) * next).collect();
+            let target = if next == 1.0 { values } else { &between };
+            match self.step(&here, target) {
+                Ok(mut reached) => {
+                    if next < 1.0 {
+                        self.add_sensitivities(&mut reached);
+                    }
+                    (here, share, step) = (reached, next, 2.0 * step);
+                }
+                Err(pose) => (stuck, step) = (pose, 0.5 * step),
+            }
+        }
+        Ok(here)
+    }
+
+    /// One step; the number of the pose that could not be trusted otherwise.
+    fn step(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, usize> {
+        let change: Vec<f64> = values
+            .iter()
+            .zip(&stand.values)
+            .map(|(b, a)| b - a)
+            .collect();
+        let mut poses = Vec::with_capacity(stand.poses.len());
+        for index in 0..stand.poses.len() {
+            let pose = self.pose(stand, index, &change, values).ok_or(index)?;
+            poses.push(pose);
+        }
+        Ok(Stand {
+            values: values.to_vec(),
+            poses,
+            sensitivities: Vec::new(),
+            signs: stand.signs.clone(),
+            sigmas: stand.sigmas.clone(),
+        })
+    }
+
+    fn pose(
+        &mut self,
+        stand: &Stand,
+        index: usize,
+        change: &[f64],
+        values: &[f64],
+    ) -> Option<Vec<f64>> {
+        let family = self.family;
+        let n = family.mechanism.unknowns.len();
+        let mut pose = stand.poses[index].clone();
+        let mut length = 0.0_f64;
+        let sensitivity = &stand.sensitivities[index];
+        for k in 0..n {
+            let columns = sensitivity.chunks_exact(n).zip(change);
+            let moved: f64 = columns.map(|(column, d)| column[k] * d).sum();
+            length = length.max((moved / family.mechanism.scale_of(k)).abs());
+            pose[k] += moved;
+        }
+        let first = pose.len() - values.len();
+        pose[first..].copy_from_slice(values);
+        let (mechanism, structure) = (&family.mechanism, &family.structure);
+        let corrector = &mut self.corrector;
+        let correction = corrector.correct(mechanism, structure, &mut pose, Pace::Brisk);
+        let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
+        let trusted = correction.converged && correction.first_step <= allowed;
+        if !trusted {
+            return None;
+        }
+        let (signs, sigma) = self.side(&pose);
+        let regular = sigma >= LEAST_SIGMA * stand.sigmas[index];
+        (regular && signs == stand.signs[index]).then_some(pose)
+    }
+}

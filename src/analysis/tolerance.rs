@@ -1,0 +1,236 @@
+//! What tolerances of the dimensions do to the measures of a study: linear sums, and random pieces whose numbers do not
+//! depend on how the work is divided.
+
+use super::random::Random;
+use super::study::{Evaluator, Family, Gradients, Stand};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// How a dimension scatters within its tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Every value within is as likely.
+    Uniform,
+    /// Normal; the tolerance is three deviations.
+    Normal,
+}
+
+/// Deviations in a tolerance of a normal distribution.
+const DEVIATIONS: f64 = 3.0;
+
+impl Distribution {
+    /// Standard deviation of a dimension of this tolerance.
+    pub fn deviation(self, tolerance: f64) -> f64 {
+        match self {
+            Self::Uniform => tolerance / 3.0_f64.sqrt(),
+            Self::Normal => tolerance / DEVIATIONS,
+        }
+    }
+
+    fn draw(self, random: &mut Random, tolerance: f64) -> f64 {
+        match self {
+            Self::Uniform => tolerance * random.symmetric(),
+            Self::Normal => tolerance / DEVIATIONS * random.normal(),
+        }
+    }
+}
+
+/// A measure's scatter by the linear rules.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear {
+    /// Root of the sum of squares of slope times tolerance.
+    pub root_sum_square: f64,
+    /// Sum of their magnitudes: all dimensions at their worst at once.
+    pub worst_case: f64,
+    /// Standard deviation if the dimensions scatter as [`Distribution`] says.
+    pub deviation: f64,
+}
+
+/// The linear scatter of every measure.
+pub fn linear(
+    gradients: &Gradients,
+    tolerances: &[f64],
+    distribution: Distribution,
+) -> Vec<Linear> {
+    let square = |sum: f64, v: f64| sum + v * v;
+    gradients
+        .rows
+        .iter()
+        .map(|row| {
+            let parts = || row.iter().zip(tolerances);
+            Linear {
+                root_sum_square: parts().map(|(d, t)| d * t).fold(0.0, square).sqrt(),
+                worst_case: parts().map(|(d, t)| (d * t).abs()).sum(),
+                deviation: parts()
+                    .map(|(d, t)| d * distribution.deviation(*t))
+                    .fold(0.0, square)
+                    .sqrt(),
+            }
+        })
+        .collect()
+}
+
+/// The random pieces of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pieces {
+    /// Measures of piece n at `n · measures`; NaN for a piece that does not assemble.
+    pub values: Vec<f64>,
+    /// Measures of one piece.
+    pub measures: usize,
+    /// Pieces that cannot be assembled, or have a measure without a value.
+    pub failed: usize,
+    /// Pieces that keep all requirements.
+    pub good: usize,
+    /// A number made of all values, the same for any division of the work.
+    pub digest: u64,
+}
+
+/// How many pieces, and how they scatter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Batch {
+    /// Number of pieces.
+    pub samples: usize,
+    /// Number of the first piece: several runs can share the work.
+    pub first: usize,
+    /// Where random numbers start.
+    pub seed: u64,
+    /// Within the tolerances.
+    pub distribution: Distribution,
+    /// Worker threads, at least one.
+    pub threads: usize,
+}
+
+/// Pieces that a worker takes at once.
+const PORTION: usize = 64;
+
+/// Makes and measures random pieces around `nominal`; `None` if `cancel` was raised.
+pub fn pieces(
+    family: &Family,
+    nominal: &Stand,
+    tolerances: &[f64],
+    batch: Batch,
+    cancel: &AtomicBool,
+) -> Option<Pieces> {
+    let measures = family.mechanism.measures.len();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut evaluator = Evaluator::new(family);
+        let mut portions: Vec<(usize, Vec<f64>)> = Vec::new();
+        loop {
+            let start = next.fetch_add(PORTION, Ordering::Relaxed);
+            if start >= batch.samples || cancel.load(Ordering::Relaxed) {
+                return portions;
+            }
+            let count = PORTION.min(batch.samples - start);
+            let mut values = Vec::with_capacity(count * measures);
+            for item in start..start + count {
+                let random = Random::new(batch.seed, 0, (batch.first + item) as u64);
+                match piece(
+                    &mut evaluator,
+                    nominal,
+                    tolerances,
+                    batch.distribution,
+                    random,
+                ) {
+                    Some(found) => values.extend(found),
+                    None => values.resize(values.len() + measures, f64::NAN),
+                }
+            }
+            portions.push((start, values));
+        }
+    };
+    let mut values = vec![f64::NAN; batch.samples * measures];
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..batch.threads.max(1))
+            .map(|_| scope.spawn(work))
+            .collect();
+        for worker in workers {
+            for (start, portion) in worker.join().unwrap_or_default() {
+                values[start * measures..start * measures + portion.len()]
+                    .copy_from_slice(&portion);
+            }
+        }
+    });
+    if cancel.load(Ordering::Relaxed) {
+        return None;
+    }
+    Some(summary(family, values, measures, batch.first))
+}
+
+fn piece(
+    evaluator: &mut Evaluator,
+    nominal: &Stand,
+    tolerances: &[f64],
+    distribution: Distribution,
+    mut random: Random,
+) -> Option<Vec<f64>> {
+    let drawn = nominal.values.iter().zip(tolerances);
+    let values: Vec<f64> = drawn
+        .map(|(v, t)| v + distribution.draw(&mut random, *t))
+        .collect();
+    let stand = evaluator.approach(nominal, &values).ok()?;
+    Some(evaluator.measure(&stand).ok()?.measures)
+}
+
+fn summary(family: &Family, values: Vec<f64>, measures: usize, first: usize) -> Pieces {
+    let list = &family.mechanism.measures;
+    let (mut failed, mut good, mut digest) = (0, 0, 0u64);
+    for (item, piece) in values.chunks_exact(measures.max(1)).enumerate() {
+        if piece.iter().any(|v| v.is_nan()) {
+            failed += 1;
+        } else {
+            let pairs = list.iter().zip(piece);
+            good += usize::from(pairs.into_iter().all(|(m, v)| m.allows(*v)));
+        }
+        // A sum of one number per piece does not depend on the order, nor on how pieces are shared out.
+        let mut hash = (first + item) as u64 ^ 0xcbf2_9ce4_8422_2325;
+        for value in piece {
+            hash = (hash ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
+            hash ^= hash >> 32;
+        }
+        digest = digest.wrapping_add(hash);
+    }
+    Pieces {
+        values,
+        measures,
+        failed,
+        good,
+        digest,
+    }
+}
+
+/// Mean, deviation and quantiles of one measure over the pieces that assemble.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub deviation: f64,
+    /// Values at the asked shares.
+    pub quantiles: Vec<f64>,
+}
+
+impl Pieces {
+    /// The scatter of measure `index`, with quantiles at `shares` (0 to 1).
+    pub fn scatter(&self, index: usize, shares: &[f64]) -> Option<Scatter> {
+        let column = self.values.iter().skip(index).step_by(self.measures.max(1));
+        let mut values: Vec<f64> = column.copied().filter(|v| !v.is_nan()).collect();
+        if values.is_empty() {
+            return None;
+        }
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        values.sort_unstable_by(f64::total_cmp);
+        let at = |share: &f64| {
+            let place = share * (values.len() - 1) as f64;
+            let (low, part) = (place.floor() as usize, place.fract());
+            let high = (low + 1).min(values.len() - 1);
+            values[low] + part * (values[high] - values[low])
+        };
+        Some(Scatter {
+            mean,
+            deviation: (square / (count - 1.0).max(1.0)).sqrt(),
+            quantiles: shares.iter().map(at).collect(),
+        })
+    }
+}

@@ -1,0 +1,165 @@
+//! What the verbs on studies share: opening a family, units of measures, and parameters as the scene file has them.
+
+use super::args::SceneArgs;
+use super::open_scene;
+use super::outcome::Failure;
+use super::study_args::VaryArgs;
+use super::term::Term;
+use crate::analysis::study::{Family, FamilyError};
+use crate::diag::Source;
+use crate::model::measure::Measure;
+use crate::model::mechanism::Kind;
+use crate::scene::{Overrides, load};
+
+/// A scene that is to be studied.
+pub struct Opened {
+    /// Its text.
+    pub source: Source,
+    /// What the command line changes in it.
+    pub overrides: Overrides,
+    /// With its variables as inputs.
+    pub family: Family,
+}
+
+/// Reads the scene; `all_by_default` decides what is varied where nothing is said.
+pub fn open(
+    scene: &SceneArgs,
+    vary: &VaryArgs,
+    all_by_default: bool,
+    term: &Term,
+) -> Result<Opened, Failure> {
+    if scene.table.is_some() || scene.mode.is_some() {
+        return Err(Failure::usage(
+            "a study takes its poses from the tracks of the scene",
+            vec!["--inputs and --mode do not apply; --guess chooses the assembly".to_owned()],
+        ));
+    }
+    let (source, overrides) = open_scene::text_of(scene)?;
+    let nominal = load(&source, &overrides).map_err(Box::new)?;
+    term.diagnostics(&source, &nominal.warnings);
+    let all = vary.vary.iter().any(|v| v == "all") || (vary.vary.is_empty() && all_by_default);
+    let names = if all {
+        nominal.dimensions
+    } else {
+        vary.vary.clone()
+    };
+    for (k, name) in names.iter().enumerate() {
+        if names[..k].contains(name) {
+            return Err(Failure::usage(
+                format!("`{name}` is to be varied twice"),
+                Vec::new(),
+            ));
+        }
+    }
+    let family = Family::load(&source, &overrides, &names)?;
+    Ok(Opened {
+        source,
+        overrides,
+        family,
+    })
+}
+
+impl From<FamilyError> for Failure {
+    fn from(error: FamilyError) -> Self {
+        match error {
+            FamilyError::Scene(error) => Self::Scene(error),
+            FamilyError::Structure(error) => Self::Structure(error),
+            FamilyError::Lacks(message) => Self::usage(message, Vec::new()),
+            FamilyError::Track { .. } => Self::NeverClosed {
+                message: error.to_string(),
+                hints: vec![
+                    "`mechanim solve` and `mechanim modes` show where the mechanism closes"
+                        .to_owned(),
+                ],
+            },
+        }
+    }
+}
+
+impl Opened {
+    /// Factor from internal values to the file's units.
+    pub fn units(&self, kind: Kind) -> f64 {
+        self.family.mechanism.file_units(kind)
+    }
+
+    /// The scene's measures.
+    pub fn measures(&self) -> &[Measure] {
+        &self.family.mechanism.measures
+    }
+
+    /// The measure that is to be made small.
+    pub fn objective(&self) -> Option<&Measure> {
+        let index = self.family.study.objective?;
+        self.measures().get(index)
+    }
+
+    /// Index of the measure of that name.
+    pub fn measure(&self, name: &str) -> Result<usize, Failure> {
+        let measures = self.measures();
+        measures.iter().position(|m| m.name == name).ok_or_else(|| {
+            let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
+            Failure::usage(
+                format!("the scene has no measure `{name}`"),
+                vec![format!("measures: {}", names.join(", "))],
+            )
+        })
+    }
+
+    /// A measure's value in the file's unit.
+    pub fn shown(&self, measure: &Measure, value: f64) -> f64 {
+        value * self.units(measure.kind)
+    }
+
+    /// Values of the variables as formulas of the file, with what the command line replaced before them.
+    pub fn parameters(&self, values: &[f64]) -> Vec<(String, String)> {
+        let mut list = self.overrides.parameters.clone();
+        for (variable, value) in self.family.study.variables.iter().zip(values) {
+            list.retain(|(name, _)| *name != variable.name);
+            let value = value * self.units(variable.kind);
+            list.push((variable.name.clone(), format!("{value:?}")));
+        }
+        list
+    }
+}
+
+/// Rows of cells, the first left-aligned, the others right-aligned.
+pub fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |j: usize| {
+        rows.iter()
+            .filter_map(|r| r.get(j))
+            .map(|c| c.chars().count())
+            .max()
+    };
+    let widths: Vec<usize> = (0..columns).map(|j| width(j).unwrap_or(0)).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells: Vec<String> = cells
+            .map(|(j, (cell, w))| {
+                if j == 0 {
+                    format!("{cell:<w$}")
+                } else {
+                    format!("{cell:>w$}")
+                }
+            })
+            .collect();
+        text.push_str("  ");
+        text.push_str(cells.join("  ").trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// A number with six significant digits.
+pub fn six(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let digits = (5 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.5e}")
+    }
+}

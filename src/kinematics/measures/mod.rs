@@ -1,0 +1,133 @@
+//! Measures of a motion: values over the poses of the drive or of a track, and formulas of them.
+
+pub mod reduce;
+
+use super::continuation::solve;
+use super::rates::{observed_slots, rates};
+use super::structure::{Structure, StructureError};
+use super::taylor::{Series, evaluate};
+use super::trajectory::{ClosedPose, Sample, Trajectory};
+use crate::model::drive::{Drive, Ease};
+use crate::model::expression::Expression;
+use crate::model::measure::{MeasureSource, Track};
+use crate::model::mechanism::Mechanism;
+use reduce::reduce;
+
+/// Values of all measures in internal units, in the order of the mechanism; `None` where a pose is missing on the way
+/// or a formula has no value. `trajectory` is the motion along the drive.
+///
+/// # Errors
+/// Only where the mechanism itself is ill-posed.
+pub fn measures(
+    mechanism: &Mechanism,
+    trajectory: &Trajectory,
+) -> Result<Vec<Option<f64>>, StructureError> {
+    let tracks = mechanism
+        .tracks
+        .iter()
+        .map(|track| poses_of(mechanism, track));
+    let tracks: Vec<Vec<Sample>> = tracks.collect::<Result<_, _>>()?;
+    let structure = Structure::new(mechanism)?;
+    let inputs = mechanism.inputs_at(0.0);
+    let mut values: Vec<Option<f64>> = Vec::new();
+    for measure in &mechanism.measures {
+        let value = match &measure.source {
+            MeasureSource::Formula(formula) => {
+                // A slot that has no value spoils what uses it.
+                let earlier = values.iter().map(|v| v.unwrap_or(f64::NAN));
+                let slots: Vec<f64> = inputs.iter().copied().chain(earlier).collect();
+                Some(formula.value(&slots))
+            }
+            MeasureSource::Over {
+                track,
+                of,
+                per,
+                taking,
+                power,
+            } => {
+                let samples = track.map_or(&trajectory.samples, |k| &tracks[k]);
+                let at = |formula: &Expression| -> Option<Vec<f64>> {
+                    let one = |s: &Sample| value_at(mechanism, &structure, s, formula, *per);
+                    samples.iter().map(one).collect()
+                };
+                let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
+                let reduced = rows.and_then(|rows| reduce(*taking, *power, &rows));
+                reduced.map(|r| r.value)
+            }
+        };
+        values.push(value.filter(|v| v.is_finite()));
+    }
+    Ok(values)
+}
+
+/// The value of a formula at a pose, or its derivative by an input.
+fn value_at(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    sample: &Sample,
+    formula: &Expression,
+    per: Option<usize>,
+) -> Option<f64> {
+    let pose = sample.pose.as_ref()?;
+    let Some(input) = per else {
+        return Some(formula.value(&slots(pose, &sample.inputs)));
+    };
+    let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+    let series = along(mechanism, structure, &coordinates, &[input], 1)?;
+    Some(evaluate(formula, &series, 1).coefficients()[1])
+}
+
+/// What formulas of a pose may use: coordinates, x, y, z of the traces, outputs.
+fn slots(pose: &ClosedPose, inputs: &[f64]) -> Vec<f64> {
+    let mut slots = [pose.unknowns.as_slice(), inputs].concat();
+    slots.extend(pose.traces.iter().flat_map(|p| p.to_array()));
+    slots.extend(&pose.outputs);
+    slots
+}
+
+/// Series of coordinates, traces and outputs at a closed pose when the inputs `moving` change at unit rate (an input
+/// named twice, at twice that); `None` at a singular pose.
+pub fn along(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    coordinates: &[f64],
+    moving: &[usize],
+    order: usize,
+) -> Option<Vec<Series>> {
+    let n = mechanism.unknowns.len();
+    let inputs: Vec<Series> = (0..mechanism.inputs.len())
+        .map(|k| {
+            let rate = moving.iter().filter(|m| **m == k).count() as f64;
+            Series::linear(coordinates[n + k], rate, order)
+        })
+        .collect();
+    let all = rates(mechanism, structure, coordinates, &inputs, order)?;
+    Some(observed_slots(mechanism, &all, order))
+}
+
+/// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch.
+///
+/// # Errors
+/// Only where the mechanism itself is ill-posed.
+pub fn poses_of(mechanism: &Mechanism, track: &Track) -> Result<Vec<Sample>, StructureError> {
+    let start = mechanism.inputs_at(0.0);
+    let count = track.samples;
+    let times: Vec<f64> = (0..=count).map(|k| k as f64).collect();
+    let drives = start.iter().zip(track.from.iter().zip(&track.to));
+    let drives = drives.map(|(start, (from, to))| {
+        let steps = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
+        Drive::Keys {
+            times: times.clone(),
+            values: std::iter::once(*start).chain(steps).collect(),
+            ease: Ease::Linear,
+        }
+    });
+    let moved = Mechanism {
+        drives: drives.collect(),
+        duration: count as f64,
+        ..mechanism.clone()
+    };
+    let mut samples = solve(&moved, &times)?.samples;
+    samples.remove(0);
+    Ok(samples)
+}

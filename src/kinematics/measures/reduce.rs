@@ -1,0 +1,198 @@
+//! Values of a row of poses to one number, with the weights of its derivative.
+
+use crate::model::measure::Taking;
+
+/// The number, and for every formula and pose d(number)/d(value).
+pub struct Reduced {
+    /// The number; NaN if a value it depends on is none.
+    pub value: f64,
+    /// As many rows as formulas, one entry per pose.
+    pub weights: Vec<Vec<f64>>,
+}
+
+/// Takes one number of `values[formula][pose]`; `None` without poses. `power` is that of a norm.
+pub fn reduce(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced> {
+    let first = values.first()?;
+    let last = first.len().checked_sub(1)?;
+    let second = values.get(1).unwrap_or(first);
+    let sum_of = |parts: &[(usize, f64)]| {
+        let mut weights = vec![0.0; first.len()];
+        parts.iter().for_each(|(k, w)| weights[*k] += w);
+        Reduced {
+            value: parts.iter().map(|(k, w)| w * first[*k]).sum(),
+            weights: vec![weights],
+        }
+    };
+    let (least, most) = (extreme(first, |a, b| a < b), extreme(first, |a, b| a > b));
+    Some(match taking {
+        Taking::First => sum_of(&[(0, 1.0)]),
+        Taking::Last => sum_of(&[(last, 1.0)]),
+        Taking::Change => sum_of(&[(last, 1.0), (0, -1.0)]),
+        Taking::Min => sum_of(&[(least, 1.0)]),
+        Taking::Max => sum_of(&[(most, 1.0)]),
+        Taking::Range => sum_of(&[(most, 1.0), (least, -1.0)]),
+        Taking::Largest => {
+            let k = extreme(first, |a, b| a.abs() > b.abs());
+            sum_of(&[(k, if first[k] < 0.0 { -1.0 } else { 1.0 })])
+        }
+        Taking::Sum => weighted(first, 1.0),
+        Taking::Mean => weighted(first, 1.0 / first.len() as f64),
+        Taking::Norm => norm(first, power),
+        Taking::Chord => chord(first, second),
+        Taking::Bow => bow(first, second),
+    })
+}
+
+/// Index of the extreme value; a number that is none wins.
+fn extreme(values: &[f64], beats: impl Fn(f64, f64) -> bool) -> usize {
+    let mut best = 0;
+    for (index, value) in values.iter().enumerate() {
+        if value.is_nan() || beats(*value, values[best]) {
+            best = index;
+        }
+        if values[best].is_nan() {
+            break;
+        }
+    }
+    best
+}
+
+fn weighted(values: &[f64], weight: f64) -> Reduced {
+    Reduced {
+        value: values.iter().sum::<f64>() * weight,
+        weights: vec![vec![weight; values.len()]],
+    }
+}
+
+/// (Σ |v|ᵖ)^(1/p), scaled by the largest value so that high powers neither overflow nor vanish.
+fn norm(values: &[f64], power: f64) -> Reduced {
+    let largest = values.iter().fold(
+        0.0,
+        |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
+    );
+    if largest == 0.0 || largest.is_nan() {
+        return Reduced {
+            value: largest,
+            weights: vec![vec![0.0; values.len()]],
+        };
+    }
+    let share = |v: &f64| (v.abs() / largest).powf(power - 1.0);
+    let sum: f64 = values.iter().map(|v| share(v) * v.abs() / largest).sum();
+    let root = sum.powf(1.0 / power);
+    let weight = |v: &f64| share(v) * v.signum() * root / sum;
+    Reduced {
+        value: largest * root,
+        weights: vec![values.iter().map(weight).collect()],
+    }
+}
+
+/// Distance from the first to the last point of a path.
+fn chord(x: &[f64], y: &[f64]) -> Reduced {
+    let last = x.len() - 1;
+    let (a, b) = (x[last] - x[0], y[last] - y[0]);
+    let length = a.hypot(b);
+    let ends = |share: f64| {
+        let mut weights = vec![0.0; x.len()];
+        weights[last] += share;
+        weights[0] -= share;
+        weights
+    };
+    Reduced {
+        value: length,
+        weights: vec![ends(a / length), ends(b / length)],
+    }
+}
+
+/// The distance from the chord that is largest, signed: [(y-y₀)(x₁-x₀) - (x-x₀)(y₁-y₀)] / |chord|.
+fn bow(x: &[f64], y: &[f64]) -> Reduced {
+    let count = x.len();
+    let last = count - 1;
+    let (a, b) = (x[last] - x[0], y[last] - y[0]);
+    let chord = a.hypot(b);
+    let distance = |k: usize| ((y[k] - y[0]) * a - (x[k] - x[0]) * b) / chord;
+    let distances: Vec<f64> = (0..count).map(distance).collect();
+    let k = extreme(&distances, |p, q| p.abs() > q.abs());
+    let value = distances[k];
+    let (mut by_x, mut by_y) = (vec![0.0; count], vec![0.0; count]);
+    let (u, v) = (x[k] - x[0], y[k] - y[0]);
+    // d(value) = [a dv + v da - b du - u db]/chord - value (a da + b db)/chord².
+    let (da, db) = (
+        v / chord - value * a / (chord * chord),
+        -u / chord - value * b / (chord * chord),
+    );
+    by_x[last] += da;
+    by_x[0] -= da;
+    by_y[last] += db;
+    by_y[0] -= db;
+    by_x[k] -= b / chord;
+    by_x[0] += b / chord;
+    by_y[k] += a / chord;
+    by_y[0] -= a / chord;
+    Reduced {
+        value,
+        weights: vec![by_x, by_y],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn value(taking: Taking, power: f64, values: &[Vec<f64>]) -> f64 {
+        reduce(taking, power, values).unwrap().value
+    }
+
+    #[test]
+    fn weights_are_the_derivatives() {
+        let x = vec![0.3, -1.1, 2.5, 3.7, 5.0];
+        let y = vec![0.1, 0.9, -1.4, 0.8, 0.6];
+        for (name, taking) in Taking::NAMES {
+            for power in [4.0, 64.0] {
+                let values = &[x.clone(), y.clone()][..taking.width()];
+                let reduced = reduce(taking, power, values).unwrap();
+                for formula in 0..taking.width() {
+                    for pose in 0..x.len() {
+                        let moved = |h: f64| {
+                            let mut values = values.to_vec();
+                            values[formula][pose] += h;
+                            value(taking, power, &values)
+                        };
+                        let slope = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+                        let weight = reduced.weights[formula][pose];
+                        assert!(
+                            (slope - weight).abs() < 1e-7,
+                            "{name} {formula} {pose}: {slope} {weight}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_taken_as_named() {
+        let path = [vec![0.0, 1.0, 4.0, 3.0], vec![0.0, 2.0, -1.0, 4.0]];
+        let expected = [
+            0.0,
+            3.0,
+            3.0,
+            0.0,
+            4.0,
+            4.0,
+            4.0,
+            8.0,
+            2.0,
+            26.0_f64.sqrt(),
+            5.0,
+            -19.0 / 5.0,
+        ];
+        for ((name, taking), expected) in Taking::NAMES.into_iter().zip(expected) {
+            let found = value(taking, 2.0, &path[..taking.width()]);
+            assert!((found - expected).abs() < 1e-15 * 8.0, "{name}: {found}");
+        }
+        assert!(reduce(Taking::Mean, 2.0, &[Vec::new()]).is_none());
+        assert!(value(Taking::Max, 2.0, &[vec![1.0, f64::NAN, 2.0]]).is_nan());
+        assert!(value(Taking::Norm, 4.0, &[vec![1.0, f64::NAN]]).is_nan());
+    }
+}

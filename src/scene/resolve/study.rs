@@ -1,0 +1,188 @@
+//! The `[study]` section: variables with their bounds, and the objective.
+
+use super::super::file::SceneFile;
+use super::super::formula::compile::constant;
+use super::super::formula::kinds::to_radians;
+use super::super::reader::FormulaText;
+use super::super::studies::{StudyFile, VariableFile};
+use super::names::{Meaning, Names};
+use super::parsed::expression;
+use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use crate::model::measure::Measure;
+use crate::model::mechanism::{AngleUnit, Kind};
+use crate::model::study::{Study, Variable};
+
+/// Half the default range of a variable, as a share of its value.
+const DEFAULT_RANGE: f64 = 0.2;
+
+/// Resolves the study; the parameters called `varied` are its variables, else those the file names.
+pub fn resolve(
+    file: &SceneFile,
+    names: &Names,
+    unit: &AngleUnit,
+    measures: &[Measure],
+    varied: &[String],
+    diagnostics: &mut Diagnostics,
+) -> Option<Study> {
+    let empty = StudyFile::default();
+    let study = match &file.study {
+        Some(study) => study,
+        None if varied.is_empty() => return None,
+        None => &empty,
+    };
+    let mut resolver = Resolver {
+        names,
+        unit,
+        diagnostics,
+    };
+    let variables = resolver.variables(study, varied);
+    let objective = resolver.objective(study, file, measures);
+    Some(Study {
+        variables,
+        objective,
+    })
+}
+
+struct Resolver<'a, 'd> {
+    names: &'a Names,
+    unit: &'a AngleUnit,
+    diagnostics: &'d mut Diagnostics,
+}
+
+impl Resolver<'_, '_> {
+    fn objective(
+        &mut self,
+        study: &StudyFile,
+        file: &SceneFile,
+        measures: &[Measure],
+    ) -> Option<usize> {
+        let wanted = study.minimise.as_ref()?;
+        let found = measures.iter().position(|m| m.name == wanted.value);
+        let declared = file.measures.iter().any(|m| m.name.value == wanted.value);
+        if found.is_none() && !declared {
+            let known = measures.iter().map(|m| m.name.as_str());
+            let message = format!("there is no measure `{}`", wanted.value);
+            self.diagnostics.push(
+                Diagnostic::error(message)
+                    .at(wanted.span.clone())
+                    .suggest(&wanted.value, known)
+                    .hint("`[measures]` gives names to numbers of the whole motion"),
+            );
+        }
+        found
+    }
+
+    fn variables(&mut self, study: &StudyFile, varied: &[String]) -> Vec<Variable> {
+        let listed = || study.variables.iter().map(|(name, _)| name.value.clone());
+        let wanted: Vec<String> = if varied.is_empty() {
+            listed().collect()
+        } else {
+            varied.to_vec()
+        };
+        let mut variables = Vec::new();
+        for name in &wanted {
+            let typed = study.variables.iter().find(|(n, _)| n.value == *name);
+            let index = match self.names.meaning(name) {
+                Some(Meaning::Parameter(index)) => index,
+                _ => {
+                    self.no_parameter(name, typed.map(|(n, _)| n.span.clone()));
+                    continue;
+                }
+            };
+            let parameter = &self.names.parameters[index];
+            let kind = parameter.kind.unwrap_or(Kind::Number);
+            let blank = VariableFile::default();
+            let file = typed.map_or(&blank, |(_, file)| file);
+            if let Some(variable) = self.variable(name, kind, parameter.value, file) {
+                variables.push(variable);
+            }
+        }
+        variables
+    }
+
+    fn no_parameter(&mut self, name: &str, span: Option<Span>) {
+        let known = self.names.parameters.iter().map(|p| p.name.as_str());
+        let message = format!("a study varies parameters, and `{name}` is none");
+        let diagnostic = Diagnostic::error(message).suggest(name, known);
+        self.diagnostics.push(match span {
+            Some(span) => diagnostic.at(span),
+            None => diagnostic,
+        });
+    }
+
+    fn variable(
+        &mut self,
+        name: &str,
+        kind: Kind,
+        start: f64,
+        file: &VariableFile,
+    ) -> Option<Variable> {
+        let (lower, upper) = match &file.range {
+            Some(range) => self.range(name, kind, start, range)?,
+            None if start == 0.0 => (f64::NEG_INFINITY, f64::INFINITY),
+            None => {
+                let half = DEFAULT_RANGE * start.abs();
+                (start - half, start + half)
+            }
+        };
+        let tolerance = match &file.tolerance {
+            None => None,
+            Some(text) => {
+                let value = self.value(text, kind)?;
+                if value < 0.0 {
+                    let message = format!("a tolerance is not negative, found {}", shown(value));
+                    let place = text.span.clone();
+                    self.diagnostics.push(Diagnostic::error(message).at(place));
+                    return None;
+                }
+                Some(value)
+            }
+        };
+        Some(Variable {
+            name: name.to_owned(),
+            kind,
+            start,
+            lower,
+            upper,
+            tolerance,
+        })
+    }
+
+    fn range(
+        &mut self,
+        name: &str,
+        kind: Kind,
+        start: f64,
+        [low, high]: &[FormulaText; 2],
+    ) -> Option<(f64, f64)> {
+        let (lower, upper) = (self.value(low, kind)?, self.value(high, kind)?);
+        let place = low.span.start..high.span.end;
+        if lower >= upper {
+            let message = format!("the range of `{name}` must ascend");
+            self.diagnostics.push(Diagnostic::error(message).at(place));
+            return None;
+        }
+        if !(lower..=upper).contains(&start) {
+            let message = format!("`{name}` starts outside its range");
+            let hint = "the range must hold the parameter's own value";
+            self.diagnostics
+                .push(Diagnostic::error(message).at(place).hint(hint));
+            return None;
+        }
+        Some((lower, upper))
+    }
+
+    /// A constant of the given kind.
+    fn value(&mut self, text: &FormulaText, kind: Kind) -> Option<f64> {
+        let node = expression(text, self.diagnostics)?;
+        let names = self.names;
+        let node = to_radians(node, Some(kind), self.unit.radians, &|n| names.is_angle(n));
+        match constant(&node, &|n, s| names.constant(n, s)) {
+            Ok(value) => Some(value),
+            Err(diagnostic) => {
+                self.diagnostics.push(diagnostic);
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Parameters that a study varies: they become inputs of the mechanism, so that everything that is known about
+//! inputs (sensitivities through the loops above all) holds for them. Shapes and the view keep the file's values.
+
+use super::super::file::SceneFile;
+use super::super::formula::chain::Factor;
+use super::super::formula::expression::{Node, NodeKind};
+use super::joints::Joints;
+use super::names::{Names, Parameter};
+use super::parsed::{Named, Parsed, expression};
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::chain::Motion;
+use crate::model::mechanism::{Body, Coordinate, Kind, Trace};
+
+impl Names {
+    /// The input that stands for a varied parameter.
+    pub fn varied_input(&self, name: &str) -> Option<usize> {
+        let index = self.parameters.iter().position(|p| p.name == name)?;
+        let varied = self.varied.iter().find(|(p, _)| *p == index);
+        varied.map(|(_, input)| *input)
+    }
+
+    /// Makes inputs of the parameters called `varied`, behind the file's own; returns their values.
+    pub fn promote(&mut self, varied: &[String]) -> Vec<f64> {
+        let mut values = Vec::new();
+        for name in varied {
+            let Some(index) = self.parameters.iter().position(|p| p.name == *name) else {
+                continue;
+            };
+            let parameter = &self.parameters[index];
+            values.push(parameter.value);
+            self.varied.push((index, self.inputs.len()));
+            self.inputs.push(Coordinate {
+                name: name.clone(),
+                kind: parameter.kind.unwrap_or(Kind::Number),
+            });
+        }
+        values
+    }
+
+    /// Parameters that are lengths or angles and given as numbers.
+    pub fn dimensions(&self, parsed: &Parsed) -> Vec<String> {
+        let is_number = |name: &str| {
+            let node = parsed.parameters.iter().find(|(n, _)| n.value == name);
+            let mut plain = node.is_some();
+            if let Some((_, node)) = node {
+                node.visit_names(&mut |_, _| plain = false);
+            }
+            plain
+        };
+        let measured = |p: &&Parameter| matches!(p.kind, Some(Kind::Length | Kind::Angle));
+        let list = self.parameters.iter().filter(measured);
+        list.filter(|p| is_number(&p.name))
+            .map(|p| p.name.clone())
+            .collect()
+    }
+}
+
+/// Deepest row of parameters defined by parameters that is followed.
+const MAX_DEPTH: usize = 100;
+
+/// Replaces every parameter that depends on one of `varied` by its formula, wherever coordinates may stand; what
+/// is left of it after that is one of `varied` itself or a constant.
+pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &mut Diagnostics) {
+    for name in varied {
+        if !parsed.parameters.iter().any(|(n, _)| n.value == *name) {
+            let known: Vec<&str> = parsed
+                .parameters
+                .iter()
+                .map(|(n, _)| &n.value[..])
+                .collect();
+            let message = format!("`{name}` is to be varied, but the scene has no such parameter");
+            diagnostics.push(Diagnostic::error(message).suggest(name, known));
+        }
+    }
+    let dependents = dependents(&parsed.parameters, varied);
+    if dependents.is_empty() {
+        return;
+    }
+    let expand = |node: &mut Node| substitute(node, &dependents, MAX_DEPTH);
+    let loops = parsed.loops.iter_mut().map(|(_, factors)| factors);
+    for factor in loops.chain(&mut parsed.frames).flatten() {
+        match factor {
+            Factor::Elementary(_, _, node) => expand(node),
+            Factor::Direction(nodes, _) => nodes.iter_mut().for_each(expand),
+        }
+    }
+    let formulas = parsed.equations.iter_mut().chain(&mut parsed.outputs);
+    formulas.for_each(|(_, node)| expand(node));
+}
+
+/// Parameters, not varied themselves, whose formulas use a varied one.
+fn dependents(parameters: &[Named<Node>], varied: &[String]) -> Vec<(String, Node)> {
+    let mut found: Vec<(String, Node)> = Vec::new();
+    for (name, node) in parameters {
+        let mut depends = false;
+        node.visit_names(&mut |used, _| {
+            depends |= varied.iter().any(|v| v == used) || found.iter().any(|(d, _)| d == used);
+        });
+        if depends && !varied.contains(&name.value) {
+            let mut node = node.clone();
+            substitute(&mut node, &found, MAX_DEPTH);
+            found.push((name.value.clone(), node));
+        }
+    }
+    found
+}
+
+fn substitute(node: &mut Node, formulas: &[(String, Node)], depth: usize) {
+    if depth == 0 {
+        return;
+    }
+    match &mut node.kind {
+        NodeKind::Number(_) | NodeKind::Radians(_) => {}
+        NodeKind::Name(name) => {
+            if let Some((_, formula)) = formulas.iter().find(|(n, _)| n == name) {
+                node.kind = formula.kind.clone();
+            }
+        }
+        NodeKind::Negate(inner) => substitute(inner, formulas, depth - 1),
+        NodeKind::Binary(_, a, b) => {
+            substitute(a, formulas, depth - 1);
+            substitute(b, formulas, depth - 1);
+        }
+        NodeKind::Call(_, args) => args
+            .iter_mut()
+            .for_each(|arg| substitute(arg, formulas, depth - 1)),
+    }
+}
+
+/// Gives every traced point a frame of its own, whose chain ends with the point: its place may then vary too.
+pub fn carry_points(
+    file: &SceneFile,
+    parsed: &Parsed,
+    varied: &[String],
+    joints: &mut Joints,
+    (bodies, traces): (&mut Vec<Body>, &mut [Trace]),
+    diagnostics: &mut Diagnostics,
+) {
+    let dependents = dependents(&parsed.parameters, varied);
+    for (trace, typed) in traces.iter_mut().zip(&file.traces) {
+        let Some(point) = &typed.point else { continue };
+        let mut factors = parsed.frames[trace.body].clone();
+        for (axis, text) in point.iter().enumerate() {
+            let Some(mut node) = expression(text, diagnostics) else {
+                return;
+            };
+            substitute(&mut node, &dependents, MAX_DEPTH);
+            factors.push(Factor::Elementary(Motion::Translation, axis, node));
+        }
+        let Some(chain) = joints.chain(&factors, diagnostics) else {
+            return;
+        };
+        bodies.push(Body {
+            name: trace.name.clone(),
+            world_from_body: chain,
+            shapes: Vec::new(),
+        });
+        trace.body = bodies.len() - 1;
+        trace.point = glam::DVec3::ZERO;
+    }
+}

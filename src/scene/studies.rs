@@ -1,0 +1,50 @@
+//! The `[study]` section as typed: variables, and the measure that is to be made small.
+
+use super::reader::{FormulaText, Spanned, TableReader, read_table};
+use crate::diag::Diagnostic;
+
+/// `[study]`
+#[derive(Clone, Debug, Default)]
+pub struct StudyFile {
+    /// `[study.variables]`
+    pub variables: Vec<(Spanned<String>, VariableFile)>,
+    /// `minimise`: the name of a measure
+    pub minimise: Option<Spanned<String>>,
+}
+
+/// One entry of `[study.variables]`.
+#[derive(Clone, Debug, Default)]
+pub struct VariableFile {
+    /// `range`
+    pub range: Option<[FormulaText; 2]>,
+    /// `tolerance`
+    pub tolerance: Option<FormulaText>,
+}
+
+/// Reads the section.
+pub fn study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
+    let mut variables = Vec::new();
+    for (name, value, span) in r.named("variables") {
+        let variable = match value.as_table() {
+            Some(table) => {
+                let place = format!("variable `{}`", name.value);
+                read_table(table, text, span, place, r.diagnostics, |v| VariableFile {
+                    range: v.vector("range"),
+                    tolerance: v.formula("tolerance"),
+                })
+            }
+            None => {
+                let message = format!("variable `{}` must be a table", name.value);
+                let hint = "for example { range = [20, 200], tolerance = 0.5 }";
+                r.diagnostics
+                    .push(Diagnostic::error(message).at(span).hint(hint));
+                VariableFile::default()
+            }
+        };
+        variables.push((name, variable));
+    }
+    StudyFile {
+        variables,
+        minimise: r.string("minimise"),
+    }
+}
