@@ -48,6 +48,79 @@ fn micros(a: &Element, b: &Element) -> f64 {
     (0..ROUNDS).map(round).fold(f64::INFINITY, f64::min)
 }
 
+/// Time a query and largest error over pairs whose distance is known.
+fn known(name: &str, pairs: &[(Element, Element, f64)]) {
+    let round = |_| {
+        let start = Instant::now();
+        for (a, b, _) in pairs {
+            black_box(distance(black_box(a), black_box(b)));
+        }
+        start.elapsed().as_secs_f64() * 1e6 / pairs.len() as f64
+    };
+    let best = (0..50).map(round).fold(f64::INFINITY, f64::min);
+    let off = pairs
+        .iter()
+        .map(|(a, b, exact)| (distance(a, b).distance - exact).abs());
+    let worst = off.fold(0.0, f64::max);
+    println!("{name:<20} {best:>8.3} us a query, error at most {worst:.1e}");
+}
+
+fn ring(ring: f64, tube: f64) -> Element {
+    let (center, axis) = (DVec3::ZERO, DVec3::Z);
+    element(Solid::Torus {
+        center,
+        axis,
+        ring,
+        tube,
+    })
+}
+
+fn known_pairs() {
+    let up = |height: f64| Pose::from_translation(DVec3::Z * height);
+    let ball = |radius| {
+        let center = DVec3::ZERO;
+        element(Solid::Sphere { center, radius })
+    };
+    let rod = |along: DVec3, radius| {
+        let (from, to) = (-along, along);
+        element(Solid::Capsule { from, to, radius })
+    };
+    let share = |k: usize| k as f64 / 359.0;
+    let spheres: Vec<_> = (0..360)
+        .map(|k| {
+            let d = 0.4 + 3.6 * share(k);
+            let place = Pose::from_translation(DVec3::new(0.6 * d, 0.8 * d, 0.0));
+            (ball(1.0), ball(0.7).moved(&place), d - 1.7)
+        })
+        .collect();
+    let crossed: Vec<_> = (0..360)
+        .map(|k| {
+            let height = 0.1 + 2.0 * share(k);
+            let turn = Pose::from_axis_rotation(2, 0.3 + 2.5 * share(k));
+            let second = rod(DVec3::X * 0.4, 0.15).moved(&(up(height) * turn));
+            (rod(DVec3::X * 0.5, 0.2), second, height - 0.35)
+        })
+        .collect();
+    let tori: Vec<_> = (0..360)
+        .map(|k| {
+            let height = 2.0 * (k as f64).to_radians().sin();
+            let exact = 1.5_f64.hypot(height) - 0.9;
+            (ring(3.0, 0.5), ring(1.5, 0.4).moved(&up(height)), exact)
+        })
+        .collect();
+    let deep: Vec<_> = (0..40)
+        .map(|k| {
+            let height = 0.001 * f64::from(k);
+            let exact = 0.7_f64.hypot(height) - 0.9;
+            (ring(3.0, 0.5), ring(2.3, 0.4).moved(&up(height)), exact)
+        })
+        .collect();
+    known("spheres", &spheres);
+    known("crossed capsules", &crossed);
+    known("coaxial tori", &tori);
+    known("overlapping tori", &deep);
+}
+
 fn check_scene(path: &str) -> f64 {
     let text = std::fs::read_to_string(path).unwrap();
     let source = Source {
@@ -95,6 +168,7 @@ fn main() {
     ] {
         println!("{name:<20} {:>8.3} us a query", micros(a, b));
     }
+    known_pairs();
     for scene in ["gearshift", "slider-crank", "seven-r"] {
         let path = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
         let best = (0..3)

@@ -48,6 +48,8 @@ fn a_violation_fails_and_is_in_every_report() {
         "r.xml",
         "--csv",
         "r.csv",
+        "--plot",
+        "r.svg",
         "--render",
         "r.png",
     ]);
@@ -71,6 +73,10 @@ fn a_violation_fails_and_is_in_every_report() {
         junit.contains("<failure message=\"`arm` (capsule 1) and `post` (cylinder 1)"),
         "{junit}"
     );
+    let svg = String::from_utf8(read("r.svg")).unwrap();
+    for words in ["arm / post", "26.0000 mm", "come nearest", "clearance [mm]"] {
+        assert!(svg.contains(words), "{words}: {svg}");
+    }
     let csv = String::from_utf8(read("r.csv")).unwrap();
     assert_eq!(csv.lines().count(), 21);
     let first: Vec<f64> = csv
@@ -162,13 +168,12 @@ fn reports_of_clearances_need_a_section() {
         swing(1.0).split("[clearance]").next().unwrap(),
     );
     w.run(&["check", "plain.toml"]).exits(0);
-    for option in ["--junit", "--csv", "--render"] {
+    for option in ["--junit", "--csv", "--plot", "--render"] {
         let run = w.run(&["check", "plain.toml", option, "x.png"]);
         run.exits(2)
             .says(&["the scene asks for none", "[clearance]"]);
     }
-    w.run(&["check", "plain.toml", "--bound-tolerance", "0"])
-        .exits(2);
+    w.run(&["check", "plain.toml", "--tolerance", "0"]).exits(2);
     w.write("bad.toml", swing(30.0));
     w.run(&["check", "bad.toml", "--render", "x.gif"])
         .exits(2)

@@ -581,6 +581,7 @@ fn scaled(e: &Element, by: f64) -> Element {
             f.length *= by;
             f.radii = f.radii.map(|r| r * by);
         }
+        Core::HalfSpace(half) => half.point *= by,
         Core::Mesh(..) => panic!("not here"),
     }
     e

@@ -167,7 +167,7 @@ fn checks_answer_in_text_in_json_and_by_the_exit_code() {
         .text();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["result"], "passed");
-    w.run(&["check", "moving.toml", "--tolerance", "1e-30"])
+    w.run(&["check", "moving.toml", "--closure", "1e-30"])
         .exits(1);
     let pose = "alpha=2.8837,beta=-0.2421,h=42.5642";
     let run = w.run(&[

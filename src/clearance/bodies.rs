@@ -34,6 +34,10 @@ impl Hull {
         let low = balls.iter().map(|(c, r)| *c - *r).reduce(DVec3::min)?;
         let high = balls.iter().map(|(c, r)| *c + *r).reduce(DVec3::max)?;
         let center = (low + high) * 0.5;
+        if !center.is_finite() {
+            let ball = (DVec3::ZERO, f64::INFINITY);
+            return Some(Self { elements, ball });
+        }
         let far = balls.iter().map(|(c, r)| c.distance(center) + r);
         Some(Self {
             ball: (center, far.fold(0.0, f64::max)),

@@ -14,6 +14,9 @@ use crate::model::mechanism::Mechanism;
 /// Most instants at which an excluded pair is looked at: it is reported, not judged.
 const LOOKS_AT_EXCLUDED: usize = 24;
 
+/// Bodies that are meant to touch may be this far apart or in each other, in mechanism sizes: far more than rounding.
+const CONTACT: f64 = 1e-10;
+
 /// How a pair was judged.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Judgement {
@@ -78,7 +81,7 @@ impl ClearanceReport {
         let sample = (0..self.times.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let is_near = |p: &&PairReport| {
             let distance = sample.and_then(|k| p.distances.get(k));
-            distance.is_some_and(|d| *d < p.minimum)
+            distance.is_some_and(|d| *d < p.minimum) && p.judgement != Judgement::Passed
         };
         let near = self.judged.iter().filter(is_near);
         let mut list: Vec<usize> = near.flat_map(|p| p.pair).collect();
@@ -134,9 +137,13 @@ pub fn check(
                 (None, Some(joint)) => Some(Judgement::Neighbours(joint)),
                 (None, None) => None,
             };
-            if let Some(judgement) = excluded {
+            if rules.touching.contains(&[a, b]) {
+                report.judged.extend(touching(&motion, &sweep));
+            } else if let Some(judgement) = excluded {
                 let pair = look_at_excluded(&motion, &sweep, minimum, judgement);
-                if let (Some(_), Some(pair)) = (ignored, &pair) {
+                if let (Some(ignored), Some(pair)) = (ignored, &pair)
+                    && !ignored.is_one_of_many
+                {
                     report.warnings.extend(needless(mechanism, pair, joint));
                 }
                 report.excluded.extend(pair);
@@ -180,6 +187,27 @@ fn look_at_excluded(
     })
 }
 
+/// A pair that must touch all the time, at the sampled times. What is reported is where it is farthest from that.
+fn touching(motion: &Motion, sweep: &PairSweep) -> Option<PairReport> {
+    let mut distances = Vec::new();
+    sweep.sampled(motion, &motion.samples, &mut distances)?;
+    let off = |k: &usize| distances[*k].abs();
+    let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
+    let least = sweep.sampled(motion, &motion.samples[worst..=worst], &mut Vec::new())?;
+    let holds = least.distance.abs() <= CONTACT * motion.mechanism.size;
+    Some(PairReport {
+        pair: sweep.bodies(),
+        minimum: 0.0,
+        least,
+        judgement: if holds {
+            Judgement::Passed
+        } else {
+            Judgement::Failed
+        },
+        distances,
+    })
+}
+
 /// An exclusion that excludes nothing.
 fn needless(mechanism: &Mechanism, pair: &PairReport, joint: Option<&str>) -> Option<String> {
     let [a, b] = pair.pair.map(|k| &mechanism.bodies[k].name);
@@ -198,7 +226,12 @@ fn needless(mechanism: &Mechanism, pair: &PairReport, joint: Option<&str>) -> Op
 
 fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairReport> {
     let mut distances = Vec::new();
-    let least = sweep.least_over(motion, &mut distances)?;
+    let least = if sweep.is_endless() {
+        let samples = motion.samples.clone();
+        sweep.sampled(motion, &samples, &mut distances)?
+    } else {
+        sweep.least_over(motion, &mut distances)?
+    };
     // The distance is known to within its distance from the bound, which is as small as was asked.
     let judgement = if least.distance < minimum {
         Judgement::Failed

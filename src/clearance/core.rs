@@ -1,4 +1,4 @@
-//! The elements that bodies are made of for distances: a core (point, segment, circle, box, frustum, triangle, mesh)
+//! The elements that bodies are made of for distances: a core (point, segment, circle, box, frustum, triangle, half-space, mesh)
 //! grown by a radius. Holds no distances.
 //!
 //! A sphere is a grown point, a capsule a grown segment, a torus a grown circle, a tube one grown segment a piece:
@@ -54,6 +54,15 @@ pub struct Frustum {
     pub radii: [f64; 2],
 }
 
+/// Everything below a plane.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfSpace {
+    /// A point of the plane.
+    pub point: DVec3,
+    /// Unit normal, out of the solid.
+    pub normal: DVec3,
+}
+
 /// What an element is grown from.
 #[derive(Clone, Debug)]
 pub enum Core {
@@ -69,6 +78,8 @@ pub enum Core {
     Frustum(Frustum),
     /// A flat triangle.
     Triangle([DVec3; 3]),
+    /// A half-space: it has no end.
+    HalfSpace(HalfSpace),
     /// Triangles of a file, placed by a pose.
     Mesh(Arc<MeshTree>, Pose),
 }
@@ -148,6 +159,10 @@ impl Core {
                 axis: pose.transform_vector(f.axis),
                 ..*f
             }),
+            Self::HalfSpace(h) => Self::HalfSpace(HalfSpace {
+                point: point(&h.point),
+                normal: pose.transform_vector(h.normal),
+            }),
             Self::Mesh(tree, placed) => Self::Mesh(Arc::clone(tree), *pose * *placed),
         }
     }
@@ -169,6 +184,7 @@ impl Core {
                 let far = corners.iter().map(|c| c.distance(center));
                 (center, far.fold(0.0, f64::max))
             }
+            Self::HalfSpace(h) => (h.point, f64::INFINITY),
             Self::Mesh(tree, pose) => {
                 let (center, radius) = tree.bounds();
                 (pose.transform_point(center), radius)
@@ -176,7 +192,8 @@ impl Core {
         }
     }
 
-    /// Largest n · p over the points p of a convex core; `None` for circles and meshes, which are not convex.
+    /// Largest n · p over the points p of a convex core; `None` for circles and meshes, which are not convex,
+    /// and where there is no largest.
     pub fn support(&self, n: DVec3) -> Option<f64> {
         Some(match self {
             Self::Point(p) => n.dot(*p),
@@ -194,7 +211,8 @@ impl Core {
                 let [a, b] = [0, 1].map(|k: usize| start + ends[k] + f.radii[k] * across);
                 a.max(b)
             }
-            Self::Circle(_) | Self::Mesh(..) => return None,
+            Self::HalfSpace(h) if n == h.normal => n.dot(h.point),
+            Self::HalfSpace(_) | Self::Circle(_) | Self::Mesh(..) => return None,
         })
     }
 }
@@ -267,6 +285,10 @@ pub fn elements(shapes: &[Shape]) -> Vec<Element> {
                 if let (true, Some(first), Some(last)) = (closed, points.first(), points.last()) {
                     add(segment([*last, *first]), *radius);
                 }
+            }
+            Solid::HalfSpace { point, normal, .. } => {
+                let (point, normal) = (*point, *normal);
+                add(Core::HalfSpace(HalfSpace { point, normal }), 0.0);
             }
             Solid::Triangles(soup) => {
                 add(

@@ -42,7 +42,7 @@ fn directions(core: &Core) -> Vec<DVec3> {
             let normal = edges[0].cross(edges[1]).normalize_or_zero();
             vec![normal, edges[0], edges[1], edges[2]]
         }
-        Core::Point(_) | Core::Circle(_) | Core::Mesh(..) => Vec::new(),
+        Core::Point(_) | Core::Circle(_) | Core::HalfSpace(_) | Core::Mesh(..) => Vec::new(),
     }
 }
 

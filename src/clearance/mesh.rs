@@ -125,6 +125,13 @@ impl MeshTree {
         self.triangles.first().map_or(DVec3::ZERO, |t| t[0])
     }
 
+    /// A vertex with the least n · p.
+    pub fn lowest(&self, n: DVec3) -> DVec3 {
+        let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
+        let corners = self.triangles.iter().flatten().copied();
+        corners.reduce(lower).unwrap_or_default()
+    }
+
     /// Whether a point is inside, by the solid angle of all triangles; an open mesh has no inside.
     pub fn encloses(&self, point: DVec3) -> bool {
         if self.enclosure == Enclosure::Open {
@@ -248,6 +255,8 @@ pub fn one_inside(a: &Core, b: &Core) -> bool {
             Core::Box(b) => b.from_box.translation,
             Core::Frustum(f) => f.from,
             Core::Triangle(t) => t[0],
+            // Where surfaces are apart, a half-space's depth says all.
+            Core::HalfSpace(_) => return false,
             Core::Mesh(tree, pose) => pose.transform_point(tree.any_point()),
         };
         match outer {

@@ -8,6 +8,7 @@ pub mod core;
 mod cores;
 mod depth;
 mod drive_rate;
+mod half_space;
 pub mod mesh;
 pub mod motion;
 pub mod neighbours;

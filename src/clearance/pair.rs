@@ -2,11 +2,13 @@
 //!
 //! Positive: the least distance of the surfaces. Negative: the depth. Of two convex elements the depth is the shortest
 //! translation that parts them; of a torus it is how far its tube reaches into the other element at the deepest point of
-//! its centre circle, whatever it would take to unhook the two. Meshes have no depth: they touch (zero) or do not.
+//! its centre circle, whatever it would take to unhook the two. Meshes have no depth: they touch (zero) or do not, but
+//! for half-spaces, in which everything has one.
 
 use super::core::{Core, Element};
 use super::cores::{CorePair, nearest};
 use super::depth::overlap;
+use super::half_space;
 use super::mesh;
 use super::point::point_to;
 use super::search::{Spot, least};
@@ -28,14 +30,17 @@ pub struct Proximity {
 /// Signed distance of two elements in one frame.
 pub fn distance(a: &Element, b: &Element) -> Proximity {
     let cores = match (&a.core, &b.core) {
+        (Core::HalfSpace(half), other) => half_space::nearest(half, other),
+        (other, Core::HalfSpace(half)) => half_space::nearest(half, other).swapped(),
         (Core::Mesh(tree, pose), other) => mesh::nearest(tree, pose, other),
         (other, Core::Mesh(tree, pose)) => mesh::nearest(tree, pose, other).swapped(),
         (first, second) => signed(first, second),
     };
     let distance = cores.distance - a.radius - b.radius;
     let is_mesh = |e: &Element| matches!(e.core, Core::Mesh(..));
+    let is_flat = |e: &Element| matches!(e.core, Core::HalfSpace(_));
     Proximity {
-        distance: if is_mesh(a) || is_mesh(b) {
+        distance: if (is_mesh(a) || is_mesh(b)) && !is_flat(a) && !is_flat(b) {
             distance.max(0.0)
         } else {
             distance
@@ -66,7 +71,11 @@ fn signed(a: &Core, b: &Core) -> CorePair {
 
 /// Whether `a` lies wholly inside `b`. Meshes, and solids in a torus, are never said to.
 pub fn is_inside(a: &Element, b: &Element) -> bool {
+    if let Core::HalfSpace(half) = &b.core {
+        return half_space::encloses(half, &a.core, a.radius);
+    }
     let farthest = match (&a.core, &b.core) {
+        (Core::HalfSpace(_), _) | (_, Core::HalfSpace(_)) => return false,
         (_, Core::Mesh(..)) | (Core::Mesh(..), _) => return false,
         (Core::Point(p), _) => far(&b.core, &[*p]),
         (Core::Box(block), Core::Box(_) | Core::Frustum(_) | Core::Point(_) | Core::Segment(_)) => {

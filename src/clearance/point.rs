@@ -1,6 +1,7 @@
 //! Distance of a point from a core: closed forms with sign, nearest point and outward direction.
 
 use super::core::{Block, Circle, Core, Frustum};
+use super::half_space;
 use crate::math::Pose;
 use glam::{DVec2, DVec3};
 
@@ -41,6 +42,7 @@ pub fn point_to(core: &Core, point: DVec3) -> Option<PointHit> {
         Core::Box(block) => to_box(block, point),
         Core::Frustum(frustum) => to_frustum(frustum, point),
         Core::Triangle(corners) => PointHit::outside(point, on_triangle(corners, point)),
+        Core::HalfSpace(half) => half_space::to_point(half, point),
         Core::Mesh(..) => return None,
     })
 }

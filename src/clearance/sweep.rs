@@ -287,6 +287,11 @@ impl<'a> PairSweep<'a> {
         least
     }
 
+    /// Both bodies go on for ever: no speed bounds their points.
+    pub fn is_endless(&self) -> bool {
+        self.hulls.iter().all(|hull| hull.ball.1 == f64::INFINITY)
+    }
+
     /// The bodies in the order of the report.
     pub fn bodies(&self) -> [usize; 2] {
         let [a, b] = self.bodies;

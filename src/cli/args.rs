@@ -187,7 +187,7 @@ pub struct CheckArgs {
     pub pose: Vec<(String, String)>,
     /// Largest closure error that passes, relative to the mechanism's size.
     #[arg(long, value_name = "E", default_value_t = 1e-9)]
-    pub tolerance: f64,
+    pub closure: f64,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
@@ -203,6 +203,10 @@ pub struct CheckArgs {
     /// Write the distance of every judged pair over time as CSV.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Plot the distances of the worst pairs over time, with their minimum and the worst moment, to this file
+    /// (.svg or .png).
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Draw the moment at which the worst pair is nearest, with the distance marked, to this PNG file.
     #[arg(long, value_name = "FILE.png")]
     pub render: Option<PathBuf>,
@@ -211,7 +215,7 @@ pub struct CheckArgs {
     pub worst: usize,
     /// How near the proved bound must come to the least distance found, relative to the larger of it and the minimum.
     #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = share)]
-    pub bound_tolerance: f64,
+    pub tolerance: f64,
 }
 
 /// `mechanim modes`

@@ -22,9 +22,9 @@ use std::path::Path;
 
 /// Runs the verb.
 pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
-    if !(args.tolerance > 0.0 && args.tolerance.is_finite()) {
+    if !(args.closure > 0.0 && args.closure.is_finite()) {
         return Err(Failure::usage(
-            "the tolerance must be a positive number",
+            "the largest closure error must be a positive number",
             Vec::new(),
         ));
     }
@@ -63,7 +63,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let motion = MotionProof::of(&trajectory, args.certify);
     let clearances = clearance::run(args, scene, &times, term)?;
     let fails = [
-        worst > args.tolerance,
+        worst > args.closure,
         !motion.as_ref().is_none_or(MotionProof::is_whole),
         !measured.iter().all(Measured::holds),
         clearances.as_ref().is_some_and(|part| !part.passed),
@@ -96,7 +96,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         mechanism.title,
         trajectory.samples.len(),
         trajectory.missing(),
-        args.tolerance,
+        args.closure,
         mechanism.size,
         mechanism.length_unit,
         branches.join(" "),
@@ -110,7 +110,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "samples": trajectory.samples.len(),
         "missing": trajectory.missing(),
         "closure_error": worst,
-        "tolerance": args.tolerance,
+        "tolerance": args.closure,
         "size": mechanism.size,
         "sigma_min": if sigma.is_finite() { json!(sigma) } else { Value::Null },
         "condition": if condition.is_finite() { json!(condition) } else { Value::Null },
@@ -217,7 +217,7 @@ fn verdict(outcome: Outcome) -> &'static str {
 /// Judges the pose given with `--pose`.
 fn pose(args: &CheckArgs, mechanism: &Mechanism) -> Result<Report, Failure> {
     let coordinates = offered(args, mechanism)?;
-    let loops = judge(mechanism, &coordinates, args.tolerance);
+    let loops = judge(mechanism, &coordinates, args.closure);
     let outcome = if loops.iter().all(|l| l.verdict == Verdict::Closed) {
         Outcome::Done
     } else {
@@ -238,7 +238,7 @@ fn pose(args: &CheckArgs, mechanism: &Mechanism) -> Result<Report, Failure> {
     let document = json!({
         "schema": "mechanim-pose/1",
         "title": mechanism.title,
-        "tolerance": args.tolerance,
+        "tolerance": args.closure,
         "loops": list,
         "result": verdict(outcome),
     });

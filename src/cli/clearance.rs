@@ -2,15 +2,23 @@
 
 use super::args::CheckArgs;
 use super::file_args::ProgressArg;
+use super::open_scene;
 use super::outcome::Failure;
+use super::plot::PlotFormat;
+use super::plot_args::ThemeArg;
 use super::progress::Progress;
 use super::report;
 use super::term::Term;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
 use crate::model::mechanism::Mechanism;
+use crate::plot::clearance::chart;
 use crate::scene::Scene;
 use serde_json::Value;
+use std::path::Path;
+
+/// More curves in one panel cannot be told apart.
+const MOST_CURVES: usize = 5;
 
 /// What the check adds to its report.
 pub struct Part {
@@ -33,6 +41,7 @@ pub fn run(
         for (option, path) in [
             ("--junit", &args.junit),
             ("--csv", &args.csv),
+            ("--plot", &args.plot),
             ("--render", &args.render),
         ] {
             if path.is_some() {
@@ -46,15 +55,9 @@ pub fn run(
     };
     let mechanism = &scene.mechanism;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
-    let found = check(
-        mechanism,
-        rules,
-        times,
-        args.bound_tolerance,
-        &|done, all| {
-            progress.show(done, all);
-        },
-    );
+    let found = check(mechanism, rules, times, args.tolerance, &|done, all| {
+        progress.show(done, all);
+    });
     progress.end();
     let found = found?;
     for warning in &found.warnings {
@@ -66,6 +69,9 @@ pub fn run(
     if let Some(path) = &args.csv {
         report::write_text(&args.scene, path, &to_csv(mechanism, &found))?;
     }
+    if let Some(path) = &args.plot {
+        plot(args, mechanism, &found, path)?;
+    }
     if let Some(path) = &args.render {
         super::clearance_picture::write(args, scene, times, &found, path, term)?;
     }
@@ -74,6 +80,27 @@ pub fn run(
         document: to_json(mechanism, &found),
         passed: found.passed() && found.gaps.is_empty(),
     }))
+}
+
+/// The distances of the worst pairs over time as a chart.
+fn plot(
+    args: &CheckArgs,
+    mechanism: &Mechanism,
+    found: &ClearanceReport,
+    path: &Path,
+) -> Result<(), Failure> {
+    let format = PlotFormat::of(path)?;
+    if open_scene::is_scene_file(&args.scene, path) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", path.display()),
+            Vec::new(),
+        ));
+    }
+    let chart = chart(mechanism, found, args.worst.min(MOST_CURVES));
+    let mut output = super::plot::open(path)?;
+    super::plot::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+    output.commit()?;
+    Ok(())
 }
 
 /// The worst pairs, then what was left out.

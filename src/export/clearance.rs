@@ -32,6 +32,7 @@ pub fn shape_name(mechanism: &Mechanism, body: usize, shape: usize) -> String {
         Some(Solid::Box { .. }) => "box",
         Some(Solid::Torus { .. }) => "torus",
         Some(Solid::Tube { .. }) => "tube",
+        Some(Solid::HalfSpace { .. }) => "half-space",
         Some(Solid::Triangles(_)) => "mesh",
         None => "shape",
     };

@@ -140,6 +140,11 @@ pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
             radius,
             closed,
         } => tube::tube(points, *radius, *closed, tolerance),
+        Solid::HalfSpace {
+            point,
+            normal,
+            size,
+        } => primitive::sheet(*point, *normal, *size),
         Solid::Triangles(soup) => mesh_of_triangles(&soup.vertices, &soup.triangles),
     };
     let finite = mesh

@@ -4,6 +4,7 @@
 //! true surface, so that the result does not depend on the platform's sine.
 
 use super::{Mesh, crease, positive, segments, settle, upright};
+use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};
 
@@ -59,6 +60,26 @@ pub(super) fn capsule(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Me
         };
         let normal = placed(&frame, settle(corner - middle));
         mesh.push_vertex(end + normal * radius, normal);
+    }
+    mesh
+}
+
+/// Thickness of the sheet that stands for a half-space, in its edge length.
+const SHEET: f64 = 0.01;
+
+/// The square sheet that stands for a half-space: its upper side lies in the plane.
+pub(super) fn sheet(point: DVec3, normal: DVec3, size: f64) -> Mesh {
+    let thickness = SHEET * size;
+    let mut mesh = cuboid(
+        DVec3::new(0.0, 0.0, -0.5 * thickness),
+        DVec3::new(size, size, thickness),
+    );
+    let turn = Pose::from_z_axis(normal);
+    for position in &mut mesh.positions {
+        *position = turn.transform_vector(*position) + point;
+    }
+    for normal in &mut mesh.normals {
+        *normal = settle(turn.transform_vector(*normal));
     }
     mesh
 }

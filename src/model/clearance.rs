@@ -7,6 +7,8 @@ pub struct Ignored {
     pub pair: [usize; 2],
     /// Why, in the scene's words.
     pub reason: String,
+    /// One of several pairs of a pattern: that this one is not needed is no mistake.
+    pub is_one_of_many: bool,
 }
 
 /// A pair with a clearance of its own.
@@ -27,6 +29,8 @@ pub struct ClearanceRules {
     pub pairs: Vec<PairMinimum>,
     /// Pairs that may touch.
     pub ignored: Vec<Ignored>,
+    /// Pairs that touch all the time: ascending indices.
+    pub touching: Vec<[usize; 2]>,
 }
 
 impl ClearanceRules {

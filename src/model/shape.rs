@@ -70,6 +70,15 @@ pub enum Solid {
         /// Whether the last point joins the first.
         closed: bool,
     },
+    /// Everything below a plane; drawn as a thin square sheet.
+    HalfSpace {
+        /// A point of the plane: the middle of the sheet.
+        point: DVec3,
+        /// Unit normal of the plane, out of the solid.
+        normal: DVec3,
+        /// Edge length of the sheet.
+        size: f64,
+    },
     /// Triangles read from a file.
     Triangles(Arc<TriangleSoup>),
 }

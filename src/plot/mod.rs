@@ -4,6 +4,7 @@
 //! texts at places in pixels; [`svg`] and [`raster`] write that list. [`motion`] makes charts of a solved motion.
 
 pub mod chart;
+pub mod clearance;
 pub mod companion;
 pub mod drawing;
 mod frame;

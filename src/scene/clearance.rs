@@ -13,6 +13,7 @@ pub struct ClearanceFile {
     minimum: Option<FormulaText>,
     pairs: Vec<(PairFile, FormulaText)>,
     ignored: Vec<(PairFile, Spanned<String>)>,
+    touching: Vec<PairFile>,
 }
 
 /// Two names.
@@ -35,7 +36,9 @@ pub fn read(r: &mut TableReader) -> ClearanceFile {
         let reason = required(p, "reason", |p, k| p.string(k));
         Some((pair?, reason?))
     });
+    let touching = r.tables("touching", |p| pair(p));
     ClearanceFile {
+        touching: touching.into_iter().flatten().collect(),
         minimum,
         pairs: pairs.into_iter().flatten().collect(),
         ignored: ignored.into_iter().flatten().collect(),
@@ -74,10 +77,22 @@ pub fn resolve(
                     .hint("say why these bodies may touch; the report shows it"),
             );
         }
-        if let Some(pair) = once(pair, bodies, &mut seen, diagnostics) {
-            let reason = reason.value.clone();
-            rules.ignored.push(Ignored { pair, reason });
-        }
+        let pairs = all(pair, bodies, diagnostics);
+        let is_one_of_many = pairs.is_some();
+        let pairs = pairs.unwrap_or_else(|| {
+            let one = once(pair, bodies, &mut seen, diagnostics);
+            one.into_iter().collect()
+        });
+        rules.ignored.extend(pairs.into_iter().map(|pair| Ignored {
+            pair,
+            reason: reason.value.clone(),
+            is_one_of_many,
+        }));
+    }
+    for pair in &file.touching {
+        rules
+            .touching
+            .extend(once(pair, bodies, &mut seen, diagnostics));
     }
     rules
 }
@@ -98,6 +113,38 @@ fn distance(
         ),
     );
     None
+}
+
+/// All pairs of a pattern: a name that ends in `*` stands for all bodies that begin so. `None` if neither does.
+fn all(pair: &PairFile, bodies: &[Body], diagnostics: &mut Diagnostics) -> Option<Vec<[usize; 2]>> {
+    let [first, second] = pair.names.as_slice() else {
+        return None;
+    };
+    if !first.value.ends_with('*') && !second.value.ends_with('*') {
+        return None;
+    }
+    let mut of = |name: &Spanned<String>| -> Vec<usize> {
+        let Some(start) = name.value.strip_suffix('*') else {
+            return body_index(&name.value, &name.span, bodies, diagnostics)
+                .into_iter()
+                .collect();
+        };
+        let all = 0..bodies.len();
+        let found: Vec<usize> = all.filter(|k| bodies[*k].name.starts_with(start)).collect();
+        if found.is_empty() {
+            let message = format!("no body's name begins with `{start}`");
+            diagnostics.push(Diagnostic::error(message).at(name.span.clone()));
+        }
+        found
+    };
+    let (first, second) = (of(first), of(second));
+    let both = first
+        .iter()
+        .flat_map(|a| second.iter().map(|b| [*a.min(b), *a.max(b)]));
+    let mut pairs: Vec<[usize; 2]> = both.filter(|[a, b]| a != b).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    Some(pairs)
 }
 
 /// Ascending indices of a pair that stands in the section only once.

@@ -58,6 +58,11 @@ pub enum SolidFile {
         radius: FormulaText,
         closed: bool,
     },
+    HalfSpace {
+        point: Option<[FormulaText; 3]>,
+        normal: Option<[FormulaText; 3]>,
+        size: FormulaText,
+    },
     Stl {
         file: Spanned<String>,
         scale: Option<FormulaText>,
@@ -65,7 +70,7 @@ pub enum SolidFile {
 }
 
 /// The names of the solids, in the order in which they are tried.
-const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, stl";
+const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, half_space, stl";
 
 /// Reads one entry of `shapes`.
 pub fn shape(r: &mut TableReader) -> Option<ShapeFile> {
@@ -104,6 +109,14 @@ pub fn shape(r: &mut TableReader) -> Option<ShapeFile> {
         }),
         r.table("torus", torus),
         r.table("tube", tube),
+        r.table("half_space", |s| {
+            let (point, normal) = (s.vector("point"), s.vector("normal"));
+            Some(SolidFile::HalfSpace {
+                point,
+                normal,
+                size: required(s, "size", |s, k| s.formula(k))?,
+            })
+        }),
         r.table("stl", |s| {
             let scale = s.formula("scale");
             Some(SolidFile::Stl {

@@ -316,6 +316,29 @@ fn resolve_solid(
                 closed: *closed,
             })
         }
+        SolidFile::HalfSpace {
+            point,
+            normal,
+            size,
+        } => {
+            let point = constants.vector_or_zero(point, d);
+            let normal = normal
+                .as_ref()
+                .map_or(Some(DVec3::Z), |normal| constants.vector(normal, d));
+            let size = constants.positive("size", size, d);
+            let Some(normal) = normal?.try_normalize() else {
+                d.push(
+                    Diagnostic::error("the normal of a half-space has no direction")
+                        .at(span.clone()),
+                );
+                return None;
+            };
+            Some(Solid::HalfSpace {
+                point: point?,
+                normal,
+                size: size?,
+            })
+        }
         SolidFile::Stl { file, scale } => {
             let scale = scale
                 .as_ref()

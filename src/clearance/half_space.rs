@@ -1,0 +1,76 @@
+//! Half-spaces: how far any core lies from one, or how deep in it. Closed forms.
+
+use super::core::{Core, HalfSpace};
+use super::cores::CorePair;
+use super::point::PointHit;
+use glam::DVec3;
+
+/// Normals this far from opposite are not: the planes meet somewhere.
+const PARALLEL: f64 = 1e-12;
+
+/// Distance of a point.
+pub fn to_point(half: &HalfSpace, point: DVec3) -> PointHit {
+    let distance = half.normal.dot(point - half.point);
+    PointHit {
+        distance,
+        nearest: point - half.normal * distance,
+        normal: half.normal,
+    }
+}
+
+/// The point of a core that lies deepest. The depth is the shortest translation that takes the core out.
+///
+/// Of two half-spaces only those that face each other have a distance; all others overlap without end.
+pub fn nearest(half: &HalfSpace, other: &Core) -> CorePair {
+    let n = half.normal;
+    let point = match other {
+        Core::HalfSpace(second) => {
+            if (n + second.normal).length() > PARALLEL {
+                return CorePair {
+                    distance: f64::NEG_INFINITY,
+                    points: [half.point; 2],
+                    normal: n,
+                };
+            }
+            second.point
+        }
+        core => lowest(core, n),
+    };
+    let hit = to_point(half, point);
+    CorePair {
+        distance: hit.distance,
+        points: [hit.nearest, point],
+        normal: n,
+    }
+}
+
+/// Whether a core grown by `radius` lies wholly in the half-space.
+pub fn encloses(half: &HalfSpace, core: &Core, radius: f64) -> bool {
+    if let Core::HalfSpace(other) = core {
+        let same = (half.normal - other.normal).length() <= PARALLEL;
+        return same && to_point(half, other.point).distance <= 0.0;
+    }
+    to_point(half, lowest(core, -half.normal)).distance + radius <= 0.0
+}
+
+/// A point of a bounded core with the least n · p.
+fn lowest(core: &Core, n: DVec3) -> DVec3 {
+    let of = |points: &[DVec3]| {
+        let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
+        points.iter().copied().reduce(lower).unwrap_or_default()
+    };
+    let of_rim = |center: DVec3, axis: DVec3, radius: f64| {
+        let across = n - axis * n.dot(axis);
+        center - across.normalize_or_zero() * radius
+    };
+    match core {
+        Core::Point(p) => *p,
+        Core::Segment(ends) => of(ends),
+        Core::Triangle(corners) => of(corners),
+        Core::Circle(c) => of_rim(c.center, c.axis, c.radius),
+        Core::Box(block) => of(&block.corners()),
+        Core::Frustum(f) => of(&f.rims().map(|r| of_rim(r.center, r.axis, r.radius))),
+        Core::Mesh(tree, pose) => pose.transform_point(tree.lowest(pose.rotation.transpose() * n)),
+        Core::HalfSpace(half) => half.point,
+    }
+}

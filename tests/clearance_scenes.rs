@@ -1,0 +1,112 @@
+//! Every built-in scene passes its own check, and bodies in contact stay in contact.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use mechanim::clearance::check::{ClearanceReport, Judgement, check};
+use mechanim::diag::Source;
+use mechanim::kinematics::sampling::even_times;
+use mechanim::scene::{Overrides, Scene, builtin, load};
+use std::process::Command;
+
+fn open(text: &str) -> Scene {
+    let source = Source {
+        name: "test".into(),
+        text: text.into(),
+    };
+    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+}
+
+fn report(scene: &Scene, samples: usize) -> ClearanceReport {
+    let times = even_times(&scene.mechanism, samples);
+    let rules = scene.clearance.as_ref().expect("a [clearance] section");
+    check(&scene.mechanism, rules, &times, 1e-2, &|_, _| {}).unwrap()
+}
+
+#[test]
+fn every_built_in_scene_passes_its_check() {
+    let names: Vec<String> = builtin::ALL.map(|s| s.name.to_owned()).to_vec();
+    assert!(names.len() >= 20, "{names:?}");
+    for name in names {
+        let output = Command::new(env!("CARGO_BIN_EXE_mechanim"))
+            .args(["check", &name, "--tolerance", "0.01"])
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{name}: {text}");
+        assert!(text.contains("pairs judged"), "{name} checks no clearances");
+        let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!warnings.contains("need no `ignore`"), "{name}: {warnings}");
+    }
+}
+
+#[test]
+fn surfaces_in_contact_neither_part_nor_cut() {
+    for name in ["sphere-sphere", "sphere-torus", "torus-torus"] {
+        let scene = open(&builtin::find(name).unwrap().text);
+        let pair = scene.clearance.as_ref().unwrap().touching[0];
+        let report = report(&scene, 1000);
+        let found = report.judged.iter().find(|p| p.pair == pair).unwrap();
+        assert_eq!(found.distances.len(), report.times.len());
+        let off = found.distances.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+        assert!(off < 1e-10, "{name}: {off:e}");
+        assert_eq!(found.judgement, Judgement::Passed, "{name}");
+    }
+}
+
+#[test]
+fn surfaces_of_another_size_are_not_in_contact() {
+    let text = builtin::find("torus-torus").unwrap().text;
+    for (tube, sign) in [("s2 + 1e-6", -1.0), ("s2 - 1e-6", 1.0)] {
+        let other = text.replace(
+            r#"[{ torus = { ring = "r2", tube = "s2" }"#,
+            &format!(r#"[{{ torus = {{ ring = "r2", tube = "{tube}" }}"#),
+        );
+        assert_ne!(other, text);
+        let report = report(&open(&other), 60);
+        let worst = report.worst().unwrap();
+        assert_eq!(worst.judgement, Judgement::Failed);
+        assert!(
+            (worst.least.distance - sign * 1e-6).abs() < 1e-10,
+            "{worst:?}"
+        );
+    }
+}
+
+const ROPE: &str = r#"
+title = "A row of beads"
+units = { length = "mm", angle = "rad" }
+duration = 1
+[inputs]
+a = "t"
+b = 0
+[[bodies]]
+name = "bead 1"
+shapes = [{ sphere = { radius = 1 } }]
+[[bodies]]
+name = "bead 2"
+frame = "Rz(a) Tx(1) Rz(b)"
+shapes = [{ sphere = { radius = 1 } }]
+[[bodies]]
+name = "wall"
+frame = "Tx(5) Rz(a) Tx(1) Rz(b)"
+shapes = [{ sphere = { radius = 1 } }]
+[clearance]
+minimum = 0.5
+ignore = [{ pair = ["bead *", "NAME"], reason = "strung" }]
+"#;
+
+#[test]
+fn a_star_stands_for_the_rest_of_a_name() {
+    let excluded = |name: &str| {
+        let report = report(&open(&ROPE.replace("NAME", name)), 5);
+        report.excluded.iter().map(|p| p.pair).collect::<Vec<_>>()
+    };
+    assert_eq!(excluded("bead *"), [[0, 1]]);
+    assert_eq!(excluded("*"), [[0, 1], [0, 2], [1, 2]]);
+    assert_eq!(excluded("wall"), [[0, 2], [1, 2]]);
+    let source = Source {
+        name: "test".into(),
+        text: ROPE.replace("NAME", "pearl *"),
+    };
+    let errors = load(&source, &Overrides::default()).unwrap_err();
+    assert!(format!("{:?}", errors.diagnostics).contains("begins with `pearl `"));
+}
