@@ -20,6 +20,7 @@ mod models;
 mod modes;
 mod open_scene;
 mod outcome;
+mod pictures;
 mod plot;
 pub mod plot_args;
 mod progress;
@@ -29,6 +30,7 @@ mod scenes;
 mod snapshot;
 mod solve;
 mod term;
+pub mod view_args;
 
 use args::{Cli, Command};
 use clap::Parser;

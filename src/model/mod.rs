@@ -8,4 +8,6 @@ pub mod measure;
 pub mod mechanism;
 pub mod plot;
 pub mod shape;
+pub mod theme;
 pub mod view;
+pub mod view_change;
