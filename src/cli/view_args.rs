@@ -41,7 +41,12 @@ pub struct ViewArgs {
     #[arg(long, value_name = "N", value_parser = ghosts)]
     pub ghosts: Option<usize>,
     /// Leave the poses at these times in seconds standing.
-    #[arg(long, value_name = "T,T,…", value_delimiter = ',', conflicts_with = "ghosts")]
+    #[arg(
+        long,
+        value_name = "T,T,…",
+        value_delimiter = ',',
+        conflicts_with = "ghosts"
+    )]
     pub ghost_times: Option<Vec<f64>>,
     /// How traced paths are drawn.
     #[arg(long, value_enum)]
@@ -177,10 +182,7 @@ pub fn apply(
         *seconds = Some(length);
     }
     view.decor.arrow_scale = args.view.arrow_scale.or(view.decor.arrow_scale);
-    let has_alpha = matches!(
-        format,
-        Format::Png | Format::Apng | Format::PngSequence(_)
-    );
+    let has_alpha = matches!(format, Format::Png | Format::Apng | Format::PngSequence(_));
     if view.transparent && !has_alpha && !format.is_model() {
         return Err(Failure::usage(
             format!("{} has no transparency", format.name()),
@@ -207,9 +209,7 @@ fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
                 .map(|c| format!("`{}` (U+{:04X})", c.escape_debug(), u32::from(*c)));
             let named = named.collect::<Vec<_>>().join(", ");
             let text = text.escape_debug();
-            term.warning(&format!(
-                "no glyph for {named} in `{text}`: drawn as a box"
-            ));
+            term.warning(&format!("no glyph for {named} in `{text}`: drawn as a box"));
         }
     }
 }

@@ -37,9 +37,14 @@ mod tests {
 
     #[test]
     fn layers_are_found_again() {
-        for (colour, alpha) in [([200u8, 30, 90], 255u32), ([0, 0, 0], 60), ([120, 250, 4], 128)] {
+        for (colour, alpha) in [
+            ([200u8, 30, 90], 255u32),
+            ([0, 0, 0], 60),
+            ([120, 250, 4], 128),
+        ] {
             let over = |below: u32| {
-                let code = |c: u8| ((u32::from(c) * alpha + below * (255 - alpha) + 127) / 255) as u8;
+                let code =
+                    |c: u8| ((u32::from(c) * alpha + below * (255 - alpha) + 127) / 255) as u8;
                 let [r, g, b] = colour.map(code);
                 RgbaImage::from_pixel(1, 1, Rgba([r, g, b, 255]))
             };
@@ -52,7 +57,10 @@ mod tests {
             }
         }
         let mut nothing = RgbaImage::from_pixel(1, 1, Rgba([255; 4]));
-        extract(&mut nothing, &RgbaImage::from_pixel(1, 1, Rgba([0, 0, 0, 255])));
+        extract(
+            &mut nothing,
+            &RgbaImage::from_pixel(1, 1, Rgba([0, 0, 0, 255])),
+        );
         assert_eq!(nothing.get_pixel(0, 0).0, [0; 4]);
     }
 }

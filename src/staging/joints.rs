@@ -168,7 +168,6 @@ fn rotations(steps: &[Step], at: usize, bodies: &[&Chain]) -> (JointKind, usize)
     (kind, end)
 }
 
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

@@ -21,15 +21,13 @@ mod trails;
 
 use crate::kinematics::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
-use crate::model::view::{
-    GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection,
-};
+use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use crate::render::camera::{ViewDirection, fit};
 use crate::render::{Anchor, Frame, Ground, Instance, Label, Projection, Stage};
 use crate::scene::Scene;
+use decor::DecorParts;
 use glam::DVec3;
 use marks::Marks;
-use decor::DecorParts;
 use parts::Part;
 use std::sync::Arc;
 

@@ -51,13 +51,19 @@ pub fn stagings<'a>(
     let panes = scenes.iter().enumerate().map(|(k, scene)| {
         let right = k % 2 == 1;
         let below = k / 2 == 1;
-        let corner = [if right { half[0] } else { 0 }, if below { half[1] } else { 0 }];
+        let corner = [
+            if right { half[0] } else { 0 },
+            if below { half[1] } else { 0 },
+        ];
         let size = [
             if right { width - half[0] } else { half[0] },
             if below { height - half[1] } else { half[1] },
         ];
         let options = PictureOptions { size, ..options };
-        (corner, Staging::marked(scene, trajectory, options, marks.clone()))
+        (
+            corner,
+            Staging::marked(scene, trajectory, options, marks.clone()),
+        )
     });
     let mut panes: Vec<([u32; 2], Staging)> = panes.collect();
     let heights = panes.iter().filter_map(|(_, pane)| height_of(&pane.stage));

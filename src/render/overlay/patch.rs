@@ -35,12 +35,8 @@ pub fn draw(painter: &mut Painter<'_>, patch: &Patch, picture: [f64; 2]) {
 pub fn leader(painter: &mut Painter<'_>, [from, to]: [[f64; 2]; 2], colour: [u8; 3]) {
     let low = [0, 1].map(|k| from[k].min(to[k]) - 2.0);
     let high = [0, 1].map(|k| from[k].max(to[k]) + 2.0);
-    let [x0, y0, x1, y1] = painter.clip(
-        low[0] as i32,
-        low[1] as i32,
-        high[0] as i32,
-        high[1] as i32,
-    );
+    let [x0, y0, x1, y1] =
+        painter.clip(low[0] as i32, low[1] as i32, high[0] as i32, high[1] as i32);
     for y in y0..y1 {
         for x in x0..x1 {
             let away = distance([f64::from(x) + 0.5, f64::from(y) + 0.5], from, to);

@@ -44,7 +44,9 @@ fn ghosts(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics)
         );
     }
     let none = Ghosts::Count(0);
-    let Some(text) = &view.ghosts else { return none };
+    let Some(text) = &view.ghosts else {
+        return none;
+    };
     let Some(count) = constants.value(text, diagnostics) else {
         return none;
     };

@@ -2,14 +2,12 @@
 
 use super::super::file::{LabelFile, SceneFile};
 use super::super::reader::{FormulaText, Spanned};
-use super::choices::{NAMED_VIEWS, THEMES, choice};
 use super::bodies::{Constants, body_index};
+use super::choices::{NAMED_VIEWS, THEMES, choice};
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::mechanism::{Body, Trace};
-use crate::model::view::{
-    GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection,
-};
+use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use crate::model::view_change::ViewChange;
 use glam::DVec3;
 
@@ -45,7 +43,13 @@ pub fn resolve(
         default
     };
     let azimuth = number(&view.azimuth, DEFAULT_AZIMUTH_DEG, -720.0, 720.0, "azimuth");
-    let elevation = number(&view.elevation, DEFAULT_ELEVATION_DEG, -90.0, 90.0, "elevation");
+    let elevation = number(
+        &view.elevation,
+        DEFAULT_ELEVATION_DEG,
+        -90.0,
+        90.0,
+        "elevation",
+    );
     let fov_y = number(&view.fov, DEFAULT_FOV_DEG, 1.0, 120.0, "fov").to_radians();
     let margin = number(&view.margin, DEFAULT_MARGIN, 0.0, 0.4, "margin");
     let fps = number(&view.fps, DEFAULT_FPS, 0.01, 1000.0, "fps");
