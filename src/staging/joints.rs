@@ -61,16 +61,17 @@ pub fn find(mechanism: &Mechanism, first: &[ArgumentValue]) -> Vec<Joint> {
     };
     let loops = mechanism.loops.iter().map(|l| &l.chain);
     let loops: Vec<&Chain> = loops.filter(|chain| from_world(chain)).collect();
-    let mut found: Vec<(Joint, DVec3)> = Vec::new();
+    let mut found: Vec<(Joint, [DVec3; 2])> = Vec::new();
     for chain in bodies.iter().chain(&loops) {
         for joint in along(chain, &bodies, mechanism) {
-            let at = joint.before.pose(first).translation;
-            let known = found.iter().any(|(other, place)| {
-                other.arguments == joint.arguments
-                    && place.distance(at) < SAME_PLACE * mechanism.size
+            let ends = [&joint.before, &joint.after].map(|c| c.pose(first).translation);
+            // A loop may come to a joint from behind.
+            let near = |place: &DVec3| place.distance(ends[0]) < SAME_PLACE * mechanism.size;
+            let known = found.iter().any(|(other, places)| {
+                other.arguments == joint.arguments && places.iter().any(near)
             });
             if !known {
-                found.push((joint, at));
+                found.push((joint, ends));
             }
         }
     }
@@ -190,6 +191,13 @@ mod tests {
         assert_eq!(kinds("bennett").iter().filter(|k| **k == Pin).count(), 4);
         let gearshift = kinds("gearshift");
         let count = |kind| gearshift.iter().filter(|k| **k == kind).count();
+        assert_eq!(
+            kinds("slider-crank")
+                .iter()
+                .filter(|k| **k == Slider)
+                .count(),
+            1
+        );
         assert_eq!([count(Cylindrical), count(Ball)], [1, 4], "{gearshift:?}");
     }
 }
