@@ -2,7 +2,7 @@
 
 use crate::kinematics::trajectory::{ClosedPose, Sample};
 use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Loop, Mechanism};
 use glam::DVec3;
 
 /// Joints nearer than this over the mechanism's size, with the same arguments, are one joint found twice.
@@ -51,19 +51,19 @@ impl Joint {
     }
 }
 
-/// All joints on the chains of bodies, and on loops that begin like one of them and so begin in the world.
+/// All joints on the chains of bodies, and on loops that pass a joint of the frame and so have a place in the world.
 pub fn find(mechanism: &Mechanism, first: &[ArgumentValue]) -> Vec<Joint> {
     let bodies = mechanism.bodies.iter().map(|body| &body.world_from_body);
     let bodies: Vec<&Chain> = bodies.collect();
-    let from_world = |chain: &Chain| {
-        let start = opening(chain);
-        !start.is_empty() && bodies.iter().any(|body| opening(body) == start)
-    };
-    let loops = mechanism.loops.iter().map(|l| &l.chain);
-    let loops: Vec<&Chain> = loops.filter(|chain| from_world(chain)).collect();
+    let loops = mechanism.loops.iter();
+    let loops: Vec<(Chain, bool)> = loops
+        .filter_map(|l| Some((from_world(l, &bodies)?, l.closes == Closes::Frame)))
+        .collect();
+    let chains = bodies.iter().map(|chain| (*chain, false));
+    let chains = chains.chain(loops.iter().map(|(chain, closed)| (chain, *closed)));
     let mut found: Vec<(Joint, [DVec3; 2])> = Vec::new();
-    for chain in bodies.iter().chain(&loops) {
-        for joint in along(chain, &bodies, mechanism) {
+    for (chain, closed) in chains {
+        for joint in along(chain, closed, &bodies, mechanism) {
             let ends = [&joint.before, &joint.after].map(|c| c.pose(first).translation);
             // A loop may come to a joint from behind.
             let near = |place: &DVec3| place.distance(ends[0]) < SAME_PLACE * mechanism.size;
@@ -91,6 +91,24 @@ fn opening(chain: &Chain) -> &[Step] {
     joint.map_or(&[], |end| &chain.steps[..=end])
 }
 
+/// The loop turned so that it begins in the world: a body's chain begins with one of its joints.
+///
+/// A loop that closes in a point only ends there: what comes before its start has no place.
+fn from_world(l: &Loop, bodies: &[&Chain]) -> Option<Chain> {
+    let steps = &l.chain.steps;
+    let mut openings = bodies.iter().map(|body| opening(body));
+    let (opening, at) = openings.find_map(|opening| {
+        let at = steps.iter().position(|step| Some(step) == opening.last())?;
+        Some((opening, at))
+    })?;
+    let mut turned = opening[..opening.len() - 1].to_vec();
+    turned.extend(&steps[at..]);
+    if l.closes == Closes::Frame {
+        turned.extend(&steps[..at]);
+    }
+    Some(Chain { steps: turned })
+}
+
 fn is_joint(step: &Step) -> bool {
     matches!(step, Step::Joint { .. })
 }
@@ -108,8 +126,8 @@ fn motion(step: Option<&Step>) -> Option<(Motion, usize, usize)> {
     }
 }
 
-/// The joints of one chain, in its order.
-fn along(chain: &Chain, bodies: &[&Chain], mechanism: &Mechanism) -> Vec<Joint> {
+/// The joints of one chain, in its order; a `closed` one comes back to the frame.
+fn along(chain: &Chain, closed: bool, bodies: &[&Chain], mechanism: &Mechanism) -> Vec<Joint> {
     let steps = &chain.steps;
     let mut joints = Vec::new();
     let mut at = 0;
@@ -141,7 +159,8 @@ fn along(chain: &Chain, bodies: &[&Chain], mechanism: &Mechanism) -> Vec<Joint> 
             after: prefix(end),
             axis,
             last_axis: motion(steps.get(end - 1)).map_or(axis, |(_, last, _)| last),
-            grounded: !steps[..at].iter().any(is_joint),
+            grounded: !steps[..at].iter().any(is_joint)
+                || (closed && !steps[end..].iter().any(is_joint)),
             arguments: Chain {
                 steps: steps[at..end].to_vec(),
             }
