@@ -166,6 +166,7 @@ fn stage(scale: u32, samples: u32, ground: bool) -> Stage {
             radius: 6.5,
             // Lines have a width in pixels, which the larger reference picture does not share.
             grid: 0.0,
+            shade: Ground::DARKER,
         }),
     }
 }

@@ -49,6 +49,7 @@ fn ground_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
         );
     }
     let shadow = textureSampleLevel(shadow_texels, shadow_sampler, 0.5 + 0.5 * plane, 0.0).r;
-    let factor = ground_factor(ground_fade(share), lines, shadow);
+    let shade = vec2<f32>(globals.ground_u.w, globals.ground_v.w);
+    let factor = ground_factor(ground_fade(share), lines, shadow, shade);
     return vec4<f32>(globals.background.rgb * factor, 1.0);
 }

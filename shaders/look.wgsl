@@ -43,6 +43,6 @@ fn grid_line(at: f32, footprint: f32) -> f32 {
     return cover * saturate(2.0 - footprint * (2.0 / GRID_MAX_FOOTPRINT));
 }
 
-fn ground_factor(fade: f32, lines: f32, shadow: f32) -> f32 {
-    return (1.0 - fade * (GROUND_TINT + GRID_DARKNESS * lines)) * (1.0 - fade * SHADOW_DARKNESS * shadow);
+fn ground_factor(fade: f32, lines: f32, shadow: f32, shade: vec2<f32>) -> f32 {
+    return (1.0 - fade * (shade.x + shade.y * lines)) * (1.0 - fade * SHADOW_DARKNESS * shadow);
 }

@@ -10,6 +10,7 @@ struct Globals {
     // Background in linear light.
     background: vec4<f32>,
     // The ground's forms in the pixel coordinates (x right, y down): u, v, w. See src/render/ground.rs.
+    // The last entries of u and v are the ground's and the grid's shade.
     ground_u: vec4<f32>,
     ground_v: vec4<f32>,
     ground_w: vec4<f32>,

@@ -87,6 +87,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
             normal: DVec3::Z,
             radius: 5.0,
             grid: 0.5,
+            shade: Ground::DARKER,
         }),
     })
 }

@@ -3,6 +3,7 @@
 use super::file_args::{DiffArgs, EncodeArgs, FileArgs, SnapshotArgs};
 use super::plot_args::{AccuracyArgs, PlotArgs};
 use super::study_args::{OptimiseArgs, SensitivityArgs, ToleranceArgs};
+use super::view_args::ViewArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -133,6 +134,9 @@ pub struct RenderArgs {
     /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
     #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub panel: Option<String>,
+    /// How it is looked at.
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 /// `mechanim solve`

@@ -138,7 +138,7 @@ pub enum ProgressArg {
     None,
 }
 
-fn colour(text: &str) -> Result<[u8; 3], String> {
+pub(super) fn colour(text: &str) -> Result<[u8; 3], String> {
     crate::scene::values::parse_colour(text)
         .ok_or_else(|| "write #rrggbb, for example #c2452d".to_owned())
 }

@@ -21,6 +21,7 @@ mod modes;
 mod open_scene;
 mod optimise;
 mod outcome;
+mod pictures;
 mod plot;
 pub mod plot_args;
 mod progress;
@@ -34,6 +35,7 @@ mod study;
 pub mod study_args;
 mod term;
 mod tolerance;
+pub mod view_args;
 
 use args::{Cli, Command};
 use clap::Parser;

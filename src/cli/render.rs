@@ -1,28 +1,21 @@
 //! `mechanim render`: solve, stage, draw, encode; or write shapes and their motion.
 
-use super::args::{RenderArgs, RendererArg, ShowArg};
+use super::args::{RenderArgs, ShowArg};
 use super::clock::Clock;
 use super::files::{self, Film};
 use super::outcome::{Failure, Outcome};
+use super::pictures::Pictures;
 use super::solve::up_to;
 use super::term::Term;
-use super::{clearance_picture, inputs_table, models, open_scene, plot, report};
+use super::{clearance_picture, inputs_table, models, open_scene, plot, report, view_args};
 use crate::export::Format;
 use crate::kinematics::continuation::solve;
 use crate::kinematics::sampling::{even_times, frame_times};
 use crate::kinematics::trajectory::Trajectory;
-use crate::plot::companion::Companion;
-use crate::plot::raster::Painter;
-use crate::render::adapter::AdapterChoice;
-use crate::render::open::{RendererChoice, open};
-use crate::render::overlay::Overlay;
-use crate::render::{RenderError, Renderer};
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
-use crate::staging::{PictureOptions, Staging};
-use image::RgbaImage;
+use crate::staging::{PictureOptions, Staging, panes};
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Runs the verb.
 pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -34,7 +27,9 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let scene = open_scene::open(&args.scene, term)?;
+    let mut scene = open_scene::open(&args.scene, term)?;
+    view_args::apply(args, &format, &mut scene, term)?;
+    let scene = scene;
     clock.lap("read");
     let plan = Plan::new(args, &scene, &format)?;
     let trajectory = solve(&scene.mechanism, &plan.times)?;
@@ -51,6 +46,12 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &trajectory)?,
         None => Marks::default(),
     };
+    let views = if scene.view.four && !format.is_model() {
+        panes::scenes(&scene)
+    } else {
+        Vec::new()
+    };
+    let panes = panes::stagings(&views, &trajectory, options, &marks);
     let staging = Staging::marked(&scene, &trajectory, options, marks);
     clock.lap("stage");
     if format.is_model() {
@@ -67,6 +68,8 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         clock.lap("write");
     } else {
         let pictures = Pictures {
+            scene: &scene,
+            panes: &panes,
             staging: &staging,
             first: plan.first,
             panel: panel.as_ref(),
@@ -105,7 +108,7 @@ fn draw(
         count: plan.count,
         fps: plan.fps,
         flat_colours: pictures.staging.flat_colours(),
-        alpha: false,
+        alpha: pictures.scene.view.transparent,
     };
     let prepared = film.sink(destination, &mut workers, term)?;
     clock.lap("palette");
@@ -196,77 +199,6 @@ fn frame_time(frames: &[f64], frame: usize) -> Result<f64, Failure> {
             Vec::new(),
         )
     })
-}
-
-/// Draws samples of the motion by the index of their picture.
-#[derive(Clone, Copy)]
-struct Pictures<'a> {
-    staging: &'a Staging<'a>,
-    first: usize,
-    panel: Option<&'a Companion>,
-}
-
-type Worker<'a> = Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a>;
-
-impl<'a> Pictures<'a> {
-    fn workers(self, args: &RenderArgs, term: &Term) -> Result<Vec<Worker<'a>>, Failure> {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let choice = match args.renderer {
-            RendererArg::Auto => RendererChoice::Auto,
-            RendererArg::Gpu => RendererChoice::Gpu,
-            RendererArg::Cpu => RendererChoice::Cpu,
-        };
-        let stage = Arc::clone(&self.staging.stage);
-        let renderers = open(
-            choice,
-            adapter(args, choice),
-            stage,
-            args.file.threads.unwrap_or(cores),
-        )?;
-        if let (RendererChoice::Gpu, Some(renderer)) = (choice, renderers.first()) {
-            term.note(&format!("drawing on {}", renderer.name()));
-        }
-        Ok(renderers
-            .into_iter()
-            .map(|renderer| self.worker(renderer))
-            .collect())
-    }
-
-    fn worker(self, mut renderer: Box<dyn Renderer>) -> Worker<'a> {
-        let stage = &self.staging.stage;
-        let mut overlay = Overlay::new(stage.background);
-        let mut draw = move |sample: usize, image: &mut RgbaImage| {
-            let frame = self.staging.frame(sample);
-            renderer.draw(&frame, image)?;
-            overlay.draw(&frame, &stage.camera, image);
-            Ok(())
-        };
-        let Some(panel) = self.panel else {
-            return Box::new(move |picture, image| draw(self.first + picture, image));
-        };
-        let [width, height] = panel.animation;
-        let (mut motion, mut painter) = (RgbaImage::new(width, height), Painter::default());
-        Box::new(move |picture, image| {
-            let sample = self.first + picture;
-            draw(sample, &mut motion)?;
-            panel.compose(&motion, sample, &mut painter, image);
-            Ok(())
-        })
-    }
-}
-
-/// The adapter asked for with `--adapter` or MECHANIM_ADAPTER, else the one that suits the renderer.
-fn adapter(args: &RenderArgs, choice: RendererChoice) -> AdapterChoice {
-    let from_environment = || {
-        std::env::var("MECHANIM_ADAPTER")
-            .ok()
-            .filter(|name| !name.is_empty())
-    };
-    match args.adapter.clone().or_else(from_environment) {
-        Some(name) if name == "software" => AdapterChoice::Software,
-        Some(name) => AdapterChoice::Name(name),
-        None => choice.default_adapter(),
-    }
 }
 
 fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {

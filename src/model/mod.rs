@@ -9,4 +9,6 @@ pub mod mechanism;
 pub mod plot;
 pub mod shape;
 pub mod study;
+pub mod theme;
 pub mod view;
+pub mod view_change;

@@ -1,5 +1,6 @@
 //! How a scene wants to be seen: camera direction, ground, labels. Plain data, no pixels.
 
+use super::theme::Theme;
 use glam::DVec3;
 
 /// Which world axis points up in the picture.
@@ -23,6 +24,91 @@ pub enum ViewProjection {
     Orthographic,
 }
 
+impl ViewProjection {
+    /// A perspective of 24 degrees: that of a long lens, which bends little.
+    pub const DEFAULT: Self = Self::Perspective {
+        fov_y: 24.0 * std::f64::consts::PI / 180.0,
+    };
+}
+
+/// Directions that have a name; all are parallel projections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedView {
+    /// All three axes equally foreshortened.
+    Iso,
+    /// Against the second horizontal axis (y for z up).
+    Front,
+    /// Against the up axis.
+    Top,
+    /// Against the first horizontal axis (x for z up).
+    Side,
+    /// Top, front, side and the scene's own perspective in one picture.
+    Four,
+}
+
+/// Earlier poses that stay as translucent bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ghosts {
+    /// So many, evenly spread over the motion.
+    Count(usize),
+    /// At these times in seconds.
+    Times(Vec<f64>),
+}
+
+/// How traced paths are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Trails {
+    /// From the start of the motion on.
+    Full,
+    /// The last stretch only, fading into the background; its length in seconds, a quarter of the motion if `None`.
+    Fading(Option<f64>),
+    /// Not at all.
+    None,
+}
+
+/// Which frames show their axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Axes {
+    None,
+    World,
+    Bodies,
+    All,
+}
+
+/// What a picture shows beside the bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decor {
+    /// Earlier poses.
+    pub ghosts: Ghosts,
+    /// Traced paths.
+    pub trails: Trails,
+    /// Velocity arrows on traced points.
+    pub arrows: bool,
+    /// Seconds of motion that an arrow is long; `None` suits the fastest arrow to the picture.
+    pub arrow_scale: Option<f64>,
+    /// Axes of frames.
+    pub axes: Axes,
+    /// Gauges of the inputs.
+    pub gauge: bool,
+    /// Joints drawn by kind, found in the chains.
+    pub joints: bool,
+}
+
+impl Default for Decor {
+    fn default() -> Self {
+        Self {
+            ghosts: Ghosts::Count(0),
+            trails: Trails::Full,
+            arrows: false,
+            arrow_scale: None,
+            axes: Axes::None,
+            gauge: false,
+            joints: false,
+        }
+    }
+}
+
 /// A text fixed in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneLabel {
@@ -30,8 +116,12 @@ pub struct SceneLabel {
     pub text: String,
     /// Where it is.
     pub place: LabelPlace,
-    /// sRGB colour.
-    pub colour: [u8; 3],
+    /// sRGB colour; the theme's ink if `None`.
+    pub colour: Option<[u8; 3]>,
+    /// Stands beside its point, with a line to it.
+    pub leader: bool,
+    /// Not drawn while a body stands before its point.
+    pub hides: bool,
     /// Height of a line of text, as a fraction of the picture's height.
     pub size: f64,
 }
@@ -70,6 +160,12 @@ pub struct View {
     pub projection: ViewProjection,
     /// Free border around the motion as a fraction of the picture.
     pub margin: f64,
+    /// Top, front and side views stand around the view described here.
+    pub four: bool,
+    /// Colours of what is not part of the mechanism.
+    pub theme: Theme,
+    /// No background: for formats that have alpha.
+    pub transparent: bool,
     /// sRGB background.
     pub background: [u8; 3],
     /// Height of the ground along the up axis; `Auto` puts it below the motion.
@@ -80,6 +176,29 @@ pub struct View {
     pub captions: bool,
     /// Texts in the world.
     pub labels: Vec<SceneLabel>,
+    /// What is shown beside the bodies.
+    pub decor: Decor,
+}
+
+impl View {
+    /// Looks from a named direction. `Four` leaves the direction as it is, which one of the four views shows.
+    pub fn look_from(&mut self, named: NamedView) {
+        let iso = std::f64::consts::FRAC_1_SQRT_2.atan();
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let (azimuth, elevation) = match named {
+            NamedView::Iso => (-0.5 * quarter, iso),
+            NamedView::Front => (-quarter, 0.0),
+            NamedView::Top => (-quarter, quarter),
+            NamedView::Side => (0.0, 0.0),
+            NamedView::Four => {
+                self.four = true;
+                return;
+            }
+        };
+        self.four = false;
+        (self.azimuth, self.elevation) = (azimuth, elevation);
+        self.projection = ViewProjection::Orthographic;
+    }
 }
 
 /// Where the ground is.

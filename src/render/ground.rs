@@ -196,6 +196,7 @@ mod tests {
             normal: DVec3::Z,
             radius: 4.0,
             grid: 0.5,
+            shade: Ground::DARKER,
         };
         let size = [320, 240];
         let corners = [DVec3::splat(-1.0), DVec3::splat(1.0)];
@@ -241,6 +242,7 @@ mod tests {
             normal: DVec3::Z,
             radius: 4.0,
             grid: 0.0,
+            shade: Ground::DARKER,
         };
         let camera = fit(
             [DVec3::ZERO, DVec3::ONE].into_iter(),

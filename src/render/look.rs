@@ -34,10 +34,6 @@ pub const EXPOSURE: f32 = 0.98;
 /// How much of its missing opacity a translucent surface regains where it is seen edge-on.
 pub const EDGE_OPACITY: f32 = 0.65;
 
-/// How much darker than the background the middle of the ground is, in linear light.
-pub const GROUND_TINT: f32 = 0.09;
-/// How much a grid line darkens the ground, in linear light.
-pub const GRID_DARKNESS: f32 = 0.11;
 /// Half the width of a grid line in pixels.
 pub const GRID_HALF_WIDTH: f32 = 0.6;
 /// A grid is gone where a pixel spans more than this share of its pitch, and starts to go at half of it.
@@ -154,8 +150,9 @@ pub fn grid_line(at: f32, footprint: f32) -> f32 {
 /// Factor on the background's linear colour where the ground is seen.
 ///
 /// `fade` as of [`ground_fade`]; `lines` the larger of the two [`grid_line`]s; `shadow` 0..=1, as of
-/// [`ContactShadow::sample`](super::contact_shadow::ContactShadow::sample).
+/// [`ContactShadow::sample`](super::contact_shadow::ContactShadow::sample); `shade` as of
+/// [`Ground::shade`](super::Ground::shade).
 #[inline(always)]
-pub fn ground_factor(fade: f32, lines: f32, shadow: f32) -> f32 {
-    (1.0 - fade * (GROUND_TINT + GRID_DARKNESS * lines)) * (1.0 - fade * SHADOW_DARKNESS * shadow)
+pub fn ground_factor(fade: f32, lines: f32, shadow: f32, shade: [f32; 2]) -> f32 {
+    (1.0 - fade * (shade[0] + shade[1] * lines)) * (1.0 - fade * SHADOW_DARKNESS * shadow)
 }

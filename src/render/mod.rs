@@ -11,6 +11,7 @@ pub mod cpu;
 pub mod gpu;
 pub mod ground;
 pub mod look;
+pub mod matte;
 pub mod open;
 pub mod overlay;
 pub mod text;
@@ -77,6 +78,16 @@ pub struct Ground {
     pub radius: f64,
     /// Distance of the grid lines; 0 for none.
     pub grid: f64,
+    /// How much darker than the background its middle is, and how much more a grid line takes away, in linear light;
+    /// negative is lighter.
+    pub shade: [f32; 2],
+}
+
+impl Ground {
+    /// Shade on light backgrounds.
+    pub const DARKER: [f32; 2] = [0.09, 0.11];
+    /// Shade on dark backgrounds, which could hardly be darker.
+    pub const LIGHTER: [f32; 2] = [-0.7, -1.6];
 }
 
 /// One mesh, drawn in one frame.
@@ -103,8 +114,23 @@ pub struct Instance {
 pub enum Anchor {
     /// A point of the world, projected; the label is centred on it.
     World(DVec3),
+    /// A point of the world, projected; the label stands up and to the right of it, with a line to it.
+    Beside(DVec3),
     /// Fractions of the picture's width and height from the top left; the label starts there.
     Screen([f64; 2]),
+}
+
+/// A rectangle over the picture, below the labels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Top left corner in fractions of the picture's width and height.
+    pub corner: [f64; 2],
+    /// Width and height in the same fractions.
+    pub size: [f64; 2],
+    /// sRGB colour.
+    pub colour: [u8; 3],
+    /// 1 opaque.
+    pub opacity: f64,
 }
 
 /// A line of text over the picture.
@@ -127,7 +153,9 @@ pub struct Label {
 pub struct Frame {
     /// Meshes to draw.
     pub instances: Vec<Instance>,
-    /// Text over them.
+    /// Rectangles over them.
+    pub patches: Vec<Patch>,
+    /// Text over both.
     pub labels: Vec<Label>,
     /// Drawn greyed, with a hatched margin: there is no pose at this time.
     pub no_pose: bool,

@@ -6,6 +6,7 @@
 
 mod border;
 mod paint;
+mod patch;
 mod plate;
 
 use super::text::{Face, Setting, set_text};
@@ -32,13 +33,17 @@ impl Overlay {
         }
     }
 
-    /// Draws the border (if the frame has no pose) and the labels of `frame` over `image`, in their order.
+    /// Draws the border (if the frame has no pose), the patches and the labels of `frame` over `image`, in their order.
     ///
     /// Parts outside the picture are cut off. A label is left out where its anchor lies behind the camera or is
     /// not a finite place, or where its size is not positive. Alpha is not touched.
     pub fn draw(&mut self, frame: &Frame, camera: &Camera, image: &mut RgbaImage) {
         if frame.no_pose {
             border::draw(image);
+        }
+        let picture = <[u32; 2]>::from(image.dimensions()).map(f64::from);
+        for patch in &frame.patches {
+            patch::draw(&mut Painter::new(image), patch, picture);
         }
         for label in &frame.labels {
             self.draw_label(label, camera, image);
@@ -50,14 +55,21 @@ impl Overlay {
             return;
         }
         let setting = set_text(&self.face, &label.text, label.size.min(LARGEST_SIZE));
-        let Some([left, top]) = place(label, &setting, camera, image.dimensions().into()) else {
+        let size = image.dimensions().into();
+        let Some([left, top]) = place(label, &setting, camera, size) else {
             return;
         };
         let mut painter = Painter::new(image);
+        if let Anchor::Beside(point) = label.anchor
+            && let Some([x, y, _]) = camera.project(point, size)
+        {
+            let foot = [f64::from(left) - 2.0, f64::from(top) + 0.5 * setting.height];
+            patch::leader(&mut painter, [[x, y], foot], label.colour);
+        }
         if label.plate && !setting.glyphs.is_empty() {
             plate::draw(&mut painter, &setting, [left, top], self.plate_colour);
         }
-        let in_world = matches!(label.anchor, Anchor::World(_));
+        let in_world = !matches!(label.anchor, Anchor::Screen(_));
         if in_world && !label.plate {
             // A seam of the background's colour keeps the text readable in front of dark bodies.
             for shift in SEAM {
@@ -86,6 +98,9 @@ impl Overlay {
     }
 }
 
+/// How far right of and above its point a label with a line stands, in heights of its capitals.
+const BESIDE: [f64; 2] = [2.2, 2.2];
+
 /// Shifts in pixels that draw a seam around a text.
 const SEAM: [[i32; 2]; 8] = [
     [-1, -1],
@@ -105,6 +120,13 @@ fn place(label: &Label, setting: &Setting, camera: &Camera, size: [u32; 2]) -> O
         Anchor::World(point) => {
             let [x, y, _] = camera.project(point, size)?;
             [x - 0.5 * setting.width, y - 0.5 * setting.height]
+        }
+        Anchor::Beside(point) => {
+            let [x, y, _] = camera.project(point, size)?;
+            let away = BESIDE.map(|n| n * setting.size);
+            // Kept in the picture, so that the text can be read while its point is near the border.
+            let left = (x + away[0]).min(picture[0] - setting.width - 2.0);
+            [left, (y - away[1] - 0.5 * setting.height).max(2.0)]
         }
         Anchor::Screen([x, y]) => {
             let inset = if label.plate {

@@ -147,6 +147,10 @@ pub struct LabelFile {
     pub colour: Option<[u8; 3]>,
     /// `size`
     pub size: Option<FormulaText>,
+    /// `leader`
+    pub leader: Option<bool>,
+    /// `hides`
+    pub hides: Option<bool>,
     /// The whole entry.
     pub span: Span,
 }
@@ -165,6 +169,18 @@ pub struct ViewFile {
     pub ground: Option<FormulaText>,
     pub fps: Option<FormulaText>,
     pub captions: Option<bool>,
+    pub from: Option<Spanned<String>>,
+    pub theme: Option<Spanned<String>>,
+    pub transparent: Option<bool>,
+    pub ghosts: Option<FormulaText>,
+    pub ghost_times: Option<Spanned<Vec<FormulaText>>>,
+    pub trails: Option<Spanned<String>>,
+    pub trail_length: Option<FormulaText>,
+    pub arrows: Option<bool>,
+    pub arrow_scale: Option<FormulaText>,
+    pub axes: Option<Spanned<String>>,
+    pub gauge: Option<bool>,
+    pub joints: Option<bool>,
 }
 
 /// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
@@ -361,6 +377,7 @@ fn label(r: &mut TableReader) -> Option<LabelFile> {
     let (body, point) = (r.string("body"), r.vector("point"));
     let (trace, time) = (r.string("trace"), r.formula("time"));
     let (colour, size) = (r.colour("colour"), r.formula("size"));
+    let (leader, hides) = (r.boolean("leader"), r.boolean("hides"));
     Some(LabelFile {
         text: text?,
         body,
@@ -369,6 +386,8 @@ fn label(r: &mut TableReader) -> Option<LabelFile> {
         time,
         colour,
         size,
+        leader,
+        hides,
         span,
     })
 }
@@ -385,6 +404,18 @@ fn view(r: &mut TableReader) -> ViewFile {
         ground: r.formula("ground"),
         fps: r.formula("fps"),
         captions: r.boolean("captions"),
+        from: r.string("from"),
+        theme: r.string("theme"),
+        transparent: r.boolean("transparent"),
+        ghosts: r.formula("ghosts"),
+        ghost_times: r.formulas("ghost_times"),
+        trails: r.string("trails"),
+        trail_length: r.formula("trail_length"),
+        arrows: r.boolean("arrows"),
+        arrow_scale: r.formula("arrow_scale"),
+        axes: r.string("axes"),
+        gauge: r.boolean("gauge"),
+        joints: r.boolean("joints"),
     }
 }
 

@@ -2,8 +2,10 @@
 
 use super::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
-use crate::model::view::{GroundPlace, View, ViewProjection};
+use crate::model::view::{Ghosts, ViewProjection};
+use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FormulaText, Spanned, TableReader, read_table};
+use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, choice};
 use toml::de::DeTable;
 
 /// Name of the list in its folder.
@@ -61,31 +63,6 @@ pub enum Instant {
     Frame(usize),
     /// Seconds.
     Time(f64),
-}
-
-/// What differs from the scene's own view.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ViewChange {
-    azimuth: Option<f64>,
-    elevation: Option<f64>,
-    projection: Option<ViewProjection>,
-    background: Option<[u8; 3]>,
-    captions: Option<bool>,
-    ground: Option<bool>,
-}
-
-impl ViewChange {
-    /// Changes `view`.
-    pub fn apply(&self, view: &mut View) {
-        view.azimuth = self.azimuth.unwrap_or(view.azimuth);
-        view.elevation = self.elevation.unwrap_or(view.elevation);
-        view.projection = self.projection.unwrap_or(view.projection);
-        view.background = self.background.unwrap_or(view.background);
-        view.captions = self.captions.unwrap_or(view.captions);
-        if self.ground == Some(false) {
-            view.ground = GroundPlace::None;
-        }
-    }
 }
 
 impl Manifest {
@@ -247,14 +224,32 @@ fn view(r: &mut TableReader) -> ViewChange {
                 .hint("one of perspective, orthographic"),
         );
     }
+    // Four views are several pictures, and the last of the names.
+    let from = word(r, "from", &NAMED_VIEWS[..4]);
+    let theme = word(r, "theme", &THEMES);
     ViewChange {
+        from,
         azimuth,
         elevation,
         projection,
+        theme,
         background: r.colour("background"),
         captions: r.boolean("captions"),
         ground: r.boolean("ground"),
+        ghosts: number(r, "ghosts", 0.0, MOST_GHOSTS as f64).map(|n| Ghosts::Count(n as usize)),
+        trails: word(r, "trails", &TRAILS),
+        arrows: r.boolean("arrows"),
+        axes: word(r, "axes", &AXES),
+        gauge: r.boolean("gauge"),
+        joints: r.boolean("joints"),
+        ..ViewChange::default()
     }
+}
+
+/// One of the words that `key` may have.
+fn word<T: Copy>(r: &mut TableReader, key: &'static str, known: &[(&str, T)]) -> Option<T> {
+    let word = r.string(key)?;
+    choice(&Some(word), known, key, r.diagnostics).into()
 }
 
 /// A whole number under `key`.

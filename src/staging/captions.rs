@@ -1,19 +1,19 @@
 //! Texts of a frame: labels of the scene, title, values of the inputs, and why there is no pose.
 
+use super::gauge;
 use crate::kinematics::trajectory::{ClosedPose, Trajectory};
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};
-use crate::render::{Anchor, Label};
+use crate::render::{Anchor, Frame, Label};
 use crate::scene::Scene;
 use glam::DVec3;
 
-const TITLE_COLOUR: [u8; 3] = [0x2b, 0x2f, 0x36];
-const VALUE_COLOUR: [u8; 3] = [0x5a, 0x62, 0x6e];
-const WARNING_COLOUR: [u8; 3] = [0xb4, 0x53, 0x09];
-
 /// Heights of the lines as fractions of the picture's height.
 const TITLE_SIZE: f64 = 0.036;
-const VALUE_SIZE: f64 = 0.030;
+
+/// See [`TITLE_SIZE`].
+pub const VALUE_SIZE: f64 = 0.030;
 
 /// Distance of the captions from the border, as a fraction of the height.
 const INSET: f64 = 0.02;
@@ -24,18 +24,20 @@ const INSET_IN_HATCHING: f64 = 0.05;
 /// Smallest height in pixels at which captions can be read; smaller pictures go without.
 const SMALLEST_READABLE: f64 = 7.0;
 
-/// Title, input values, and the notice of a missing pose.
-pub fn of_sample(
+/// Adds title, input values (as text or gauges) and the notice of a missing pose to `frame`.
+pub fn add(
     scene: &Scene,
     trajectory: &Trajectory,
     index: usize,
     size: [u32; 2],
-) -> Vec<Label> {
+    frame: &mut Frame,
+) {
     let height = f64::from(size[1]);
     if VALUE_SIZE * height < SMALLEST_READABLE {
-        return Vec::new();
+        return;
     }
     let sample = &trajectory.samples[index];
+    let (view, theme) = (&scene.view, scene.view.theme);
     let inset = if sample.pose.is_some() {
         INSET
     } else {
@@ -49,52 +51,57 @@ pub fn of_sample(
         colour,
         plate: false,
     };
-    let mut labels = vec![line(
-        scene.mechanism.title.clone(),
-        inset,
-        TITLE_SIZE,
-        TITLE_COLOUR,
-    )];
     let values = values(&scene.mechanism, &sample.inputs);
-    if !values.is_empty() {
-        labels.push(line(
-            values.clone(),
-            1.0 - inset - 1.6 * VALUE_SIZE,
-            VALUE_SIZE,
-            VALUE_COLOUR,
-        ));
+    if view.captions {
+        let title = scene.mechanism.title.clone();
+        frame
+            .labels
+            .push(line(title, inset, TITLE_SIZE, theme.ink()));
     }
-    if sample.pose.is_none() {
+    if view.decor.gauge {
+        let place = (size.map(f64::from), inset);
+        let inputs = &sample.inputs;
+        let gauges = gauge::of_inputs(&scene.mechanism, trajectory, inputs, place, theme);
+        frame.patches.extend(gauges.0);
+        frame.labels.extend(gauges.1);
+    } else if view.captions && !values.is_empty() {
+        let y = 1.0 - inset - 1.6 * VALUE_SIZE;
+        let values = values.clone();
+        frame
+            .labels
+            .push(line(values, y, VALUE_SIZE, theme.faint_ink()));
+    }
+    if view.captions && sample.pose.is_none() {
         let text = format!("no pose exists here: {values}");
-        labels.push(line(
-            text,
-            inset + 1.8 * TITLE_SIZE,
-            VALUE_SIZE,
-            WARNING_COLOUR,
-        ));
+        let y = inset + 1.8 * TITLE_SIZE;
+        frame
+            .labels
+            .push(line(text, y, VALUE_SIZE, theme.warning()));
     }
-    labels
 }
 
-/// `p = -17.0 mm   phi = 0.200 rad`, with a fixed number of digits so that the text does not jump.
+/// `p = -17.0 mm   phi = 0.200 rad`.
 fn values(mechanism: &Mechanism, inputs: &[f64]) -> String {
-    let texts = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
-        let in_file = value * mechanism.file_units(input.kind);
-        // Half a unit of the last digit must not show as a negative zero.
-        let tidy = |digits: i32| {
-            let unit = 10f64.powi(digits);
-            (in_file * unit).round() / unit + 0.0
-        };
-        match input.kind {
-            Kind::Angle if mechanism.angle_unit.name == "deg" => {
-                format!("{} = {:+.1}°", input.name, tidy(1))
-            }
-            Kind::Angle => format!("{} = {:+.3} rad", input.name, tidy(3)),
-            Kind::Length => format!("{} = {:+.1} {}", input.name, tidy(1), mechanism.length_unit),
-            Kind::Number => format!("{} = {:+.3}", input.name, tidy(3)),
-        }
-    });
+    let inputs = mechanism.inputs.iter().zip(inputs);
+    let texts =
+        inputs.map(|(input, v)| format!("{} = {}", input.name, value_text(mechanism, input, *v)));
     texts.collect::<Vec<_>>().join("    ")
+}
+
+/// `-17.0 mm`, with a fixed number of digits so that the text does not jump.
+pub fn value_text(mechanism: &Mechanism, input: &Coordinate, value: f64) -> String {
+    let in_file = value * mechanism.file_units(input.kind);
+    // Half a unit of the last digit must not show as a negative zero.
+    let tidy = |digits: i32| {
+        let unit = 10f64.powi(digits);
+        (in_file * unit).round() / unit + 0.0
+    };
+    match input.kind {
+        Kind::Angle if mechanism.angle_unit.name == "deg" => format!("{:+.1}°", tidy(1)),
+        Kind::Angle => format!("{:+.3} rad", tidy(3)),
+        Kind::Length => format!("{:+.1} {}", tidy(1), mechanism.length_unit),
+        Kind::Number => format!("{:+.3}", tidy(3)),
+    }
 }
 
 /// Where a label on a trace stays: the traced point of the sample nearest to its time. `None` for a label on a body,
@@ -123,6 +130,7 @@ pub fn in_world(
     on_trace: Option<DVec3>,
     pose: &ClosedPose,
     height: f64,
+    theme: Theme,
 ) -> Option<Label> {
     let point = match label.place {
         LabelPlace::OnBody { body, point } => pose.bodies[body].transform_point(point),
@@ -130,9 +138,13 @@ pub fn in_world(
     };
     Some(Label {
         text: label.text.clone(),
-        anchor: Anchor::World(point),
+        anchor: if label.leader {
+            Anchor::Beside(point)
+        } else {
+            Anchor::World(point)
+        },
         size: label.size * height,
-        colour: label.colour,
+        colour: label.colour.unwrap_or(theme.ink()),
         plate: false,
     })
 }

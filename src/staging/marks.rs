@@ -1,6 +1,7 @@
 //! Bodies and distances that a picture points out. Holds no judgement of its own.
 
-use crate::geometry::{Mesh, mesh_of};
+use super::solids::{merged, sign};
+use crate::geometry::Mesh;
 use crate::math::Pose;
 use crate::model::shape::Solid;
 use crate::render::{Anchor, Instance, Label};
@@ -72,40 +73,23 @@ impl Marks {
     /// Adds the mesh of the line; returns its index.
     pub fn mesh(&self, pixel: f64, meshes: &mut Vec<Mesh>) -> Option<usize> {
         let [from, to] = self.measure.as_ref()?.points;
-        let mut mesh = Mesh::default();
-        let mut add = |solid: Solid| {
-            let part = mesh_of(&solid, 0.2 * pixel);
-            let first = mesh.positions.len() as u32;
-            mesh.positions.extend(part.positions);
-            mesh.normals.extend(part.normals);
-            mesh.triangles
-                .extend(part.triangles.iter().map(|t| t.map(|k| k + first)));
-        };
         let radius = LINE_PIXELS * pixel;
-        if from.distance(to) > radius {
-            add(Solid::Cylinder { from, to, radius });
-        }
-        for center in [from, to] {
-            add(Solid::Sphere {
+        let mut solids: Vec<Solid> = [from, to]
+            .map(|center| Solid::Sphere {
                 center,
                 radius: BALL_PIXELS * pixel,
-            });
+            })
+            .into();
+        if from.distance(to) > radius {
+            solids.insert(0, Solid::Cylinder { from, to, radius });
         }
-        meshes.push(mesh);
+        meshes.push(merged(&solids, 0.2 * pixel));
         Some(meshes.len() - 1)
     }
 
     /// The line as it is drawn.
     pub fn line(mesh: usize, meshes: &[Mesh]) -> Instance {
-        Instance {
-            mesh,
-            world_from_mesh: Pose::IDENTITY,
-            colour: LINE,
-            opacity: 1.0,
-            triangles: 0..meshes[mesh].triangles.len() as u32,
-            casts_shadow: false,
-            flat: 1.0,
-        }
+        sign(mesh, meshes, Pose::IDENTITY, LINE, 1.0)
     }
 
     /// The text beside the line.

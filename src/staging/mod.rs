@@ -2,20 +2,33 @@
 //!
 //! A frame is a function of the trajectory and a sample's index only. No pixels here.
 
+mod arrows;
+mod axes;
 mod bounds;
 mod captions;
+mod decor;
+mod gauge;
+mod ghosts;
+mod joint_signs;
+pub mod joints;
 pub mod marks;
 pub mod model;
+pub mod panes;
 mod parts;
+mod sight;
+mod solids;
+mod trails;
 
 use crate::kinematics::trajectory::{ClosedPose, Trajectory};
-use crate::model::view::{GroundPlace, UpAxis, View, ViewProjection};
+use crate::model::theme::Theme;
+use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use crate::render::camera::{ViewDirection, fit};
-use crate::render::{Frame, Ground, Instance, Label, Projection, Stage};
+use crate::render::{Anchor, Frame, Ground, Instance, Label, Projection, Stage};
 use crate::scene::Scene;
+use decor::DecorParts;
 use glam::DVec3;
 use marks::Marks;
-use parts::{Part, TracePart};
+use parts::Part;
 use std::sync::Arc;
 
 /// Size and sampling of the pictures.
@@ -37,7 +50,7 @@ pub struct Staging<'a> {
     marks: Marks,
     /// Mesh of the marked distance.
     measure: Option<usize>,
-    traces: Vec<TracePart>,
+    decor: DecorParts,
     /// Places of the labels that stay on a trace, one entry per label.
     label_places: Vec<Option<DVec3>>,
     /// For every sample the sample whose pose is drawn: itself, or the nearest one that has a pose.
@@ -66,9 +79,12 @@ impl<'a> Staging<'a> {
         options: PictureOptions,
         marks: Marks,
     ) -> Self {
-        let bounds = bounds::moving_points(&scene.mechanism, trajectory);
+        let mut bounds = bounds::moving_points(&scene.mechanism, trajectory);
         let view = &scene.view;
         let up = up_axis(view.up);
+        let mut meshes = Vec::new();
+        let moving = (scene, trajectory);
+        let mut decor = DecorParts::before_camera(moving, (&mut bounds, up), &mut meshes);
         let projection = match view.projection {
             ViewProjection::Perspective { fov_y } => Projection::Perspective { fov_y },
             ViewProjection::Orthographic => Projection::Orthographic { height: 1.0 },
@@ -87,10 +103,9 @@ impl<'a> Staging<'a> {
             2.0 * view.margin,
         );
         let ground = ground(view, &bounds, up);
-        let mut meshes = Vec::new();
         let pixel = parts::pixel_size(&camera, options.size, &bounds);
         let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
-        let traces = parts::of_traces(&scene.mechanism, trajectory, pixel, &mut meshes);
+        decor.after_camera(moving, pixel, &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
         let stage = Stage {
             meshes,
@@ -107,7 +122,7 @@ impl<'a> Staging<'a> {
             parts,
             marks,
             measure,
-            traces,
+            decor,
             label_places: scene
                 .view
                 .labels
@@ -125,10 +140,17 @@ impl<'a> Staging<'a> {
 
     /// Colours that appear as they are, whatever the light: a palette should hold them exactly.
     pub fn flat_colours(&self) -> Vec<[u8; 3]> {
-        let traces = self.scene.mechanism.traces.iter().map(|trace| trace.colour);
-        std::iter::once(self.stage.background)
-            .chain(traces)
-            .collect()
+        let mut colours = vec![self.stage.background];
+        colours.extend(self.decor.flat_colours());
+        colours
+    }
+
+    /// The same stage in front of another background.
+    pub fn stage_on(&self, background: [u8; 3]) -> Arc<Stage> {
+        Arc::new(Stage {
+            background,
+            ..Stage::clone(&self.stage)
+        })
     }
 
     /// What is drawn for sample `index`.
@@ -143,39 +165,70 @@ impl<'a> Staging<'a> {
             frame.instances = self.instances(index, pose);
             frame.labels = self.labels(pose);
         }
-        if self.scene.view.captions {
-            frame.labels.extend(captions::of_sample(
-                self.scene,
-                self.trajectory,
-                index,
-                self.stage.size,
-            ));
-        }
+        captions::add(
+            self.scene,
+            self.trajectory,
+            index,
+            self.stage.size,
+            &mut frame,
+        );
+        frame
+    }
+
+    /// Title and values of sample `index` alone.
+    pub fn captions(&self, index: usize) -> Frame {
+        let mut frame = Frame::default();
+        let size = self.stage.size;
+        captions::add(self.scene, self.trajectory, index, size, &mut frame);
         frame
     }
 
     fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
+        let meshes = &self.stage.meshes;
         let solids = self.parts.iter().map(|part| {
-            let mut instance = part.instance(pose, &self.stage.meshes);
+            let mut instance = part.instance(pose, meshes);
             self.marks.colour(index, part.body(), &mut instance);
             instance
         });
-        let traces = self.traces.iter().map(|trace| trace.instance(index));
-        let line = self
-            .measure
-            .map(|mesh| Marks::line(mesh, &self.stage.meshes));
-        solids.chain(traces).chain(line).collect()
+        let line = self.measure.map(|mesh| Marks::line(mesh, meshes));
+        let shown = (index, self.shown[index].unwrap_or(index));
+        let decor = self.decor.instances(
+            (self.scene, self.trajectory),
+            &self.parts,
+            shown,
+            pose,
+            meshes,
+        );
+        solids.chain(decor).chain(line).collect()
     }
 
     fn labels(&self, pose: &ClosedPose) -> Vec<Label> {
         let height = f64::from(self.stage.size[1]);
+        let theme = self.scene.view.theme;
         let labels = &self.scene.view.labels;
         labels
             .iter()
             .zip(&self.label_places)
-            .filter_map(|(label, place)| captions::in_world(label, *place, pose, height))
+            .filter_map(|(label, place)| {
+                let shown = captions::in_world(label, *place, pose, height, theme)?;
+                (!label.hides || !self.is_hidden(label, &shown, pose)).then_some(shown)
+            })
+            .chain(self.decor.letters(height))
             .chain(self.marks.label(height))
             .collect()
+    }
+
+    /// Whether a body stands before a label's point.
+    fn is_hidden(&self, label: &SceneLabel, shown: &Label, pose: &ClosedPose) -> bool {
+        let (Anchor::World(point) | Anchor::Beside(point)) = shown.anchor else {
+            return false;
+        };
+        let own = match label.place {
+            LabelPlace::OnBody { body, .. } => Some(body),
+            LabelPlace::OnTrace { .. } => None,
+        };
+        let stage = &self.stage;
+        sight::is_hidden(point, own, &stage.camera, &self.parts, pose, &stage.meshes)
     }
 }
 
@@ -223,6 +276,12 @@ fn ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
         normal: up,
         radius,
         grid: round_step(extent / GRID_LINES),
+        // Without a background nothing can be made lighter than it.
+        shade: if view.theme == Theme::Dark && !view.transparent {
+            Ground::LIGHTER
+        } else {
+            Ground::DARKER
+        },
     })
 }
 

@@ -33,6 +33,7 @@ fn caster() -> (ShadowCaster, Pose) {
             normal: tilt.transform_vector(DVec3::Z),
             radius: 4.0,
             grid: 0.0,
+            shade: Ground::DARKER,
         }),
     };
     let caster = ShadowCaster::new(&stage).unwrap();

@@ -43,6 +43,7 @@ impl Backdrop {
             .ground
             .as_ref()
             .and_then(|ground| GroundView::new(ground, &stage.camera, stage.size));
+        let shade = stage.ground.map_or([0.0; 2], |ground| ground.shade);
         let mut backdrop = Self {
             size,
             background,
@@ -52,12 +53,12 @@ impl Backdrop {
             view,
         };
         if let Some(view) = view {
-            backdrop.lay_ground(&view, curve);
+            backdrop.lay_ground(&view, shade, curve);
         }
         backdrop
     }
 
-    fn lay_ground(&mut self, view: &GroundView, curve: &Curve) {
+    fn lay_ground(&mut self, view: &GroundView, shade: [f32; 2], curve: &Curve) {
         let [width, height] = self.size;
         self.spots = vec![
             Spot {
@@ -73,7 +74,7 @@ impl Backdrop {
                 let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {
                     continue;
                 };
-                let factor = look::ground_factor(point.fade, point.lines, 0.0);
+                let factor = look::ground_factor(point.fade, point.lines, 0.0, shade);
                 let [u, v] = point.at;
                 self.spots[y * width + x] = Spot {
                     factor,

@@ -311,6 +311,7 @@ fn workshop(samples: u32) -> (Stage, Frame) {
         normal: DVec3::Z,
         radius: 4.0,
         grid: 0.5,
+        shade: Ground::DARKER,
     };
     let view = crate::render::camera::ViewDirection {
         azimuth: -0.9,

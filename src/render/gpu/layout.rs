@@ -43,9 +43,9 @@ pub struct Globals {
     pub up: [f32; 4],
     /// Linear background, alpha 1.
     pub background: [f32; 4],
-    /// Forms of the ground in pixel coordinates.
+    /// Forms of the ground in pixel coordinates; the last entry is the ground's shade.
     pub ground_u: [f32; 4],
-    /// Second form.
+    /// Second form, and the grid's shade.
     pub ground_v: [f32; 4],
     /// Divisor.
     pub ground_w: [f32; 4],
@@ -103,8 +103,8 @@ impl Globals {
             ..Self::zeroed()
         };
         if let (Some(view), Some(ground)) = (ground, &stage.ground) {
-            globals.ground_u = row(view.u, 0.0);
-            globals.ground_v = row(view.v, 0.0);
+            globals.ground_u = row(view.u, f64::from(ground.shade[0]));
+            globals.ground_v = row(view.v, f64::from(ground.shade[1]));
             globals.ground_w = row(view.w, 0.0);
             let pitch = (ground.grid / ground.radius).max(0.0);
             globals.ground_depth = row(ground_depth(view, &depth, size), pitch);
@@ -210,6 +210,7 @@ mod tests {
                 normal: DVec3::Z,
                 radius: 5.0,
                 grid: 0.5,
+                shade: Ground::DARKER,
             }),
         }
     }

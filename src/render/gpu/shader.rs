@@ -41,12 +41,7 @@ fn constants() -> String {
         GROUND_COLOUR
     );
     scalars!(KEY_WRAP, SHEEN, HIGHLIGHT, RIM, EXPOSURE, EDGE_OPACITY);
-    scalars!(
-        GROUND_TINT,
-        GRID_DARKNESS,
-        GRID_HALF_WIDTH,
-        GRID_MAX_FOOTPRINT
-    );
+    scalars!(GRID_HALF_WIDTH, GRID_MAX_FOOTPRINT);
     scalars!(FADE_START_SQUARED, SHADOW_DARKNESS);
     text
 }

@@ -1,8 +1,10 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
 pub mod bodies;
+pub mod choices;
 mod contacts;
 mod coordinates;
+mod decor;
 mod joints;
 mod loops;
 mod magnitudes;

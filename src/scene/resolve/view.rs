@@ -3,10 +3,12 @@
 use super::super::file::{LabelFile, SceneFile};
 use super::super::reader::{FormulaText, Spanned};
 use super::bodies::{Constants, body_index};
+use super::choices::{NAMED_VIEWS, THEMES, choice};
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::mechanism::{Body, Trace};
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
+use crate::model::view_change::ViewChange;
 use glam::DVec3;
 
 const DEFAULT_AZIMUTH_DEG: f64 = -60.0;
@@ -14,8 +16,6 @@ const DEFAULT_ELEVATION_DEG: f64 = 22.0;
 const DEFAULT_FOV_DEG: f64 = 24.0;
 const DEFAULT_MARGIN: f64 = 0.06;
 const DEFAULT_FPS: f64 = 20.0;
-const DEFAULT_BACKGROUND: [u8; 3] = [0xf5, 0xf6, 0xf8];
-const LABEL_COLOUR: [u8; 3] = [0x2b, 0x2f, 0x36];
 /// Fraction of the picture's height: readable in a 480-line picture.
 const DEFAULT_LABEL_SIZE: f64 = 0.035;
 
@@ -42,15 +42,14 @@ pub fn resolve(
         diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
         default
     };
-    let azimuth = number(&view.azimuth, DEFAULT_AZIMUTH_DEG, -720.0, 720.0, "azimuth").to_radians();
+    let azimuth = number(&view.azimuth, DEFAULT_AZIMUTH_DEG, -720.0, 720.0, "azimuth");
     let elevation = number(
         &view.elevation,
         DEFAULT_ELEVATION_DEG,
         -90.0,
         90.0,
         "elevation",
-    )
-    .to_radians();
+    );
     let fov_y = number(&view.fov, DEFAULT_FOV_DEG, 1.0, 120.0, "fov").to_radians();
     let margin = number(&view.margin, DEFAULT_MARGIN, 0.0, 0.4, "margin");
     let fps = number(&view.fps, DEFAULT_FPS, 0.01, 1000.0, "fps");
@@ -78,40 +77,36 @@ pub fn resolve(
         .iter()
         .filter_map(|l| label(l, &constants, bodies, traces, diagnostics))
         .collect();
-    View {
-        azimuth,
-        elevation,
+    let theme = choice(&view.theme, &THEMES, "theme", diagnostics);
+    let decor = super::decor::resolve(view, &constants, diagnostics);
+    let mut resolved = View {
+        azimuth: azimuth.to_radians(),
+        elevation: elevation.to_radians(),
         up,
         projection,
         margin,
-        background: view.background.unwrap_or(DEFAULT_BACKGROUND),
+        four: false,
+        theme,
+        transparent: view.transparent.unwrap_or(false),
+        background: view.background.unwrap_or(theme.background()),
         ground,
         fps,
         captions: view.captions.unwrap_or(true),
         labels,
+        decor,
+    };
+    if view.from.is_some() {
+        let change = ViewChange {
+            from: Some(choice(&view.from, &NAMED_VIEWS, "view", diagnostics)),
+            // What the scene says of its own goes before the name.
+            azimuth: view.azimuth.as_ref().map(|_| resolved.azimuth),
+            elevation: view.elevation.as_ref().map(|_| resolved.elevation),
+            projection: view.projection.as_ref().map(|_| resolved.projection),
+            ..ViewChange::default()
+        };
+        change.apply(&mut resolved);
     }
-}
-
-/// One of the named values; the first is the default.
-fn choice<T: Copy>(
-    word: &Option<Spanned<String>>,
-    known: &[(&str, T)],
-    what: &str,
-    diagnostics: &mut Diagnostics,
-) -> T {
-    let Some(word) = word else { return known[0].1 };
-    match known.iter().find(|(name, _)| *name == word.value) {
-        Some((_, value)) => *value,
-        None => {
-            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-            diagnostics.push(
-                Diagnostic::error(format!("unknown {what} `{}`", word.value))
-                    .at(word.span.clone())
-                    .hint(format!("one of {}", names.join(", "))),
-            );
-            known[0].1
-        }
-    }
+    resolved
 }
 
 fn label(
@@ -143,7 +138,9 @@ fn label(
     Some(SceneLabel {
         text: label.text.value.clone(),
         place,
-        colour: label.colour.unwrap_or(LABEL_COLOUR),
+        colour: label.colour,
+        leader: label.leader.unwrap_or(false),
+        hides: label.hides.unwrap_or(false),
         size,
     })
 }

@@ -1,0 +1,44 @@
+//! Colours of paper and ink: what a picture has where neither bodies nor traces say otherwise.
+
+/// Light paper for documents, dark paper for slides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Theme {
+    #[default]
+    Light,
+    Dark,
+}
+
+impl Theme {
+    /// sRGB colour behind everything.
+    pub const fn background(self) -> [u8; 3] {
+        match self {
+            Self::Light => [0xf5, 0xf6, 0xf8],
+            Self::Dark => [0x16, 0x1a, 0x20],
+        }
+    }
+
+    /// sRGB colour of titles and labels.
+    pub const fn ink(self) -> [u8; 3] {
+        match self {
+            Self::Light => [0x2b, 0x2f, 0x36],
+            Self::Dark => [0xe8, 0xea, 0xee],
+        }
+    }
+
+    /// sRGB colour of values and scales, which stand back.
+    pub const fn faint_ink(self) -> [u8; 3] {
+        match self {
+            Self::Light => [0x5a, 0x62, 0x6e],
+            Self::Dark => [0xa3, 0xab, 0xb8],
+        }
+    }
+
+    /// sRGB colour of warnings.
+    pub const fn warning(self) -> [u8; 3] {
+        match self {
+            Self::Light => [0xb4, 0x53, 0x09],
+            Self::Dark => [0xf5, 0xa6, 0x4a],
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! What a command line or a list of pictures changes in the view of a scene.
+
+use super::theme::Theme;
+use super::view::{Axes, Ghosts, GroundPlace, NamedView, Trails, View, ViewProjection};
+
+/// Changes; what is `None` stays as the scene says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewChange {
+    /// A named direction, before everything else.
+    pub from: Option<NamedView>,
+    /// Radians.
+    pub azimuth: Option<f64>,
+    /// Radians.
+    pub elevation: Option<f64>,
+    /// Kind of projection with its angle.
+    pub projection: Option<ViewProjection>,
+    /// Parallel or not; a perspective keeps the scene's angle.
+    pub parallel: Option<bool>,
+    /// Theme, with its background.
+    pub theme: Option<Theme>,
+    /// sRGB.
+    pub background: Option<[u8; 3]>,
+    /// No background at all.
+    pub transparent: Option<bool>,
+    /// Title and input values.
+    pub captions: Option<bool>,
+    /// Whether there is a ground at all.
+    pub ground: Option<bool>,
+    /// Earlier poses.
+    pub ghosts: Option<Ghosts>,
+    /// Traced paths.
+    pub trails: Option<Trails>,
+    /// Velocity arrows.
+    pub arrows: Option<bool>,
+    /// Axes of frames.
+    pub axes: Option<Axes>,
+    /// Gauges of the inputs.
+    pub gauge: Option<bool>,
+    /// Joints drawn by kind.
+    pub joints: Option<bool>,
+}
+
+impl ViewChange {
+    /// Changes `view`.
+    pub fn apply(&self, view: &mut View) {
+        let own = match view.projection {
+            ViewProjection::Perspective { .. } => view.projection,
+            ViewProjection::Orthographic => ViewProjection::DEFAULT,
+        };
+        if let Some(from) = self.from {
+            view.look_from(from);
+        }
+        view.azimuth = self.azimuth.unwrap_or(view.azimuth);
+        view.elevation = self.elevation.unwrap_or(view.elevation);
+        match self.parallel {
+            Some(true) => view.projection = ViewProjection::Orthographic,
+            Some(false) => view.projection = own,
+            None => {}
+        }
+        view.projection = self.projection.unwrap_or(view.projection);
+        if let Some(theme) = self.theme {
+            view.theme = theme;
+            view.background = theme.background();
+        }
+        view.background = self.background.unwrap_or(view.background);
+        view.transparent = self.transparent.unwrap_or(view.transparent);
+        view.captions = self.captions.unwrap_or(view.captions);
+        if self.ground == Some(false) {
+            view.ground = GroundPlace::None;
+        }
+        let decor = &mut view.decor;
+        if let Some(ghosts) = &self.ghosts {
+            decor.ghosts = ghosts.clone();
+        }
+        decor.trails = self.trails.unwrap_or(decor.trails);
+        decor.arrows = self.arrows.unwrap_or(decor.arrows);
+        decor.axes = self.axes.unwrap_or(decor.axes);
+        decor.gauge = self.gauge.unwrap_or(decor.gauge);
+        decor.joints = self.joints.unwrap_or(decor.joints);
+    }
+}

@@ -1,0 +1,60 @@
+//! The keys of `[view]` that say what is shown beside the bodies.
+
+use super::super::file::ViewFile;
+use super::super::reader::FormulaText;
+use super::bodies::Constants;
+use super::choices::{AXES, MOST_GHOSTS, TRAILS, choice};
+use crate::diag::{Diagnostic, Diagnostics, shown};
+use crate::model::view::{Decor, Ghosts, Trails};
+
+/// Resolves them; what is wrong is said and left as if it were absent.
+pub fn resolve(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics) -> Decor {
+    let mut positive = |what: &str, text: &Option<FormulaText>| {
+        let text = text.as_ref()?;
+        constants.positive(what, text, diagnostics)
+    };
+    let length = positive("trail_length", &view.trail_length);
+    let arrow_scale = positive("arrow_scale", &view.arrow_scale);
+    let trails = match choice(&view.trails, &TRAILS, "kind of trails", diagnostics) {
+        Trails::Fading(_) => Trails::Fading(length),
+        other => other,
+    };
+    Decor {
+        ghosts: ghosts(view, constants, diagnostics),
+        trails,
+        arrows: view.arrows.unwrap_or(false),
+        arrow_scale,
+        axes: choice(&view.axes, &AXES, "choice of axes", diagnostics),
+        gauge: view.gauge.unwrap_or(false),
+        joints: view.joints.unwrap_or(false),
+    }
+}
+
+fn ghosts(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics) -> Ghosts {
+    if let Some(times) = &view.ghost_times {
+        if times.value.len() > MOST_GHOSTS {
+            let message = format!("at most {MOST_GHOSTS} ghosts");
+            diagnostics.push(Diagnostic::error(message).at(times.span.clone()));
+        }
+        let times = times.value.iter();
+        return Ghosts::Times(
+            times
+                .filter_map(|text| constants.value(text, diagnostics))
+                .collect(),
+        );
+    }
+    let none = Ghosts::Count(0);
+    let Some(text) = &view.ghosts else {
+        return none;
+    };
+    let Some(count) = constants.value(text, diagnostics) else {
+        return none;
+    };
+    if (0.0..=MOST_GHOSTS as f64).contains(&count) && count.fract() == 0.0 {
+        return Ghosts::Count(count as usize);
+    }
+    let count = shown(count);
+    let message = format!("ghosts must be a whole number from 0 to {MOST_GHOSTS}, found {count}");
+    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+    none
+}

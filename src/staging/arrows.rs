@@ -1,0 +1,112 @@
+//! Velocity arrows on traced points. Speeds are differences between neighbouring samples.
+
+use super::solids::{arrow, merged, sign};
+use crate::geometry::Mesh;
+use crate::kinematics::trajectory::Trajectory;
+use crate::math::Pose;
+use crate::model::mechanism::Trace;
+use crate::model::view::Decor;
+use crate::render::Instance;
+use glam::DVec3;
+
+/// Length of the fastest arrow over the extent of the motion, where the scene gives no scale.
+const LONGEST: f64 = 0.16;
+
+/// Lengths that arrows come in: the steps are about a pixel.
+const LEVELS: usize = 96;
+
+/// Radius of the shaft and length of the head, in pixels.
+const SHAFT_PIXELS: f64 = 1.5;
+const HEAD_PIXELS: f64 = 11.0;
+
+/// Arrows slower than this share of the fastest are left out: they have no direction to speak of.
+const STILL: f64 = 0.01;
+
+/// Ready-made arrows.
+pub struct Arrows {
+    /// Velocity of every trace at every sample, the scene's unit per second.
+    velocities: Vec<Vec<DVec3>>,
+    /// Mesh of the shortest arrow; longer ones follow.
+    first: usize,
+    fastest: f64,
+    colours: Vec<[u8; 3]>,
+}
+
+impl Arrows {
+    /// Adds the meshes; `None` where arrows are not asked for or nothing moves.
+    pub fn new(
+        traces: &[Trace],
+        trajectory: &Trajectory,
+        decor: &Decor,
+        [extent, pixel]: [f64; 2],
+        meshes: &mut Vec<Mesh>,
+    ) -> Option<Self> {
+        if !decor.arrows {
+            return None;
+        }
+        let count = trajectory.samples.len();
+        let velocities: Vec<Vec<DVec3>> = (0..count)
+            .map(|index| {
+                let along = |trace| velocity(trajectory, index, trace);
+                (0..traces.len()).map(along).collect()
+            })
+            .collect();
+        let speeds = velocities.iter().flatten().map(|v| v.length());
+        let fastest = speeds.fold(0.0, f64::max);
+        if fastest <= 0.0 {
+            return None;
+        }
+        let longest = decor
+            .arrow_scale
+            .map_or(LONGEST * extent, |seconds| seconds * fastest);
+        let first = meshes.len();
+        for level in 1..=LEVELS {
+            let length = longest * level as f64 / LEVELS as f64;
+            let head = (HEAD_PIXELS * pixel).min(0.6 * length);
+            let solids = arrow(DVec3::Z, length, SHAFT_PIXELS * pixel, head);
+            meshes.push(merged(&solids, 0.2 * pixel));
+        }
+        Some(Self {
+            velocities,
+            first,
+            fastest,
+            colours: traces.iter().map(|trace| trace.colour).collect(),
+        })
+    }
+
+    /// The arrows at sample `index`, whose traced points are `points`.
+    pub fn instances(&self, index: usize, points: &[DVec3], meshes: &[Mesh]) -> Vec<Instance> {
+        let moving = self.velocities[index].iter().zip(points).zip(&self.colours);
+        moving
+            .filter(|((velocity, _), _)| velocity.length() > STILL * self.fastest)
+            .map(|((velocity, point), colour)| {
+                let level = (velocity.length() / self.fastest * LEVELS as f64).round();
+                let mesh = self.first + (level as usize).clamp(1, LEVELS) - 1;
+                let at = Pose {
+                    translation: *point,
+                    ..Pose::from_z_axis(velocity.normalize())
+                };
+                sign(mesh, meshes, at, *colour, 0.5)
+            })
+            .collect()
+    }
+}
+
+/// From the samples on both sides where they have poses, else from the one that has.
+fn velocity(trajectory: &Trajectory, index: usize, trace: usize) -> DVec3 {
+    let at = |k: usize| {
+        let sample = trajectory.samples.get(k)?;
+        Some((sample.time, sample.pose.as_ref()?.traces[trace]))
+    };
+    let Some(here) = at(index) else {
+        return DVec3::ZERO;
+    };
+    let before = index.checked_sub(1).and_then(at).unwrap_or(here);
+    let after = at(index + 1).unwrap_or(here);
+    let velocity = (after.1 - before.1) / (after.0 - before.0);
+    if velocity.is_finite() {
+        velocity
+    } else {
+        DVec3::ZERO
+    }
+}

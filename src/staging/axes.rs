@@ -1,0 +1,89 @@
+//! Axes of the world and of the bodies: red x, green y, blue z, in tones that colour-blind eyes tell apart.
+
+use super::solids::{arrow, merged, sign};
+use crate::geometry::Mesh;
+use crate::kinematics::trajectory::ClosedPose;
+use crate::math::Pose;
+use crate::model::view::Axes;
+use crate::render::{Anchor, Instance, Label};
+use glam::DVec3;
+
+/// Colours of x, y and z.
+const COLOURS: [[u8; 3]; 3] = [[0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0x00, 0x72, 0xb2]];
+
+/// Length of the world's and of the bodies' axes over the extent of the motion.
+const LENGTHS: [f64; 2] = [0.16, 0.08];
+
+/// Radius of an axis and length of its head over its length.
+const SHAFT: f64 = 0.022;
+const HEAD: f64 = 0.22;
+
+/// Where the letter stands, in lengths of the axis.
+const LETTER_AT: f64 = 1.13;
+
+/// Height of the letters as a fraction of the picture's.
+const LETTER_SIZE: f64 = 0.03;
+
+/// Meshes of the axes that are shown.
+pub struct AxisSigns {
+    world: Option<usize>,
+    bodies: Option<usize>,
+    length: f64,
+}
+
+/// Length of the world's axes; the camera must hold them.
+pub fn world_length(axes: Axes, extent: f64) -> Option<f64> {
+    matches!(axes, Axes::World | Axes::All).then_some(LENGTHS[0] * extent)
+}
+
+impl AxisSigns {
+    /// Adds the meshes.
+    pub fn new(axes: Axes, extent: f64, meshes: &mut Vec<Mesh>) -> Self {
+        let mut add = |length: f64| {
+            let first = meshes.len();
+            for axis in DVec3::AXES {
+                let solids = arrow(axis, length, SHAFT * length, HEAD * length);
+                meshes.push(merged(&solids, 2e-3 * length));
+            }
+            first
+        };
+        let length = LENGTHS[0] * extent;
+        let bodies = matches!(axes, Axes::Bodies | Axes::All);
+        Self {
+            world: world_length(axes, extent).map(&mut add),
+            bodies: bodies.then(|| add(LENGTHS[1] * extent)),
+            length,
+        }
+    }
+
+    /// The axes at a pose.
+    pub fn instances(&self, pose: &ClosedPose, meshes: &[Mesh]) -> Vec<Instance> {
+        let world = self.world.map(|first| (first, Pose::IDENTITY));
+        let bodies = pose.bodies.iter();
+        let bodies = bodies.filter_map(|at| Some((self.bodies?, *at)));
+        world
+            .into_iter()
+            .chain(bodies)
+            .flat_map(|(first, at)| {
+                (0..3).map(move |k| sign(first + k, meshes, at, COLOURS[k], 0.4))
+            })
+            .collect()
+    }
+
+    /// The letters at the world's axes, for a picture `height` pixels high.
+    pub fn letters(&self, height: f64) -> Vec<Label> {
+        if self.world.is_none() {
+            return Vec::new();
+        }
+        let letters = ["x", "y", "z"].into_iter().enumerate();
+        letters
+            .map(|(k, text)| Label {
+                text: text.to_owned(),
+                anchor: Anchor::World(DVec3::AXES[k] * (LETTER_AT * self.length)),
+                size: LETTER_SIZE * height,
+                colour: COLOURS[k],
+                plate: false,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,119 @@
+//! What stands beside the bodies in a picture: trails, ghosts, arrows, axes and signs of joints.
+
+use super::arrows::Arrows;
+use super::axes::{self, AxisSigns};
+use super::joint_signs::JointSigns;
+use super::parts::Part;
+use super::trails::{self, TracePart, TrailLook};
+use super::{bounds, ghosts, joints};
+use crate::geometry::Mesh;
+use crate::kinematics::trajectory::{ClosedPose, Trajectory};
+use crate::render::{Instance, Label};
+use crate::scene::Scene;
+use glam::DVec3;
+
+/// A scene and its motion.
+type Moving<'a> = (&'a Scene, &'a Trajectory);
+
+/// Everything that is drawn beside the bodies; empty where the scene asks for none.
+pub struct DecorParts {
+    extent: f64,
+    joints: JointSigns,
+    axes: AxisSigns,
+    traces: Vec<TracePart>,
+    arrows: Option<Arrows>,
+    ghosts: Vec<usize>,
+}
+
+impl DecorParts {
+    /// What takes room in the picture; adds its points to `bounds`.
+    pub fn before_camera(
+        (scene, trajectory): Moving,
+        (bounds, up): (&mut Vec<DVec3>, DVec3),
+        meshes: &mut Vec<Mesh>,
+    ) -> Self {
+        let (mechanism, decor) = (&scene.mechanism, &scene.view.decor);
+        let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
+        let joints = if decor.joints {
+            JointSigns::new(mechanism, trajectory, (extent, up), meshes)
+        } else {
+            JointSigns::default()
+        };
+        bounds.extend(joints.still_points(meshes));
+        if let Some(length) = axes::world_length(decor.axes, extent) {
+            bounds.extend(DVec3::AXES.map(|axis| axis * length));
+            bounds.push(DVec3::ZERO);
+        }
+        Self {
+            extent,
+            joints,
+            axes: AxisSigns::new(decor.axes, extent, meshes),
+            traces: Vec::new(),
+            arrows: None,
+            ghosts: ghosts::samples(&decor.ghosts, trajectory, mechanism.duration),
+        }
+    }
+
+    /// What is as thick as some pixels; `pixel` is the length of one.
+    pub fn after_camera(
+        &mut self,
+        (scene, trajectory): Moving,
+        pixel: f64,
+        meshes: &mut Vec<Mesh>,
+    ) {
+        let (mechanism, view) = (&scene.mechanism, &scene.view);
+        let look = TrailLook {
+            trails: view.decor.trails,
+            background: view.background,
+            pixel,
+        };
+        self.traces = trails::of_traces(mechanism, trajectory, look, meshes);
+        let traces = &mechanism.traces;
+        let sizes = [self.extent, pixel];
+        self.arrows = Arrows::new(traces, trajectory, &view.decor, sizes, meshes);
+    }
+
+    /// Colours that appear as they are.
+    pub fn flat_colours(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
+        self.traces.iter().flat_map(|trace| trace.shades().to_vec())
+    }
+
+    /// What is drawn at sample `index`, which shows the pose `pose` of sample `shown`.
+    pub fn instances(
+        &self,
+        (scene, trajectory): Moving,
+        parts: &[Part],
+        (index, shown): (usize, usize),
+        pose: &ClosedPose,
+        meshes: &[Mesh],
+    ) -> Vec<Instance> {
+        let mut all: Vec<Instance> = self
+            .traces
+            .iter()
+            .flat_map(|trace| trace.instances(index))
+            .collect();
+        let now = (shown, pose);
+        all.extend(ghosts::instances(
+            parts,
+            &self.ghosts,
+            trajectory,
+            now,
+            meshes,
+        ));
+        all.extend(self.axes.instances(pose, meshes));
+        if let Some(arrows) = &self.arrows {
+            all.extend(arrows.instances(shown, &pose.traces, meshes));
+        }
+        if !self.joints.is_empty() {
+            let sample = &trajectory.samples[shown];
+            let arguments = joints::arguments(&scene.mechanism, sample, pose);
+            all.extend(self.joints.instances(&arguments, meshes));
+        }
+        all
+    }
+
+    /// Letters at the axes, for a picture `height` pixels high.
+    pub fn letters(&self, height: f64) -> Vec<Label> {
+        self.axes.letters(height)
+    }
+}

@@ -1,0 +1,216 @@
+//! Signs of joints by kind: pin, ball, slider guide, screw; and hatched ground under those that stand on the frame.
+
+use super::joints::{self, Joint, JointKind};
+use super::solids::{merged, sign};
+use crate::geometry::Mesh;
+use crate::kinematics::trajectory::Trajectory;
+use crate::math::Pose;
+use crate::model::chain::{ArgumentValue, Chain};
+use crate::model::mechanism::Mechanism;
+use crate::model::shape::Solid;
+use crate::render::Instance;
+use glam::DVec3;
+
+/// Radius of a pin over the extent of the motion; all signs are made of it.
+const RADIUS: f64 = 0.0095;
+
+/// Colours of the part before a joint, of the part behind it, and of the ground.
+const SEAT: [u8; 3] = [0x4c, 0x55, 0x62];
+const MOVER: [u8; 3] = [0xd9, 0xdd, 0xe3];
+const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
+
+/// Facet error over the radius of a pin.
+const FACETS: f64 = 0.02;
+
+/// Samples looked at for the stroke of a slider.
+const MAX_SAMPLES: usize = 64;
+
+/// One mesh of a sign and what carries it.
+struct Piece {
+    mesh: usize,
+    /// From the world; `None` stands still.
+    carrier: Option<Chain>,
+    colour: [u8; 3],
+}
+
+/// All signs.
+#[derive(Default)]
+pub struct JointSigns {
+    pieces: Vec<Piece>,
+}
+
+impl JointSigns {
+    /// Adds the meshes of all joints; nothing without any pose.
+    pub fn new(
+        mechanism: &Mechanism,
+        trajectory: &Trajectory,
+        (extent, up): (f64, DVec3),
+        meshes: &mut Vec<Mesh>,
+    ) -> Self {
+        let values = arguments(mechanism, trajectory);
+        let Some(first) = values.first() else {
+            return Self::default();
+        };
+        let radius = RADIUS * extent;
+        let mut signs = Self::default();
+        for joint in joints::find(mechanism, first) {
+            let strokes = values.iter().map(|values| joint.stroke(values));
+            let stroke = strokes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| {
+                [low.min(s), high.max(s)]
+            });
+            let (seat, mover) = solids(&joint, radius, stroke);
+            let mut add = |solids: Vec<Solid>, carrier: Option<&Chain>, colour| {
+                if !solids.is_empty() {
+                    meshes.push(merged(&solids, FACETS * radius));
+                    signs.pieces.push(Piece {
+                        mesh: meshes.len() - 1,
+                        carrier: carrier.cloned(),
+                        colour,
+                    });
+                }
+            };
+            add(seat, Some(&joint.before), SEAT);
+            add(mover, Some(&joint.after), MOVER);
+            if joint.grounded {
+                let at = joint.before.pose(first);
+                let slides = matches!(joint.kind, JointKind::Slider);
+                let middle = if slides {
+                    at.rotation.col(joint.axis) * (0.5 * (stroke[0] + stroke[1]))
+                } else {
+                    DVec3::ZERO
+                };
+                add(ground(at.translation + middle, up, radius), None, GROUND);
+            }
+        }
+        signs
+    }
+
+    /// Points that the camera must hold: the ground's signs.
+    pub fn still_points(&self, meshes: &[Mesh]) -> Vec<DVec3> {
+        let still = self.pieces.iter().filter(|piece| piece.carrier.is_none());
+        still
+            .flat_map(|piece| meshes[piece.mesh].positions.iter().copied())
+            .collect()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// The signs at the values of the arguments.
+    pub fn instances(&self, arguments: &[ArgumentValue], meshes: &[Mesh]) -> Vec<Instance> {
+        let pieces = self.pieces.iter();
+        pieces
+            .map(|piece| {
+                let at = piece.carrier.as_ref().map(|chain| chain.pose(arguments));
+                let at = at.unwrap_or(Pose::IDENTITY);
+                let mut instance = sign(piece.mesh, meshes, at, piece.colour, 0.0);
+                instance.casts_shadow = true;
+                instance
+            })
+            .collect()
+    }
+}
+
+/// Values of the arguments at some samples of the motion.
+fn arguments(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Vec<ArgumentValue>> {
+    let samples = trajectory.samples.iter();
+    let closed = samples.filter_map(|sample| Some((sample, sample.pose.as_ref()?)));
+    let closed: Vec<_> = closed.collect();
+    let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
+    let kept = closed.into_iter().step_by(stride);
+    kept.map(|(sample, pose)| joints::arguments(mechanism, sample, pose))
+        .collect()
+}
+
+fn rod(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
+    Solid::Cylinder {
+        from: axis * from,
+        to: axis * to,
+        radius,
+    }
+}
+
+/// The parts in the frames before and behind a joint of pin radius `r`; a translation goes from `low` to `high`.
+fn solids(joint: &Joint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
+    let axis = DVec3::AXES[joint.axis];
+    let guide = rod(axis, low - 6.0 * r, high + 6.0 * r, 0.7 * r);
+    match joint.kind {
+        JointKind::Pin => (
+            vec![rod(axis, -2.0 * r, 2.0 * r, 1.6 * r)],
+            vec![rod(axis, -3.0 * r, 3.0 * r, r)],
+        ),
+        JointKind::Cross => (
+            vec![rod(axis, -3.0 * r, 3.0 * r, r)],
+            vec![rod(DVec3::AXES[joint.last_axis], -3.0 * r, 3.0 * r, r)],
+        ),
+        JointKind::Ball => {
+            let ring = Solid::Torus {
+                center: DVec3::ZERO,
+                axis,
+                ring: 1.9 * r,
+                tube: 0.5 * r,
+            };
+            let ball = Solid::Sphere {
+                center: DVec3::ZERO,
+                radius: 2.0 * r,
+            };
+            (vec![ring], vec![ball])
+        }
+        JointKind::Slider => {
+            let block = Solid::Box {
+                center: DVec3::ZERO,
+                size: DVec3::splat(3.2 * r) + axis * (1.6 * r),
+            };
+            (vec![guide], vec![block])
+        }
+        JointKind::Cylindrical => (vec![guide], vec![rod(axis, -3.0 * r, 3.0 * r, 1.7 * r)]),
+        JointKind::Screw => {
+            let turns = ((high - low) / (1.2 * r)) as u32 + 10;
+            let thread = (0..turns.min(200)).map(|k| Solid::Torus {
+                center: axis * (low - 6.0 * r + 1.2 * r * f64::from(k)),
+                axis,
+                ring: 0.8 * r,
+                tube: 0.35 * r,
+            });
+            let nut = rod(axis, -1.6 * r, 1.6 * r, 1.9 * r);
+            (std::iter::once(guide).chain(thread).collect(), vec![nut])
+        }
+    }
+}
+
+/// A pedestal on a plate with hatching below, under a joint at `at`.
+fn ground(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
+    let axes = Pose::from_z_axis(up).rotation;
+    let (right, ahead) = (axes.x_axis, axes.y_axis);
+    let foot = at - up * (5.0 * r);
+    let mut solids = vec![
+        Solid::Cone {
+            from: at - up * (1.2 * r),
+            to: foot,
+            radius_from: 1.1 * r,
+            radius_to: 2.6 * r,
+        },
+        Solid::Cylinder {
+            from: foot,
+            to: foot - up * (0.6 * r),
+            radius: 4.2 * r,
+        },
+    ];
+    // Strokes that lean the same way all around read as hatching from every side.
+    let strokes = 10;
+    for k in 0..strokes {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(strokes);
+        let (sin, cos) = crate::math::sin_cos(angle);
+        let outward = right * cos + ahead * sin;
+        let along = ahead * cos - right * sin;
+        let from = foot - up * (0.6 * r) + outward * (3.7 * r);
+        solids.push(Solid::Capsule {
+            from,
+            to: from - up * (1.5 * r) - along * (1.3 * r),
+            radius: 0.28 * r,
+        });
+    }
+    solids
+}

@@ -1,0 +1,222 @@
+//! Joints found in the chains of the bodies, and where they are at a pose. Their signs are made in `joint_signs`.
+
+use crate::kinematics::trajectory::{ClosedPose, Sample};
+use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+use crate::model::mechanism::{Closes, Loop, Mechanism};
+use glam::DVec3;
+
+/// Joints nearer than this over the mechanism's size, with the same arguments, are one joint found twice.
+const SAME_PLACE: f64 = 1e-6;
+
+/// What a joint lets move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointKind {
+    /// One rotation.
+    Pin,
+    /// Two rotations about axes that meet.
+    Cross,
+    /// Three rotations about axes that meet.
+    Ball,
+    /// One translation.
+    Slider,
+    /// Rotation about and translation along one axis.
+    Cylindrical,
+    /// The same, coupled.
+    Screw,
+}
+
+/// A joint of the mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// What it is.
+    pub kind: JointKind,
+    /// Chain from the world to the frame before the joint.
+    pub before: Chain,
+    /// Chain from the world to the frame behind it.
+    pub after: Chain,
+    /// Its first axis (0 x, 1 y, 2 z) in the frame before.
+    pub axis: usize,
+    /// Its last axis in the frame before the last motion.
+    pub last_axis: usize,
+    /// Nothing moves before it: it stands on the frame.
+    pub grounded: bool,
+    arguments: Vec<usize>,
+}
+
+impl Joint {
+    /// How far it is drawn out, for a translation; 0 for a rotation.
+    pub fn stroke(&self, arguments: &[ArgumentValue]) -> f64 {
+        let [before, after] = [&self.before, &self.after].map(|c| c.pose(arguments));
+        (after.translation - before.translation).dot(before.rotation.col(self.axis))
+    }
+}
+
+/// All joints on the chains of bodies, and on loops that pass a joint of the frame and so have a place in the world.
+pub fn find(mechanism: &Mechanism, first: &[ArgumentValue]) -> Vec<Joint> {
+    let bodies = mechanism.bodies.iter().map(|body| &body.world_from_body);
+    let bodies: Vec<&Chain> = bodies.collect();
+    let loops = mechanism.loops.iter();
+    let loops: Vec<(Chain, bool)> = loops
+        .filter_map(|l| Some((from_world(l, &bodies)?, l.closes == Closes::Frame)))
+        .collect();
+    let chains = bodies.iter().map(|chain| (*chain, false));
+    let chains = chains.chain(loops.iter().map(|(chain, closed)| (chain, *closed)));
+    let mut found: Vec<(Joint, [DVec3; 2])> = Vec::new();
+    for (chain, closed) in chains {
+        for joint in along(chain, closed, &bodies, mechanism) {
+            let ends = [&joint.before, &joint.after].map(|c| c.pose(first).translation);
+            // A loop may come to a joint from behind.
+            let near = |place: &DVec3| place.distance(ends[0]) < SAME_PLACE * mechanism.size;
+            let known = found.iter().any(|(other, places)| {
+                other.arguments == joint.arguments && places.iter().any(near)
+            });
+            if !known {
+                found.push((joint, ends));
+            }
+        }
+    }
+    found.into_iter().map(|(joint, _)| joint).collect()
+}
+
+/// Values of all arguments at a sample.
+pub fn arguments(mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> Vec<ArgumentValue> {
+    let mut coordinates = pose.unknowns.clone();
+    coordinates.extend(&sample.inputs);
+    mechanism.argument_values(&coordinates)
+}
+
+/// The steps up to the first joint.
+fn opening(chain: &Chain) -> &[Step] {
+    let joint = chain.steps.iter().position(is_joint);
+    joint.map_or(&[], |end| &chain.steps[..=end])
+}
+
+/// The loop turned so that it begins in the world: a body's chain begins with one of its joints.
+///
+/// A loop that closes in a point only ends there: what comes before its start has no place.
+fn from_world(l: &Loop, bodies: &[&Chain]) -> Option<Chain> {
+    let steps = &l.chain.steps;
+    let mut openings = bodies.iter().map(|body| opening(body));
+    let (opening, at) = openings.find_map(|opening| {
+        let at = steps.iter().position(|step| Some(step) == opening.last())?;
+        Some((opening, at))
+    })?;
+    let mut turned = opening[..opening.len() - 1].to_vec();
+    turned.extend(&steps[at..]);
+    if l.closes == Closes::Frame {
+        turned.extend(&steps[..at]);
+    }
+    Some(Chain { steps: turned })
+}
+
+fn is_joint(step: &Step) -> bool {
+    matches!(step, Step::Joint { .. })
+}
+
+/// Motion, axis and argument of a step that is a joint.
+fn motion(step: Option<&Step>) -> Option<(Motion, usize, usize)> {
+    match step {
+        Some(Step::Joint {
+            motion,
+            axis,
+            argument,
+            ..
+        }) => Some((*motion, *axis, *argument)),
+        _ => None,
+    }
+}
+
+/// The joints of one chain, in its order; a `closed` one comes back to the frame.
+fn along(chain: &Chain, closed: bool, bodies: &[&Chain], mechanism: &Mechanism) -> Vec<Joint> {
+    let steps = &chain.steps;
+    let mut joints = Vec::new();
+    let mut at = 0;
+    while at < steps.len() {
+        let Some((first, axis, argument)) = motion(steps.get(at)) else {
+            at += 1;
+            continue;
+        };
+        let second = motion(steps.get(at + 1)).filter(|(second, _, _)| *second != first);
+        let (kind, end) = match second {
+            Some((_, other, coupled)) if other == axis => {
+                let own = |a: usize| mechanism.arguments[a].coordinates();
+                let kind = if own(argument) == own(coupled) {
+                    JointKind::Screw
+                } else {
+                    JointKind::Cylindrical
+                };
+                (kind, at + 2)
+            }
+            _ if first == Motion::Translation => (JointKind::Slider, at + 1),
+            _ => rotations(steps, at, bodies),
+        };
+        let prefix = |count: usize| Chain {
+            steps: steps[..count].to_vec(),
+        };
+        joints.push(Joint {
+            kind,
+            before: prefix(at),
+            after: prefix(end),
+            axis,
+            last_axis: motion(steps.get(end - 1)).map_or(axis, |(_, last, _)| last),
+            grounded: !steps[..at].iter().any(is_joint)
+                || (closed && !steps[end..].iter().any(is_joint)),
+            arguments: Chain {
+                steps: steps[at..end].to_vec(),
+            }
+            .arguments(),
+        });
+        at = end;
+    }
+    joints
+}
+
+/// Kind and end of the rotations that follow each other from `at` on; a body between two of them parts them.
+fn rotations(steps: &[Step], at: usize, bodies: &[&Chain]) -> (JointKind, usize) {
+    let mut end = at + 1;
+    while end < at + 3
+        && matches!(motion(steps.get(end)), Some((Motion::Rotation, _, _)))
+        && !bodies.iter().any(|body| body.steps == steps[..end])
+    {
+        end += 1;
+    }
+    let kind = match end - at {
+        1 => JointKind::Pin,
+        2 => JointKind::Cross,
+        _ => JointKind::Ball,
+    };
+    (kind, end)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::scene::{Overrides, builtin, load};
+
+    fn kinds(scene: &str) -> Vec<JointKind> {
+        let source = builtin::find(scene).unwrap();
+        let scene = load(&source, &Overrides::default()).unwrap();
+        let mechanism = &scene.mechanism;
+        let mut coordinates = mechanism.guess.clone();
+        coordinates.extend(mechanism.inputs_at(0.0));
+        let found = find(mechanism, &mechanism.argument_values(&coordinates));
+        found.into_iter().map(|joint| joint.kind).collect()
+    }
+
+    #[test]
+    fn joints_are_told_apart_by_their_motions() {
+        use JointKind::*;
+        assert_eq!(kinds("bennett").iter().filter(|k| **k == Pin).count(), 4);
+        let gearshift = kinds("gearshift");
+        let count = |kind| gearshift.iter().filter(|k| **k == kind).count();
+        assert_eq!(
+            kinds("slider-crank")
+                .iter()
+                .filter(|k| **k == Slider)
+                .count(),
+            1
+        );
+        assert_eq!([count(Cylindrical), count(Ball)], [1, 4], "{gearshift:?}");
+    }
+}

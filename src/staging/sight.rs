@@ -1,0 +1,69 @@
+//! Whether a body stands between the eye and a point.
+
+use super::parts::Part;
+use crate::geometry::Mesh;
+use crate::kinematics::trajectory::ClosedPose;
+use crate::render::{Camera, Instance};
+use glam::DVec3;
+
+/// A body counts as being in front only where it is nearer to the eye by this share of the distance.
+const NEARER: f64 = 1e-3;
+
+/// Whether a part of a body other than `own` hides `point` from the camera.
+pub fn is_hidden(
+    point: DVec3,
+    own: Option<usize>,
+    camera: &Camera,
+    parts: &[Part],
+    pose: &ClosedPose,
+    meshes: &[Mesh],
+) -> bool {
+    let to_eye = if camera.is_perspective() {
+        camera.world_from_camera.translation - point
+    } else {
+        camera.world_from_camera.rotation.z_axis * (camera.far - camera.near)
+    };
+    let others = parts.iter().filter(|part| Some(part.body()) != own);
+    others
+        .map(|part| part.instance(pose, meshes))
+        .any(|instance| crosses(&instance, &meshes[instance.mesh], point, to_eye))
+}
+
+/// Whether the way from `point` along `way` meets a triangle of the mesh.
+fn crosses(instance: &Instance, mesh: &Mesh, point: DVec3, way: DVec3) -> bool {
+    let mesh_from_world = instance.world_from_mesh.inverse();
+    let from = mesh_from_world.transform_point(point);
+    let way = mesh_from_world.transform_vector(way);
+    if !passes_box(mesh, from, way) {
+        return false;
+    }
+    mesh.triangles.iter().any(|corners| {
+        let [a, b, c] = corners.map(|k| mesh.positions[k as usize]);
+        meets(from, way, [a, b - a, c - a])
+    })
+}
+
+fn passes_box(mesh: &Mesh, from: DVec3, way: DVec3) -> bool {
+    let Some([low, high]) = mesh.bounds() else {
+        return false;
+    };
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for k in 0..3 {
+        let times = [(low[k] - from[k]) / way[k], (high[k] - from[k]) / way[k]];
+        enter = enter.max(times[0].min(times[1]));
+        leave = leave.min(times[0].max(times[1]));
+    }
+    enter <= leave
+}
+
+/// Möller and Trumbore's test of a way against a triangle given by a corner and two edges.
+fn meets(from: DVec3, way: DVec3, [corner, first, second]: [DVec3; 3]) -> bool {
+    let normal = way.cross(second);
+    let inverse = 1.0 / first.dot(normal);
+    let off = from - corner;
+    let u = off.dot(normal) * inverse;
+    let across = off.cross(first);
+    let v = way.dot(across) * inverse;
+    let at = second.dot(across) * inverse;
+    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && at > NEARER && at < 1.0
+}

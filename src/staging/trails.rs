@@ -1,0 +1,212 @@
+//! Traced paths: growing with the motion, or its last stretch fading into the background.
+
+use crate::geometry::Mesh;
+use crate::geometry::trace::trace_mesh;
+use crate::kinematics::sampling::is_cyclic;
+use crate::kinematics::trajectory::Trajectory;
+use crate::math::Pose;
+use crate::model::mechanism::Mechanism;
+use crate::model::view::Trails;
+use crate::render::Instance;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Radius of a trace in pixels where the scene gives none.
+const TRACE_RADIUS_PIXELS: f64 = 1.7;
+
+/// Points of a trace nearer together than this, in pixels, are one: long runs of samples draw no hair's breadths.
+const TRACE_STEP_PIXELS: f64 = 0.5;
+
+/// Sides of a trace's tube: it is a few pixels wide.
+const TRACE_SIDES: u32 = 6;
+
+/// Shades of a fading trail: few enough for a palette, too many to be told apart.
+const SHADES: usize = 12;
+
+/// Length of a fading trail over that of the motion where the scene gives none.
+const LENGTH: f64 = 0.25;
+
+/// A path as it is drawn from frame to frame.
+pub struct TracePart {
+    mesh: usize,
+    /// Triangles up to each sample.
+    triangles: Vec<u32>,
+    /// Shades, from the oldest to the colour of the trace; one for a path that does not fade.
+    shades: Vec<[u8; 3]>,
+    /// Samples that a fading trail holds.
+    length: usize,
+    /// The path of a cyclic motion goes on at its start.
+    closed: bool,
+}
+
+impl TracePart {
+    /// The path at sample `index`.
+    pub fn instances(&self, index: usize) -> Vec<Instance> {
+        if self.shades.len() == 1 {
+            return vec![self.piece(0..self.triangles[index], self.shades[0])];
+        }
+        let shades = self.shades.len();
+        let bands = self.shades.iter().enumerate().flat_map(|(k, shade)| {
+            // Samples before the present one at which the band ends and begins.
+            let back = [shades - k, shades - k - 1].map(|n| n * self.length / shades);
+            let ranges = self.between(index, back);
+            ranges.into_iter().map(|range| self.piece(range, *shade))
+        });
+        bands.filter(|piece| !piece.triangles.is_empty()).collect()
+    }
+
+    /// Triangles from `back[0]` to `back[1]` samples before `index`, in two ranges across the start of a closed path.
+    fn between(&self, index: usize, back: [usize; 2]) -> [Range<u32>; 2] {
+        let count = self.triangles.len();
+        let at = |samples: usize| index.checked_sub(samples);
+        let end = |samples: usize| index + count - samples.min(count);
+        let [from, to] = back.map(at);
+        let none = || 0..0;
+        match (from, to) {
+            (Some(from), Some(to)) => [self.triangles[from]..self.triangles[to], none()],
+            (None, _) if !self.closed => [0..to.map_or(0, |to| self.triangles[to]), none()],
+            (None, Some(to)) => [
+                self.triangles[end(back[0]).min(count - 1)]..self.all(),
+                0..self.triangles[to],
+            ],
+            (_, None) => {
+                let old = self.triangles[end(back[0]).min(count - 1)];
+                [old..self.triangles[end(back[1]).min(count - 1)], none()]
+            }
+        }
+    }
+
+    /// Triangles of the whole path with the step from its end to its start.
+    fn all(&self) -> u32 {
+        let per_sample = self.triangles.len();
+        self.triangles[per_sample - 1] + TRIANGLES_OF_LINK * u32::from(self.closed)
+    }
+
+    fn piece(&self, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
+        Instance {
+            mesh: self.mesh,
+            world_from_mesh: Pose::IDENTITY,
+            colour,
+            opacity: 1.0,
+            triangles,
+            casts_shadow: false,
+            flat: 1.0,
+        }
+    }
+
+    /// Colours it is drawn in.
+    pub fn shades(&self) -> &[[u8; 3]] {
+        &self.shades
+    }
+}
+
+/// Triangles of one step of a path.
+const TRIANGLES_OF_LINK: u32 = 6 * TRACE_SIDES;
+
+/// What trails are drawn with: how, the background they fade into, and the length of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct TrailLook {
+    /// How.
+    pub trails: Trails,
+    /// sRGB.
+    pub background: [u8; 3],
+    /// In the scene's unit.
+    pub pixel: f64,
+}
+
+/// One part per trace that is to be seen.
+pub fn of_traces(
+    mechanism: &Mechanism,
+    trajectory: &Trajectory,
+    look: TrailLook,
+    meshes: &mut Vec<Mesh>,
+) -> Vec<TracePart> {
+    let count = trajectory.samples.len();
+    let fading = match look.trails {
+        Trails::None => return Vec::new(),
+        Trails::Full => None,
+        Trails::Fading(seconds) => {
+            let share = seconds.map_or(LENGTH, |s| s / mechanism.duration);
+            Some(((share * count as f64) as usize).clamp(SHADES.min(count), count))
+        }
+    };
+    let complete = trajectory.samples.iter().all(|s| s.pose.is_some());
+    let closed = fading.is_some() && complete && count > 2 && is_cyclic(mechanism);
+    let mut parts = Vec::new();
+    for (index, trace) in mechanism.traces.iter().enumerate() {
+        let radius = trace.radius.unwrap_or(TRACE_RADIUS_PIXELS * look.pixel);
+        if radius <= 0.0 {
+            continue;
+        }
+        let points = trajectory
+            .samples
+            .iter()
+            .map(|s| s.pose.as_ref().map(|p| p.traces[index]));
+        let (mut kept, steps) = thinned(points, TRACE_STEP_PIXELS * look.pixel);
+        if closed {
+            kept.push(kept[0]);
+        }
+        let path = trace_mesh(&kept, radius, TRACE_SIDES);
+        meshes.push(path.mesh);
+        parts.push(TracePart {
+            mesh: meshes.len() - 1,
+            triangles: steps
+                .iter()
+                .map(|step| step * path.triangles_per_step)
+                .collect(),
+            shades: match fading {
+                Some(_) => shades(trace.colour, look.background),
+                None => vec![trace.colour],
+            },
+            length: fading.unwrap_or(count),
+            closed,
+        });
+    }
+    parts
+}
+
+/// From nearly the background to the colour itself.
+fn shades(colour: [u8; 3], background: [u8; 3]) -> Vec<[u8; 3]> {
+    let shade = |k: usize| {
+        let share = (k + 1) as f64 / SHADES as f64;
+        std::array::from_fn(|c| {
+            let [from, to] = [background[c], colour[c]].map(f64::from);
+            (from + (to - from) * share).round() as u8
+        })
+    };
+    (0..SHADES).map(shade).collect()
+}
+
+/// The points that are at least `apart` from the one kept before (gaps and the last point are always kept), and for
+/// every point the number of steps between kept points up to it.
+fn thinned(
+    points: impl Iterator<Item = Option<DVec3>> + Clone,
+    apart: f64,
+) -> (Vec<Option<DVec3>>, Vec<u32>) {
+    let last = points.clone().count().saturating_sub(1);
+    let mut kept: Vec<Option<DVec3>> = Vec::new();
+    let steps = points.enumerate().map(|(index, point)| {
+        let near =
+            matches!((kept.last(), point), (Some(Some(a)), Some(b)) if a.distance(b) < apart);
+        if !near || index == last {
+            kept.push(point);
+        }
+        kept.len() as u32 - 1
+    });
+    let steps = steps.collect();
+    (kept, steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn close_points_are_thinned_and_gaps_and_ends_are_kept() {
+        let x = |v: f64| Some(DVec3::new(v, 0.0, 0.0));
+        let points = [x(0.0), x(0.1), x(0.6), x(0.7), None, x(0.7), x(0.8)];
+        let (kept, steps) = thinned(points.into_iter(), 0.5);
+        assert_eq!(kept, [x(0.0), x(0.6), None, x(0.7), x(0.8)]);
+        assert_eq!(steps, [0, 0, 1, 1, 2, 3, 4]);
+    }
+}
