@@ -132,7 +132,7 @@ fn an_over_constrained_loop_of_any_dimensions_turns_without_a_false_end() {
         for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
             let error = turned(pose.unknowns[slot(&mechanism, "t2")] - t2(sample.inputs[0]));
             assert!(error < 1e-12, "{error:e}");
-            assert!(matches!(pose.certificate, Certificate::Proved { .. }));
+            assert!(matches!(pose.certificate, Certificate::Certified { .. }));
         }
     }
 }
@@ -151,7 +151,7 @@ fn equations_alone_are_solved_alike_at_any_size() {
     for size in [1e-9, 1e-6, 1e6, 1e9] {
         let mechanism = bars(size);
         let other = whole(&mechanism, 73);
-        let proved = |pose| matches!(pose, &Certificate::Proved { .. });
+        let proved = |pose| matches!(pose, &Certificate::Certified { .. });
         assert!(other.poses().all(|p| proved(&p.certificate)), "{size}");
         for (a, b) in one.poses().zip(other.poses()) {
             for (k, unknown) in mechanism.unknowns.iter().enumerate() {
@@ -193,7 +193,7 @@ fn dixons_bars_are_solved_alike_at_any_size() {
         let mechanism = at(size);
         let trajectory = whole(&mechanism, 73);
         for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
-            assert!(matches!(pose.certificate, Certificate::Proved { .. }));
+            assert!(matches!(pose.certificate, Certificate::Certified { .. }));
             let s = (sample.inputs[0] / size).powi(2) - 900.0;
             let expected = -(2500.0 + s).sqrt();
             let error = pose.unknowns[slot(&mechanism, "p2")] / size - expected;
@@ -217,7 +217,7 @@ fn a_position_at_gimbal_lock_is_exact_and_its_angles_are_flagged() {
     }
     let is_lock = |kind: &EventKind| matches!(kind, EventKind::GimbalLock { .. });
     assert!(trajectory.events.iter().any(|e| is_lock(&e.kind)));
-    assert!(!matches!(pose.certificate, Certificate::Proved { .. }));
+    assert!(!matches!(pose.certificate, Certificate::Certified { .. }));
 }
 
 #[test]
