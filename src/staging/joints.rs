@@ -40,7 +40,8 @@ pub struct Joint {
     pub last_axis: usize,
     /// Nothing moves before it: it stands on the frame.
     pub grounded: bool,
-    arguments: Vec<usize>,
+    /// Unknowns and inputs that move it, ascending.
+    coordinates: Vec<usize>,
 }
 
 impl Joint {
@@ -68,7 +69,7 @@ pub fn find(mechanism: &Mechanism, first: &[ArgumentValue]) -> Vec<Joint> {
             // A loop may come to a joint from behind.
             let near = |place: &DVec3| place.distance(ends[0]) < SAME_PLACE * mechanism.size;
             let known = found.iter().any(|(other, places)| {
-                other.arguments == joint.arguments && places.iter().any(near)
+                other.coordinates == joint.coordinates && places.iter().any(near)
             });
             if !known {
                 found.push((joint, ends));
@@ -161,10 +162,13 @@ fn along(chain: &Chain, closed: bool, bodies: &[&Chain], mechanism: &Mechanism) 
             last_axis: motion(steps.get(end - 1)).map_or(axis, |(_, last, _)| last),
             grounded: !steps[..at].iter().any(is_joint)
                 || (closed && !steps[end..].iter().any(is_joint)),
-            arguments: Chain {
-                steps: steps[at..end].to_vec(),
-            }
-            .arguments(),
+            // `Tx(s)` and `Tx(-s)` are two arguments and one joint.
+            coordinates: (at..end)
+                .filter_map(|k| motion(steps.get(k)))
+                .flat_map(|(_, _, a)| mechanism.arguments[a].coordinates())
+                .collect::<std::collections::BTreeSet<_>>()
+                .into_iter()
+                .collect(),
         });
         at = end;
     }
