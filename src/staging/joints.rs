@@ -202,9 +202,11 @@ mod tests {
         let source = builtin::find(scene).unwrap();
         let scene = load(&source, &Overrides::default()).unwrap();
         let mechanism = &scene.mechanism;
-        let mut coordinates = mechanism.guess.clone();
-        coordinates.extend(mechanism.inputs_at(0.0));
-        let found = find(mechanism, &mechanism.argument_values(&coordinates));
+        // Two ways to a joint meet only where the loops are closed.
+        let trajectory = crate::kinematics::continuation::solve(mechanism, &[0.0]).unwrap();
+        let sample = &trajectory.samples[0];
+        let pose = sample.pose.as_ref().unwrap();
+        let found = find(mechanism, &arguments(mechanism, sample, pose));
         found.into_iter().map(|joint| joint.kind).collect()
     }
 
