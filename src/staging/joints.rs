@@ -40,7 +40,8 @@ pub struct Joint {
     pub last_axis: usize,
     /// Nothing moves before it: it stands on the frame.
     pub grounded: bool,
-    arguments: Vec<usize>,
+    /// Unknowns and inputs that move it, ascending.
+    coordinates: Vec<usize>,
 }
 
 impl Joint {
@@ -68,7 +69,7 @@ pub fn find(mechanism: &Mechanism, first: &[ArgumentValue]) -> Vec<Joint> {
             // A loop may come to a joint from behind.
             let near = |place: &DVec3| place.distance(ends[0]) < SAME_PLACE * mechanism.size;
             let known = found.iter().any(|(other, places)| {
-                other.arguments == joint.arguments && places.iter().any(near)
+                other.coordinates == joint.coordinates && places.iter().any(near)
             });
             if !known {
                 found.push((joint, ends));
@@ -161,10 +162,13 @@ fn along(chain: &Chain, closed: bool, bodies: &[&Chain], mechanism: &Mechanism) 
             last_axis: motion(steps.get(end - 1)).map_or(axis, |(_, last, _)| last),
             grounded: !steps[..at].iter().any(is_joint)
                 || (closed && !steps[end..].iter().any(is_joint)),
-            arguments: Chain {
-                steps: steps[at..end].to_vec(),
-            }
-            .arguments(),
+            // `Tx(s)` and `Tx(-s)` are two arguments and one joint.
+            coordinates: (at..end)
+                .filter_map(|k| motion(steps.get(k)))
+                .flat_map(|(_, _, a)| mechanism.arguments[a].coordinates())
+                .collect::<std::collections::BTreeSet<_>>()
+                .into_iter()
+                .collect(),
         });
         at = end;
     }
@@ -198,9 +202,11 @@ mod tests {
         let source = builtin::find(scene).unwrap();
         let scene = load(&source, &Overrides::default()).unwrap();
         let mechanism = &scene.mechanism;
-        let mut coordinates = mechanism.guess.clone();
-        coordinates.extend(mechanism.inputs_at(0.0));
-        let found = find(mechanism, &mechanism.argument_values(&coordinates));
+        // Two ways to a joint meet only where the loops are closed.
+        let trajectory = crate::kinematics::continuation::solve(mechanism, &[0.0]).unwrap();
+        let sample = &trajectory.samples[0];
+        let pose = sample.pose.as_ref().unwrap();
+        let found = find(mechanism, &arguments(mechanism, sample, pose));
         found.into_iter().map(|joint| joint.kind).collect()
     }
 
