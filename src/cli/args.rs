@@ -134,6 +134,10 @@ pub struct RenderArgs {
     /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
     #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub panel: Option<String>,
+    /// Show Newton's iterates from the start values instead of the motion: a still with all of them as ghosts, or one
+    /// a frame.
+    #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "show"])]
+    pub trace_iterations: bool,
     /// How it is looked at.
     #[command(flatten)]
     pub view: ViewArgs,

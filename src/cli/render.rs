@@ -10,12 +10,18 @@ use super::term::Term;
 use super::{clearance_picture, inputs_table, models, open_scene, plot, report, view_args};
 use crate::export::Format;
 use crate::kinematics::continuation::solve;
+use crate::kinematics::iterates::{film, iterates};
 use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::Trajectory;
+use crate::model::view::Ghosts;
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
 use std::ops::Range;
+
+/// Slow enough to see what every step does.
+const ITERATES_A_SECOND: f64 = 1.0;
 
 /// Runs the verb.
 pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -29,11 +35,16 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     let mut scene = open_scene::open(&args.scene, term)?;
     view_args::apply(args, &format, &mut scene, term)?;
-    let scene = scene;
     clock.lap("read");
-    let plan = Plan::new(args, &scene, &format)?;
-    let trajectory = solve(&scene.mechanism, &plan.times)?;
-    let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let (plan, trajectory, outcome) = if args.trace_iterations {
+        iterations(args, &mut scene, &format)?
+    } else {
+        let plan = Plan::new(args, &scene, &format)?;
+        let trajectory = solve(&scene.mechanism, &plan.times)?;
+        let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+        (plan, trajectory, outcome)
+    };
+    let scene = scene;
     clock.lap("solve");
     let panel = args.panel.as_deref();
     let panel = panel.map(|title| plot::companion(title, &scene, &trajectory, args.size));
@@ -86,6 +97,36 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     clock.print(term);
     Ok(outcome_of_frames(outcome, &trajectory, &plan))
+}
+
+/// Newton's iterates in place of a motion; the earlier ones stay as ghosts.
+fn iterations(
+    args: &RenderArgs,
+    scene: &mut Scene,
+    format: &Format,
+) -> Result<(Plan, Trajectory, Outcome), Failure> {
+    let mechanism = &scene.mechanism;
+    let inputs = mechanism.inputs_at(0.0);
+    let start = [mechanism.guess.as_slice(), &inputs].concat();
+    let (list, closed) = iterates(mechanism, &Structure::new(mechanism)?, &start);
+    let trajectory = film(mechanism, &inputs, &list);
+    let count = trajectory.samples.len();
+    let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
+    scene.mechanism.duration = count as f64;
+    scene.view.decor.ghosts = Ghosts::Times(times.clone());
+    let still = format.is_still();
+    let plan = Plan {
+        times,
+        first: if still { count - 1 } else { 0 },
+        count: if still { 1 } else { count },
+        fps: args.fps.unwrap_or(ITERATES_A_SECOND),
+    };
+    let outcome = if closed {
+        Outcome::Done
+    } else {
+        Outcome::NotClosed
+    };
+    Ok((plan, trajectory, outcome))
 }
 
 /// Draws and encodes the frames of the plan.

@@ -1,11 +1,14 @@
 //! Newton's method made visible: the iterates from the start values, with residuals, corrections and the opened polygon
 //! of every loop. Plain Newton on every block in its order, without the safeguards of the solver.
 
+use super::certificate::{Certificate, Reason};
 use super::closure::{BlockWorkspace, Want};
+use super::forward;
 use super::newton::CLOSURE_TOLERANCE;
 use super::qr::PivotedQr;
 use super::rank::RANK_TOLERANCE;
 use super::structure::Structure;
+use super::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::math::{Pose, rotation_log};
 use crate::model::mechanism::{Closes, Mechanism};
 use glam::DVec3;
@@ -39,6 +42,43 @@ pub struct OpenLoop {
     pub turn: f64,
     /// Corners of the chain from its start on; the first is the origin, the last would be, too.
     pub polygon: Vec<DVec3>,
+}
+
+/// The iterates as a row of open poses, one a second, for pictures: nothing is proved of them but the last.
+pub fn film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
+    let frame = |(second, iterate): (usize, &Iterate)| {
+        let coordinates = [iterate.unknowns.as_slice(), inputs].concat();
+        let bodies = forward::body_poses(mechanism, &coordinates);
+        let traces = forward::trace_points(mechanism, &bodies);
+        let pose = ClosedPose {
+            unknowns: iterate.unknowns.clone(),
+            outputs: forward::outputs(mechanism, &coordinates, &traces),
+            bodies,
+            traces,
+            rates: vec![0.0; iterate.unknowns.len()],
+            derivatives: Vec::new(),
+            closure_error: forward::closure_error(mechanism, &coordinates),
+            sigma_min: f64::NAN,
+            condition: f64::NAN,
+            rank: 0,
+            branch: String::new(),
+            certificate: Certificate::Refused {
+                reason: Reason::Open,
+            },
+            iterations: iterate.iteration as u32,
+        };
+        Sample {
+            time: second as f64,
+            inputs: inputs.to_vec(),
+            pose: Some(pose),
+        }
+    };
+    let finite = |i: &&Iterate| i.unknowns.iter().all(|v| v.is_finite());
+    let shown = list.iter().filter(finite).enumerate();
+    Trajectory {
+        samples: shown.map(frame).collect(),
+        ..Trajectory::default()
+    }
 }
 
 /// The iterates from `start` (unknowns, then inputs), and whether they end at a closed pose. The last iterate of every
