@@ -21,21 +21,7 @@ const LONGEST: usize = 400;
 type Word = Vec<Step>;
 
 fn inverse(word: &[Step]) -> Word {
-    let back = word.iter().rev().map(|step| match *step {
-        Step::Fixed(pose) => Step::Fixed(pose.inverse()),
-        Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign,
-        } => Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign: -sign,
-        },
-    });
-    back.collect()
+    word.iter().rev().map(Step::inverse).collect()
 }
 
 fn motions(word: &[Step]) -> usize {
@@ -109,9 +95,7 @@ impl<'m> Neighbours<'m> {
                     }
                 }
                 joint => {
-                    let cancels = out.last().is_some_and(|last| {
-                        inverse(std::slice::from_ref(joint)).first() == Some(last)
-                    });
+                    let cancels = out.last().is_some_and(|last| joint.inverse() == *last);
                     if cancels {
                         out.pop();
                     } else {

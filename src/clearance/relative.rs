@@ -45,29 +45,12 @@ impl RelativeSpeed {
     }
 }
 
-fn inverse(step: &Step) -> Step {
-    match *step {
-        Step::Fixed(pose) => Step::Fixed(pose.inverse()),
-        Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign,
-        } => Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign: -sign,
-        },
-    }
-}
-
 impl RelativeChain {
     /// The chain whose product is `a_from_b`.
     pub fn new(world_from_a: &Chain, world_from_b: &Chain) -> Self {
         let both = world_from_a.steps.iter().zip(&world_from_b.steps);
         let common = both.take_while(|(a, b)| a == b).count();
-        let back = world_from_a.steps[common..].iter().rev().map(inverse);
+        let back = world_from_a.steps[common..].iter().rev().map(Step::inverse);
         let forth = world_from_b.steps[common..].iter().copied();
         Self {
             steps: back.chain(forth).collect(),

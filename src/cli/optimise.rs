@@ -9,7 +9,6 @@ use super::{CANCEL, open_scene, report};
 use crate::analysis::optimise::Ended;
 use crate::analysis::study::optimum::{Method, Optimum, Verified, optimise, verify};
 use crate::analysis::study::{Family, FamilyError};
-use crate::export::{ExportError, Output, Target};
 use crate::scene::with_parameters;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -66,10 +65,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(out) = &args.out {
         let text = with_parameters(&opened.source, &parameters)
             .ok_or_else(|| Failure::Internal("the scene's text cannot be edited".to_owned()))?;
-        let mut target = Target::create(out)?;
-        let written = target.write_all(text.as_bytes());
-        written.map_err(|source| ExportError::write(target.name(), source))?;
-        target.commit()?;
+        report::write_text(&args.scene, out, &text)?;
     }
     let result = Report {
         opened: &opened,

@@ -1,12 +1,11 @@
 //! `mechanim sensitivity`: the exact derivative of every measure by every dimension, ranked; tolerances proposed.
 
 use super::outcome::{Failure, Outcome};
+use super::report;
 use super::study::{Opened, aligned, open, six};
 use super::study_args::SensitivityArgs;
 use super::term::Term;
-use super::{open_scene, report};
 use crate::analysis::study::{Evaluator, Gradients};
-use crate::export::{ExportError, Output, Target};
 use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::path::Path;
@@ -49,14 +48,7 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
                 .extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case("csv")) =>
         {
-            if open_scene::is_scene_file(&args.scene, path) {
-                let message = format!("{} is an input of this command", path.display());
-                return Err(Failure::usage(message, Vec::new()));
-            }
-            let mut target = Target::create(path)?;
-            let written = target.write_all(table.csv().as_bytes());
-            written.map_err(|source| ExportError::write(target.name(), source))?;
-            target.commit()?;
+            report::write_text(&args.scene, path, &table.csv())?;
         }
         Some(path) => report::write_json(&args.scene, path, &document)?,
         None => {}

@@ -92,6 +92,24 @@ impl ArgumentValue {
 }
 
 impl Step {
+    /// The step that undoes this one.
+    pub fn inverse(&self) -> Self {
+        match *self {
+            Self::Fixed(pose) => Self::Fixed(pose.inverse()),
+            Self::Joint {
+                motion,
+                axis,
+                argument,
+                sign,
+            } => Self::Joint {
+                motion,
+                axis,
+                argument,
+                sign: -sign,
+            },
+        }
+    }
+
     /// Multiplies `base_from_here` by this step from the right.
     #[inline]
     pub fn advance(&self, base_from_here: &mut Pose, arguments: &[ArgumentValue]) {

@@ -58,22 +58,8 @@ pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostic
 
 /// The chain of the inverse product.
 fn inverse(chain: &Chain) -> Chain {
-    let back = |step: &Step| match *step {
-        Step::Fixed(pose) => Step::Fixed(pose.inverse()),
-        Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign,
-        } => Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign: -sign,
-        },
-    };
     Chain {
-        steps: chain.steps.iter().rev().map(back).collect(),
+        steps: chain.steps.iter().rev().map(Step::inverse).collect(),
     }
 }
 
