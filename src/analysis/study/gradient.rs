@@ -1,13 +1,15 @@
-//! Exact derivatives of measures by the variables: Taylor series through the loops, then the chain rule.
+//! Exact derivatives of measures by the variables: rates of the poses, then the chain rule. Where a measure derives by
+//! an input the mixed second derivative is needed, which Taylor series through the loops give.
 
 use super::measure::Shown;
+use super::slopes::Slopes;
 use super::{Evaluator, Rejection, Stand};
 use crate::kinematics::measures::along;
 use crate::kinematics::taylor::{Series, evaluate};
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
 
-/// Poses for which a thread of its own pays.
+/// Poses with mixed derivatives for which a thread of its own pays.
 const LEAST_PORTION: usize = 32;
 
 /// Measures of a stand and their derivatives.
@@ -21,12 +23,14 @@ pub struct Gradients {
 
 /// How what a pose shows changes with the variables.
 pub(super) struct Changes {
-    /// Along every variable, to the second order where a measure derives by an input.
+    slopes: Slopes,
+    /// Along every variable to the second order, where a measure derives by an input.
     variables: Vec<Vec<Series>>,
     /// Along an input by which measures derive, and along it and every variable together.
     mixed: Vec<Mixed>,
 }
 
+/// Series to the second order.
 struct Mixed {
     input: usize,
     alone: Vec<Series>,
@@ -63,8 +67,8 @@ impl Changes {
             &mut Vec::new(),
         );
         for slot in formula.slots() {
-            for (entry, series) in row.iter_mut().zip(&self.variables) {
-                *entry += gradient[slot] * series[slot].coefficients()[1];
+            for (entry, slopes) in row.iter_mut().zip(&self.slopes.rows) {
+                *entry += gradient[slot] * slopes[slot];
             }
         }
     }
@@ -82,7 +86,7 @@ impl Evaluator<'_> {
         let (own, count) = (self.family.own_inputs(), stand.values.len());
         let shown = self.shown(stand);
         let (numbers, reductions) = self.numbers(stand, &shown);
-        let changes = self.changes(stand)?;
+        let changes = self.changes(stand, &shown)?;
         // Derivatives of the slots of the measures' formulas: inputs, then measures.
         let mut rows = vec![vec![0.0; count]; own + count];
         (0..count).for_each(|k| rows[own + k][k] = 1.0);
@@ -115,24 +119,49 @@ impl Evaluator<'_> {
         Ok(Gradients { measures, rows })
     }
 
-    /// How every pose of a stand changes with the variables.
-    pub(super) fn changes(&self, stand: &Stand) -> Result<Vec<Changes>, Rejection> {
-        let workers = std::thread::available_parallelism().map_or(1, usize::from);
-        let portion = stand.poses.len().div_ceil(workers).max(LEAST_PORTION);
-        let work = |first: usize, poses: &[Vec<f64>]| -> Vec<Option<Changes>> {
-            let poses = poses.iter().enumerate();
-            poses
-                .map(|(k, pose)| self.changes_at(first + k, pose))
-                .collect()
+    /// How every pose of a stand, which shows `shown`, changes with the variables.
+    pub(super) fn changes(
+        &self,
+        stand: &Stand,
+        shown: &[Shown],
+    ) -> Result<Vec<Changes>, Rejection> {
+        let settled;
+        let sensitivities = match stand.sensitivities() {
+            Some(known) => known,
+            None => {
+                settled = self.clone().settled(stand.clone());
+                settled.sensitivities().unwrap_or_default()
+            }
         };
-        let found: Vec<Option<Changes>> = std::thread::scope(|scope| {
-            let portions = stand.poses.chunks(portion).enumerate();
-            let workers: Vec<_> = portions
-                .map(|(k, poses)| scope.spawn(move || work(k * portion, poses)))
-                .collect();
-            let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
-            results.flatten().collect()
-        });
+        let mechanism = &self.family.mechanism;
+        let count = stand.values.len();
+        let work = |first: usize, poses: &[Vec<f64>]| -> Vec<Option<Changes>> {
+            let poses = poses.iter().enumerate().map(|(k, pose)| (first + k, pose));
+            let changes = poses.map(|(index, pose)| {
+                if stand.is_singular(index) {
+                    return None;
+                }
+                let slots = &shown[index].slots;
+                let slopes = Slopes::new(mechanism, count, slots, &sensitivities[index]);
+                self.changes_at(index, pose, slopes)
+            });
+            changes.collect()
+        };
+        let found: Vec<Option<Changes>> = if self.derives_by_inputs() {
+            let workers = std::thread::available_parallelism().map_or(1, usize::from);
+            let portion = stand.poses.len().div_ceil(workers).max(LEAST_PORTION);
+            std::thread::scope(|scope| {
+                let work = &work;
+                let portions = stand.poses.chunks(portion).enumerate();
+                let workers: Vec<_> = portions
+                    .map(|(k, poses)| scope.spawn(move || work(k * portion, poses)))
+                    .collect();
+                let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
+                results.flatten().collect()
+            })
+        } else {
+            work(0, &stand.poses)
+        };
         let places = found.into_iter().enumerate();
         let changes = places.map(|(index, changes)| {
             changes.ok_or_else(|| {
@@ -143,13 +172,19 @@ impl Evaluator<'_> {
         changes.collect()
     }
 
-    fn changes_at(&self, index: usize, pose: &[f64]) -> Option<Changes> {
+    fn changes_at(&self, index: usize, pose: &[f64], slopes: Slopes) -> Option<Changes> {
         let family = self.family;
         let (first, count) = (family.own_inputs(), family.study.variables.len());
         let inputs = self.derived_by(index);
-        let order = if inputs.is_empty() { 1 } else { 2 };
+        if inputs.is_empty() {
+            return Some(Changes {
+                slopes,
+                variables: Vec::new(),
+                mixed: Vec::new(),
+            });
+        }
         let series =
-            |moving: &[usize]| along(&family.mechanism, &family.structure, pose, moving, order);
+            |moving: &[usize]| along(&family.mechanism, &family.structure, pose, moving, 2);
         let variables: Option<Vec<_>> = (0..count).map(|k| series(&[first + k])).collect();
         let mixed: Option<Vec<Mixed>> = inputs
             .into_iter()
@@ -164,6 +199,7 @@ impl Evaluator<'_> {
             })
             .collect();
         Some(Changes {
+            slopes,
             variables: variables?,
             mixed: mixed?,
         })

@@ -5,7 +5,7 @@ use crate::kinematics::measures::along;
 use crate::kinematics::measures::reduce::{Reduced, reduce};
 use crate::kinematics::taylor::{Series, evaluate};
 use crate::model::expression::Expression;
-use crate::model::measure::MeasureSource;
+use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
 
 /// The numbers of a stand.
@@ -89,6 +89,13 @@ impl Evaluator<'_> {
             }
         }
         inputs
+    }
+
+    /// Whether any measure derives by an input.
+    pub(super) fn derives_by_inputs(&self) -> bool {
+        let measures = self.family.mechanism.measures.iter();
+        let derives = |m: &Measure| matches!(m.source, MeasureSource::Over { per: Some(_), .. });
+        measures.into_iter().any(derives)
     }
 
     /// The measures of a stand.

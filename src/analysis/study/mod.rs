@@ -6,6 +6,7 @@ mod measure;
 pub mod optimum;
 mod peaks;
 mod search;
+mod slopes;
 mod stand;
 
 use crate::diag::{SceneError, Source};

@@ -123,7 +123,10 @@ impl<'f, 'w> Peaks<'f, 'w> {
         x: &[f64],
         with_slopes: bool,
     ) -> Result<(Heights, Slopes), Rejection> {
-        let stand = self.evaluator.approach(&self.base, x)?;
+        let stand = match with_slopes {
+            true => self.evaluator.reach(&self.base, x)?,
+            false => self.evaluator.approach(&self.base, x)?,
+        };
         let shown = self.evaluator.shown(&stand);
         let mut scratch = Vec::new();
         let mut values = |list: &[Rows]| -> Vec<f64> {
@@ -145,7 +148,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             limits: Vec::new(),
         };
         if with_slopes {
-            let changes = self.evaluator.changes(&stand)?;
+            let changes = self.evaluator.changes(&stand, &shown)?;
             let gather = |list: &[Rows]| -> Vec<Vec<f64>> {
                 let mut all = Vec::new();
                 for rows in list {

@@ -127,7 +127,10 @@ impl<'f, 'w> Search<'f, 'w> {
         x: &[f64],
         with_gradients: bool,
     ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Rejection> {
-        let stand = self.evaluator.approach(&self.base, x)?;
+        let stand = match with_gradients {
+            true => self.evaluator.reach(&self.base, x)?,
+            false => self.evaluator.approach(&self.base, x)?,
+        };
         let (measures, rows) = if with_gradients {
             let found = self.evaluator.gradients(&stand)?;
             (found.measures, found.rows)

@@ -35,6 +35,19 @@ pub struct Stand {
     sigmas: Vec<f64>,
 }
 
+impl Stand {
+    /// d(unknowns)/d(variable) of every pose, variable after variable; none if the stand was only approached.
+    pub(super) fn sensitivities(&self) -> Option<&[Vec<f64>]> {
+        let known = self.sensitivities.len() == self.poses.len();
+        known.then_some(&self.sensitivities[..])
+    }
+
+    /// Whether pose `index` is a singular one, where sensitivities mean nothing.
+    pub(super) fn is_singular(&self, index: usize) -> bool {
+        self.signs[index].contains(&0)
+    }
+}
+
 /// Why values of the variables are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Rejection {
@@ -78,15 +91,13 @@ impl<'f> Evaluator<'f> {
     pub fn nominal(&mut self, poses: Vec<Vec<f64>>) -> Stand {
         let states = poses.iter().map(|pose| self.side(pose));
         let (signs, sigmas) = states.unzip();
-        let mut stand = Stand {
+        self.settled(Stand {
             values: self.family.start(),
             sensitivities: Vec::new(),
             signs,
             sigmas,
             poses,
-        };
-        self.add_sensitivities(&mut stand);
-        stand
+        })
     }
 
     /// On which side of its singular poses a pose is, and how far from them.
@@ -101,24 +112,22 @@ impl<'f> Evaluator<'f> {
         (state.signs, state.sigma_min)
     }
 
-    fn add_sensitivities(&mut self, stand: &mut Stand) {
+    /// d(unknowns)/d(variable) at a pose, variable after variable.
+    fn sensitivity(&mut self, pose: &[f64]) -> Vec<f64> {
         let family = self.family;
-        let (n, count) = (family.mechanism.unknowns.len(), stand.values.len());
-        let first = family.mechanism.coordinate_count() - count;
-        stand.sensitivities = Vec::with_capacity(stand.poses.len());
-        let mut rates = vec![0.0; family.mechanism.coordinate_count()];
-        for pose in &stand.poses {
-            let mut all = Vec::with_capacity(n * count);
-            for variable in 0..count {
-                rates.fill(0.0);
-                rates[first + variable] = 1.0;
-                let (mechanism, structure) = (&family.mechanism, &family.structure);
-                self.corrector
-                    .tangent(mechanism, structure, pose, &mut rates);
-                all.extend_from_slice(&rates[..n]);
-            }
-            stand.sensitivities.push(all);
+        let mechanism = &family.mechanism;
+        let (n, count) = (mechanism.unknowns.len(), family.study.variables.len());
+        let mut rates = vec![0.0; mechanism.coordinate_count()];
+        let mut all = Vec::with_capacity(n * count);
+        for variable in rates.len() - count..rates.len() {
+            rates.fill(0.0);
+            rates[variable] = 1.0;
+            let structure = &family.structure;
+            self.corrector
+                .tangent(mechanism, structure, pose, &mut rates);
+            all.extend_from_slice(&rates[..n]);
         }
+        all
     }
 
     /// The stand at other values, reached from `stand` by as many steps as it takes.
@@ -126,22 +135,28 @@ impl<'f> Evaluator<'f> {
     /// # Errors
     /// The pose at which the way ends.
     pub fn reach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
-        let reached = self.approach(stand, values)?;
-        Ok(self.settled(reached))
+        self.go(stand, values, true)
     }
 
-    /// An approached stand with the sensitivities that further steps need.
+    /// An approached stand with the sensitivities that gradients and further steps need.
     pub fn settled(&mut self, mut stand: Stand) -> Stand {
-        self.add_sensitivities(&mut stand);
+        if stand.sensitivities().is_none() {
+            let poses = stand.poses.iter();
+            stand.sensitivities = poses.map(|pose| self.sensitivity(pose)).collect();
+        }
         stand
     }
 
-    /// As [`reach`](Self::reach), without the sensitivities that further steps would need.
+    /// As [`reach`](Self::reach), without the sensitivities that gradients and further steps would need.
     ///
     /// # Errors
     /// The pose at which the way ends.
     pub fn approach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
-        let first = match self.step(stand, values) {
+        self.go(stand, values, false)
+    }
+
+    fn go(&mut self, stand: &Stand, values: &[f64], settle: bool) -> Result<Stand, Rejection> {
+        let first = match self.step(stand, values, settle) {
             Ok(reached) => return Ok(reached),
             Err(pose) => pose,
         };
@@ -155,13 +170,8 @@ impl<'f> Evaluator<'f> {
             let ends = stand.values.iter().zip(values);
             let between: Vec<f64> = ends.map(|(a, b)| a + (b - a) * next).collect();
             let target = if next == 1.0 { values } else { &between };
-            match self.step(&here, target) {
-                Ok(mut reached) => {
-                    if next < 1.0 {
-                        self.add_sensitivities(&mut reached);
-                    }
-                    (here, share, step) = (reached, next, 2.0 * step);
-                }
+            match self.step(&here, target, settle || next < 1.0) {
+                Ok(reached) => (here, share, step) = (reached, next, 2.0 * step),
                 Err(pose) => (stuck, step) = (pose, 0.5 * step),
             }
         }
@@ -169,21 +179,27 @@ impl<'f> Evaluator<'f> {
     }
 
     /// One step; the number of the pose that could not be trusted otherwise.
-    fn step(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, usize> {
+    fn step(&mut self, stand: &Stand, values: &[f64], settle: bool) -> Result<Stand, usize> {
         let change: Vec<f64> = values
             .iter()
             .zip(&stand.values)
             .map(|(b, a)| b - a)
             .collect();
-        let mut poses = Vec::with_capacity(stand.poses.len());
-        for index in 0..stand.poses.len() {
+        let count = stand.poses.len();
+        let mut poses = Vec::with_capacity(count);
+        let mut sensitivities = Vec::with_capacity(if settle { count } else { 0 });
+        for index in 0..count {
             let pose = self.pose(stand, index, &change, values).ok_or(index)?;
+            if settle {
+                // The correction has just factored the loops at this pose.
+                sensitivities.push(self.sensitivity(&pose));
+            }
             poses.push(pose);
         }
         Ok(Stand {
             values: values.to_vec(),
             poses,
-            sensitivities: Vec::new(),
+            sensitivities,
             signs: stand.signs.clone(),
             sigmas: stand.sigmas.clone(),
         })

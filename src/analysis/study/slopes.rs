@@ -1,0 +1,140 @@
+//! How what a pose shows changes with each variable, to the first order: coordinates from the factorised loops, traced
+//! points from the twists of their chains, outputs by the chain rule.
+
+use crate::math::Pose;
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::mechanism::Mechanism;
+use glam::DVec3;
+
+/// Derivatives of the slots of a pose: coordinates, x, y, z of the traces, outputs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Slopes {
+    /// One row per variable.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Slopes {
+    /// The slopes at a pose that shows `slots` by the last `count` inputs. `sensitivity` holds
+    /// d(unknown)/d(variable), variable after variable.
+    pub fn new(mechanism: &Mechanism, count: usize, slots: &[f64], sensitivity: &[f64]) -> Self {
+        let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
+        let mut rows = vec![vec![0.0; slots.len()]; count];
+        for (k, row) in rows.iter_mut().enumerate() {
+            row[..unknowns].copy_from_slice(&sensitivity[k * unknowns..(k + 1) * unknowns]);
+            row[coordinates - count + k] = 1.0;
+        }
+        let mut slopes = Self { rows };
+        slopes.add_traces(mechanism, &slots[..coordinates]);
+        slopes.add_outputs(mechanism, slots);
+        slopes
+    }
+
+    fn add_traces(&mut self, mechanism: &Mechanism, coordinates: &[f64]) {
+        let arguments = mechanism.argument_values(coordinates);
+        let mut shares = ArgumentShares::new(coordinates.len());
+        for (index, trace) in mechanism.traces.iter().enumerate() {
+            let first = coordinates.len() + 3 * index;
+            let chain = &mechanism.bodies[trace.body].world_from_body;
+            for (argument, by_argument) in point_by_arguments(chain, &arguments, trace.point) {
+                let gradient = shares.of(&mechanism.arguments[argument], coordinates);
+                for row in &mut self.rows {
+                    let rate: f64 = gradient
+                        .iter()
+                        .map(|(slot, share)| share * row[*slot])
+                        .sum();
+                    let moved = by_argument * rate;
+                    for (entry, part) in row[first..first + 3].iter_mut().zip(moved.to_array()) {
+                        *entry += part;
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_outputs(&mut self, mechanism: &Mechanism, slots: &[f64]) {
+        let first = slots.len() - mechanism.outputs.len();
+        let mut gradient = vec![0.0; slots.len()];
+        let (mut values, mut adjoints) = (Vec::new(), Vec::new());
+        for (index, output) in mechanism.outputs.iter().enumerate() {
+            gradient.fill(0.0);
+            let formula = &output.expression;
+            formula.add_gradient(slots, 1.0, &mut gradient, &mut values, &mut adjoints);
+            let used = formula.slots();
+            for row in &mut self.rows {
+                row[first + index] = used.iter().map(|slot| gradient[*slot] * row[*slot]).sum();
+            }
+        }
+    }
+}
+
+/// Derivatives of arguments by coordinates.
+struct ArgumentShares {
+    gradient: Vec<f64>,
+    values: Vec<f64>,
+    adjoints: Vec<f64>,
+    shares: Vec<(usize, f64)>,
+}
+
+impl ArgumentShares {
+    fn new(coordinates: usize) -> Self {
+        Self {
+            gradient: vec![0.0; coordinates],
+            values: Vec::new(),
+            adjoints: Vec::new(),
+            shares: Vec::new(),
+        }
+    }
+
+    /// Coordinates that the argument depends on, each with its derivative.
+    fn of(&mut self, argument: &Argument, coordinates: &[f64]) -> &[(usize, f64)] {
+        self.shares.clear();
+        match argument {
+            Argument::Affine(affine) => self.shares.extend(affine.terms.iter().copied()),
+            Argument::Formula(expression) => {
+                let (values, adjoints) = (&mut self.values, &mut self.adjoints);
+                expression.add_gradient(coordinates, 1.0, &mut self.gradient, values, adjoints);
+                for slot in expression.slots() {
+                    let share = std::mem::take(&mut self.gradient[slot]);
+                    self.shares.push((slot, share));
+                }
+            }
+        }
+        &self.shares
+    }
+}
+
+/// The derivative of a chain's end point by every argument on the way, joint after joint.
+fn point_by_arguments(
+    chain: &Chain,
+    arguments: &[ArgumentValue],
+    point: DVec3,
+) -> Vec<(usize, DVec3)> {
+    let mut pose = Pose::IDENTITY;
+    let mut joints = Vec::with_capacity(chain.steps.len());
+    for step in &chain.steps {
+        if let Step::Joint {
+            motion,
+            axis,
+            argument,
+            sign,
+        } = *step
+        {
+            joints.push((
+                argument,
+                motion,
+                pose.rotation.col(axis) * sign,
+                pose.translation,
+            ));
+        }
+        step.advance(&mut pose, arguments);
+    }
+    let end = pose.transform_point(point);
+    let moved = joints.into_iter().map(|(argument, motion, axis, origin)| {
+        let by_argument = match motion {
+            Motion::Translation => axis,
+            Motion::Rotation => axis.cross(end - origin),
+        };
+        (argument, by_argument)
+    });
+    moved.collect()
+}
