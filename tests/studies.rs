@@ -171,3 +171,46 @@ fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
     assert!((again.measures[0] - found.minimum.value).abs() < 1e-9);
     assert!(again.measures[2].to_degrees() <= 60.0 + 1e-3);
 }
+
+/// At the straightened lever ±0.5 mm are small: random pieces scatter as the linear rule says, and the slopes by about
+/// a millimetre.
+#[test]
+fn small_tolerances_scatter_as_the_linear_rule_says() {
+    use mechanim::analysis::tolerance::{Batch, Distribution, linear, pieces};
+    use std::sync::atomic::AtomicBool;
+    let source = builtin::find("gearshift-optimised").unwrap();
+    let vary = DIMENSIONS.map(str::to_owned);
+    let family = Family::load(&source, &Overrides::default(), &vary).unwrap();
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    let gradients = evaluator.gradients(&stand).unwrap();
+    let tolerances = [0.5; DIMENSIONS.len()];
+    let batch = Batch {
+        samples: 6000,
+        first: 0,
+        seed: 1,
+        distribution: Distribution::Uniform,
+        threads: 2,
+    };
+    let rule = linear(&gradients, &tolerances, batch.distribution);
+    let never = AtomicBool::new(false);
+    let made = pieces(&family, &stand, &tolerances, batch, &never, &|_| {});
+    assert_eq!((made.made, made.failed), (6000, 0));
+    let of = |name: &str| {
+        let measures = &family.mechanism.measures;
+        measures.iter().position(|m| m.name == name).unwrap()
+    };
+    for (name, wanted) in [("S_R1", 1.00), ("S_23", 1.00), ("S_45", 1.18)] {
+        let k = of(name);
+        let found = made.scatter(k, &[0.5]).unwrap();
+        assert!((rule[k].root_sum_square - wanted).abs() < 0.01, "{name}");
+        // 6000 pieces know a deviation to about one per cent.
+        let share = found.deviation / rule[k].deviation;
+        assert!((share - 1.0).abs() < 0.03, "{name}: {share}");
+        assert!((found.mean - gradients.measures[k]).abs() < 0.05, "{name}");
+    }
+    // An interrupt keeps what was made, as a beginning of the whole.
+    let raised = AtomicBool::new(true);
+    let none = pieces(&family, &stand, &tolerances, batch, &raised, &|_| {});
+    assert_eq!((none.made, none.failed, none.values.len()), (0, 0, 0));
+}

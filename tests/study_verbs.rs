@@ -199,6 +199,79 @@ fn pairs_are_ranked() {
 }
 
 #[test]
+fn studies_start_from_other_assemblies_and_drives() {
+    let w = workspace();
+    // The slide on the other side: h is negative, and so is the stroke back.
+    w.run(&[
+        "optimise",
+        "crank.toml",
+        "--mode",
+        "1",
+        "--out",
+        "one.toml",
+        "--within",
+        "50%",
+    ])
+    .exits(0);
+    w.run(&[
+        "optimise",
+        "crank.toml",
+        "--mode",
+        "2",
+        "--out",
+        "two.toml",
+        "--within",
+        "0.5",
+    ])
+    .exits(0);
+    let value = |scene: &str| {
+        let found = json(&w, &["sensitivity", scene, "--out", "-"]);
+        found["measures"]["speed"].as_f64().unwrap()
+    };
+    assert!((value("one.toml") - value("two.toml")).abs() < 1e-6);
+    let start = |scene: &str| {
+        let table = w
+            .run(&["solve", scene, "--at", "0", "--out", "-"])
+            .exits(0)
+            .text();
+        let mut rows = table
+            .lines()
+            .map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
+        let heads = rows.next().unwrap();
+        let h = heads.iter().position(|name| name == "h").unwrap();
+        rows.next().unwrap()[h].parse::<f64>().unwrap()
+    };
+    assert!(
+        start("one.toml") * start("two.toml") < 0.0,
+        "two assemblies"
+    );
+    w.write("rows.csv", "phi\n0\n30\n60\n");
+    w.run(&["sensitivity", "crank.toml", "--inputs", "rows.csv"])
+        .exits(2)
+        .says(&["--inputs would change nothing"]);
+    let along = CRANK.replace("swing = { track = \"back\",", "swing = {");
+    w.write(
+        "along.toml",
+        along.replace("take = \"max\"", "take = \"last\""),
+    );
+    let found = json(
+        &w,
+        &[
+            "sensitivity",
+            "along.toml",
+            "--inputs",
+            "rows.csv",
+            "--out",
+            "-",
+        ],
+    );
+    // At 60 degrees: alpha = -60 - asin(sin 60 / 2).
+    let alpha = -60.0 - (60f64.to_radians().sin() / 2.0).asin().to_degrees();
+    let swing = found["measures"]["swing"].as_f64().unwrap();
+    assert!((swing - alpha).abs() < 1e-9, "{swing} {alpha}");
+}
+
+#[test]
 fn mistakes_of_a_study_are_said_with_their_place() {
     let w = Workspace::new();
     for (from, to, says) in [
@@ -281,5 +354,26 @@ fn mistakes_of_a_study_are_said_with_their_place() {
     );
     w.run(&["optimise", "nothing.toml"])
         .exits(2)
-        .says(&["`miss` has no value"]);
+        .says(&["`miss` has no value: sqrt of -80"]);
+    let faulty = CRANK.replace("of = \"alpha\"", "of = \"ln(h - 80)\"");
+    w.write("faulty.toml", &faulty);
+    for verb in [
+        &["sensitivity"][..],
+        &["tolerance", "--tolerance", "1"],
+        &["optimise"],
+    ] {
+        w.run(&[verb, &["faulty.toml"]].concat()).exits(2).says(&[
+            "`swing` has no value: ln of ",
+            "at pose ",
+            " of back",
+        ]);
+    }
+    // No stroke of 500 is within reach: what comes nearest is shown, with the limit that it breaks.
+    let far = CRANK.replace("\"change\" }", "\"change\", min = 500 }");
+    w.write("far.toml", far);
+    let text = w.run(&["optimise", "far.toml"]).exits(1).text();
+    assert!(
+        text.contains("No candidate keeps all constraints; with this one `stroke` misses its bound by 72.000 %"),
+        "{text}"
+    );
 }

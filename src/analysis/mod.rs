@@ -1,5 +1,6 @@
 //! Studies of the solver itself and of mechanisms: loops around solving, never a second engine.
 
+pub mod cloud;
 pub mod observer;
 pub mod optimise;
 pub mod precision_report;

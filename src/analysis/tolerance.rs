@@ -4,6 +4,7 @@
 use super::random::Random;
 use super::study::{Evaluator, Family, Gradients, Stand};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
 
 /// How a dimension scatters within its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +77,8 @@ pub struct Pieces {
     pub values: Vec<f64>,
     /// Measures of one piece.
     pub measures: usize,
+    /// Pieces made: all, or the first ones where the work was cut short.
+    pub made: usize,
     /// Pieces that cannot be assembled, or have a measure without a value.
     pub failed: usize,
     /// Pieces that keep all requirements.
@@ -102,16 +105,22 @@ pub struct Batch {
 /// Pieces that a worker takes at once.
 const PORTION: usize = 64;
 
-/// Makes and measures random pieces around `nominal`; `None` if `cancel` was raised.
+/// How often `watch` is called.
+const WATCH: Duration = Duration::from_millis(5);
+
+/// Makes and measures random pieces around `nominal`; those made so far if `cancel` is raised.
+///
+/// `watch` is called now and then on this thread with the number of pieces made.
 pub fn pieces(
     family: &Family,
     nominal: &Stand,
     tolerances: &[f64],
     batch: Batch,
     cancel: &AtomicBool,
-) -> Option<Pieces> {
+    watch: &dyn Fn(usize),
+) -> Pieces {
     let measures = family.mechanism.measures.len();
-    let next = AtomicUsize::new(0);
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
         let mut evaluator = Evaluator::new(family);
         let mut portions: Vec<(usize, Vec<f64>)> = Vec::new();
@@ -123,51 +132,50 @@ pub fn pieces(
             let count = PORTION.min(batch.samples - start);
             let mut values = Vec::with_capacity(count * measures);
             for item in start..start + count {
-                let random = Random::new(batch.seed, 0, (batch.first + item) as u64);
-                match piece(
-                    &mut evaluator,
-                    nominal,
-                    tolerances,
-                    batch.distribution,
-                    random,
-                ) {
+                let drawn = values_of(nominal, tolerances, batch, item);
+                match piece(&mut evaluator, nominal, &drawn) {
                     Some(found) => values.extend(found),
                     None => values.resize(values.len() + measures, f64::NAN),
                 }
             }
             portions.push((start, values));
+            done.fetch_add(count, Ordering::Relaxed);
         }
     };
-    let mut values = vec![f64::NAN; batch.samples * measures];
-    std::thread::scope(|scope| {
+    let mut portions: Vec<(usize, Vec<f64>)> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..batch.threads.max(1))
             .map(|_| scope.spawn(work))
             .collect();
-        for worker in workers {
-            for (start, portion) in worker.join().unwrap_or_default() {
-                values[start * measures..start * measures + portion.len()]
-                    .copy_from_slice(&portion);
-            }
+        while !workers.iter().all(|w| w.is_finished()) {
+            std::thread::sleep(WATCH);
+            watch(done.load(Ordering::Relaxed));
         }
+        let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
+        results.flatten().collect()
     });
-    if cancel.load(Ordering::Relaxed) {
-        return None;
+    portions.sort_by_key(|(start, _)| *start);
+    let mut values = Vec::with_capacity(batch.samples * measures);
+    for (start, portion) in portions {
+        // Work that was cut short may have left a portion out: what lies behind it is not counted.
+        if start * measures != values.len() {
+            break;
+        }
+        values.extend(portion);
     }
-    Some(summary(family, values, measures, batch.first))
+    summary(family, values, measures, batch.first)
 }
 
-fn piece(
-    evaluator: &mut Evaluator,
-    nominal: &Stand,
-    tolerances: &[f64],
-    distribution: Distribution,
-    mut random: Random,
-) -> Option<Vec<f64>> {
+/// Values of the variables of piece `item` of a batch.
+pub fn values_of(nominal: &Stand, tolerances: &[f64], batch: Batch, item: usize) -> Vec<f64> {
+    let mut random = Random::new(batch.seed, 0, (batch.first + item) as u64);
     let drawn = nominal.values.iter().zip(tolerances);
-    let values: Vec<f64> = drawn
-        .map(|(v, t)| v + distribution.draw(&mut random, *t))
-        .collect();
-    let stand = evaluator.approach(nominal, &values).ok()?;
+    drawn
+        .map(|(v, t)| v + batch.distribution.draw(&mut random, *t))
+        .collect()
+}
+
+fn piece(evaluator: &mut Evaluator, nominal: &Stand, values: &[f64]) -> Option<Vec<f64>> {
+    let stand = evaluator.approach(nominal, values).ok()?;
     Some(evaluator.measure(&stand).ok()?.measures)
 }
 
@@ -190,11 +198,23 @@ fn summary(family: &Family, values: Vec<f64>, measures: usize, first: usize) -> 
         digest = digest.wrapping_add(hash);
     }
     Pieces {
+        made: values.len() / measures.max(1),
         values,
         measures,
         failed,
         good,
         digest,
+    }
+}
+
+/// The value below which `share` (0 to 1) of ascending `values` lie, interpolated; NaN if there are none.
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let place = share * values.len().saturating_sub(1) as f64;
+    let (low, part) = (place.floor() as usize, place.fract());
+    let high = (low + 1).min(values.len().saturating_sub(1));
+    match (values.get(low), values.get(high)) {
+        (Some(low), Some(high)) => low + part * (high - low),
+        _ => f64::NAN,
     }
 }
 
@@ -221,12 +241,7 @@ impl Pieces {
         let mean = values.iter().sum::<f64>() / count;
         let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
         values.sort_unstable_by(f64::total_cmp);
-        let at = |share: &f64| {
-            let place = share * (values.len() - 1) as f64;
-            let (low, part) = (place.floor() as usize, place.fract());
-            let high = (low + 1).min(values.len() - 1);
-            values[low] + part * (values[high] - values[low])
-        };
+        let at = |share: &f64| quantile(&values, *share);
         Some(Scatter {
             mean,
             deviation: (square / (count - 1.0).max(1.0)).sqrt(),

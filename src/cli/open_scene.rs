@@ -45,6 +45,7 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         plot: None,
         folder: folder(&args.scene),
         vary: Vec::new(),
+        drives: None,
     };
     Ok((source(&args.scene)?, overrides))
 }

@@ -1,23 +1,25 @@
 //! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
 
+use super::optimise_clearance::Clearances;
+use super::optimise_film::Improvement;
 use super::outcome::{Failure, Outcome};
+use super::progress::Progress;
 use super::study::{Opened, aligned, open, six};
 use super::study_args::{MethodArg, OptimiseArgs};
 use super::term::Term;
-use super::tolerance::cores;
-use super::{CANCEL, open_scene, report};
+use super::{CANCEL, open_scene, optimise_clearance, optimise_film, pairs, report};
 use crate::analysis::optimise::Ended;
 use crate::analysis::study::optimum::{Method, Optimum, Verified, optimise, verify};
 use crate::analysis::study::{Family, FamilyError};
-use crate::scene::with_parameters;
+use crate::scene::edit::with_values;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-/// Version of the JSON document.
-const SCHEMA: u32 = 1;
+/// Version of the JSON documents.
+pub const SCHEMA: u32 = 1;
 
 /// Tolerances where none is asked for: what the common simplex search takes, and what rounding allows.
 const SIMPLEX_TOLERANCE: f64 = 1e-4;
@@ -25,6 +27,9 @@ const GRADIENT_TOLERANCE: f64 = 1e-9;
 
 /// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
 const KEPT: f64 = 1e-6;
+
+/// Iterations from one plain line of progress to the next.
+const LINES_APART: usize = 50;
 
 /// How far an objective that is measured again may be off, as a share of it (or of this share of the first value).
 const SAME: f64 = 1e-6;
@@ -37,40 +42,48 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         let message = format!("{} is an input of this command", out.display());
         return Err(Failure::usage(message, Vec::new()));
     }
+    let film = args.film.as_deref().map(optimise_film::file);
+    let film = film.transpose()?;
     let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
     if let Some(share) = args.within {
         widen(&mut opened.family, share);
     }
     if args.pairs {
-        return pairs(args, &opened);
+        return pairs::run(args, &opened, term);
     }
     let start = Instant::now();
-    let watch = |iteration: usize, _: &[f64], value: f64| {
-        if iteration.is_multiple_of(50) {
-            term.note(&format!("  iteration {iteration}: {}", six(value)));
-        }
-        !CANCEL.load(Ordering::Relaxed)
+    let (mut optimum, improvements) = search(args, &opened, term)?;
+    let is_stopped = optimum.minimum.ended == Ended::Stopped;
+    let clearances = match is_stopped {
+        true => None,
+        false => optimise_clearance::settle(&opened, &mut optimum.minimum, &improvements)?,
     };
-    let optimum = optimise(
-        &opened.family,
-        method(args),
-        args.iterations,
-        Box::new(watch),
-    )?;
     let seconds = start.elapsed().as_secs_f64();
     let study = &opened.family.study;
     let vary: Vec<String> = study.variables.iter().map(|v| v.name.clone()).collect();
     let parameters = opened.parameters(&optimum.minimum.x);
     let verified = verify(&opened.source, &opened.overrides, parameters.clone(), &vary);
     if let Some(out) = &args.out {
-        let text = with_parameters(&opened.source, &parameters)
-            .ok_or_else(|| Failure::Internal("the scene's text cannot be edited".to_owned()))?;
+        let text = with_values(&opened.source, &parameters, &opened.overrides.guess);
+        let text = text.ok_or_else(|| {
+            Failure::usage(
+                "the scene's text cannot be given these start values",
+                vec!["write them as a section of their own: [guess]".to_owned()],
+            )
+        })?;
         report::write_text(&args.scene, out, &text)?;
+        if !opened.overrides.inputs.is_empty() || opened.overrides.drives.is_some() {
+            let out = out.display();
+            term.warning(&format!(
+                "{out} has the drive of the scene, not that of the command line"
+            ));
+        }
     }
     let result = Report {
         opened: &opened,
         optimum: &optimum,
         verified: &verified,
+        clearances: &clearances,
         seconds,
     };
     if let Some(path) = &args.json {
@@ -81,17 +94,70 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         out.write_all(result.text().as_bytes())?;
         out.flush()?;
     }
-    if optimum.minimum.ended == Ended::Stopped {
-        return Err(Failure::Stopped);
+    if is_stopped {
+        let kept = args.out.as_ref().map_or_else(
+            || "the best so far was reported".to_owned(),
+            |out| format!("the best so far was written to {}", out.display()),
+        );
+        return Err(Failure::Stopped(kept));
     }
+    if let Some(film) = &film {
+        optimise_film::write(film, &opened, &improvements, term)?;
+    }
+    let is_kept = clearances.as_ref().is_none_or(|c| c.kept);
     Ok(match &verified {
-        Ok(v) if v.violation <= KEPT && result.agrees(v) => Outcome::Done,
+        Ok(v) if v.violation <= KEPT && result.agrees(v) && is_kept => Outcome::Done,
         _ => Outcome::CheckFailed,
     })
 }
 
+/// The search with its progress, and the points it came to, from the start on.
+fn search(
+    args: &OptimiseArgs,
+    opened: &Opened,
+    term: &Term,
+) -> Result<(Optimum, Vec<Improvement>), Failure> {
+    let progress = Progress::new(args.progress, term.quiet());
+    let mut improvements: Vec<Improvement> = Vec::new();
+    let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
+    let watch = |iteration: usize, values: &[f64], value: f64| {
+        let text = format!("  iteration {iteration}: {}", six(value * unit));
+        progress.say(&text, iteration.is_multiple_of(LINES_APART));
+        let last = improvements.last();
+        if last.is_none_or(|last| last.values != values) {
+            improvements.push(Improvement {
+                iteration,
+                values: values.to_vec(),
+                objective: value,
+            });
+        }
+        !CANCEL.load(Ordering::Relaxed)
+    };
+    let method = method(args);
+    let optimum = optimise(&opened.family, method, args.iterations, Box::new(watch))?;
+    progress.end();
+    let first = Improvement {
+        iteration: 0,
+        values: opened.family.start(),
+        objective: optimum.first_value,
+    };
+    improvements.insert(0, first);
+    let minimum = &optimum.minimum;
+    if improvements
+        .last()
+        .is_none_or(|last| last.values != minimum.x)
+    {
+        improvements.push(Improvement {
+            iteration: minimum.iterations,
+            values: minimum.x.clone(),
+            objective: minimum.value,
+        });
+    }
+    Ok((optimum, improvements))
+}
+
 /// Ranges of a share of the variables' values, in place of the study's.
-fn widen(family: &mut Family, share: f64) {
+pub fn widen(family: &mut Family, share: f64) {
     for variable in &mut family.study.variables {
         let half = share * variable.start.abs();
         if half > 0.0 {
@@ -100,7 +166,8 @@ fn widen(family: &mut Family, share: f64) {
     }
 }
 
-fn method(args: &OptimiseArgs) -> Method {
+/// The method asked for.
+pub fn method(args: &OptimiseArgs) -> Method {
     let tolerance = |usual: f64| args.tolerance.unwrap_or(usual);
     match args.method {
         MethodArg::NelderMead => Method::NelderMead {
@@ -123,11 +190,12 @@ struct Report<'a> {
     opened: &'a Opened,
     optimum: &'a Optimum,
     verified: &'a Result<Verified, FamilyError>,
+    clearances: &'a Option<Clearances>,
     seconds: f64,
 }
 
 /// The end of a search in words.
-fn ended(ended: Ended) -> &'static str {
+pub fn ended(ended: Ended) -> &'static str {
     match ended {
         Ended::Converged => "converged",
         Ended::Stalled => "no step gains any more",
@@ -152,16 +220,28 @@ impl Report<'_> {
         again.is_some_and(|again| (again - value).abs() <= SAME * scale)
     }
 
+    /// Name of the measure that breaks its limit most.
+    fn worst_limit(&self, verified: &Verified) -> &str {
+        let measures = self.opened.measures().iter().zip(&verified.measures);
+        let broken = measures.map(|(m, v)| (m.violation(*v), &m.name));
+        let worst = broken.max_by(|a, b| a.0.total_cmp(&b.0));
+        worst.map_or("", |(_, name)| name)
+    }
+
     fn text(&self) -> String {
         let (name, unit) = self.objective();
         let (minimum, study) = (&self.optimum.minimum, &self.opened.family.study);
-        let factor = self.optimum.first_value / minimum.value;
+        let (first, last) = (self.optimum.first_value, minimum.value);
+        let change = match first / last {
+            factor if factor >= 1.0 => format!("{} times less", six(factor)),
+            factor if factor > 0.0 => format!("{} times more", six(1.0 / factor)),
+            _ => format!("by {}", six((last - first) * unit)),
+        };
         let mut text = format!(
-            "{}\n  {name}: {} to {} ({} times less)\n",
+            "{}\n  {name}: {} to {} ({change})\n",
             self.opened.family.mechanism.title,
             six(self.optimum.first_value * unit),
             six(minimum.value * unit),
-            six(factor),
         );
         text.push_str(&format!(
             "  {}: {} iterations, {} evaluations ({} refused: {} not reached, {} without a value), {:.2} s\n\n",
@@ -205,13 +285,15 @@ impl Report<'_> {
                 }
                 if v.violation > KEPT {
                     text.push_str(&format!(
-                        "No candidate keeps all constraints; this one misses a bound by {:.3} %.\n",
+                        "No candidate keeps all constraints; with this one `{}` misses its bound by {:.3} %.\n",
+                        self.worst_limit(v),
                         100.0 * v.violation
                     ));
                 }
             }
             Err(error) => text.push_str(&format!("\nNot confirmed: {error}\n")),
         }
+        text.extend(self.clearances.iter().map(Clearances::line));
         text
     }
 
@@ -245,141 +327,11 @@ impl Report<'_> {
             "refused": { "not_reached": self.optimum.refusals.not_reached, "no_value": self.optimum.refusals.no_value },
             "variables": variables.collect::<Vec<_>>(),
             "verified": verified,
+            "clearance": self.clearances.as_ref().map(|c| json!({
+                "kept": c.kept,
+                "nearest": c.worst,
+                "instead_of_later": c.instead,
+            })),
         })
-    }
-}
-
-/// One pair of variables with its optimum.
-struct Pair {
-    names: [String; 2],
-    found: Result<Optimum, FamilyError>,
-}
-
-fn pairs(args: &OptimiseArgs, opened: &Opened) -> Result<Outcome, Failure> {
-    let variables = &opened.family.study.variables;
-    let mut jobs = Vec::new();
-    for (k, a) in variables.iter().enumerate() {
-        jobs.extend(
-            variables[k + 1..]
-                .iter()
-                .map(|b| [a.name.clone(), b.name.clone()]),
-        );
-    }
-    if jobs.is_empty() {
-        return Err(Failure::usage(
-            "pairs need at least two variables",
-            Vec::new(),
-        ));
-    }
-    let start = Instant::now();
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(names) = jobs.get(index).filter(|_| !CANCEL.load(Ordering::Relaxed)) else {
-                return done;
-            };
-            let found = pair(args, opened, names);
-            let names = names.clone();
-            done.push((index, Pair { names, found }));
-        }
-    };
-    let threads = args.threads.unwrap_or_else(cores);
-    let mut done: Vec<(usize, Pair)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        workers
-            .into_iter()
-            .flat_map(|w| w.join().unwrap_or_default())
-            .collect()
-    });
-    if CANCEL.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted);
-    }
-    let value = |p: &Pair| p.found.as_ref().map_or(f64::INFINITY, |o| o.minimum.value);
-    done.sort_by(|(i, a), (j, b)| value(a).total_cmp(&value(b)).then(i.cmp(j)));
-    let ranked: Vec<Pair> = done.into_iter().map(|(_, pair)| pair).collect();
-    let seconds = start.elapsed().as_secs_f64();
-    if let Some(path) = &args.json {
-        let rows: Vec<Value> = ranked.iter().map(|p| pair_document(opened, p)).collect();
-        let document = json!({
-            "schema": format!("mechanim-pairs-{SCHEMA}"),
-            "title": opened.family.mechanism.title,
-            "pairs": rows,
-        });
-        report::write_json(&args.scene, path, &document)?;
-    }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(ranking(opened, &ranked, args.worst, seconds).as_bytes())?;
-        out.flush()?;
-    }
-    Ok(Outcome::Done)
-}
-
-fn pair(args: &OptimiseArgs, opened: &Opened, names: &[String; 2]) -> Result<Optimum, FamilyError> {
-    let mut family = Family::load(&opened.source, &opened.overrides, names)?;
-    if let Some(share) = args.within {
-        widen(&mut family, share);
-    }
-    let watch = |_: usize, _: &[f64], _: f64| !CANCEL.load(Ordering::Relaxed);
-    optimise(&family, method(args), args.iterations, Box::new(watch))
-}
-
-fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
-    let objective = opened.objective();
-    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
-    let name = objective.map_or("objective", |m| &m.name);
-    let mut rows = vec![
-        ["pair", name, "first", "second", "evaluations"]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
-    for pair in ranked.iter().take(most) {
-        let mut row = vec![pair.names.join(" + ")];
-        match &pair.found {
-            Ok(o) => {
-                let [a, b] = places(opened, pair, o);
-                row.extend([
-                    six(o.minimum.value * unit),
-                    six(a),
-                    six(b),
-                    o.minimum.evaluations.to_string(),
-                ]);
-            }
-            Err(error) => row.push(error.to_string()),
-        }
-        rows.push(row);
-    }
-    format!(
-        "{}\n  {} pairs optimised in {seconds:.2} s, the best {} of them:\n\n{}",
-        opened.family.mechanism.title,
-        ranked.len(),
-        rows.len() - 1,
-        aligned(&rows)
-    )
-}
-
-/// Values of a pair's variables in the file's units.
-fn places(opened: &Opened, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
-    let unit = |k: usize| {
-        let mut variables = opened.family.study.variables.iter();
-        let variable = variables.find(|v| v.name == pair.names[k]);
-        variable.map_or(1.0, |v| opened.units(v.kind))
-    };
-    [0, 1].map(|k| optimum.minimum.x[k] * unit(k))
-}
-
-fn pair_document(opened: &Opened, pair: &Pair) -> Value {
-    match &pair.found {
-        Ok(o) => json!({
-            "names": pair.names,
-            "objective": o.minimum.value,
-            "values": places(opened, pair, o),
-            "iterations": o.minimum.iterations,
-            "evaluations": o.minimum.evaluations,
-            "ended": ended(o.minimum.ended),
-        }),
-        Err(error) => json!({ "names": pair.names, "error": error.to_string() }),
     }
 }

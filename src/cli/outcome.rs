@@ -83,9 +83,9 @@ pub enum Failure {
     /// Stopped by Ctrl-C.
     #[error("interrupted; nothing was written")]
     Interrupted,
-    /// Stopped by Ctrl-C after the best so far was written.
-    #[error("interrupted; the best so far was written")]
-    Stopped,
+    /// Stopped by Ctrl-C, with what was done until then kept.
+    #[error("interrupted; {0}")]
+    Stopped(String),
     /// A fault of the program.
     #[error("internal error: {0}")]
     Internal(String),
@@ -115,7 +115,7 @@ impl Failure {
             Self::Render(RenderError::NoAdapter(_)) => NO_ADAPTER,
             Self::Render(RenderError::Size(_)) => BAD_USAGE,
             Self::Render(RenderError::Device(_)) => NO_ADAPTER,
-            Self::Interrupted | Self::Stopped => INTERRUPTED,
+            Self::Interrupted | Self::Stopped(_) => INTERRUPTED,
             Self::Internal(_) => INTERNAL,
         }
     }

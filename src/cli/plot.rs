@@ -13,7 +13,7 @@ use crate::model::plot::Plot;
 use crate::plot::companion::Companion;
 use crate::plot::motion::{chart, default_plot};
 use crate::plot::raster::Painter;
-use crate::plot::{Chart, Theme, draw, svg};
+use crate::plot::{Chart, Drawing, Theme, draw, svg};
 use crate::scene::{PlotText, Scene};
 use std::path::Path;
 
@@ -90,13 +90,21 @@ pub fn write(
         ThemeArg::Light => Theme::LIGHT,
         ThemeArg::Dark => Theme::DARK,
     };
-    let drawing = draw(chart, size, theme);
+    write_drawing(&draw(chart, size, theme), format, output)
+}
+
+/// Writes what has been laid out.
+pub fn write_drawing(
+    drawing: &Drawing,
+    format: PlotFormat,
+    output: &mut dyn Output,
+) -> Result<(), Failure> {
     let bytes = match format {
-        PlotFormat::Svg => svg::write(&drawing).into_bytes(),
+        PlotFormat::Svg => svg::write(drawing).into_bytes(),
         PlotFormat::Png => {
             let mut bytes = Vec::new();
             encode(
-                &Painter::default().picture(&drawing),
+                &Painter::default().picture(drawing),
                 Effort::Balanced,
                 &mut bytes,
             )?;

@@ -87,6 +87,27 @@ impl Progress {
         }
     }
 
+    /// One line of text, in place of the last one on a terminal; elsewhere only what is `worth` a line of its own.
+    pub fn say(&self, text: &str, worth: bool) {
+        match self.style {
+            Style::Silent => {}
+            Style::Lines if worth => {
+                let _ = writeln!(std::io::stderr(), "{text}");
+            }
+            Style::Lines => {}
+            Style::Bar => {
+                let now = Instant::now();
+                if self.last.get().is_some_and(|last| now - last < REDRAW) {
+                    return;
+                }
+                self.last.set(Some(now));
+                let mut stderr = std::io::stderr().lock();
+                let _ = write!(stderr, "\r{text}\x1b[K");
+                let _ = stderr.flush();
+            }
+        }
+    }
+
     /// Removes the bar.
     pub fn end(&self) {
         if matches!(self.style, Style::Bar) && self.last.get().is_some() {

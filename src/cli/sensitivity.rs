@@ -1,10 +1,10 @@
 //! `mechanim sensitivity`: the exact derivative of every measure by every dimension, ranked; tolerances proposed.
 
 use super::outcome::{Failure, Outcome};
-use super::report;
 use super::study::{Opened, aligned, open, six};
 use super::study_args::SensitivityArgs;
 use super::term::Term;
+use super::{report, sensitivity_plot};
 use crate::analysis::study::{Evaluator, Gradients};
 use serde_json::{Map, Value, json};
 use std::io::Write;
@@ -15,6 +15,9 @@ const SCHEMA: u32 = 1;
 
 /// Runs the verb.
 pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
+    let plot = args.plot.as_deref();
+    let plot = plot.map(|path| sensitivity_plot::open(&args.scene, path));
+    let plot = plot.transpose()?;
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let mut evaluator = Evaluator::new(family);
@@ -22,7 +25,7 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
     let stand = evaluator.nominal(nominal.poses);
     let gradients = evaluator
         .gradients(&stand)
-        .map_err(|refusal| Failure::usage(refusal.to_string(), Vec::new()))?;
+        .map_err(|refusal| opened.refused(&evaluator, &stand, &refusal))?;
     let rank = match &args.rank {
         Some(name) => opened.measure(name)?,
         None => family.study.objective.unwrap_or(0),
@@ -41,6 +44,9 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
         order: ranking(&gradients.rows[rank]),
         allowed,
     };
+    if let Some(plot) = plot {
+        plot.write(&table, rank)?;
+    }
     let document = table.document();
     match &args.out {
         Some(path)
@@ -68,17 +74,20 @@ fn ranking(row: &[f64]) -> Vec<usize> {
     order
 }
 
-struct Table<'a> {
-    opened: &'a Opened,
+/// Derivatives of all measures.
+pub struct Table<'a> {
+    /// The scene.
+    pub opened: &'a Opened,
     gradients: &'a Gradients,
-    order: Vec<usize>,
+    /// Variables, the most important first.
+    pub order: Vec<usize>,
     /// A measure and the scatter that is allowed to it.
     allowed: Option<(usize, f64)>,
 }
 
 impl Table<'_> {
     /// d(measure)/d(variable) in the file's units.
-    fn slope(&self, measure: usize, variable: usize) -> f64 {
+    pub fn slope(&self, measure: usize, variable: usize) -> f64 {
         let over = self.opened.units(self.opened.measures()[measure].kind);
         let variables = &self.opened.family.study.variables;
         let under = self.opened.units(variables[variable].kind);

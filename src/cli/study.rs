@@ -1,15 +1,15 @@
 //! What the verbs on studies share: opening a family, units of measures, and parameters as the scene file has them.
 
 use super::args::SceneArgs;
-use super::open_scene;
 use super::outcome::Failure;
 use super::study_args::VaryArgs;
 use super::term::Term;
-use crate::analysis::study::{Family, FamilyError};
+use super::{inputs_table, modes, open_scene};
+use crate::analysis::study::{Evaluator, Family, FamilyError, Rejection, Stand};
 use crate::diag::Source;
-use crate::model::measure::Measure;
-use crate::model::mechanism::Kind;
-use crate::scene::{Overrides, load};
+use crate::model::measure::{Measure, MeasureSource};
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::scene::{OtherDrives, Overrides, load};
 
 /// A scene that is to be studied.
 pub struct Opened {
@@ -28,14 +28,9 @@ pub fn open(
     all_by_default: bool,
     term: &Term,
 ) -> Result<Opened, Failure> {
-    if scene.table.is_some() || scene.mode.is_some() {
-        return Err(Failure::usage(
-            "a study takes its poses from the tracks of the scene",
-            vec!["--inputs and --mode do not apply; --guess chooses the assembly".to_owned()],
-        ));
-    }
-    let (source, overrides) = open_scene::text_of(scene)?;
-    let nominal = load(&source, &overrides).map_err(Box::new)?;
+    let (source, mut overrides) = open_scene::text_of(scene)?;
+    let mut nominal = load(&source, &overrides).map_err(Box::new)?;
+    apply(scene, &mut nominal.mechanism, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);
     let all = vary.vary.iter().any(|v| v == "all") || (vary.vary.is_empty() && all_by_default);
     let names = if all {
@@ -59,6 +54,39 @@ pub fn open(
     })
 }
 
+/// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.
+fn apply(
+    scene: &SceneArgs,
+    mechanism: &mut Mechanism,
+    overrides: &mut Overrides,
+) -> Result<(), Failure> {
+    if let Some(path) = &scene.table {
+        let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+        if !mechanism.measures.iter().any(along_drive) {
+            return Err(Failure::usage(
+                "all measures of the scene look along tracks: --inputs would change nothing",
+                vec!["a measure without `track` looks along the drive".to_owned()],
+            ));
+        }
+        inputs_table::apply(mechanism, path)?;
+        overrides.drives = Some(OtherDrives {
+            drives: mechanism.drives.clone(),
+            duration: mechanism.duration,
+        });
+    }
+    if let Some(number) = scene.mode {
+        modes::start_from(mechanism, number)?;
+        let start = mechanism.unknowns.iter().zip(&mechanism.guess);
+        overrides.guess = start
+            .map(|(unknown, value)| {
+                let value = value * mechanism.file_units(unknown.kind);
+                (unknown.name.clone(), format!("{value:?}"))
+            })
+            .collect();
+    }
+    Ok(())
+}
+
 impl From<FamilyError> for Failure {
     fn from(error: FamilyError) -> Self {
         match error {
@@ -80,6 +108,16 @@ impl Opened {
     /// Factor from internal values to the file's units.
     pub fn units(&self, kind: Kind) -> f64 {
         self.family.mechanism.file_units(kind)
+    }
+
+    /// What is said of a stand that cannot be studied.
+    pub fn refused(&self, evaluator: &Evaluator, stand: &Stand, refusal: &Rejection) -> Failure {
+        let why = match refusal {
+            Rejection::NoValue(name) => evaluator.why(stand, name),
+            Rejection::NotReached { .. } => String::new(),
+        };
+        let message = format!("at the file's own values: {refusal}{why}");
+        Failure::usage(message, Vec::new())
     }
 
     /// The scene's measures.

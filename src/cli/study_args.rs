@@ -1,6 +1,7 @@
 //! The argument table of the verbs that vary a scene's parameters.
 
 use super::args::SceneArgs;
+use super::file_args::ProgressArg;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -27,6 +28,9 @@ pub struct SensitivityArgs {
     /// Propose tolerances that give a measure this scatter, shared equally: MEASURE=VALUE.
     #[arg(long, value_name = "MEASURE=VALUE", value_parser = limit)]
     pub allow: Option<(String, f64)>,
+    /// Draw the derivatives as bars, ranked: .svg or .png.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Write the whole table: .csv or .json; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -65,6 +69,24 @@ pub struct ToleranceArgs {
     /// Write the measures of every piece as CSV.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Draw the mechanism with the paths of random pieces around those of its traced points.
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// Plot these paths unrolled: the deviation across the path with bands of quantiles (.svg or .png).
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Most pieces whose paths are drawn.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = paths)]
+    pub paths: usize,
+    /// How much deviations are enlarged in the picture; a round number that lets them be seen if absent.
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    pub enlarge: Option<f64>,
+    /// Time in seconds of the pose in the picture.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    pub at: f64,
+    /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
+    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
+    pub progress: ProgressArg,
 }
 
 /// `mechanim optimise`
@@ -79,7 +101,7 @@ pub struct OptimiseArgs {
     /// How the minimum is searched.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
-    /// Free every variable within this share of its value, in place of the study's ranges.
+    /// Free every variable within this share of its value (0.2 or 20%), in place of the study's ranges.
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub within: Option<f64>,
     /// Relative accuracy: of gradients (bfgs), of values and variables (nelder-mead), of the generation (evolution).
@@ -100,8 +122,15 @@ pub struct OptimiseArgs {
     /// Worker threads for --pairs; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
+    /// Write a film of the improvements, one frame each: .gif, .apng, a folder, or a pattern of frames.
+    #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
+    pub film: Option<PathBuf>,
+    /// Progress on standard error: the best value so far in one line on a terminal (auto), a line every 50 iterations
+    /// (plain), or none.
+    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
+    pub progress: ProgressArg,
     /// Write the scene with the best values: a scene file that solves and renders.
-    #[arg(long, short, value_name = "FILE.toml")]
+    #[arg(long, short, value_name = "FILE.toml", conflicts_with = "pairs")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
@@ -137,6 +166,10 @@ fn pieces(text: &str) -> Result<usize, String> {
     whole(text, 1, MAX_PIECES)
 }
 
+fn paths(text: &str) -> Result<usize, String> {
+    whole(text, 1, 20_000)
+}
+
 fn iterations(text: &str) -> Result<usize, String> {
     whole(text, 1, 1_000_000)
 }
@@ -160,7 +193,11 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    positive(text).map_err(|_| "a positive share, 0.2 for 20 %".to_owned())
+    let value = match text.strip_suffix('%') {
+        Some(percent) => positive(percent.trim()).map(|v| v / 100.0),
+        None => positive(text),
+    };
+    value.map_err(|_| "a positive share, 0.2 or 20%".to_owned())
 }
 
 fn limit(text: &str) -> Result<(String, f64), String> {

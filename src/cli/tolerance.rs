@@ -1,10 +1,11 @@
 //! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
 use super::outcome::{Failure, Outcome};
+use super::progress::Progress;
 use super::study::{Opened, aligned, open, six};
 use super::study_args::{DistributionArg, ToleranceArgs};
 use super::term::Term;
-use super::{CANCEL, open_scene, report};
+use super::{CANCEL, open_scene, report, tolerance_picture};
 use crate::analysis::study::{Evaluator, Gradients};
 use crate::analysis::tolerance::{Batch, Distribution, Linear, Pieces, linear, pieces};
 use crate::export::{ExportError, Output, Target};
@@ -22,6 +23,7 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 
 /// Runs the verb.
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
+    tolerance_picture::refuse(args)?;
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let tolerances = tolerances(&opened, args.tolerance)?;
@@ -41,8 +43,18 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     let nominal = evaluator.nominal(family.nominal()?.poses);
     let gradients = evaluator
         .gradients(&nominal)
-        .map_err(|refusal| Failure::usage(refusal.to_string(), Vec::new()))?;
-    let made = pieces(family, &nominal, &tolerances, batch, &CANCEL).ok_or(Failure::Interrupted)?;
+        .map_err(|refusal| opened.refused(&evaluator, &nominal, &refusal))?;
+    let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
+    let watch = |done| progress.show(done, args.samples);
+    let made = pieces(family, &nominal, &tolerances, batch, &CANCEL, &watch);
+    progress.end();
+    if made.made == 0 {
+        return Err(Failure::Interrupted);
+    }
+    let is_whole = made.made == args.samples;
+    if is_whole {
+        tolerance_picture::write(args, &opened, &nominal, &tolerances, batch)?;
+    }
     let result = Report {
         opened: &opened,
         args,
@@ -68,6 +80,12 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         let mut out = std::io::stdout().lock();
         out.write_all(result.text().as_bytes())?;
         out.flush()?;
+    }
+    if !is_whole {
+        let done = result.pieces.made;
+        return Err(Failure::Stopped(format!(
+            "the report is that of the first {done} pieces"
+        )));
     }
     Ok(Outcome::Done)
 }
@@ -152,7 +170,7 @@ impl Report<'_> {
             row.extend(numbers.map(|v| six(v * unit)));
             rows.push(row);
         }
-        let samples = self.args.samples;
+        let samples = self.pieces.made;
         let mut text = format!(
             "{}\n  {} dimensions scatter, {samples} pieces, {} of them cannot be assembled\n\n",
             self.opened.family.mechanism.title,
@@ -207,7 +225,7 @@ impl Report<'_> {
             "schema": format!("mechanim-tolerance-{SCHEMA}"),
             "title": self.opened.family.mechanism.title,
             "dimensions": study.variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
-            "samples": self.args.samples,
+            "samples": self.pieces.made,
             "first": self.args.first,
             "seed": self.args.seed,
             "failed": self.pieces.failed,

@@ -436,5 +436,7 @@ fn combine(a: &Affine, x: f64, b: &Affine, y: f64) -> Affine {
     }
 }
 
+mod fault;
+
 #[cfg(test)]
 mod tests;

@@ -24,6 +24,10 @@ pub struct Panel {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
+    /// Areas between two curves, behind everything else.
+    pub bands: Vec<Band>,
+    /// Faint lines without a name, many of which make a cloud.
+    pub cloud: Vec<Vec<[f64; 2]>>,
     /// The curves.
     pub series: Vec<Series>,
     /// Places on the horizontal axis with a word.
@@ -76,6 +80,15 @@ pub struct Series {
     pub style: SeriesStyle,
 }
 
+/// The area between two curves.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Band {
+    /// From left to right.
+    pub lower: Vec<[f64; 2]>,
+    /// From left to right.
+    pub upper: Vec<[f64; 2]>,
+}
+
 /// A place on the horizontal axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventMark {
@@ -110,11 +123,20 @@ impl Axis {
 }
 
 impl Panel {
-    /// All finite points of series, marks and lines.
+    /// All finite points of series, bands, clouds, marks and lines.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let series = self.series.iter().flat_map(|s| s.points.iter().flatten());
         let lines = self.lines.iter().flatten();
-        let all = series.chain(&self.marks).chain(lines).copied();
+        let bands = self
+            .bands
+            .iter()
+            .flat_map(|b| b.lower.iter().chain(&b.upper));
+        let spread = bands.chain(self.cloud.iter().flatten());
+        let all = series
+            .chain(&self.marks)
+            .chain(lines)
+            .chain(spread)
+            .copied();
         all.filter(|p| p[0].is_finite() && p[1].is_finite())
     }
 }

@@ -11,6 +11,10 @@ use super::theme::{Dashes, Theme};
 /// Most pixels of a hatched range's lines from each other, in heights of the capitals.
 const HATCH: f64 = 1.4;
 
+/// Opacity of a band and of a line of a cloud, of 255: several of them add up.
+const BAND_OPACITY: u8 = 46;
+const CLOUD_OPACITY: u8 = 40;
+
 /// Points of a curve nearer than this to the line through their neighbours are left out, in pixels.
 const FLATNESS: f64 = 0.02;
 
@@ -118,6 +122,7 @@ pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
             &mut drawing.primitives,
         );
         frame.draw_grid(&sizes, &theme, &mut drawing.primitives);
+        draw_spread(panel, &area, &sizes, &theme, &mut drawing.primitives);
         draw_events(panel, &area, &sizes, &theme, &mut drawing.primitives);
         draw_marks(panel, &area, &sizes, &theme, &mut drawing.primitives);
         frame.draw_axes(panel, &sizes, &theme, &mut drawing.primitives);
@@ -219,6 +224,34 @@ fn hatch(rect: &Rect, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
                 name: String::new(),
             });
         }
+    }
+}
+
+/// Bands and clouds.
+fn draw_spread(
+    panel: &Panel,
+    area: &Area,
+    sizes: &Sizes,
+    theme: &Theme,
+    list: &mut Vec<Primitive>,
+) {
+    let [r, g, b, _] = theme.colour(0);
+    let pixels = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        points.iter().filter_map(|p| area.pixel(*p)).collect()
+    };
+    for band in &panel.bands {
+        let (mut points, back) = (pixels(&band.lower), pixels(&band.upper));
+        points.extend(back.into_iter().rev());
+        let fill = [r, g, b, BAND_OPACITY];
+        list.push(Primitive::Region { points, fill });
+    }
+    let stroke = Stroke::solid([r, g, b, CLOUD_OPACITY], 0.8 * sizes.hair);
+    for points in &panel.cloud {
+        list.push(Primitive::Line {
+            points: pixels(points),
+            stroke,
+            name: String::new(),
+        });
     }
 }
 

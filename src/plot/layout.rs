@@ -59,6 +59,11 @@ impl Sizes {
             .min(wide / LEAST_SHARE[0])
             .min(high / LEAST_SHARE[1])
             .clamp(SMALLEST, LARGEST);
+        Self::scaled(s)
+    }
+
+    /// The usual lengths times `s`.
+    pub fn scaled(s: f64) -> Self {
         Self {
             text: 8.4 * s,
             small: 7.6 * s,

@@ -3,8 +3,10 @@
 //! A [`Chart`] says what is shown; [`draw`] turns it into a [`Drawing`], a list of lines, areas and
 //! texts at places in pixels; [`svg`] and [`raster`] write that list. [`motion`] makes charts of a solved motion.
 
+pub mod bars;
 pub mod chart;
 pub mod clearance;
+pub mod cloud;
 pub mod companion;
 pub mod drawing;
 mod frame;
@@ -20,7 +22,7 @@ pub mod svg;
 pub mod theme;
 pub mod ticks;
 
-pub use chart::{Axis, Chart, EventMark, Panel, Series, SeriesStyle, Shade};
+pub use chart::{Axis, Band, Chart, EventMark, Panel, Series, SeriesStyle, Shade};
 pub use drawing::{Drawing, draw};
 pub use layout::usual_size;
 pub use scale::ScaleKind;

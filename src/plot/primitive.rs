@@ -84,6 +84,13 @@ pub enum Primitive {
         /// Name of the curve it belongs to; empty for axes, grid and the like.
         name: String,
     },
+    /// A filled polygon.
+    Region {
+        /// Corners in order.
+        points: Vec<[f64; 2]>,
+        /// Colour.
+        fill: Colour,
+    },
     /// A circle, filled and outlined.
     Circle {
         /// Centre.

@@ -105,14 +105,15 @@ fn paint_shape(shape: &Primitive, image: &mut RgbaImage) {
             }
         }
         Primitive::Line { points, stroke, .. } => {
-            let mut path = PathBuilder::new();
-            for (k, [x, y]) in points.iter().enumerate() {
-                match k {
-                    0 => path.move_to(*x as f32, *y as f32),
-                    _ => path.line_to(*x as f32, *y as f32),
-                }
+            outline(joined(points), *stroke, &mut pixels);
+        }
+        Primitive::Region { points, fill } => {
+            let mut path = joined(points);
+            path.close();
+            if let Some(path) = path.finish() {
+                let identity = Transform::identity();
+                pixels.fill_path(&path, &paint(*fill), FillRule::Winding, identity, None);
             }
-            outline(path, *stroke, &mut pixels);
         }
         Primitive::Circle {
             centre,
@@ -133,6 +134,17 @@ fn paint_shape(shape: &Primitive, image: &mut RgbaImage) {
         }
         Primitive::Text { .. } => {}
     }
+}
+
+fn joined(points: &[[f64; 2]]) -> PathBuilder {
+    let mut path = PathBuilder::new();
+    for (k, [x, y]) in points.iter().enumerate() {
+        match k {
+            0 => path.move_to(*x as f32, *y as f32),
+            _ => path.line_to(*x as f32, *y as f32),
+        }
+    }
+    path
 }
 
 fn outline(path: PathBuilder, stroke: Stroke, pixels: &mut PixmapMut) {

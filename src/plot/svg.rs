@@ -54,6 +54,12 @@ fn element(primitive: &Primitive, out: &mut String) {
             stroke,
             name,
         } => line(points, *stroke, name, out),
+        Primitive::Region { points, fill } => write!(
+            out,
+            "<polygon points=\"{}\"{}/>",
+            corners(points),
+            paint("fill", *fill)
+        ),
         Primitive::Circle {
             centre,
             radius,
@@ -92,14 +98,10 @@ fn element(primitive: &Primitive, out: &mut String) {
 }
 
 fn line(points: &[[f64; 2]], stroke: Stroke, name: &str, out: &mut String) -> std::fmt::Result {
-    let corners: Vec<String> = points
-        .iter()
-        .map(|[x, y]| format!("{},{}", number(*x), number(*y)))
-        .collect();
     write!(
         out,
         "<polyline points=\"{}\"{}",
-        corners.join(" "),
+        corners(points),
         outline(stroke)
     )?;
     if name.is_empty() {
@@ -107,6 +109,13 @@ fn line(points: &[[f64; 2]], stroke: Stroke, name: &str, out: &mut String) -> st
     } else {
         write!(out, "><title>{}</title></polyline>", escaped(name))
     }
+}
+
+fn corners(points: &[[f64; 2]]) -> String {
+    let texts = points
+        .iter()
+        .map(|[x, y]| format!("{},{}", number(*x), number(*y)));
+    texts.collect::<Vec<_>>().join(" ")
 }
 
 fn outline(stroke: Stroke) -> String {

@@ -5,6 +5,7 @@
 pub mod builtin;
 pub mod clearance;
 pub mod contacts;
+pub mod edit;
 pub mod file;
 pub mod formula;
 pub mod measures;
@@ -17,6 +18,7 @@ pub mod values;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::clearance::ClearanceRules;
+use crate::model::drive::Drive;
 use crate::model::mechanism::Mechanism;
 use crate::model::plot::Plot;
 use crate::model::study::Study;
@@ -59,31 +61,17 @@ pub struct Overrides {
     pub folder: PathBuf,
     /// Parameters that are to be inputs, behind the scene's own: what a study varies.
     pub vary: Vec<String>,
+    /// `--inputs`: other drives of the scene's own inputs.
+    pub drives: Option<OtherDrives>,
 }
 
-/// The text of `source` with other values of some parameters, which are formulas of the file.
-///
-/// `None` if the text has mistakes or no such parameter.
-pub fn with_parameters(source: &Source, values: &[(String, String)]) -> Option<String> {
-    let mut diagnostics = Diagnostics::default();
-    let file = file::read(source, &mut diagnostics);
-    let mut edits = Vec::with_capacity(values.len());
-    for (name, value) in values {
-        let (_, formula) = file.parameters.iter().find(|(n, _)| n.value == *name)?;
-        edits.push((formula.span.clone(), value));
-    }
-    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
-    let mut text = source.text.clone();
-    for (span, value) in edits {
-        let plain = value.parse::<f64>().is_ok();
-        let value = if plain {
-            value.clone()
-        } else {
-            format!("{value:?}")
-        };
-        text.replace_range(span, &value);
-    }
-    (!diagnostics.has_errors()).then_some(text)
+/// Drives in place of those of the file.
+#[derive(Clone, Debug)]
+pub struct OtherDrives {
+    /// One for each of the scene's own inputs.
+    pub drives: Vec<Drive>,
+    /// Length of the motion in seconds.
+    pub duration: f64,
 }
 
 /// A plot asked for on the command line: formulas as in the scene's `[[plots]]`.
@@ -114,6 +102,12 @@ pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError>
     match scene {
         Some(mut scene) if !diagnostics.has_errors() => {
             scene.warnings = diagnostics;
+            if let Some(other) = &overrides.drives {
+                let mechanism = &mut scene.mechanism;
+                mechanism.duration = other.duration;
+                let own = mechanism.drives.iter_mut().zip(&other.drives);
+                own.for_each(|(drive, other)| *drive = other.clone());
+            }
             Ok(scene)
         }
         _ => Err(SceneError {

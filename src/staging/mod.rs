@@ -13,6 +13,7 @@ mod joint_signs;
 pub mod joints;
 pub mod marks;
 pub mod model;
+pub mod outlook;
 pub mod panes;
 mod parts;
 mod sight;
@@ -23,7 +24,7 @@ use crate::kinematics::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use crate::render::camera::{ViewDirection, fit};
-use crate::render::{Anchor, Frame, Ground, Instance, Label, Projection, Stage};
+use crate::render::{Anchor, Camera, Frame, Ground, Instance, Label, Projection, Stage};
 use crate::scene::Scene;
 use decor::DecorParts;
 use glam::DVec3;
@@ -85,23 +86,7 @@ impl<'a> Staging<'a> {
         let mut meshes = Vec::new();
         let moving = (scene, trajectory);
         let mut decor = DecorParts::before_camera(moving, (&mut bounds, up), &mut meshes);
-        let projection = match view.projection {
-            ViewProjection::Perspective { fov_y } => Projection::Perspective { fov_y },
-            ViewProjection::Orthographic => Projection::Orthographic { height: 1.0 },
-        };
-        let direction = ViewDirection {
-            azimuth: view.azimuth,
-            elevation: view.elevation,
-            up,
-        };
-        let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
-        let camera = fit(
-            bounds.iter().copied(),
-            &direction,
-            projection,
-            aspect,
-            2.0 * view.margin,
-        );
+        let camera = camera(view, &bounds, options);
         let ground = ground(view, &bounds, up);
         let pixel = parts::pixel_size(&camera, options.size, &bounds);
         let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
@@ -131,6 +116,11 @@ impl<'a> Staging<'a> {
                 .collect(),
             shown: shown(trajectory),
         }
+    }
+
+    /// Colours of texts and background.
+    pub fn theme(&self) -> Theme {
+        self.scene.view.theme
     }
 
     /// Number of frames: one per sample.
@@ -253,6 +243,28 @@ fn up_axis(up: UpAxis) -> DVec3 {
         UpAxis::Y => DVec3::Y,
         UpAxis::Z => DVec3::Z,
     }
+}
+
+/// The tightest camera that holds the points, from where the view looks.
+fn camera(view: &View, points: &[DVec3], options: PictureOptions) -> Camera {
+    let projection = match view.projection {
+        ViewProjection::Perspective { fov_y } => Projection::Perspective { fov_y },
+        ViewProjection::Orthographic => Projection::Orthographic { height: 1.0 },
+    };
+    let direction = ViewDirection {
+        azimuth: view.azimuth,
+        elevation: view.elevation,
+        up: up_axis(view.up),
+    };
+    let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
+    let margin = 2.0 * view.margin;
+    fit(
+        points.iter().copied(),
+        &direction,
+        projection,
+        aspect,
+        margin,
+    )
 }
 
 /// The ground under the motion, or none.

@@ -115,6 +115,26 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Why the measure called `name` has no value at a stand: which operation, at which pose.
+    pub fn why(&self, stand: &Stand, name: &str) -> String {
+        let (measures, shown) = (&self.family.mechanism.measures, self.shown(stand));
+        let (numbers, _) = self.numbers(stand, &shown);
+        let source = measures.iter().find(|m| m.name == name).map(|m| &m.source);
+        let fault = match source {
+            None => None,
+            Some(MeasureSource::Formula(formula)) => formula.fault(&numbers),
+            Some(MeasureSource::Over { track, of, .. }) => {
+                let mut poses = self.family.poses_of(*track);
+                poses.find_map(|pose| {
+                    let fault = of.iter().find_map(|f| f.fault(&shown[pose].slots))?;
+                    let (track, number) = self.family.place_of(pose);
+                    Some(format!("{fault}, at pose {number} of {track}"))
+                })
+            }
+        };
+        fault.map_or_else(String::new, |fault| format!(": {fault}"))
+    }
+
     /// Inputs and measures, the slots of the measures' formulas; and how those over tracks came about.
     pub(super) fn numbers(
         &self,

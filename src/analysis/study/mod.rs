@@ -20,6 +20,7 @@ use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
 use crate::model::study::Study;
 use crate::scene::{Overrides, load};
+use glam::DVec3;
 pub use gradient::Gradients;
 pub use measure::Measured;
 pub use peaks::Peaks;
@@ -184,6 +185,27 @@ impl Family {
             nominal.add(coordinates, pose.certificate);
         }
         Ok(())
+    }
+
+    /// Every track with its poses among all, and the drive behind them if a measure looks along it.
+    pub fn rows(&self) -> Vec<(String, std::ops::Range<usize>)> {
+        let mut start = 0;
+        let rows = self.counts.iter().enumerate().map(|(row, count)| {
+            start += count;
+            (self.row_name(row), start - count..start)
+        });
+        rows.collect()
+    }
+
+    /// Where traced point `trace` is in the world at the `poses` of a stand.
+    pub fn path(&self, stand: &Stand, poses: std::ops::Range<usize>, trace: usize) -> Vec<DVec3> {
+        let trace = &self.mechanism.traces[trace];
+        let chain = &self.mechanism.bodies[trace.body].world_from_body;
+        let place = |pose: &Vec<f64>| {
+            let arguments = self.mechanism.argument_values(pose);
+            chain.pose(&arguments).transform_point(trace.point)
+        };
+        stand.poses[poses].iter().map(place).collect()
     }
 
     /// Name of a track, or of the drive behind them.

@@ -57,7 +57,11 @@ impl<'f, 'w> Search<'f, 'w> {
         let base = evaluator.nominal(family.nominal()?.poses);
         let measured = evaluator.measure(&base);
         let measures = measured.map_err(|refusal| {
-            FamilyError::Lacks(format!("at the file's own values: {refusal}"))
+            let why = match &refusal {
+                Rejection::NoValue(name) => evaluator.why(&base, name),
+                Rejection::NotReached { .. } => String::new(),
+            };
+            FamilyError::Lacks(format!("at the file's own values: {refusal}{why}"))
         })?;
         Ok(Self {
             base_value: measures.measures[objective],

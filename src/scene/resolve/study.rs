@@ -3,11 +3,11 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::formula::kinds::to_radians;
-use super::super::reader::FormulaText;
+use super::super::reader::{FormulaText, Spanned};
 use super::super::studies::{StudyFile, VariableFile};
 use super::names::{Meaning, Names};
 use super::parsed::expression;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::study::{Study, Variable};
@@ -85,7 +85,10 @@ impl Resolver<'_, '_> {
             let index = match self.names.meaning(name) {
                 Some(Meaning::Parameter(index)) => index,
                 _ => {
-                    self.no_parameter(name, typed.map(|(n, _)| n.span.clone()));
+                    // What the command line asks for in vain is said where it is made an input.
+                    if let Some((name, _)) = typed {
+                        self.no_parameter(name);
+                    }
                     continue;
                 }
             };
@@ -100,14 +103,12 @@ impl Resolver<'_, '_> {
         variables
     }
 
-    fn no_parameter(&mut self, name: &str, span: Option<Span>) {
+    fn no_parameter(&mut self, name: &Spanned<String>) {
         let known = self.names.parameters.iter().map(|p| p.name.as_str());
-        let message = format!("a study varies parameters, and `{name}` is none");
-        let diagnostic = Diagnostic::error(message).suggest(name, known);
-        self.diagnostics.push(match span {
-            Some(span) => diagnostic.at(span),
-            None => diagnostic,
-        });
+        let message = format!("a study varies parameters, and `{}` is none", name.value);
+        let diagnostic = Diagnostic::error(message).at(name.span.clone());
+        self.diagnostics
+            .push(diagnostic.suggest(&name.value, known));
     }
 
     fn variable(

@@ -1,0 +1,44 @@
+//! Why a formula has no value: the first operation that makes none of numbers that are some.
+
+use super::{Expression, Op, apply};
+
+impl Expression {
+    /// The first operation without a finite value, in words with its operands (`sqrt of -2`); `None` if the formula has
+    /// a value.
+    pub fn fault(&self, slots: &[f64]) -> Option<String> {
+        let mut values = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            let value = apply(*op, &values, slots);
+            if !value.is_finite() {
+                return Some(words(*op, &values));
+            }
+            values.push(value);
+        }
+        None
+    }
+}
+
+fn words(op: Op, values: &[f64]) -> String {
+    let v = |k: usize| short(values[k]);
+    match op {
+        Op::Constant(_) | Op::Slot(_) => "what it is made of has none".to_owned(),
+        Op::Negate(a) => format!("- {}", v(a)),
+        Op::Add(a, b) => format!("{} + {}", v(a), v(b)),
+        Op::Subtract(a, b) => format!("{} - {}", v(a), v(b)),
+        Op::Multiply(a, b) => format!("{} * {}", v(a), v(b)),
+        Op::Divide(a, b) => format!("{} / {}", v(a), v(b)),
+        Op::Power(a, b) => format!("{} ^ {}", v(a), v(b)),
+        Op::Call(function, a, b) if function.accepts(1) || a == b => {
+            format!("{} of {}", function.name(), v(a))
+        }
+        Op::Call(function, a, b) => format!("{} of {} and {}", function.name(), v(a), v(b)),
+    }
+}
+
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    match value.abs() {
+        size if size >= 1e6 || (size > 0.0 && size < 1e-3) => format!("{value:.5e}"),
+        _ => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+    }
+}

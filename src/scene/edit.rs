@@ -1,0 +1,111 @@
+//! The text of a scene with other values of parameters and start values; everything else stays as it was typed.
+
+use super::file;
+use super::file::NamedFormula;
+use crate::diag::{Diagnostics, Source};
+
+/// Header of the section of start values.
+const GUESS: &str = "[guess]";
+
+/// The text of `source` with other values of some parameters and start values, which are formulas of the file. Start
+/// values that it lacks are added.
+///
+/// `None` if the text has mistakes or no such parameter.
+pub fn with_values(
+    source: &Source,
+    parameters: &[(String, String)],
+    guess: &[(String, String)],
+) -> Option<String> {
+    let mut diagnostics = Diagnostics::default();
+    let file = file::read(source, &mut diagnostics);
+    let place = |list: &[NamedFormula], name: &str| {
+        let found = list.iter().find(|(n, _)| n.value == name);
+        found.map(|(_, formula)| formula.span.clone())
+    };
+    let mut edits = Vec::new();
+    for (name, value) in parameters {
+        edits.push((place(&file.parameters, name)?, typed(value)));
+    }
+    let mut added = String::new();
+    for (name, value) in guess {
+        match place(&file.guess, name) {
+            Some(span) => edits.push((span, typed(value))),
+            None => added.push_str(&format!("{name} = {}\n", typed(value))),
+        }
+    }
+    if !added.is_empty() {
+        let end = source.text.len();
+        match after_header(&source.text, GUESS) {
+            Some(place) => edits.push((place..place, added)),
+            None if file.guess.is_empty() => {
+                edits.push((end..end, format!("\n{GUESS}\n{added}")));
+            }
+            // Written in another way, to which nothing can be added line by line.
+            None => return None,
+        }
+    }
+    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let mut text = source.text.clone();
+    for (span, value) in edits {
+        text.replace_range(span, &value);
+    }
+    (!diagnostics.has_errors()).then_some(text)
+}
+
+/// A number as it is, a formula in quotes.
+fn typed(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(_) => value.to_owned(),
+        Err(_) => format!("{value:?}"),
+    }
+}
+
+/// Where the line after a section's header begins.
+fn after_header(text: &str, header: &str) -> Option<usize> {
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        start += line.len();
+        let code = line.split('#').next().unwrap_or(line);
+        if code.trim() == header && line.ends_with('\n') {
+            return Some(start);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const SCENE: &str = "[parameters]\nr = 40 # crank\nL = \"2*r\"\n[inputs]\nphi = 0.3\n\
+        [loops]\nA = \"Rz(phi) Tx(r) Rz(alpha) Tx(L) Rz(beta) Tx(-h)\"\n";
+
+    fn edited(text: &str) -> Option<String> {
+        let source = Source {
+            name: "s".to_owned(),
+            text: text.to_owned(),
+        };
+        let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        with_values(
+            &source,
+            &[pair("r", "41.5")],
+            &[pair("h", "100"), pair("alpha", "pi/2")],
+        )
+    }
+
+    #[test]
+    fn values_are_replaced_and_start_values_added() {
+        let added = "h = 100\nalpha = \"pi/2\"\n";
+        let changed = SCENE.replace("r = 40 #", "r = 41.5 #");
+        assert_eq!(
+            edited(SCENE).unwrap(),
+            format!("{changed}\n[guess]\n{added}")
+        );
+        let with = |guess: &str| format!("{SCENE}[guess] # start\n{guess}[outputs]\no = \"h\"\n");
+        let expected =
+            format!("{changed}[guess] # start\nalpha = \"pi/2\"\nh = 100\n[outputs]\no = \"h\"\n");
+        assert_eq!(edited(&with("h = 7\n")).unwrap(), expected);
+        assert!(edited(&SCENE.replace("r = 40", "q = 40")).is_none());
+    }
+}

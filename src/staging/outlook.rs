@@ -1,0 +1,42 @@
+//! One camera and ground for several scenes that are shown one after the other.
+
+use super::{PictureOptions, Staging, bounds, camera, ground, up_axis};
+use crate::kinematics::trajectory::Trajectory;
+use crate::render::{Camera, Ground, Stage};
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// What stays the same when the mechanism changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outlook {
+    camera: Camera,
+    ground: Option<Ground>,
+}
+
+impl Outlook {
+    /// Holds all scenes over their motions; looked at as the first one wants to be. `None` without scenes.
+    pub fn over<'a>(
+        moving: impl Iterator<Item = (&'a Scene, &'a Trajectory)> + Clone,
+        options: PictureOptions,
+    ) -> Option<Self> {
+        let view = &moving.clone().next()?.0.view;
+        let all = moving.flat_map(|(s, t)| bounds::moving_points(&s.mechanism, t));
+        let points: Vec<_> = all.collect();
+        Some(Self {
+            camera: camera(view, &points, options),
+            ground: ground(view, &points, up_axis(view.up)),
+        })
+    }
+}
+
+impl Staging<'_> {
+    /// The same looked at as others are.
+    pub fn seen_as(mut self, outlook: &Outlook) -> Self {
+        self.stage = Arc::new(Stage {
+            camera: outlook.camera,
+            ground: outlook.ground.clone(),
+            ..Stage::clone(&self.stage)
+        });
+        self
+    }
+}
