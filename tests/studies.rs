@@ -186,7 +186,7 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
     let gradients = evaluator.gradients(&stand).unwrap();
     let tolerances = [0.5; DIMENSIONS.len()];
     let batch = Batch {
-        samples: 6000,
+        samples: 3000,
         first: 0,
         seed: 1,
         distribution: Distribution::Uniform,
@@ -195,7 +195,7 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
     let rule = linear(&gradients, &tolerances, batch.distribution);
     let never = AtomicBool::new(false);
     let made = pieces(&family, &stand, &tolerances, batch, &never, &|_| {});
-    assert_eq!((made.made, made.failed), (6000, 0));
+    assert_eq!((made.made, made.failed), (3000, 0));
     let of = |name: &str| {
         let measures = &family.mechanism.measures;
         measures.iter().position(|m| m.name == name).unwrap()
@@ -204,9 +204,9 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
         let k = of(name);
         let found = made.scatter(k, &[0.5]).unwrap();
         assert!((rule[k].root_sum_square - wanted).abs() < 0.01, "{name}");
-        // 6000 pieces know a deviation to about one per cent.
+        // 3000 pieces know a deviation to about one per cent.
         let share = found.deviation / rule[k].deviation;
-        assert!((share - 1.0).abs() < 0.03, "{name}: {share}");
+        assert!((share - 1.0).abs() < 0.05, "{name}: {share}");
         assert!((found.mean - gradients.measures[k]).abs() < 0.05, "{name}");
     }
     // An interrupt keeps what was made, as a beginning of the whole.

@@ -9,6 +9,9 @@ const SUFFICIENT_GAIN: f64 = 1e-4;
 /// A step is long enough when the slope along it has fallen to this share (Wolfe).
 const SLOPE_SHARE: f64 = 0.9;
 
+/// A direction that promises less than this share of the value gains nothing that rounding leaves of it.
+const LEAST_PROMISE: f64 = 4.0 * f64::EPSILON;
+
 /// Most trials along one direction.
 const MOST_TRIALS: usize = 40;
 
@@ -71,6 +74,9 @@ pub fn minimise(
             inverse = Inverse::identity(x.len());
             is_fresh = true;
             continue;
+        }
+        if !is_fresh && -slope <= LEAST_PROMISE * here.value.abs() {
+            break Ended::Converged;
         }
         if is_fresh && length > 0.0 {
             // The gradient says where to go but not how far.
