@@ -52,11 +52,14 @@ pub struct Improvement {
     pub objective: f64,
 }
 
+/// A traced path and its colour.
+type ColouredPath = (Vec<DVec3>, [u8; 3]);
+
 /// One frame: the scene with the values of an improvement, at the start of its drive.
 struct Shot {
     scene: Scene,
     trajectory: Trajectory,
-    paths: Vec<(Vec<DVec3>, [u8; 3])>,
+    paths: Vec<ColouredPath>,
     text: String,
 }
 
@@ -179,7 +182,7 @@ fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
 }
 
 /// Paths of all traced points along all tracks, or along the drive where there are none.
-fn paths(scene: &Scene) -> Result<Vec<(Vec<DVec3>, [u8; 3])>, StructureError> {
+fn paths(scene: &Scene) -> Result<Vec<ColouredPath>, StructureError> {
     let mechanism = &scene.mechanism;
     let mut rows: Vec<Vec<Sample>> = Vec::new();
     for track in &mechanism.tracks {

@@ -119,12 +119,12 @@ fn picture(
         stroke: Stroke::solid([0x11, 0x13, 0x18, 255], 1.6),
     }));
     let pieces = clouds.first().map_or(0, |c| c.pieces.len());
-    let text = match factor {
-        1.0 => format!("paths of {pieces} random pieces"),
-        _ => format!("paths of {pieces} random pieces, deviations {factor} times enlarged"),
-    };
+    let mut text = vec![format!("paths of {pieces} random pieces")];
+    if factor != 1.0 {
+        text.push(format!("deviations {factor} times enlarged"));
+    }
     let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
-    path_picture::draw(&staging, index, &lines, &[text], &mut image)?;
+    path_picture::draw(&staging, index, &lines, &text, &mut image)?;
     Ok(image)
 }
 

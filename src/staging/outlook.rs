@@ -34,7 +34,7 @@ impl Staging<'_> {
     pub fn seen_as(mut self, outlook: &Outlook) -> Self {
         self.stage = Arc::new(Stage {
             camera: outlook.camera,
-            ground: outlook.ground.clone(),
+            ground: outlook.ground,
             ..Stage::clone(&self.stage)
         });
         self
