@@ -138,9 +138,9 @@ pub fn check(
                 (None, None) => None,
             };
             if rules.touching.contains(&[a, b]) {
-                report.judged.extend(touching(&motion, &sweep));
+                report.judged.extend(touching(&mut motion, &sweep));
             } else if let Some(judgement) = excluded {
-                let pair = look_at_excluded(&motion, &sweep, minimum, judgement);
+                let pair = look_at_excluded(&mut motion, &sweep, minimum, judgement);
                 if let (Some(ignored), Some(pair)) = (ignored, &pair)
                     && !ignored.is_one_of_many
                 {
@@ -170,7 +170,7 @@ pub fn check(
 }
 
 fn look_at_excluded(
-    motion: &Motion,
+    motion: &mut Motion,
     sweep: &PairSweep,
     minimum: f64,
     judgement: Judgement,
@@ -188,12 +188,13 @@ fn look_at_excluded(
 }
 
 /// A pair that must touch all the time, at the sampled times. What is reported is where it is farthest from that.
-fn touching(motion: &Motion, sweep: &PairSweep) -> Option<PairReport> {
+fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
     let mut distances = Vec::new();
-    sweep.sampled(motion, &motion.samples, &mut distances)?;
+    let samples = motion.samples.clone();
+    sweep.sampled(motion, &samples, &mut distances)?;
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
-    let least = sweep.sampled(motion, &motion.samples[worst..=worst], &mut Vec::new())?;
+    let least = sweep.sampled(motion, &samples[worst..=worst], &mut Vec::new())?;
     let holds = least.distance.abs() <= CONTACT * motion.mechanism.size;
     Some(PairReport {
         pair: sweep.bodies(),
@@ -226,12 +227,12 @@ fn needless(mechanism: &Mechanism, pair: &PairReport, joint: Option<&str>) -> Op
 
 fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairReport> {
     let mut distances = Vec::new();
-    let least = if sweep.is_endless() {
+    let mut least = sweep.least_over(motion, &mut distances)?;
+    if sweep.is_endless() && least.bound == f64::NEG_INFINITY {
+        // Two half-spaces that turn as seen from each other: any turn makes them overlap somewhere, even one of rounding.
         let samples = motion.samples.clone();
-        sweep.sampled(motion, &samples, &mut distances)?
-    } else {
-        sweep.least_over(motion, &mut distances)?
-    };
+        least = sweep.sampled(motion, &samples, &mut Vec::new())?;
+    }
     // The distance is known to within its distance from the bound, which is as small as was asked.
     let judgement = if least.distance < minimum {
         Judgement::Failed

@@ -192,8 +192,7 @@ impl Core {
         }
     }
 
-    /// Largest n · p over the points p of a convex core; `None` for circles and meshes, which are not convex,
-    /// and where there is no largest.
+    /// Largest n · p over the points p of the convex hull of a core; `None` for meshes, and where there is no largest.
     pub fn support(&self, n: DVec3) -> Option<f64> {
         Some(match self {
             Self::Point(p) => n.dot(*p),
@@ -211,8 +210,12 @@ impl Core {
                 let [a, b] = [0, 1].map(|k: usize| start + ends[k] + f.radii[k] * across);
                 a.max(b)
             }
+            Self::Circle(c) => {
+                let across = n - c.axis * n.dot(c.axis);
+                n.dot(c.center) + c.radius * across.length()
+            }
             Self::HalfSpace(h) if n == h.normal => n.dot(h.point),
-            Self::HalfSpace(_) | Self::Circle(_) | Self::Mesh(..) => return None,
+            Self::HalfSpace(_) | Self::Mesh(..) => return None,
         })
     }
 }

@@ -1,42 +1,33 @@
-//! The motion between the samples: poses at any time on the branch of the samples, in stretches over which the rate of
-//! every joint is bounded.
+//! The motion between the samples, in stretches over which every joint is known to within a bound.
 //!
-//! A stretch is proved when the unknowns provably stay in a ball around its middle pose in which no other pose
-//! closes, and the poses at both its ends lie in that ball: then they belong to the same motion. Where nothing can be
-//! proved (general formulas, singular poses) the rates are estimated from differences, and are said to be.
+//! A stretch is a tube of the [certificate](crate::kinematics::certificate::tube): polynomials and how far the motion can
+//! be from them. Where nothing can be proved (singular poses, kinks of formulas) a parabola is laid through three poses and
+//! its bound is an estimate, and is said to be.
 
-use super::drive_rate;
-use crate::kinematics::branch::BranchWatch;
-use crate::kinematics::certificate::Certifier;
-use crate::kinematics::certificate::flow::Drift;
+use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::forward::body_poses;
 use crate::kinematics::newton::{Corrector, Pace};
 use crate::kinematics::structure::{Structure, StructureError};
+use crate::kinematics::trajectory::Sample;
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue};
-use crate::model::expression::Affine;
+use crate::model::chain::ArgumentValue;
+use crate::model::drive::Drive;
 use crate::model::mechanism::Mechanism;
 
-/// After a proof one of this many times the length is tried.
-const GROWTH: f64 = 2.5;
-
-/// How often a stretch is halved for the sake of a proof before its rates are estimated.
-const MAX_DEPTH: u32 = 10;
+/// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
+const FLOOR: f64 = 1.0 / 1024.0;
 
 /// Most stretches of one motion; bounds are as good as they are by then.
-const MAX_SPANS: usize = 60_000;
+const MAX_STRETCHES: usize = 60_000;
 
 /// Times nearer than this (relative to the duration) are one.
 const SAME_TIME: f64 = 1e-12;
 
-/// Inputs that agree within this part of their value do not jump.
-const SAME_INPUT: f64 = 1e-9;
-
-/// Estimated rates may differ from the mean rate by this times the difference that three poses show ...
+/// An estimated motion may differ from the parabola by this times what the parabola differs from a line ...
 const ESTIMATE_FACTOR: f64 = 2.0;
 
-/// ... plus this part of the rate.
+/// ... plus this part of the line's way.
 const ESTIMATE_SHARE: f64 = 0.1;
 
 /// A pose at a time.
@@ -52,26 +43,29 @@ pub struct Instant {
     pub arguments: Vec<ArgumentValue>,
 }
 
-/// A stretch of time between two poses.
+/// A stretch of time.
 #[derive(Clone, Debug)]
-pub struct Span {
-    /// Index of the pose at its start.
-    pub start: usize,
-    /// Index of the pose at its end.
-    pub end: usize,
-    /// Index of the pose in the middle.
-    pub middle: usize,
-    /// Half its length in seconds.
-    pub half: f64,
-    /// Drift of every argument.
-    pub arguments: Vec<Drift>,
-    /// The drifts are proved.
+pub struct Stretch {
+    /// Seconds.
+    pub start: f64,
+    /// Seconds.
+    pub end: f64,
+    /// Samples at its ends: places in [`Motion::samples`].
+    pub ends: [Option<usize>; 2],
+    /// All arguments of joints over the stretch, which goes from -1 to 1.
+    pub arguments: Vec<Model>,
+    /// The arguments' bounds are proved.
     pub is_certified: bool,
-    /// Halving it could make it provable.
-    pub wants_halving: bool,
-    depth: u32,
-    /// First of its two halves, once made.
-    halves: Option<usize>,
+    way: Way,
+    /// First of its two halves, once asked for; `Some(None)` where there are none.
+    halves: Option<Option<usize>>,
+}
+
+#[derive(Clone, Debug)]
+enum Way {
+    Proved(Box<Tube>),
+    /// Between two instants.
+    Estimated([usize; 2]),
 }
 
 /// The motion of a mechanism over its drive.
@@ -80,17 +74,13 @@ pub struct Motion<'m> {
     pub mechanism: &'m Mechanism,
     structure: &'m Structure,
     corrector: Corrector,
-    certifier: Certifier<'m>,
-    bases: Vec<Vec<usize>>,
-    can_be_proved: bool,
-    /// Stretches of half this length or less are likely to be proved: no others are tried.
-    provable: f64,
+    prover: Prover<'m>,
     /// All poses solved.
     pub instants: Vec<Instant>,
     /// Indices of the poses at the sampled times.
     pub samples: Vec<usize>,
     /// All stretches; the first ones cover the motion.
-    pub spans: Vec<Span>,
+    pub stretches: Vec<Stretch>,
     /// How many of them do.
     pub roots: usize,
     /// Stretches between samples that could not be followed, as times.
@@ -100,11 +90,11 @@ pub struct Motion<'m> {
 /// The given times, the ends of the drive, and every key of an input, ascending.
 fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
     let last = mechanism.duration;
-    let breaks = mechanism
-        .drives
-        .iter()
-        .flat_map(drive_rate::breaks)
-        .copied();
+    let breaks = |drive: &'_ Drive| match drive {
+        Drive::Keys { times, .. } => times.clone(),
+        Drive::Formula(_) => Vec::new(),
+    };
+    let breaks = mechanism.drives.iter().flat_map(breaks);
     let mut all: Vec<f64> = times
         .iter()
         .copied()
@@ -132,87 +122,127 @@ impl<'m> Motion<'m> {
             mechanism,
             structure,
             corrector: Corrector::new(structure),
-            certifier: Certifier::new(mechanism, structure),
-            bases: Vec::new(),
-            can_be_proved: false,
-            provable: f64::INFINITY,
+            prover: Prover::new(mechanism, structure).up_to_jumps(),
             instants: Vec::new(),
             samples: Vec::new(),
-            spans: Vec::new(),
+            stretches: Vec::new(),
             roots: 0,
             gaps: Vec::new(),
         };
-        let mut last: Option<(usize, f64)> = None;
-        let mut pairs = Vec::new();
-        for sample in &trajectory.samples {
+        let mut last: Option<usize> = None;
+        for (k, sample) in trajectory.samples.iter().enumerate() {
             let here = sample.pose.as_ref().map(|pose| {
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                motion.instant(sample.time, coordinates)
+                motion.instants.push(Instant {
+                    time: sample.time,
+                    bodies: pose.bodies.clone(),
+                    arguments: mechanism.argument_values(&coordinates),
+                    coordinates,
+                });
+                motion.instants.len() - 1
             });
             match (last, here) {
-                (Some((before, _)), Some(index)) => pairs.push([before, index]),
-                (Some((_, time)), None) => motion.gaps.push([time, sample.time]),
-                (None, _) => {}
+                (Some(_), Some(_)) => {
+                    let place = motion.samples.len();
+                    motion.samples.extend(here);
+                    motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place]);
+                }
+                (Some(before), None) => {
+                    let time = motion.instants[before].time;
+                    motion.gaps.push([time, sample.time]);
+                }
+                _ => motion.samples.extend(here),
             }
-            motion.samples.extend(here);
-            last = here.map(|index| (index, sample.time));
+            last = here;
         }
-        if let Some(&first) = motion.samples.first() {
-            motion.fix_bases(first);
-        }
-        for [start, end] in pairs {
-            motion.add_span(start, end, 0);
-        }
-        motion.roots = motion.spans.len();
+        motion.roots = motion.stretches.len();
         Ok(motion)
     }
 
-    fn fix_bases(&mut self, first: usize) {
-        let mut watch = BranchWatch::default();
-        let coordinates = &self.instants[first].coordinates;
-        watch.observe(
-            self.mechanism,
-            self.structure,
-            &mut self.corrector,
-            coordinates,
-        );
-        self.bases = watch.bases().to_vec();
-        // Formulas are refused at every pose; then there is no use in halving.
-        let affine = |a: &Argument| match a {
-            Argument::Affine(_) => true,
-            Argument::Formula(e) => e.affine().is_some(),
+    /// Covers the interval between two samples, `places` in the list of samples.
+    fn cover(&mut self, pair: &[Sample], places: [usize; 2]) {
+        let (tubes, refused) = self.prover.tubes(pair, FLOOR);
+        let (from, to) = (pair[0].time, pair[1].time);
+        let whole = refused.is_none();
+        for tube in tubes {
+            let mut ends = [
+                (tube.start == from).then_some(places[0]),
+                (tube.end == to).then_some(places[1]),
+            ];
+            if ends[1].is_some() && !self.prover.meets(&tube, &pair[1]) {
+                ends[1] = None;
+            }
+            self.add_tube(tube, ends);
+        }
+        if whole {
+            return;
+        }
+        // What is behind the refusal is looked at as a whole.
+        let reached = self.stretches.last().map(|s| s.end);
+        let reached = reached.filter(|t| *t > from && *t < to);
+        let start = match reached {
+            None => Some(self.samples[places[0]]),
+            Some(time) => self.between(self.samples[places[0]], self.samples[places[1]], time),
         };
-        self.can_be_proved = self.mechanism.arguments.iter().all(affine)
-            && self
-                .mechanism
-                .equations
-                .iter()
-                .all(|e| e.expression.affine().is_some());
+        let end = self.samples[places[1]];
+        let ends = [reached.is_none().then_some(places[0]), Some(places[1])];
+        if start.is_none_or(|start| self.add_estimate([start, end], ends).is_none()) {
+            self.gaps.push([reached.unwrap_or(from), to]);
+        }
     }
 
-    fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
-        self.instants.push(Instant {
-            time,
-            bodies: body_poses(self.mechanism, &coordinates),
-            arguments: self.mechanism.argument_values(&coordinates),
-            coordinates,
+    fn add_tube(&mut self, tube: Tube, ends: [Option<usize>; 2]) -> usize {
+        self.stretches.push(Stretch {
+            start: tube.start,
+            end: tube.end,
+            ends,
+            arguments: self.prover.arguments(&tube),
+            is_certified: true,
+            way: Way::Proved(Box::new(tube)),
+            halves: None,
         });
-        self.instants.len() - 1
+        self.stretches.len() - 1
     }
 
-    /// Solves the middle of a stretch; a stretch whose middle cannot be solved is a gap.
-    fn add_span(&mut self, start: usize, end: usize, depth: u32) -> Option<usize> {
-        let (t0, t1) = (self.instants[start].time, self.instants[end].time);
-        let time = 0.5 * (t0 + t1);
-        let n = self.mechanism.unknowns.len();
+    /// A stretch between two instants with a parabola; `None` if its middle cannot be solved.
+    fn add_estimate(&mut self, ends: [usize; 2], samples: [Option<usize>; 2]) -> Option<usize> {
+        let [start, end] = ends.map(|k| self.instants[k].time);
+        let middle = self.between(ends[0], ends[1], 0.5 * (start + end))?;
+        let [a, b, c] = [ends[0], middle, ends[1]].map(|k| &self.instants[k].arguments);
+        let of = |k: usize| {
+            let (way, bend) = (
+                0.5 * (c[k].value - a[k].value),
+                0.5 * (c[k].value + a[k].value) - b[k].value,
+            );
+            let mut model = Model::constant(b[k].value);
+            (model.c[1], model.c[2]) = (way, bend);
+            model.rest = ESTIMATE_FACTOR * bend.abs() + ESTIMATE_SHARE * way.abs();
+            model
+        };
+        self.stretches.push(Stretch {
+            start,
+            end,
+            ends: samples,
+            arguments: (0..a.len()).map(of).collect(),
+            is_certified: false,
+            way: Way::Estimated(ends),
+            halves: None,
+        });
+        Some(self.stretches.len() - 1)
+    }
+
+    /// The closed pose near the straight line between two instants.
+    fn between(&mut self, start: usize, end: usize, time: f64) -> Option<usize> {
         let (a, b) = (&self.instants[start], &self.instants[end]);
-        let mut coordinates: Vec<f64> = a
-            .coordinates
-            .iter()
-            .zip(&b.coordinates)
-            .map(|(p, q)| 0.5 * (p + q))
-            .collect();
+        let share = (time - a.time) / (b.time - a.time);
+        let pairs = a.coordinates.iter().zip(&b.coordinates);
+        let mut coordinates: Vec<f64> = pairs.map(|(p, q)| p + share * (q - p)).collect();
+        let n = self.mechanism.unknowns.len();
         coordinates[n..].copy_from_slice(&self.mechanism.inputs_at(time));
+        self.closed(time, coordinates)
+    }
+
+    fn closed(&mut self, time: f64, mut coordinates: Vec<f64>) -> Option<usize> {
         let finite = coordinates.iter().all(|v| v.is_finite());
         let closed = finite
             && self
@@ -225,114 +255,68 @@ impl<'m> Motion<'m> {
                 )
                 .converged;
         if !closed {
-            self.gaps.push([t0, t1]);
             return None;
         }
-        let middle = self.instant(time, coordinates);
-        let half = 0.5 * (t1 - t0);
-        let may_halve = self.can_be_proved && depth < MAX_DEPTH;
-        let proved = if half <= self.provable || !may_halve {
-            self.prove([start, middle, end], half)
-        } else {
-            None
-        };
-        self.provable = match proved {
-            Some(_) => self.provable.max(GROWTH * half),
-            None => self.provable.min(half),
-        };
-        self.spans.push(Span {
-            start,
-            end,
-            middle,
-            half,
-            is_certified: proved.is_some(),
-            wants_halving: proved.is_none() && may_halve,
-            arguments: proved.unwrap_or_else(|| self.estimate([start, middle, end], half)),
-            depth,
-            halves: None,
+        self.instants.push(Instant {
+            time,
+            bodies: body_poses(self.mechanism, &coordinates),
+            arguments: self.mechanism.argument_values(&coordinates),
+            coordinates,
         });
-        Some(self.spans.len() - 1)
+        Some(self.instants.len() - 1)
     }
 
-    /// Proved drifts of all arguments; `None` if there is no proof.
-    fn prove(&mut self, [start, middle, end]: [usize; 3], half: f64) -> Option<Vec<Drift>> {
-        if !self.can_be_proved {
-            return None;
-        }
-        let (from, to) = (self.instants[start].time, self.instants[end].time);
-        let drives = self.mechanism.drives.iter();
-        let inputs: Vec<Drift> = drives
-            .map(|drive| drive_rate::drift(drive, from, to))
-            .collect::<Option<_>>()?;
-        let here = &self.instants[middle].coordinates;
-        let drifts = self.certifier.drift(here, &self.bases, &inputs, half)?;
-        let n = self.mechanism.unknowns.len();
-        for (other, way) in [(start, -half), (end, half)] {
-            let there = &self.instants[other].coordinates;
-            let off = |k: usize| (there[k] - here[k] - drifts[k].rate * way).abs();
-            // A step of the drive at the end of the stretch is not part of its motion.
-            let still = |k: usize| 2.0 * drifts[k].play + SAME_INPUT * there[k].abs().max(1e-3);
-            let jumps = (n..there.len()).any(|k| off(k) > still(k));
-            if !jumps && (0..n).any(|k| off(k) > drifts[k].tube) {
-                return None;
+    /// The closed pose at place `s` of a stretch.
+    pub fn pose_at(&mut self, stretch: usize, s: f64) -> Option<usize> {
+        let Stretch { start, end, .. } = self.stretches[stretch];
+        let time = (0.5 * (start + end) + 0.5 * (end - start) * s).clamp(start, end);
+        match &self.stretches[stretch].way {
+            Way::Estimated([a, b]) => {
+                let (a, b) = (*a, *b);
+                self.between(a, b, time)
+            }
+            Way::Proved(tube) => {
+                let count = self.mechanism.unknowns.len();
+                let mut coordinates: Vec<f64> = (0..count).map(|k| tube.centre(k, time)).collect();
+                coordinates.extend(self.mechanism.inputs_at(time));
+                self.closed(time, coordinates)
             }
         }
-        let of_argument = |argument: &Argument| {
-            let affine = match argument {
-                Argument::Affine(affine) => affine.clone(),
-                Argument::Formula(expression) => expression.affine()?,
-            };
-            Some(of_affine(&affine, &drifts))
-        };
-        self.mechanism.arguments.iter().map(of_argument).collect()
     }
 
-    /// Drifts from the differences of three poses, with a factor for what they do not show.
-    fn estimate(&self, three: [usize; 3], half: f64) -> Vec<Drift> {
-        let [a, b, c] = three.map(|k| &self.instants[k].arguments);
-        let of = |k: usize| {
-            let rate = (c[k].value - a[k].value) / (2.0 * half);
-            let bend = (c[k].value - 2.0 * b[k].value + a[k].value).abs() / half;
-            let deviation = ESTIMATE_FACTOR * bend + ESTIMATE_SHARE * rate.abs();
-            Drift {
-                rate,
-                deviation,
-                play: (rate.abs() + deviation) * half,
-                tube: f64::INFINITY,
-            }
-        };
-        (0..a.len()).map(of).collect()
-    }
-
-    /// The halves of a stretch; `None` when there are too many stretches, or its halves cannot be solved.
-    pub fn halves(&mut self, span: usize) -> Option<[usize; 2]> {
-        if let Some(first) = self.spans[span].halves {
-            return Some([first, first + 1]);
+    /// The halves of a stretch, whose bounds are narrower; `None` when there are too many stretches, or they cannot be
+    /// had.
+    pub fn halves(&mut self, stretch: usize) -> Option<[usize; 2]> {
+        if let Some(known) = self.stretches[stretch].halves {
+            return known.map(|first| [first, first + 1]);
         }
-        if self.spans.len() >= MAX_SPANS {
+        let first = self.halve(stretch);
+        self.stretches[stretch].halves = Some(first);
+        first.map(|first| [first, first + 1])
+    }
+
+    fn halve(&mut self, stretch: usize) -> Option<usize> {
+        if self.stretches.len() >= MAX_STRETCHES {
             return None;
         }
-        let Span {
-            start,
-            middle,
-            end,
-            depth,
-            ..
-        } = self.spans[span];
-        let first = self.add_span(start, middle, depth + 1)?;
-        let second = self.add_span(middle, end, depth + 1)?;
-        self.spans[span].halves = Some(first);
-        Some([first, second])
+        let ends = self.stretches[stretch].ends;
+        match self.stretches[stretch].way.clone() {
+            Way::Proved(tube) => {
+                let [first, second] = self.prover.halves(&tube)?;
+                let first = self.add_tube(first, [ends[0], None]);
+                self.add_tube(second, [None, ends[1]]);
+                Some(first)
+            }
+            Way::Estimated([start, end]) => {
+                let time = 0.5 * (self.instants[start].time + self.instants[end].time);
+                let middle = self.between(start, end, time)?;
+                let first = self.add_estimate([start, middle], [ends[0], None])?;
+                let second = self.add_estimate([middle, end], [None, ends[1]]);
+                if second.is_none() {
+                    self.stretches.truncate(first);
+                }
+                second.map(|_| first)
+            }
+        }
     }
-}
-
-fn of_affine(affine: &Affine, drifts: &[Drift]) -> Drift {
-    let mut sum = Drift::default();
-    for &(slot, c) in &affine.terms {
-        let drift = &drifts[slot];
-        sum.rate += c * drift.rate;
-        sum.deviation += c.abs() * drift.deviation;
-        sum.play += c.abs() * drift.play;
-    }
-    sum
 }

@@ -1,9 +1,8 @@
-//! How fast the points of one body can move as seen from another one, over a stretch of time.
+//! How far the points of one body move as seen from another one, around an instant of a stretch of time.
 
-use super::motion::Span;
-use crate::kinematics::certificate::flow::Drift;
+use crate::kinematics::certificate::tube::Model;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{ArgumentValue, Chain, Motion, Step, turn_about};
 use glam::DVec3;
 
 /// The chain from one body to another, without what both have in common.
@@ -12,36 +11,68 @@ pub struct RelativeChain {
     steps: Vec<Step>,
 }
 
-struct Joint {
-    motion: Motion,
-    argument: usize,
-    axis: DVec3,
-    origin: DVec3,
-    reach: f64,
-}
-
-/// Motion of a ball of points as seen from the other body, over a stretch.
+/// Motion of a body as seen from another one, from the middle of a short time to its ends: a rigid velocity times
+/// -1 ≤ u ≤ 1, and a bound of everything else.
 #[derive(Clone, Copy, Debug)]
-pub struct RelativeSpeed {
-    /// Velocity of the ball's centre in the middle of the stretch, in the other body's frame.
-    pub velocity: DVec3,
-    /// Angular velocity then.
+pub struct RelativeMove {
+    /// `a_from_b` in the middle.
+    pub pose: Pose,
+    /// Velocity of the point of b at a's origin, in a's frame.
+    pub shift: DVec3,
+    /// Angular velocity in a's frame.
     pub spin: DVec3,
-    /// Radius of the ball.
-    pub radius: f64,
-    /// No point's velocity ever differs by more from what these say.
-    pub deviation: f64,
+    /// What every point may deviate by ...
+    off: f64,
+    /// ... and what comes to it for each unit of length from b's origin.
+    off_by_reach: f64,
 }
 
-impl RelativeSpeed {
-    /// Largest speed of any point.
-    pub fn speed(&self) -> f64 {
-        self.velocity.length() + self.spin.length() * self.radius + self.deviation
+impl RelativeMove {
+    /// Nothing of a ball of b (centre and radius in b's frame) deviates from the rigid velocity by more.
+    pub fn deviation(&self, (center, radius): (DVec3, f64)) -> f64 {
+        let by_reach = if self.off_by_reach == 0.0 {
+            0.0
+        } else {
+            self.off_by_reach * (center.length() + radius)
+        };
+        (self.off + by_reach) * (1.0 + 1e-12)
     }
 
-    /// Largest speed of any point along the fixed direction `n`.
-    pub fn along(&self, n: DVec3) -> f64 {
-        self.velocity.dot(n).abs() + n.cross(self.spin).length() * self.radius + self.deviation
+    /// What the bounds of the arguments alone let the points of a ball deviate by, however short the time.
+    pub fn blur(chain: &RelativeChain, arguments: &[Model], ball: (DVec3, f64)) -> f64 {
+        let mut blur = 0.0;
+        let mut reach = ball.0.length() + ball.1;
+        for step in chain.steps.iter().rev() {
+            match *step {
+                Step::Fixed(pose) => reach += pose.translation.length(),
+                Step::Joint {
+                    motion, argument, ..
+                } => {
+                    let model = &arguments[argument];
+                    match motion {
+                        Motion::Rotation if model.rest > 0.0 => blur += reach * model.rest,
+                        Motion::Rotation => {}
+                        Motion::Translation => {
+                            blur += model.rest;
+                            reach += model.size();
+                        }
+                    }
+                }
+            }
+        }
+        blur
+    }
+
+    /// No point of a ball of b moves farther.
+    pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
+        let center = self.pose.transform_point(ball.0);
+        let turn = if self.spin == DVec3::ZERO {
+            0.0
+        } else {
+            self.spin.length() * ball.1
+        };
+        let linear = (self.shift + self.spin.cross(center)).length() + turn;
+        linear * (1.0 + 1e-12) + self.deviation(ball)
     }
 }
 
@@ -66,87 +97,61 @@ impl RelativeChain {
         pose
     }
 
-    /// Bounds of the motion of a ball of points of b (centre in b's frame and radius) around a stretch's middle pose.
-    pub fn speed(
-        &self,
-        span: &Span,
-        arguments: &[ArgumentValue],
-        (center, radius): (DVec3, f64),
-    ) -> RelativeSpeed {
-        let mut pose = Pose::IDENTITY;
-        let mut joints = Vec::with_capacity(self.steps.len());
+    /// The motion no farther than `half` from the place `s` of a stretch.
+    ///
+    /// With `wayᵢ` the linear change of joint i, `offᵢ` the rest of it and `playᵢ` both, a point x of b moves by
+    /// Σ ∂ᵢx wayᵢ u to within Σ |∂ᵢx| offᵢ + ½ Σ |∂ᵢⱼx| playᵢ playⱼ; no derivative is larger than the reach from the later
+    /// joint to the point.
+    pub fn around(&self, arguments: &[Model], s: f64, half: f64) -> RelativeMove {
+        let mut moved = RelativeMove {
+            pose: Pose::IDENTITY,
+            shift: DVec3::ZERO,
+            spin: DVec3::ZERO,
+            off: 0.0,
+            off_by_reach: 0.0,
+        };
+        // Turns of the joints before, and the length from the first joint of all to here.
+        let (mut turned, mut length) = (0.0, 0.0);
+        // A joint's reach is the whole length less that before it.
+        let mut off_by_length = 0.0;
         for step in &self.steps {
-            if let Step::Joint {
+            let Step::Joint {
                 motion,
                 axis,
                 argument,
                 sign,
             } = *step
-            {
-                joints.push(Joint {
-                    motion,
-                    argument,
-                    axis: pose.rotation.col(axis) * sign,
-                    origin: pose.translation,
-                    reach: 0.0,
-                });
-            }
-            step.advance(&mut pose, arguments);
-        }
-        self.fill_reaches(span, arguments, center.length() + radius, &mut joints);
-        let middle = pose.transform_point(center);
-        let mut speed = RelativeSpeed {
-            velocity: DVec3::ZERO,
-            spin: DVec3::ZERO,
-            radius,
-            deviation: 0.0,
-        };
-        // Turns by which joints before this one can have changed, and their speeds.
-        let (mut turned, mut turning) = (0.0, 0.0);
-        for joint in &joints {
-            let drift: &Drift = &span.arguments[joint.argument];
-            let (play, rate) = (drift.play, drift.speed());
-            match joint.motion {
+            else {
+                if let Step::Fixed(pose) = step {
+                    length += pose.translation.length();
+                    moved.pose = moved.pose * *pose;
+                }
+                continue;
+            };
+            let around = arguments[argument].around(s, half);
+            let play = around.way.abs() + around.off;
+            let direction = moved.pose.rotation.col(axis) * (sign * around.way);
+            match motion {
                 Motion::Rotation => {
-                    speed.spin += joint.axis * drift.rate;
-                    speed.velocity += joint.axis.cross(middle - joint.origin) * drift.rate;
-                    let bend = play * rate + play * turning + turned * rate;
-                    speed.deviation += joint.reach * (drift.deviation + bend);
+                    moved.spin += direction;
+                    moved.shift += moved.pose.translation.cross(direction);
+                    let off = around.off + play * (0.5 * play + turned);
+                    moved.off_by_reach += off;
+                    off_by_length += off * length;
                     turned += play;
-                    turning += rate;
+                    let value = ArgumentValue::new(around.value);
+                    turn_about(&mut moved.pose, axis, sign * value.sin, value.cos);
                 }
                 Motion::Translation => {
-                    speed.velocity += joint.axis * drift.rate;
-                    speed.deviation += drift.deviation + turned * rate + turning * play;
+                    moved.shift += direction;
+                    moved.off += around.off + turned * play;
+                    length += around.value.abs() + play;
+                    moved.pose.translation += moved.pose.rotation.col(axis) * (sign * around.value);
                 }
             }
         }
-        speed
-    }
-
-    /// No point of the ball is ever farther from a joint than its reach.
-    fn fill_reaches(
-        &self,
-        span: &Span,
-        arguments: &[ArgumentValue],
-        end: f64,
-        joints: &mut [Joint],
-    ) {
-        let mut reach = end;
-        let mut next = joints.len();
-        for step in self.steps.iter().rev() {
-            match step {
-                Step::Fixed(pose) => reach += pose.translation.length(),
-                Step::Joint {
-                    motion, argument, ..
-                } => {
-                    next -= 1;
-                    joints[next].reach = reach;
-                    if *motion == Motion::Translation {
-                        reach += arguments[*argument].value.abs() + span.arguments[*argument].play;
-                    }
-                }
-            }
-        }
+        moved.off += (moved.off_by_reach * length - off_by_length).max(0.0)
+            + 1e-12 * moved.off_by_reach * length;
+        moved
     }
 }

@@ -1,20 +1,25 @@
 //! The least distance of two bodies over the whole motion, with a bound below it: branch and bound over stretches of
 //! time.
 //!
-//! Over a stretch the distance cannot fall below what it is in the middle by more than the largest speed of any point
-//! times half the length. Between convex elements only the speed along the normal of the plane between them counts, and
-//! the gap of that plane stands for the distance: solids that slide along each other keep their bound.
+//! Over a short time the distance cannot fall below what it is in the middle by more than any point moves. Between convex
+//! elements only the motion across the plane between them counts, point by point: then the bound is as near as the second
+//! power of the time, and solids that slide along each other keep it.
 
 use super::bodies::{BodyProximity, Hull, apart, enclosed, nearest};
-use super::core::Element;
+use super::core::{Core, Element};
 use super::motion::Motion;
 use super::pair::{Proximity, distance, is_inside};
-use super::relative::{RelativeChain, RelativeSpeed};
-use crate::kinematics::certificate::flow::POSE_SLACK;
+use super::relative::{RelativeChain, RelativeMove};
+use super::track::Track;
 use crate::math::Pose;
 use glam::DVec3;
+use std::rc::Rc;
 
-/// Most stretches looked at for one pair.
+/// No point of a body is farther from its exact place than this for rounding, in sizes: a hundred of them away, the
+/// products of a chain are good to 1e-13.
+pub const POSE_SLACK: f64 = 1e-10;
+
+/// Most pieces of time looked at for one pair.
 const MAX_LOOKS: usize = 40_000;
 
 /// Of bodies that overlap the moment of greatest depth is searched, not proved.
@@ -22,6 +27,9 @@ const LOOKS_IN_OVERLAP: usize = 400;
 
 /// A distance, in mechanism sizes, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
+
+/// Shortest piece of a stretch that is looked at, as a part of it.
+const SHORTEST: f64 = 1.0 / 65_536.0;
 
 /// The least distance of two bodies over the motion.
 #[derive(Clone, Debug)]
@@ -49,6 +57,8 @@ pub struct PairSweep<'a> {
     bodies: [usize; 2],
     hulls: [&'a Hull; 2],
     chain: RelativeChain,
+    /// How the first body moves as seen from the second: for elements of the second one that have no end.
+    back: Option<RelativeChain>,
     tolerance: f64,
     scale: f64,
 }
@@ -56,11 +66,39 @@ pub struct PairSweep<'a> {
 /// The best so far.
 struct Best {
     found: BodyProximity,
-    instant: usize,
+    moment: Moment,
+}
+
+#[derive(Clone, Copy)]
+enum Moment {
+    Instant(usize),
+    /// Place of a stretch.
+    Within(usize, f64),
+}
+
+/// A piece of a stretch.
+#[derive(Clone)]
+struct Piece {
+    stretch: usize,
+    middle: f64,
+    half: f64,
+    /// A distance that both ends keep.
+    ends: f64,
+    /// Pairs of elements that may be near; all, if nothing is known.
+    near: Option<Rc<[[usize; 2]]>>,
+}
+
+/// What a look at a piece found.
+struct Look {
+    /// No distance of the piece is lower.
+    lowest: f64,
+    /// Narrower bounds of the motion would help more than shorter pieces.
+    is_blurred: bool,
+    near: Option<Rc<[[usize; 2]]>>,
 }
 
 impl<'a> PairSweep<'a> {
-    /// Bodies by index with their hulls. `tolerance` is relative to the larger of the threshold and the distance.
+    /// Bodies by index with their hulls. `tolerance` is relative to the threshold.
     pub fn new(
         motion: &Motion,
         bodies: [usize; 2],
@@ -72,11 +110,15 @@ impl<'a> PairSweep<'a> {
         let swap = hulls[0].ball.1 < hulls[1].ball.1;
         let order = |pair: [usize; 2]| if swap { [pair[1], pair[0]] } else { pair };
         let bodies = order(bodies);
+        let hulls = if swap { [hulls[1], hulls[0]] } else { hulls };
         let chain = |k: usize| &motion.mechanism.bodies[bodies[k]].world_from_body;
+        let is_endless = |e: &Element| matches!(e.core, Core::HalfSpace(_));
+        let back = hulls[1].elements.iter().any(is_endless);
         Self {
             bodies,
-            hulls: if swap { [hulls[1], hulls[0]] } else { hulls },
+            hulls,
             chain: RelativeChain::new(chain(0), chain(1)),
+            back: back.then(|| RelativeChain::new(chain(1), chain(0))),
             tolerance,
             scale: threshold.abs().max(SMALLEST_SCALE * motion.mechanism.size),
         }
@@ -86,25 +128,16 @@ impl<'a> PairSweep<'a> {
         self.chain.pose(&motion.instants[instant].arguments)
     }
 
-    /// Distance at one pose.
-    pub fn at(&self, motion: &Motion, instant: usize) -> Option<BodyProximity> {
-        nearest(
-            self.hulls[0],
-            self.hulls[1],
-            &self.relative(motion, instant),
-        )
-    }
-
     /// The least distance of the given poses, without a bound; fills `distances` with all of them.
     pub fn sampled(
         &self,
-        motion: &Motion,
+        motion: &mut Motion,
         instants: &[usize],
         distances: &mut Vec<f64>,
     ) -> Option<Least> {
         let best = self.best_of(motion, instants, distances)?;
         let bound = best.found.proximity.distance;
-        Some(self.least(motion, &best, bound, false, false))
+        self.least(motion, &best, bound, false, false)
     }
 
     fn best_of(
@@ -114,15 +147,17 @@ impl<'a> PairSweep<'a> {
         distances: &mut Vec<f64>,
     ) -> Option<Best> {
         let mut best: Option<Best> = None;
+        let mut track = Track::new(self.hulls);
         for &instant in instants {
-            let found = self.at(motion, instant)?;
+            let found = track.at(&self.relative(motion, instant))?;
             let distance = found.proximity.distance;
             distances.push(distance);
             if best
                 .as_ref()
                 .is_none_or(|b| distance < b.found.proximity.distance)
             {
-                best = Some(Best { found, instant });
+                let moment = Moment::Instant(instant);
+                best = Some(Best { found, moment });
             }
         }
         // Surfaces that never touch stay inside or outside of each other: the first pose tells.
@@ -133,9 +168,14 @@ impl<'a> PairSweep<'a> {
         {
             best.found.elements = elements;
             best.found.proximity.distance = 0.0;
-            best.instant = first;
+            best.moment = Moment::Instant(first);
         }
         best
+    }
+
+    /// What the bound must reach.
+    fn target(&self, best: &Best) -> f64 {
+        best.found.proximity.distance - self.tolerance * self.scale
     }
 
     /// The least distance over the whole motion with its bound; fills `distances` with those of the samples.
@@ -144,128 +184,157 @@ impl<'a> PairSweep<'a> {
         let mut best = self.best_of(motion, &samples, distances)?;
         let mut bound = best.found.proximity.distance;
         let (mut is_certified, mut is_refined) = (true, true);
-        let at_samples: Vec<(usize, f64)> = samples
-            .iter()
-            .copied()
-            .zip(distances.iter().copied())
-            .collect();
-        let value = |instant: usize| {
-            let place = at_samples.binary_search_by(|(k, _)| k.cmp(&instant));
-            place.map_or(f64::NEG_INFINITY, |k| at_samples[k].1)
-        };
-        let mut open: Vec<(f64, usize)> = (0..motion.roots)
+        let value =
+            |place: Option<usize>| place.map_or(f64::NEG_INFINITY, |place| distances[place]);
+        let mut open: Vec<Piece> = (0..motion.roots)
             .map(|root| {
-                let span = &motion.spans[root];
-                (value(span.start).min(value(span.end)), root)
+                let ends = motion.stretches[root].ends;
+                Piece {
+                    stretch: root,
+                    middle: 0.0,
+                    half: 1.0,
+                    ends: value(ends[0]).min(value(ends[1])),
+                    near: None,
+                }
             })
             .collect();
-        open.sort_by(|p, q| q.0.total_cmp(&p.0));
+        open.sort_by(|p, q| q.ends.total_cmp(&p.ends));
         let mut looks = 0;
-        while let Some((ends, index)) = open.pop() {
+        while let Some(piece) = open.pop() {
             looks += 1;
-            // Where nothing is proved a look is wasted.
-            if motion.spans[index].wants_halving
-                && let Some(halves) = motion.halves(index)
-            {
-                open.extend(halves.map(|half| (f64::NEG_INFINITY, half)));
-                continue;
-            }
             let overlaps = best.found.proximity.distance < 0.0;
             let most = if overlaps {
                 LOOKS_IN_OVERLAP
             } else {
                 MAX_LOOKS
             };
-            let lowest = self.look(motion, index, ends, &mut best);
-            let near = best.found.proximity.distance;
-            let target = near - self.tolerance * self.scale.max(near.abs());
-            let is_fine = lowest >= target;
-            if !is_fine
+            let look = self.look(motion, &piece, &mut best);
+            if look.lowest < self.target(&best)
+                && look.lowest > f64::NEG_INFINITY
                 && looks < most
-                && let Some(halves) = motion.halves(index)
+                && let Some(parts) = parts(motion, &piece, &look)
             {
-                open.extend(halves.map(|half| (f64::NEG_INFINITY, half)));
+                open.extend(parts);
                 continue;
             }
-            is_certified &= motion.spans[index].is_certified;
-            is_refined &= lowest >= target;
-            bound = bound.min(lowest);
+            is_certified &= motion.stretches[piece.stretch].is_certified;
+            is_refined &= look.lowest >= self.target(&best);
+            bound = bound.min(look.lowest);
         }
-        bound = bound.min(best.found.proximity.distance) - POSE_SLACK * motion.mechanism.size;
-        // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
-        is_certified &= best.found.proximity.distance > 0.0;
-        is_certified &= motion.gaps.is_empty();
-        Some(self.least(motion, &best, bound, is_certified, is_refined))
+        let least = self.least(motion, &best, bound, is_certified, is_refined)?;
+        Some(Least {
+            bound: bound.min(least.distance) - POSE_SLACK * motion.mechanism.size,
+            // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
+            is_certified: is_certified && least.distance > 0.0 && motion.gaps.is_empty(),
+            ..least
+        })
     }
 
-    /// Lower bound over a stretch; the pose in its middle may become the best. `ends` is a distance that both ends keep.
-    fn look(&self, motion: &Motion, index: usize, ends: f64, best: &mut Best) -> f64 {
-        let span = &motion.spans[index];
-        let here = &motion.instants[span.middle];
-        let speed = self.chain.speed(span, &here.arguments, self.hulls[1].ball);
-        let fastest = speed.speed();
-        let target = |best: &Best| {
-            let near = best.found.proximity.distance;
-            near - self.tolerance * self.scale.max(near.abs())
-        };
+    /// Lower bound over a piece; the pose in its middle may become the best.
+    fn look(&self, motion: &Motion, piece: &Piece, best: &mut Best) -> Look {
+        let stretch = &motion.stretches[piece.stretch];
+        let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
+        let moved = self.chain.around(arguments, s, half);
+        let fastest = moved.distance(self.hulls[1].ball);
+        let near = piece.near.clone();
         // From both ends, each for the half that is nearer to it.
-        let from_ends = ends - fastest * span.half;
-        if from_ends >= target(best) {
-            return from_ends;
+        let from_ends = piece.ends - fastest - moved.deviation(self.hulls[1].ball);
+        let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
+        let lowest = from_ends.max(far);
+        if lowest >= self.target(best) {
+            let is_blurred = false;
+            return Look {
+                lowest,
+                is_blurred,
+                near,
+            };
         }
-        let a_from_b = self.relative(motion, span.middle);
-        let far = self.hulls[0].apart(self.hulls[1], &a_from_b) - fastest * span.half;
-        if far >= target(best) {
-            return far;
-        }
-        let mut lowest = f64::INFINITY;
-        for (j, second) in self.hulls[1].elements.iter().enumerate() {
-            let second = second.moved(&a_from_b);
-            for (i, first) in self.hulls[0].elements.iter().enumerate() {
-                let far = apart(first, &second) - fastest * span.half;
-                if far >= target(best) {
-                    lowest = lowest.min(far);
-                    continue;
+        let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
+        let (mut lowest, mut nearest) = (f64::INFINITY, f64::INFINITY);
+        let mut left: Vec<[usize; 2]> = Vec::new();
+        let mut placed: Vec<Option<Element>> = vec![None; self.hulls[1].elements.len()];
+        let mut visit = |[i, j]: [usize; 2]| {
+            let first = &self.hulls[0].elements[i];
+            let mine = &self.hulls[1].elements[j];
+            let second = placed[j].get_or_insert_with(|| mine.moved(&moved.pose));
+            let way = match (&back, &mine.core) {
+                (Some(back), Core::HalfSpace(_)) => back.distance(first.bounds()),
+                _ => moved.distance(mine.bounds()),
+            };
+            let far = apart(first, second) - way;
+            if far >= self.target(best) {
+                lowest = lowest.min(far);
+                return;
+            }
+            let proximity = distance(first, second);
+            nearest = nearest.min(proximity.distance);
+            if proximity.distance < best.found.proximity.distance {
+                *best = Best {
+                    found: BodyProximity {
+                        proximity,
+                        elements: [i, j],
+                    },
+                    moment: Moment::Within(piece.stretch, s),
+                };
+            }
+            let below = match (&back, &mine.core) {
+                (Some(back), Core::HalfSpace(_)) => {
+                    let (a, b) = (mine, first.moved(&back.pose));
+                    below(a, &b, first, &distance(a, &b), back)
                 }
-                let proximity = distance(first, &second);
-                if proximity.distance < best.found.proximity.distance {
-                    *best = Best {
-                        found: BodyProximity {
-                            proximity,
-                            elements: [i, j],
-                        },
-                        instant: span.middle,
-                    };
+                _ => below(first, second, mine, &proximity, &moved),
+            };
+            lowest = lowest.min(below);
+            left.push([i, j]);
+        };
+        match &near {
+            Some(near) => near.iter().for_each(|pair| visit(*pair)),
+            None => {
+                for i in 0..self.hulls[0].elements.len() {
+                    (0..self.hulls[1].elements.len()).for_each(|j| visit([i, j]));
                 }
-                lowest = lowest.min(below(first, &second, &proximity, &speed, span.half));
             }
         }
-        lowest
+        let blur = RelativeMove::blur(&self.chain, arguments, self.hulls[1].ball);
+        Look {
+            lowest,
+            is_blurred: nearest - 2.0 * blur < self.target(best),
+            near: Some(left.into()),
+        }
     }
 
     fn least(
         &self,
-        motion: &Motion,
+        motion: &mut Motion,
         best: &Best,
         bound: f64,
         is_certified: bool,
         is_refined: bool,
-    ) -> Least {
-        let instant = &motion.instants[best.instant];
+    ) -> Option<Least> {
+        let mut found = best.found;
+        let instant = match best.moment {
+            Moment::Instant(instant) => instant,
+            Moment::Within(stretch, s) => {
+                let instant = motion.pose_at(stretch, s)?;
+                let pose = self.relative(motion, instant);
+                found = nearest(self.hulls[0], self.hulls[1], &pose)?;
+                instant
+            }
+        };
+        let a_from_b = self.relative(motion, instant);
+        let instant = &motion.instants[instant];
         let world_from_a = instant.bodies[self.bodies[0]];
-        let a_from_b = self.relative(motion, best.instant);
-        let [i, j] = best.found.elements;
+        let [i, j] = found.elements;
         let (first, second) = (
             &self.hulls[0].elements[i],
             self.hulls[1].elements[j].moved(&a_from_b),
         );
-        let distance = best.found.proximity.distance;
+        let distance = found.proximity.distance;
         let mut inside = [false; 2];
         if distance < 0.0 {
             inside = [is_inside(first, &second), is_inside(&second, first)];
         }
-        let points = best
-            .found
+        let points = found
             .proximity
             .points
             .map(|p| world_from_a.transform_point(p));
@@ -284,10 +353,10 @@ impl<'a> PairSweep<'a> {
             least.shapes.swap(0, 1);
             least.inside.swap(0, 1);
         }
-        least
+        Some(least)
     }
 
-    /// Both bodies go on for ever: no speed bounds their points.
+    /// Both bodies go on for ever.
     pub fn is_endless(&self) -> bool {
         self.hulls.iter().all(|hull| hull.ball.1 == f64::INFINITY)
     }
@@ -299,16 +368,68 @@ impl<'a> PairSweep<'a> {
     }
 }
 
-/// Lower bound of the distance of two elements over `half` seconds before and after.
-fn below(a: &Element, b: &Element, found: &Proximity, speed: &RelativeSpeed, half: f64) -> f64 {
-    let plain = found.distance - speed.speed() * half;
-    let n = found.normal;
-    let (Some(left), Some(right)) = (a.core.support(n), b.core.support(-n)) else {
-        return plain;
+/// The two halves of a piece; of a stretch with narrower bounds where that is what is missing.
+fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> {
+    let part = |stretch: usize, middle: f64, half: f64| Piece {
+        stretch,
+        middle,
+        half,
+        ends: f64::NEG_INFINITY,
+        near: look.near.clone(),
     };
+    let is_certified = motion.stretches[piece.stretch].is_certified;
+    if (look.is_blurred || !is_certified)
+        && let Some([first, second]) = motion.halves(piece.stretch)
+    {
+        // The same times as seen from the halves.
+        let (from, to) = (piece.middle - piece.half, piece.middle + piece.half);
+        let (low, high) = (2.0 * from + 1.0, 2.0 * to + 1.0);
+        let over = |stretch: usize, low: f64, high: f64| {
+            part(stretch, 0.5 * (low + high), 0.5 * (high - low))
+        };
+        return Some(if to <= 0.0 {
+            let middle = 0.5 * (low + high);
+            [over(first, low, middle), over(first, middle, high)]
+        } else if from >= 0.0 {
+            let (low, high) = (low - 2.0, high - 2.0);
+            let middle = 0.5 * (low + high);
+            [over(second, low, middle), over(second, middle, high)]
+        } else {
+            [over(first, low, 1.0), over(second, -1.0, high - 2.0)]
+        });
+    }
+    let half = 0.5 * piece.half;
+    (is_certified && half >= SHORTEST).then(|| {
+        [
+            part(piece.stretch, piece.middle - half, half),
+            part(piece.stretch, piece.middle + half, half),
+        ]
+    })
+}
+
+/// Lower bound of the distance of two elements while the second one moves; `mine` is that one in its own frame.
+///
+/// The gap along the normal n between two convex sets, of which the points x of one move by (v + w × x) u, is the least
+/// of n · x + u (n · v + (n × w) · x) less what the other one reaches: a concave function of u, so that its least value is
+/// at one of the ends.
+fn below(a: &Element, b: &Element, mine: &Element, found: &Proximity, moved: &RelativeMove) -> f64 {
+    let ball = mine.bounds();
+    let plain = found.distance - moved.distance(ball);
+    let n = found.normal;
     if found.distance <= 0.0 || n == DVec3::ZERO {
         return plain;
     }
-    let gap = -left - right - a.radius - b.radius;
-    plain.max(gap - speed.along(n) * half)
+    let Some(reached) = a.core.support(n) else {
+        return plain;
+    };
+    let (across, turned) = (n.dot(moved.shift), n.cross(moved.spin));
+    let gap = |u: f64| {
+        let support = b.core.support(-(n + turned * u))?;
+        Some(u * across - support)
+    };
+    let (Some(first), Some(second)) = (gap(-1.0), gap(1.0)) else {
+        return plain;
+    };
+    let gap = first.min(second) - reached - a.radius - b.radius;
+    plain.max(gap - moved.deviation(ball))
 }

@@ -28,7 +28,6 @@
 pub mod chain;
 pub mod circle;
 pub mod double;
-pub mod flow;
 pub mod interval;
 mod kantorovich;
 mod product;

@@ -1,111 +1,163 @@
 //! A loop over a stretch of motion: its residual, the columns of its Jacobian, and bounds of second derivatives.
 //!
 //! The residual is that of the certificate of a pose, the skew part of the rotation and the translation over the size,
-//! and so are the formulas; see [`chain`](super::super::chain). What is a number there is a series here.
+//! and so are the formulas; see [`chain`](super::super::chain). What is a number there is a polynomial in s here, with one
+//! bound for the whole rotation (Frobenius norm) and one for the translation: an elementary rotation is orthogonal,
+//! so that such a bound is handed on from joint to joint and does not grow.
 
-use super::super::interval::Interval;
 use super::form::Change;
-use super::series::Series;
+use super::model::{GROW, Model, Polynomial, Turn, size, tails, truncated};
+use super::series::TERMS;
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
+use wide::f64x4;
 
-type Vector = [Series; 3];
+/// A vector as a polynomial in s; the fourth lane is zero.
+type Vector = [f64x4; TERMS];
 
-/// Relative to its own size: entries of a fixed rotation that was folded from a few rounded factors, and of the
-/// translations that went through it.
-const FOLDED: f64 = 2e-15;
+/// Entries of a fixed rotation that was folded from a few rounded factors, as the norm of nine of them.
+const FOLDED: f64 = 6e-15;
 
-/// Value, sine and cosine of an argument.
+/// Translations that went through such a rotation, relative.
+const FOLDED_SHIFT: f64 = 2e-15;
+
+/// Roundings of one operation, doubled so that the bound's own are covered.
+const UNIT: f64 = f64::EPSILON;
+
+/// Roundings of a sum of all products that meet in one coefficient.
+const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * UNIT;
+
+/// Norm of what the columns of two rotations may differ by, over the largest of their entries' pairs.
+const PAIR: f64 = 1.5;
+
+/// The derivative of the skew part is the axis itself where the loop is closed; the norm of what it misses over the
+/// norm of what the rotation misses.
+const OPEN_SKEW: f64 = 1.5;
+
+/// An argument of a joint over the stretch.
 #[derive(Clone, Copy, Debug)]
-pub struct ArgumentSeries {
-    value: Series,
-    sin: Series,
-    cos: Series,
+pub struct ArgumentModel {
+    value: Model,
+    turn: Turn,
 }
 
-impl From<Series> for ArgumentSeries {
-    fn from(value: Series) -> Self {
-        let (sin, cos) = value.sin_cos();
-        Self { value, sin, cos }
+impl From<Model> for ArgumentModel {
+    fn from(value: Model) -> Self {
+        let turn = Turn::new(&value);
+        Self { value, turn }
     }
 }
 
 /// A joint of the loop.
+#[derive(Clone, Copy, Debug)]
 pub struct Joint {
     motion: Motion,
     /// Index of its argument.
     pub argument: usize,
     axis: Vector,
     origin: Vector,
+    /// Bounds of what axis and origin leave out.
+    rests: [f64; 2],
 }
 
 /// A loop over the stretch.
-pub struct LoopSeries {
+#[derive(Clone, Debug)]
+pub struct LoopModel {
     rotation: [Vector; 3],
     translation: Vector,
+    /// Bounds of what rotation and translation leave out.
+    rests: [f64; 2],
     /// Joints in order.
     pub joints: Vec<Joint>,
-    size: Interval,
+    size: f64,
 }
 
-fn combine(a: &Vector, x: &Series, b: &Vector, y: &Series) -> Vector {
-    [0, 1, 2].map(|k| a[k] * *x + b[k] * *y)
+const ZERO: Vector = [f64x4::ZERO; TERMS];
+
+fn lanes(v: [f64; 3]) -> f64x4 {
+    f64x4::new([v[0], v[1], v[2], 0.0])
 }
 
-/// Entries of a fixed pose with what folding may have changed.
-fn fixed_entries(pose: &Pose) -> ([[Interval; 3]; 3], [Interval; 3]) {
-    let columns = [0, 1, 2].map(|j| pose.rotation.col(j).to_array());
-    let quarter_turns = columns.as_flattened().iter().all(|v| v.fract() == 0.0);
+#[inline]
+fn square(v: f64x4) -> f64 {
+    (v * v).reduce_add()
+}
+
+/// Lengths of the coefficients.
+#[inline]
+fn lengths(v: &Vector) -> Polynomial {
+    std::array::from_fn(|k| square(v[k]).sqrt())
+}
+
+#[inline]
+fn add_product(sum: &mut Vector, v: &Vector, factor: &Polynomial) {
+    for j in 0..TERMS {
+        let factor = f64x4::splat(factor[j]);
+        for k in 0..TERMS - j {
+            sum[j + k] += v[k] * factor;
+        }
+    }
+}
+
+/// Component `k`.
+fn entry(v: &Vector, k: usize) -> Polynomial {
+    std::array::from_fn(|j| v[j].to_array()[k])
+}
+
+/// By how much a stored fixed pose may differ from the one meant: its rotation, its translation.
+fn open_fixed(pose: &Pose) -> [f64; 2] {
+    let turns = pose.rotation.to_cols_array();
     let length = pose.translation.length();
-    let open = |v: f64, by: f64| Interval::point(v) + Interval::around_zero(by);
-    let entry = |v: f64| match quarter_turns {
-        true => Interval::point(v),
-        false => open(v, FOLDED),
-    };
-    let place = |v: f64| match quarter_turns {
-        true => Interval::decimal(v),
-        false => open(v, FOLDED * length),
-    };
-    (
-        columns.map(|column| column.map(entry)),
-        pose.translation.to_array().map(place),
-    )
+    if turns.iter().all(|v| v.fract() == 0.0) {
+        let whole = pose.translation.to_array().iter().all(|v| v.fract() == 0.0);
+        return [0.0, if whole { 0.0 } else { UNIT * length }];
+    }
+    [FOLDED, FOLDED_SHIFT * length]
 }
 
-impl LoopSeries {
-    /// Multiplies the steps.
-    pub fn new(steps: &[Step], arguments: &[Option<ArgumentSeries>], size: f64) -> Self {
-        let one = Series::constant(Interval::ONE);
-        let mut rotation = [[Series::ZERO; 3]; 3];
-        (0..3).for_each(|k| rotation[k][k] = one);
+impl LoopModel {
+    /// Multiplies the steps. Joints whose argument does not move (`moves`) are left out of `joints`.
+    pub fn new(
+        steps: &[Step],
+        arguments: &[Option<ArgumentModel>],
+        moves: impl Fn(usize) -> bool,
+        size: f64,
+    ) -> Self {
+        let mut rotation = [ZERO; 3];
+        for (k, column) in rotation.iter_mut().enumerate() {
+            let mut unit = [0.0; 3];
+            unit[k] = 1.0;
+            column[0] = lanes(unit);
+        }
         let mut here = Self {
             rotation,
-            translation: [Series::ZERO; 3],
-            joints: Vec::new(),
-            size: Interval::point(size),
+            translation: ZERO,
+            rests: [0.0; 2],
+            joints: Vec::with_capacity(steps.len()),
+            size,
         };
         for step in steps {
-            match step {
-                Step::Fixed(pose) => here.fixed(pose),
+            match *step {
+                Step::Fixed(pose) => here.fixed(&pose),
                 Step::Joint {
                     motion,
                     axis,
                     argument,
                     sign,
                 } => {
-                    let sign = Interval::point(*sign);
-                    here.joints.push(Joint {
-                        motion: *motion,
-                        argument: *argument,
-                        axis: here.rotation[*axis].map(|entry| entry.scale(sign)),
-                        origin: here.translation,
-                    });
-                    match (motion, &arguments[*argument]) {
-                        (_, None) => here.translation = [Series::ENTIRE; 3],
-                        (Motion::Translation, Some(a)) => here.shift(*axis, &a.value.scale(sign)),
-                        (Motion::Rotation, Some(a)) => {
-                            here.rotate(*axis, &a.sin.scale(sign), &a.cos);
-                        }
+                    if moves(argument) {
+                        here.joints.push(Joint {
+                            motion,
+                            argument,
+                            axis: here.rotation[axis].map(|c| c * f64x4::splat(sign)),
+                            origin: here.translation,
+                            rests: here.rests,
+                        });
+                    }
+                    match (motion, &arguments[argument]) {
+                        (_, None) => here.rests = [f64::INFINITY; 2],
+                        (Motion::Translation, Some(a)) => here.shift(axis, sign, &a.value),
+                        (Motion::Rotation, Some(a)) => here.rotate(axis, sign, &a.turn),
                     }
                 }
             }
@@ -113,69 +165,155 @@ impl LoopSeries {
         here
     }
 
-    fn shift(&mut self, axis: usize, by: &Series) {
-        for k in 0..3 {
-            self.translation[k] = self.translation[k] + self.rotation[axis][k] * *by;
-        }
+    fn shift(&mut self, axis: usize, sign: f64, by: &Model) {
+        let c = by.c.map(|c| c * sign);
+        let column = &self.rotation[axis];
+        add_product(&mut self.translation, column, &c);
+        let (lengths, sizes) = (lengths(column), c.map(f64::abs));
+        let (whole, tails) = (size(&lengths), tails(&sizes));
+        let rounding = PRODUCTS * (whole * tails[0] + size(&self::lengths(&self.translation)));
+        self.rests[1] +=
+            (self.rests[0] * tails[0] + by.rest + truncated(&lengths, &tails)) * GROW + rounding;
     }
 
-    fn rotate(&mut self, axis: usize, sin: &Series, cos: &Series) {
+    fn rotate(&mut self, axis: usize, sign: f64, by: &Turn) {
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
         let (x, y) = (self.rotation[b], self.rotation[c]);
-        self.rotation[b] = combine(&x, cos, &y, sin);
-        self.rotation[c] = combine(&y, cos, &x, &-*sin);
+        let sin = by.sin.map(|v| v * sign);
+        let (mut first, mut second) = (ZERO, ZERO);
+        add_product(&mut first, &x, &by.cos);
+        add_product(&mut first, &y, &sin);
+        add_product(&mut second, &y, &by.cos);
+        add_product(&mut second, &x, &sin.map(|v| -v));
+        self.rotation[b] = first;
+        self.rotation[c] = second;
+        let pairs: Polynomial = std::array::from_fn(|k| (square(x[k]) + square(y[k])).sqrt());
+        let tails = tails(&by.sizes);
+        let moving = size(&pairs) * tails[0] - pairs[0];
+        let rounding = 4.0 * UNIT + PRODUCTS * moving.max(0.0);
+        let rest = self.rests[0];
+        self.rests[0] +=
+            ((1.0 + rest) * PAIR * by.rest + truncated(&pairs, &tails)) * GROW + PAIR * rounding;
     }
 
     fn fixed(&mut self, pose: &Pose) {
-        let (turn, shift) = fixed_entries(pose);
+        let [turn, shift] = open_fixed(pose);
         let old = self.rotation;
-        let times = |v: &[Interval; 3]| -> Vector {
-            let term = |j: usize, k: usize| old[j][k].scale(v[j]);
-            [0, 1, 2].map(|k| term(0, k) + term(1, k) + term(2, k))
+        let times = |v: [f64; 3]| -> Vector {
+            let v = v.map(f64x4::splat);
+            std::array::from_fn(|k| old[0][k] * v[0] + old[1][k] * v[1] + old[2][k] * v[2])
         };
-        let moved = times(&shift);
-        (0..3).for_each(|k| self.translation[k] = self.translation[k] + moved[k]);
+        let length = pose.translation.length();
+        let sizes: f64 = old.iter().map(|v| size(&lengths(v))).sum();
+        if length > 0.0 {
+            let moved = times(pose.translation.to_array());
+            for (t, m) in self.translation.iter_mut().zip(moved) {
+                *t += m;
+            }
+            let rounding = 4.0 * UNIT * (sizes * length + size(&lengths(&self.translation)));
+            self.rests[1] += (self.rests[0] * length + shift) * GROW + rounding;
+        }
         if pose.rotation != glam::DMat3::IDENTITY {
-            self.rotation = turn.map(|column| times(&column));
+            let turns = pose.rotation;
+            self.rotation = [0, 1, 2].map(|k| times(turns.col(k).to_array()));
+            if turn > 0.0 {
+                self.rests[0] += (1.0 + self.rests[0]) * turn * GROW + 8.0 * UNIT * sizes;
+            }
         }
     }
 
     /// Trace of the rotation.
-    pub fn trace(&self) -> Series {
-        self.rotation[0][0] + self.rotation[1][1] + self.rotation[2][2]
+    pub fn trace(&self) -> Model {
+        let [x, y, z] = [0, 1, 2].map(|k| entry(&self.rotation[k], k));
+        let c: Polynomial = std::array::from_fn(|k| x[k] + y[k] + z[k]);
+        Model {
+            rest: 2.0 * self.rests[0] + 4.0 * UNIT * size(&c) + 4.0 * UNIT,
+            c,
+        }
+    }
+
+    /// By how much the loop is open over the stretch: norm of the rotation less the identity, length of the translation.
+    pub fn open(&self) -> [f64; 2] {
+        let mut turned: Polynomial = [0.0; TERMS];
+        for (k, turned) in turned.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for (j, column) in self.rotation.iter().enumerate() {
+                let mut entries = column[k].to_array();
+                if k == 0 {
+                    entries[j] -= 1.0;
+                }
+                sum += square(f64x4::new(entries));
+            }
+            *turned = sum.sqrt();
+        }
+        let moved = size(&lengths(&self.translation));
+        [size(&turned) + self.rests[0], moved + self.rests[1]].map(|v| v * GROW)
     }
 
     /// Entry `component` of the residual.
-    pub fn residual(&self, component: usize) -> Series {
+    pub fn residual(&self, component: usize) -> Model {
         if component >= 3 {
-            let scale = Interval::ONE / self.size;
-            return self.translation[component - 3].scale(scale);
+            let c = entry(&self.translation, component - 3);
+            return Model {
+                c,
+                rest: self.rests[1],
+            }
+            .scaled(1.0 / self.size);
         }
         let (b, c) = ((component + 1) % 3, (component + 2) % 3);
-        let skew = self.rotation[b][c] - self.rotation[c][b];
-        skew.scale(Interval::point(0.5))
+        let (first, second) = (entry(&self.rotation[b], c), entry(&self.rotation[c], b));
+        let c: Polynomial = std::array::from_fn(|k| 0.5 * (first[k] - second[k]));
+        Model {
+            rest: self.rests[0] * GROW + UNIT * size(&c),
+            c,
+        }
     }
 
-    /// Derivative of entry `component` of the residual by the joint's own motion.
-    pub fn column(&self, joint: &Joint, component: usize) -> Series {
-        let (axis, scale) = (&joint.axis, Interval::ONE / self.size);
-        match joint.motion {
-            Motion::Translation if component >= 3 => axis[component - 3].scale(scale),
-            Motion::Translation => Series::ZERO,
-            Motion::Rotation if component >= 3 => {
-                let (b, c) = ((component + 1) % 3, (component + 2) % 3);
-                let arm = |k: usize| self.translation[k] - joint.origin[k];
-                (axis[b] * arm(c) - axis[c] * arm(b)).scale(scale)
-            }
-            Motion::Rotation => {
-                // The rate of the skew part for a spin is half of (trace - R) times it.
-                let r = &self.rotation;
-                let (x, y, z) = (r[0][component], r[1][component], r[2][component]);
-                let turned = x * axis[0] + y * axis[1] + z * axis[2];
-                let whole = self.trace() * axis[component];
-                (whole - turned).scale(Interval::point(0.5))
-            }
+    /// Derivatives of rotation and translation rows by the joint's own motion, all six. `open` is from
+    /// [`open`](Self::open).
+    pub fn column(&self, joint: &Joint, open: [f64; 2]) -> [Model; 6] {
+        let scale = 1.0 / self.size;
+        let [axis_rest, origin_rest] = joint.rests;
+        let axis = [0, 1, 2].map(|k| entry(&joint.axis, k));
+        if joint.motion == Motion::Translation {
+            let moved = axis.map(|c| {
+                let rest = axis_rest;
+                Model { c, rest }.scaled(scale)
+            });
+            return [
+                Model::ZERO,
+                Model::ZERO,
+                Model::ZERO,
+                moved[0],
+                moved[1],
+                moved[2],
+            ];
         }
+        let turned = axis.map(|c| Model {
+            c,
+            rest: (axis_rest + OPEN_SKEW * open[0]) * GROW,
+        });
+        // The arm from the joint to the loop's end, which is at the origin but for what the loop is open.
+        let origin = [0, 1, 2].map(|k| entry(&joint.origin, k));
+        let (axes, origins) = (lengths(&joint.axis), lengths(&joint.origin));
+        let (whole, tails) = (size(&axes), tails(&origins));
+        let rest = axis_rest * tails[0]
+            + origin_rest
+            + open[1]
+            + truncated(&axes, &tails)
+            + 2.0 * PRODUCTS * whole * tails[0];
+        let arm = [0, 1, 2].map(|k| {
+            let (b, c) = ((k + 1) % 3, (k + 2) % 3);
+            let mut sum = [0.0; TERMS];
+            for i in 0..TERMS {
+                for j in 0..TERMS - i {
+                    sum[i + j] += axis[c][i] * origin[b][j] - axis[b][i] * origin[c][j];
+                }
+            }
+            let rest = rest * GROW;
+            Model { c: sum, rest }.scaled(scale)
+        });
+        [turned[0], turned[1], turned[2], arm[0], arm[1], arm[2]]
     }
 }
 

@@ -1,7 +1,7 @@
 //! The inputs over a stretch of time as series.
 
 use super::super::interval::Interval;
-use super::series::{Series, TERMS};
+use super::series::Series;
 use crate::model::drive::{Drive, Ease};
 
 /// A stretch of time, from -1 to 1 in `s`.
@@ -97,13 +97,11 @@ pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
     keys
 }
 
-/// Coefficients of order three at most, all that a path has.
-pub const PATH_ORDER: usize = TERMS - 2;
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::panic)]
     use super::*;
+    use crate::kinematics::certificate::tube::series::TERMS;
     use crate::kinematics::taylor;
     use crate::model::expression::{Expression, Function, Op};
 

@@ -2,6 +2,8 @@
 
 use super::super::interval::Interval;
 use super::gradient::{bounds, gradient};
+use super::model::Model;
+use super::path::Path;
 use super::series::Series;
 use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
@@ -46,36 +48,43 @@ impl<'m> Form<'m> {
     }
 
     /// Value over the stretch.
-    pub fn value(&self, coordinates: &[Series]) -> Series {
+    pub fn value(&self, path: &Path) -> Model {
         match self {
-            Self::Formula(expression) => Series::of(expression, coordinates),
-            Self::Affine(affine) => {
-                let constant = Series::constant(Interval::decimal(affine.constant));
-                affine.terms.iter().fold(constant, |sum, (slot, c)| {
-                    sum + coordinates[*slot].scale(Interval::decimal(*c))
-                })
+            Self::Formula(expression) => {
+                let [middle, everywhere] = path.series();
+                let of = |slots: &[Series]| Series::of(expression, slots);
+                Model::of(&of(middle), &of(everywhere))
             }
+            Self::Affine(affine) => Model::of_affine(affine, &path.coordinates),
         }
     }
 
-    /// Derivatives by the coordinates it depends on, as (coordinate, derivative).
-    pub fn derivatives(&self, coordinates: &[Series]) -> Vec<(usize, Series)> {
+    /// Derivatives by the coordinates it depends on, in the order of [`coordinates`](Self::coordinates).
+    pub fn derivatives(&self, path: &Path) -> Vec<Model> {
         match self {
             Self::Affine(affine) => {
-                let terms = affine.terms.iter();
-                terms
-                    .map(|(slot, c)| (*slot, Series::constant(Interval::decimal(*c))))
-                    .collect()
+                let open = |c: f64| if c.fract() == 0.0 { 0.0 } else { f64::EPSILON };
+                let number = |c: f64| Model {
+                    rest: open(c) * c.abs(),
+                    ..Model::constant(c)
+                };
+                affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
             Self::Formula(expression) => {
-                let all = gradient(expression, coordinates);
+                let [middle, everywhere] = path.series();
+                let (near, far) = (
+                    gradient(expression, middle),
+                    gradient(expression, everywhere),
+                );
                 let slots = expression.slots();
-                slots.into_iter().map(|slot| (slot, all[slot])).collect()
+                let of = |slot: usize| Model::of(&near[slot], &far[slot]);
+                slots.into_iter().map(of).collect()
             }
         }
     }
 
-    /// How it changes along directions whose entries are at most `rates`, anywhere in `place`.
+    /// How it changes along directions whose entries are at most `rates`, anywhere in `place`, which affine forms do not
+    /// need.
     pub fn change(&self, place: &[Interval], rates: &[f64]) -> Change {
         match self {
             Self::Affine(affine) => {
@@ -89,6 +98,22 @@ impl<'m> Form<'m> {
             Self::Formula(expression) => {
                 let [rate, bend] = bounds(expression, place, rates);
                 Change { rate, bend }
+            }
+        }
+    }
+
+    /// All values in `place`.
+    pub fn range(&self, place: &[Interval]) -> Interval {
+        match self {
+            Self::Affine(affine) => {
+                let constant = Interval::decimal(affine.constant);
+                affine.terms.iter().fold(constant, |sum, (slot, c)| {
+                    sum + place[*slot] * Interval::decimal(*c)
+                })
+            }
+            Self::Formula(expression) => {
+                let still: Vec<Series> = place.iter().map(|i| Series::constant(*i)).collect();
+                Series::of(expression, &still).0[0]
             }
         }
     }

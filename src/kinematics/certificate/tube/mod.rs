@@ -1,7 +1,7 @@
 //! A proof between samples: around the path from one sample to the next there is one motion, and it joins the two
 //! certified poses. No jump to another assembly can hide there.
 //!
-//! The path over a stretch of time is a cubic curve in the unknowns; the drive is enclosed as it is. All poses of the
+//! The path over a stretch of time is a curve of polynomials in the unknowns; the drive is enclosed as it is. All poses of the
 //! stretch take the Newton-Kantorovich test at once, which gives two radii: within the smaller one around the path there is
 //! a solution at every instant, within the larger one it is the only one. So tubes are joined, and the samples' own
 //! certified poses are joined to them, wherever one solution lies within the larger radius of the other. A stretch that fails is halved, down to [`FLOOR`] of the interval; keyframes always part stretches.
@@ -10,27 +10,23 @@ mod chain;
 mod drive;
 mod form;
 mod gradient;
+mod model;
 mod path;
 mod proof;
 mod prover;
 mod rows;
 mod series;
 
-use super::{BALL, Reason};
-use crate::kinematics::structure::{Block, Structure, StructureError};
+use super::Reason;
+use crate::kinematics::structure::{Structure, StructureError};
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use form::Form;
+pub use model::{Around, Model, Polynomial};
 use path::Path;
-use proof::Earlier;
+use proof::{Earlier, Workspace};
 pub use prover::{FLOOR, Prover, Tube};
-use rows::Site;
-
-/// Factor between the balls that are tried where a formula has no bounds in the largest.
-const BALL_STEP: f64 = 16.0;
-
-/// No smaller ball is tried: a motion so close to a kink is as good as on it.
-const SMALLEST_BALL: f64 = 1e-6;
+use rows::Layout;
 
 /// What could be proved about the motion between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,68 +96,59 @@ pub(super) fn pose(
     coordinates: &[f64],
     bases: &[Vec<usize>],
 ) -> Result<(f64, f64), Reason> {
-    let forms = Form::all(mechanism);
-    let proved = prove_blocks(
-        mechanism,
-        structure,
-        &forms,
-        bases,
-        &Path::still(coordinates),
-    )?;
+    let mut blocks = Blocks::new(mechanism, structure);
+    let mut path = Path::still(mechanism.unknowns.len(), coordinates);
+    let proved = blocks.prove(bases, &mut path, false)?;
     Ok((proved.largest, proved.unique))
 }
 
-/// The test in the largest ball in which the formulas of the mechanism are smooth.
-fn prove_blocks(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    forms: &[Form],
-    bases: &[Vec<usize>],
-    path: &Path,
-) -> Result<Earlier, Reason> {
-    let mut ball = BALL;
-    loop {
-        let proof = prove_in_ball(mechanism, structure, forms, bases, path, ball);
-        if proof.as_ref().err() != Some(&Reason::Formula) || ball < SMALLEST_BALL {
-            return proof;
-        }
-        ball /= BALL_STEP;
-    }
+/// The blocks of a mechanism, laid out for proofs.
+#[derive(Debug)]
+struct Blocks<'m> {
+    forms: Vec<Form<'m>>,
+    layouts: Vec<Layout<'m>>,
+    unknowns: usize,
+    work: Workspace,
 }
 
-fn prove_in_ball(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    forms: &[Form],
-    bases: &[Vec<usize>],
-    path: &Path,
-    ball: f64,
-) -> Result<Earlier, Reason> {
-    let mut proved = Earlier {
-        rest: vec![0.0; mechanism.unknowns.len()],
-        largest: 0.0,
-        unique: f64::INFINITY,
-    };
-    for (block, basis) in structure.blocks.iter().zip(bases) {
-        let columns = columns(mechanism, forms, block);
-        let site = Site {
-            mechanism,
+impl<'m> Blocks<'m> {
+    fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+        let forms = Form::all(mechanism);
+        let blocks = structure.blocks.iter();
+        Self {
+            layouts: blocks
+                .map(|block| Layout::new(mechanism, &forms, block))
+                .collect(),
             forms,
-            block,
-            columns: &columns,
-            ball,
-        };
-        proof::prove(site, path, basis, &mut proved)?;
+            unknowns: mechanism.unknowns.len(),
+            work: Workspace::default(),
+        }
     }
-    Ok(proved)
-}
 
-/// The unknowns of a block, then those of earlier blocks that it depends on.
-fn columns(mechanism: &Mechanism, forms: &[Form], block: &Block) -> Vec<usize> {
-    let used = rows::used(mechanism, block);
-    let mut others: Vec<usize> = used.flat_map(|form| forms[form].coordinates()).collect();
-    others.sort_unstable();
-    others.dedup();
-    others.retain(|slot| *slot < mechanism.unknowns.len() && block.column_of[*slot].is_none());
-    [block.unknowns.clone(), others].concat()
+    /// The test along a path, block after block. `may_move`: the path is first brought to the motion.
+    fn prove(
+        &mut self,
+        bases: &[Vec<usize>],
+        path: &mut Path,
+        may_move: bool,
+    ) -> Result<Earlier, Reason> {
+        let mut proved = Earlier {
+            rest: vec![0.0; self.unknowns],
+            largest: 0.0,
+            unique: f64::INFINITY,
+        };
+        let work = &mut self.work;
+        for (layout, basis) in self.layouts.iter().zip(bases) {
+            proof::prove(
+                layout,
+                &self.forms,
+                path,
+                basis,
+                &mut proved,
+                may_move,
+                work,
+            )?;
+        }
+        Ok(proved)
+    }
 }

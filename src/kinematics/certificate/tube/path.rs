@@ -1,28 +1,29 @@
-//! The curve that a tube is laid around: cubic in the unknowns, the drive itself in the inputs.
+//! The curve that a tube is laid around: polynomials in the unknowns, the drive itself in the inputs.
 
 use super::super::interval::Interval;
-use super::drive::{PATH_ORDER, Stretch};
+use super::drive::Stretch;
+use super::model::{Model, Polynomial};
 use super::series::Series;
-use crate::kinematics::rates::rates;
-use crate::kinematics::structure::Structure;
-use crate::kinematics::taylor;
 use crate::model::mechanism::Mechanism;
+use std::cell::OnceCell;
 
 /// Coordinates (unknowns, then inputs) over a stretch of time.
 #[derive(Clone, Debug)]
 pub struct Path {
     stretch: Stretch,
-    /// Series about the middle.
-    pub middle: Vec<Series>,
-    /// Series about every place of the stretch at once.
-    pub everywhere: Vec<Series>,
+    /// The unknowns' are polynomials and nothing else.
+    pub coordinates: Vec<Model>,
+    /// The inputs about the middle and about every place at once, as intervals.
+    inputs: [Vec<Series>; 2],
+    /// The same of all coordinates, once a formula asks for it.
+    series: OnceCell<[Vec<Series>; 2]>,
 }
 
 /// The inputs of a mechanism over a stretch.
 pub struct InputPath {
     stretch: Stretch,
-    middle: Vec<Series>,
-    everywhere: Vec<Series>,
+    /// About the middle, about every place at once.
+    inputs: [Vec<Series>; 2],
 }
 
 impl InputPath {
@@ -34,15 +35,13 @@ impl InputPath {
         };
         Self {
             stretch,
-            middle: over(false),
-            everywhere: over(true),
+            inputs: [over(false), over(true)],
         }
     }
 
     /// Whether every drive is bounded over the stretch.
     pub fn is_finite(&self) -> bool {
-        let mut all = self.middle.iter().chain(&self.everywhere);
-        all.all(Series::is_finite)
+        self.inputs.iter().flatten().all(Series::is_finite)
     }
 
     /// Widens input `k` until its value at `time` holds `value`; returns by how much.
@@ -51,66 +50,90 @@ impl InputPath {
         let below = (here.lo - value).max(0.0);
         let off = (value - here.hi).max(below) * (1.0 + 1e-12);
         let play = Interval::around_zero(off);
-        for series in [&mut self.middle[k], &mut self.everywhere[k]] {
-            series.0[0] = series.0[0] + play;
+        for series in &mut self.inputs {
+            series[k].0[0] = series[k].0[0] + play;
         }
         off
     }
 
-    fn at(&self, k: usize, time: f64) -> Interval {
-        let series = self.middle[k].with_remainder_of(&self.everywhere[k]);
+    /// Input `k` at a time of the stretch.
+    pub fn at(&self, k: usize, time: f64) -> Interval {
+        let [middle, everywhere] = &self.inputs;
+        let series = middle[k].with_remainder_of(&everywhere[k]);
         series.value_at(self.stretch.place(time))
     }
 
-    /// The curve through a closed pose at the middle; `None` at a singular one.
-    pub fn through(
-        self,
-        mechanism: &Mechanism,
-        structure: &Structure,
-        coordinates: &[f64],
-    ) -> Option<Path> {
-        let inputs = self.middle.iter().map(|series| {
-            let mut numbers = taylor::Series::constant(0.0, PATH_ORDER);
-            (0..=PATH_ORDER).for_each(|k| numbers.set(k, series.0[k].middle()));
-            numbers
-        });
-        let inputs: Vec<taylor::Series> = inputs.collect();
-        let curve = rates(mechanism, structure, coordinates, &inputs, PATH_ORDER)?;
-        let unknowns = curve[..mechanism.unknowns.len()].iter().map(|numbers| {
-            let mut series = Series::ZERO;
-            let pairs = series.0.iter_mut().zip(numbers.coefficients());
-            pairs.for_each(|(c, value)| *c = Interval::point(*value));
-            series
-        });
-        let mut middle: Vec<Series> = unknowns.collect();
-        let mut everywhere: Vec<Series> = middle.iter().map(Series::over_the_stretch).collect();
-        middle.extend(self.middle);
-        everywhere.extend(self.everywhere);
-        Some(Path {
+    /// With these curves of the unknowns.
+    pub fn with(self, unknowns: Vec<Polynomial>) -> Path {
+        let curves = unknowns.into_iter().map(|c| Model { c, rest: 0.0 });
+        let [middle, everywhere] = &self.inputs;
+        let inputs = middle.iter().zip(everywhere);
+        let inputs = inputs.map(|(near, far)| Model::of(near, far));
+        Path {
             stretch: self.stretch,
-            middle,
-            everywhere,
-        })
+            coordinates: curves.chain(inputs).collect(),
+            inputs: self.inputs,
+            series: OnceCell::new(),
+        }
     }
 }
 
 impl Path {
     /// A pose that stands still.
-    pub fn still(coordinates: &[f64]) -> Self {
-        let points = coordinates.iter();
-        let middle: Vec<Series> = points
+    pub fn still(unknowns: usize, coordinates: &[f64]) -> Self {
+        let points = coordinates[unknowns..].iter();
+        let inputs: Vec<Series> = points
             .map(|q| Series::constant(Interval::point(*q)))
             .collect();
         Self {
             stretch: Stretch::new(0.0, 0.0),
-            everywhere: middle.clone(),
-            middle,
+            coordinates: coordinates.iter().map(|q| Model::constant(*q)).collect(),
+            inputs: [inputs.clone(), inputs],
+            series: OnceCell::new(),
         }
+    }
+
+    /// The stretch.
+    pub fn stretch(&self) -> &Stretch {
+        &self.stretch
+    }
+
+    /// Moves the curve of an unknown.
+    pub fn add(&mut self, unknown: usize, step: impl Iterator<Item = f64>) {
+        let c = &mut self.coordinates[unknown].c;
+        c.iter_mut().zip(step).for_each(|(c, step)| *c += step);
+        self.series = OnceCell::new();
+    }
+
+    /// The curves of the unknowns over a part of the stretch.
+    pub fn part(&self, unknowns: usize, start: f64, end: f64) -> Vec<Polynomial> {
+        let place = |time: f64| (time - self.stretch.middle) / self.stretch.half;
+        let (from, to) = (place(start), place(end));
+        let curves = self.coordinates[..unknowns].iter();
+        curves
+            .map(|x| x.about(0.5 * (from + to), 0.5 * (to - from)))
+            .collect()
+    }
+
+    /// All coordinates about the middle and about every place at once, as intervals.
+    pub fn series(&self) -> &[Vec<Series>; 2] {
+        self.series.get_or_init(|| {
+            let count = self.coordinates.len() - self.inputs[0].len();
+            let unknowns = &self.coordinates[..count];
+            let near: Vec<Series> = unknowns
+                .iter()
+                .map(|x| Series(x.c.map(Interval::point)))
+                .collect();
+            let far = near.iter().map(Series::over_the_stretch).collect();
+            let [mut middle, mut everywhere] = [near, far];
+            middle.extend_from_slice(&self.inputs[0]);
+            everywhere.extend_from_slice(&self.inputs[1]);
+            [middle, everywhere]
+        })
     }
 
     /// Coordinate `k` at a time of the stretch.
     pub fn at(&self, k: usize, time: f64) -> Interval {
-        let series = self.middle[k].with_remainder_of(&self.everywhere[k]);
-        series.value_at(self.stretch.place(time))
+        self.coordinates[k].value_at(self.stretch.place(time))
     }
 }

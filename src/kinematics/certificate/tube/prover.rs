@@ -1,10 +1,13 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
+use super::super::interval::Interval;
 use super::super::{Certificate, Reason};
 use super::drive::{Stretch, keys_between};
 use super::form::Form;
+use super::model::{Model, Polynomial};
 use super::path::{InputPath, Path};
-use super::{IntervalCertificate, Obstacle, Refusal, prove_blocks};
+use super::series::TERMS;
+use super::{Blocks, IntervalCertificate, Obstacle, Refusal};
 use crate::kinematics::branch::BranchWatch;
 use crate::kinematics::newton::{Corrector, Pace};
 use crate::kinematics::structure::Structure;
@@ -29,6 +32,8 @@ pub struct Tube {
     pub radius: f64,
     /// Distance from the path within which it is the only one, likewise.
     pub unique: f64,
+    /// Distance of every unknown from the path, likewise.
+    rest: Vec<f64>,
     path: Path,
 }
 
@@ -37,6 +42,13 @@ impl Tube {
     pub fn centre(&self, k: usize, time: f64) -> f64 {
         self.path.at(k, time).middle()
     }
+
+    /// Rate of the path of unknown `k` at the end.
+    fn rate_at_end(&self, k: usize) -> f64 {
+        let c = &self.path.coordinates[k].c;
+        let slope: f64 = c.iter().enumerate().map(|(j, c)| j as f64 * c).sum();
+        slope / self.path.stretch().half
+    }
 }
 
 /// A pose on the way.
@@ -44,6 +56,8 @@ impl Tube {
 struct Place {
     time: f64,
     unknowns: Vec<f64>,
+    /// Rates of the unknowns, where they are known: only the first guess of a path needs them.
+    rates: Option<Vec<f64>>,
     /// Of a sample: its inputs, and how far the exact pose is, in radians and sizes.
     sample: Option<(Vec<f64>, f64)>,
 }
@@ -53,9 +67,13 @@ struct Place {
 pub struct Prover<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
-    forms: Vec<Form<'m>>,
+    blocks: Blocks<'m>,
     corrector: Corrector,
     bases: Option<Vec<Vec<usize>>>,
+    /// A block has rows that its proof leaves out.
+    has_more_rows: bool,
+    /// An interval may end where the drive jumps; it is then proved up to the jump.
+    may_jump: bool,
 }
 
 impl<'m> Prover<'m> {
@@ -64,19 +82,29 @@ impl<'m> Prover<'m> {
         Self {
             mechanism,
             structure,
-            forms: Form::all(mechanism),
+            blocks: Blocks::new(mechanism, structure),
             corrector: Corrector::new(structure),
             bases: None,
+            has_more_rows: structure.blocks.iter().any(|b| b.rows() > b.unknowns.len()),
+            may_jump: false,
         }
+    }
+
+    /// Lets intervals end where the drive jumps: they are proved up to there, and the sample after it is not joined.
+    pub fn up_to_jumps(mut self) -> Self {
+        self.may_jump = true;
+        self
+    }
+
+    /// Whether a sample's exact pose is the one that the tube has at that time.
+    pub fn meets(&mut self, tube: &Tube, sample: &Sample) -> bool {
+        self.place(sample)
+            .is_ok_and(|place| self.holds(tube, &place))
     }
 
     /// Proves the interval between the two samples of `pair`; the tubes are those up to its end or its refusal.
     pub fn interval(&mut self, pair: &[Sample]) -> (IntervalCertificate, Vec<Tube>) {
-        let mut tubes = Vec::new();
-        let refused = match pair {
-            [start, end] => self.between(start, end, &mut tubes).err(),
-            _ => None,
-        };
+        let (tubes, refused) = self.tubes(pair, FLOOR);
         let size = self.mechanism.size;
         let radius = tubes.iter().map(|t: &Tube| t.radius).fold(0.0, f64::max);
         let unique = tubes.iter().map(|t| t.unique).fold(f64::INFINITY, f64::min);
@@ -89,10 +117,56 @@ impl<'m> Prover<'m> {
         (certificate, tubes)
     }
 
+    /// The tubes of an interval, from its start up to its end or a refusal. No stretch is shorter than `floor` of the
+    /// interval.
+    pub fn tubes(&mut self, pair: &[Sample], floor: f64) -> (Vec<Tube>, Option<Refusal>) {
+        let mut tubes = Vec::new();
+        let refused = match pair {
+            [start, end] => self.between(start, end, floor, &mut tubes).err(),
+            _ => None,
+        };
+        (tubes, refused)
+    }
+
+    /// The same motion in two tubes, each thinner; `None` where they cannot be proved.
+    pub fn halves(&mut self, tube: &Tube) -> Option<[Tube; 2]> {
+        let middle = 0.5 * tube.start + 0.5 * tube.end;
+        let mut part = |start: f64, end: f64| {
+            let inputs = InputPath::new(self.mechanism, Stretch::new(start, end));
+            let path = inputs.with(tube.path.part(self.mechanism.unknowns.len(), start, end));
+            let half = self.prove([start, end], path).ok()?;
+            self.same_motion(tube, &half).then_some(half)
+        };
+        Some([part(tube.start, middle)?, part(middle, tube.end)?])
+    }
+
+    /// The arguments of all joints over a tube's stretch.
+    pub fn arguments(&self, tube: &Tube) -> Vec<Model> {
+        let mut coordinates = tube.path.coordinates.clone();
+        for (k, rest) in tube.rest.iter().enumerate() {
+            coordinates[k].rest += rest * self.mechanism.scale_of(k) * (1.0 + 1e-12);
+        }
+        let count = self.mechanism.arguments.len();
+        let of = |form: &Form| match form {
+            Form::Affine(affine) => Model::of_affine(affine, &coordinates),
+            Form::Formula(_) => {
+                let place: Vec<Interval> = coordinates.iter().map(Model::range).collect();
+                let mut rates: Vec<f64> = coordinates.iter().map(|c| c.rest).collect();
+                // The inputs' own are part of the series.
+                rates[tube.rest.len()..].fill(0.0);
+                let mut value = form.value(&tube.path);
+                value.rest += form.change(&place, &rates).rate;
+                value
+            }
+        };
+        self.blocks.forms[..count].iter().map(of).collect()
+    }
+
     fn between(
         &mut self,
         start: &Sample,
         end: &Sample,
+        floor: f64,
         tubes: &mut Vec<Tube>,
     ) -> Result<(), Refusal> {
         let refuse = |sample: &Sample, obstacle| Refusal {
@@ -100,8 +174,11 @@ impl<'m> Prover<'m> {
             obstacle,
         };
         let mut here = self.place(start).map_err(|o| refuse(start, o))?;
-        let last = self.place(end).map_err(|o| refuse(end, o))?;
-        let floor = FLOOR * (end.time - start.time);
+        let mut last = self.place(end).map_err(|o| refuse(end, o))?;
+        if self.may_jump {
+            last = self.before_a_jump(&here, last);
+        }
+        let floor = floor * (end.time - start.time);
         let mut ahead = self.by_keyframes(&here, last)?;
         while let Some(next) = ahead.pop() {
             match self.tube(&here, &next, tubes.last()) {
@@ -150,11 +227,54 @@ impl<'m> Prover<'m> {
         Ok(Place {
             time: sample.time,
             unknowns: pose.unknowns.clone(),
+            rates: Some(pose.rates.clone()),
             sample: Some((
                 sample.inputs.clone(),
                 error / self.mechanism.size * (1.0 + 1e-12),
             )),
         })
+    }
+
+    /// The pose to which the drive leads right before `last`, where it jumps to that; else `last` itself.
+    fn before_a_jump(&mut self, here: &Place, last: Place) -> Place {
+        let keys = keys_between(&self.mechanism.drives, here.time, last.time);
+        let from = keys.last().copied().unwrap_or(here.time);
+        let inputs = InputPath::new(self.mechanism, Stretch::new(from, last.time));
+        let values = last.sample.iter().flat_map(|(values, _)| values);
+        let limit = |k: usize| inputs.at(k, last.time).middle();
+        let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
+        if !values.enumerate().any(jumps) {
+            return last;
+        }
+        let limits = (0..self.mechanism.drives.len()).map(limit);
+        let mut coordinates: Vec<f64> = here.unknowns.iter().copied().chain(limits).collect();
+        let Some(unknowns) = self.corrected(&mut coordinates) else {
+            return last;
+        };
+        Place {
+            time: last.time,
+            unknowns,
+            rates: None,
+            sample: None,
+        }
+    }
+
+    /// The unknowns of the closed pose near to `coordinates`.
+    fn corrected(&mut self, coordinates: &mut Vec<f64>) -> Option<Vec<f64>> {
+        let (mechanism, structure) = (self.mechanism, self.structure);
+        let correction = self
+            .corrector
+            .correct(mechanism, structure, coordinates, Pace::Brisk);
+        coordinates.truncate(mechanism.unknowns.len());
+        correction.converged.then(|| std::mem::take(coordinates))
+    }
+
+    /// What differences of input `k` are measured in, at a value.
+    fn unit(&self, k: usize, value: f64) -> f64 {
+        match self.mechanism.inputs[k].kind {
+            Kind::Length => self.mechanism.size,
+            _ => value.abs().max(1.0),
+        }
     }
 
     /// The interval's end and the keyframes before it, the first one last.
@@ -179,16 +299,11 @@ impl<'m> Prover<'m> {
         let pairs = a.unknowns.iter().zip(&b.unknowns);
         let mut coordinates: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
         coordinates.extend(self.mechanism.inputs_at(time));
-        let correction = self.corrector.correct(
-            self.mechanism,
-            self.structure,
-            &mut coordinates,
-            Pace::Brisk,
-        );
-        coordinates.truncate(self.mechanism.unknowns.len());
-        correction.converged.then_some(Place {
+        let unknowns = self.corrected(&mut coordinates)?;
+        Some(Place {
             time,
-            unknowns: coordinates,
+            unknowns,
+            rates: None,
             sample: None,
         })
     }
@@ -207,23 +322,16 @@ impl<'m> Prover<'m> {
         for place in [here, next] {
             self.admit(&mut inputs, place)?;
         }
-        let time = 0.5 * here.time + 0.5 * next.time;
-        let singular = Obstacle::Test(Reason::Singular);
-        let middle = self.pose_between(here, next, time).ok_or(singular)?;
-        let coordinates = [middle.unknowns, self.mechanism.inputs_at(time)].concat();
-        let path = inputs
-            .through(self.mechanism, self.structure, &coordinates)
-            .ok_or(singular)?;
-        let bases = self.bases.as_deref().unwrap_or_default();
-        let proved = prove_blocks(self.mechanism, self.structure, &self.forms, bases, &path)
+        if self.has_more_rows {
+            // The rows that the proof leaves out are checked in the middle.
+            let time = 0.5 * here.time + 0.5 * next.time;
+            let singular = Obstacle::Test(Reason::Singular);
+            self.pose_between(here, next, time).ok_or(singular)?;
+        }
+        let path = inputs.with(self.first_guess(here, next, before));
+        let tube = self
+            .prove([here.time, next.time], path)
             .map_err(Obstacle::Test)?;
-        let tube = Tube {
-            start: here.time,
-            end: next.time,
-            radius: proved.largest,
-            unique: proved.unique,
-            path,
-        };
         if before.is_some_and(|before| !self.same_inputs(before, &tube)) {
             return Err(Obstacle::Drive);
         }
@@ -232,18 +340,55 @@ impl<'m> Prover<'m> {
         joined.then_some(tube).ok_or(Obstacle::NotJoined)
     }
 
+    /// Brings a path to the motion and proves the tube around it.
+    fn prove(&mut self, [start, end]: [f64; 2], mut path: Path) -> Result<Tube, Reason> {
+        let bases = self.bases.as_deref().unwrap_or_default();
+        let proved = self.blocks.prove(bases, &mut path, true)?;
+        Ok(Tube {
+            start,
+            end,
+            radius: proved.largest,
+            unique: proved.unique,
+            rest: proved.rest,
+            path,
+        })
+    }
+
+    /// Cubic curves of the unknowns through both ends, with the rates there as far as they are known.
+    fn first_guess(&self, here: &Place, next: &Place, before: Option<&Tube>) -> Vec<Polynomial> {
+        let half = 0.5 * (next.time - here.time);
+        let rate = |place: &Place, k: usize| {
+            let rate = half * place.rates.as_ref()?.get(k)?;
+            rate.is_finite().then_some(rate)
+        };
+        let curve = |k: usize| {
+            let (a, b) = (here.unknowns[k], next.unknowns[k]);
+            let (middle, way) = (0.5 * (a + b), 0.5 * (b - a));
+            let at_start = before.map(|tube| half * tube.rate_at_end(k));
+            let at_start = at_start.or_else(|| rate(here, k));
+            // Without one of the rates the curve is quadratic, without both straight.
+            let (u, v) = match (at_start, rate(next, k)) {
+                (Some(u), Some(v)) => (u, v),
+                (Some(u), None) => (u, 2.0 * way - u),
+                (None, Some(v)) => (2.0 * way - v, v),
+                (None, None) => (way, way),
+            };
+            let (bend, twist) = (0.25 * (v - u), 0.25 * (u + v) - 0.5 * way);
+            let mut curve = [0.0; TERMS];
+            curve[..4].copy_from_slice(&[middle - bend, way - twist, bend, twist]);
+            curve
+        };
+        (0..here.unknowns.len()).map(curve).collect()
+    }
+
     /// Takes the inputs of a sample into the enclosed drive.
     fn admit(&self, inputs: &mut InputPath, place: &Place) -> Result<(), Obstacle> {
         let Some((values, _)) = &place.sample else {
             return Ok(());
         };
         for (k, value) in values.iter().enumerate() {
-            let unit = match self.mechanism.inputs[k].kind {
-                Kind::Length => self.mechanism.size,
-                _ => value.abs().max(1.0),
-            };
             let off = inputs.admit(k, place.time, *value);
-            if off.is_nan() || off > SAME_INPUT * unit {
+            if off.is_nan() || off > SAME_INPUT * self.unit(k, *value) {
                 return Err(Obstacle::Drive);
             }
         }

@@ -2,69 +2,114 @@
 
 use super::super::Reason;
 use super::super::interval::Interval;
-use super::chain::{ArgumentSeries, LoopSeries, Reaches};
+use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Change, Form};
+use super::model::{GROW, Model};
 use super::path::Path;
-use super::series::Series;
+use super::series::TERMS;
+use crate::kinematics::lanes::LaneMatrix;
 use crate::kinematics::structure::{Block, LoopPart};
 use crate::model::mechanism::{Closes, Mechanism};
 
+/// Coefficients of the Jacobian that are kept: the inverse follows it as far, and what is of higher order is small
+/// enough in the bound.
+pub const JACOBIAN_TERMS: usize = 4;
+
+/// A block and what its unknowns are called by; laid out once.
+#[derive(Clone, Debug)]
+pub struct Layout<'m> {
+    pub mechanism: &'m Mechanism,
+    pub block: &'m Block,
+    /// Unknowns: the block's own, then those of earlier blocks.
+    pub columns: Vec<usize>,
+    /// Number of own unknowns.
+    pub own: usize,
+    /// Forms that the block uses: its arguments, then its equations.
+    used: Vec<usize>,
+    /// For every form: columns it depends on, with the scale of the unknown.
+    moves: Vec<Vec<(usize, f64)>>,
+    /// For every unknown, its scale if it is one of the columns, and if it is one of the own.
+    rates: [Vec<f64>; 2],
+    /// Changes of affine forms by the own unknowns and by all.
+    changes: [Vec<Change>; 2],
+}
+
 /// A block over a stretch.
+#[derive(Debug, Default)]
 pub struct Rows {
     /// Residuals.
-    pub residual: Vec<Series>,
-    /// Derivatives by the columns, row by row.
-    pub jacobian: Vec<Series>,
-    /// Bounds of the second derivatives along the block's own unknowns.
-    pub second: Vec<f64>,
+    pub residual: Vec<Model>,
+    /// Derivatives by the columns: one matrix a coefficient.
+    pub jacobian: [LaneMatrix; JACOBIAN_TERMS],
+    /// What they leave out.
+    pub rest: LaneMatrix,
+    /// Of every loop that must not be turned by π: the trace of its rotation.
+    pub traces: Vec<Model>,
+}
+
+/// Bounds that hold within the ball around the path.
+#[derive(Debug, Default)]
+pub struct Bends {
+    /// Of the second derivatives along the block's own unknowns, row by row.
+    pub own: Vec<f64>,
     /// The same along those of earlier blocks too.
-    pub second_all: Vec<f64>,
-    /// Of every loop that must not be turned by π: the trace of its rotation, and by how much it can turn along all unknowns.
-    pub traces: Vec<(Series, f64)>,
-}
-
-/// Forms that a block uses: its arguments, then its equations.
-pub fn used<'b>(mechanism: &Mechanism, block: &'b Block) -> impl Iterator<Item = usize> + 'b {
-    let first = mechanism.arguments.len();
-    let equations = block.equations.iter().map(move |index| first + index);
-    block.arguments.iter().copied().chain(equations)
-}
-
-/// A block and what its unknowns are called by.
-#[derive(Clone, Copy)]
-pub struct Site<'a> {
-    pub mechanism: &'a Mechanism,
-    pub forms: &'a [Form<'a>],
-    pub block: &'a Block,
-    /// Unknowns: the block's own, then those of earlier blocks.
-    pub columns: &'a [usize],
-    /// Radius, in radians and sizes, around the path within which second derivatives are bounded.
+    pub all: Vec<f64>,
+    /// Of every loop that must not be turned by π: by how much it can turn along all unknowns.
+    pub turns: Vec<f64>,
+    /// Radius of the ball, in radians and sizes.
     pub ball: f64,
 }
 
-/// Residual, Jacobian and traces in one pass.
-struct Pass {
-    residual: Vec<Series>,
-    jacobian: Vec<Series>,
-    traces: Vec<Series>,
-}
-
-impl Site<'_> {
-    /// Everything about the block along the path.
-    pub fn rows(&self, path: &Path) -> Result<Rows, Reason> {
-        let mut rows = self.bounds(path)?;
-        let near = self.pass(&path.middle)?;
-        let far = self.pass(&path.everywhere)?;
-        let merge = |near: Vec<Series>, far: &[Series]| -> Vec<Series> {
-            let pairs = near.into_iter().zip(far);
-            pairs.map(|(n, f)| n.with_remainder_of(f)).collect()
+impl<'m> Layout<'m> {
+    /// Lays out a block whose arguments and equations are `forms`.
+    pub fn new(mechanism: &'m Mechanism, forms: &[Form], block: &'m Block) -> Self {
+        let first = mechanism.arguments.len();
+        let equations = block.equations.iter().map(|index| first + index);
+        let used: Vec<usize> = block.arguments.iter().copied().chain(equations).collect();
+        let mut others: Vec<usize> = used
+            .iter()
+            .flat_map(|form| forms[*form].coordinates())
+            .collect();
+        others.sort_unstable();
+        others.dedup();
+        others.retain(|slot| *slot < mechanism.unknowns.len() && block.column_of[*slot].is_none());
+        let columns = [block.unknowns.clone(), others].concat();
+        let own = block.unknowns.len();
+        let mut moves = vec![Vec::new(); forms.len()];
+        for form in &used {
+            for slot in forms[*form].coordinates() {
+                if let Some(column) = columns.iter().position(|c| *c == slot) {
+                    moves[*form].push((column, mechanism.scale_of(slot)));
+                }
+            }
+        }
+        let rates = [own, columns.len()].map(|count| {
+            let mut rates = vec![0.0; mechanism.coordinate_count()];
+            for slot in &columns[..count] {
+                rates[*slot] = mechanism.scale_of(*slot);
+            }
+            rates
+        });
+        let affine = |rates: &Vec<f64>| {
+            let mut changes = vec![Change::default(); forms.len()];
+            for form in &used {
+                if let Form::Affine(_) = forms[*form] {
+                    changes[*form] = forms[*form].change(&[], rates);
+                }
+            }
+            changes
         };
-        rows.residual = merge(near.residual, &far.residual);
-        rows.jacobian = merge(near.jacobian, &far.jacobian);
-        let traces = merge(near.traces, &far.traces);
-        let turns = rows.traces.iter_mut().zip(traces);
-        turns.for_each(|(entry, trace)| entry.0 = trace);
-        Ok(rows)
+        let changes = [affine(&rates[0]), affine(&rates[1])];
+        Self {
+            mechanism,
+            block,
+            columns,
+            own,
+            used,
+            moves,
+            rates,
+            changes,
+        }
     }
 
     /// Whether a loop could be closed but for a turn by π; one that closes in a point may turn.
@@ -80,129 +125,152 @@ impl Site<'_> {
             .map(move |index| (first + index, self.mechanism.weight_of(*index)))
     }
 
-    /// Adds `derivative` times the derivatives of a form to a row of the Jacobian.
-    fn add(&self, row: &mut [Series], derivative: &Series, of_form: &[(usize, Series)]) {
-        for (slot, rate) in of_form {
-            if let Some(column) = self.columns.iter().position(|c| c == slot) {
-                let scale = Interval::point(self.mechanism.scale_of(*slot));
-                row[column] = row[column] + (*derivative * *rate).scale(scale);
-            }
+    /// Residual and Jacobian along the path.
+    pub fn rows(&self, forms: &[Form], path: &Path, rows: &mut Rows) -> Result<(), Reason> {
+        let count = self.block.rows();
+        for matrix in rows.jacobian.iter_mut().chain([&mut rows.rest]) {
+            matrix.reset(count, self.columns.len());
         }
-    }
-
-    /// Whether a form depends on any of the columns.
-    fn moves(&self, of_form: &[(usize, Series)]) -> bool {
-        of_form.iter().any(|(slot, _)| self.columns.contains(slot))
-    }
-
-    fn pass(&self, coordinates: &[Series]) -> Result<Pass, Reason> {
-        let width = self.columns.len();
-        let mut arguments: Vec<Option<ArgumentSeries>> = vec![None; self.mechanism.arguments.len()];
-        let mut derivatives: Vec<Vec<(usize, Series)>> = vec![Vec::new(); arguments.len()];
+        rows.residual.clear();
+        rows.traces.clear();
+        let mut arguments: Vec<Option<ArgumentModel>> = vec![None; self.mechanism.arguments.len()];
         for &index in &self.block.arguments {
-            let form = &self.forms[index];
-            let value = form.value(coordinates);
-            derivatives[index] = form.derivatives(coordinates);
-            if !value.is_finite() || !derivatives[index].iter().all(|(_, d)| d.is_finite()) {
+            let value = forms[index].value(path);
+            if !value.is_finite() {
                 return Err(Reason::Formula);
             }
             arguments[index] = Some(value.into());
         }
-        let mut pass = Pass {
-            residual: Vec::new(),
-            jacobian: Vec::new(),
-            traces: Vec::new(),
-        };
+        let derivatives: Vec<Vec<Model>> = self
+            .used
+            .iter()
+            .map(|index| forms[*index].derivatives(path))
+            .collect();
+        let place = |index: usize| self.used.iter().position(|u| *u == index);
         for part in &self.block.loops {
             let steps = &self.mechanism.loops[part.index].chain.steps;
-            let item = LoopSeries::new(steps, &arguments, self.mechanism.size);
-            let first = pass.jacobian.len();
-            pass.residual
-                .extend(part.components.iter().map(|c| item.residual(*c)));
+            let moves = |a: usize| !self.moves[a].is_empty();
+            let item = LoopModel::new(steps, &arguments, moves, self.mechanism.size);
+            let first = rows.residual.len();
+            let residuals = part.components.iter().map(|c| item.residual(*c));
+            rows.residual.extend(residuals);
             if self.must_not_turn(part) {
-                pass.traces.push(item.trace());
+                rows.traces.push(item.trace());
             }
-            pass.jacobian
-                .resize(first + part.components.len() * width, Series::ZERO);
+            let open = item.open();
             for joint in &item.joints {
-                let of_argument = &derivatives[joint.argument];
-                if !self.moves(of_argument) {
+                let Some(form) = place(joint.argument) else {
                     continue;
-                }
-                let rows = pass.jacobian[first..].chunks_exact_mut(width);
-                for (row, component) in rows.zip(&part.components) {
-                    self.add(row, &item.column(joint, *component), of_argument);
+                };
+                let column = item.column(joint, open);
+                for (k, component) in part.components.iter().enumerate() {
+                    let derivative = &column[*component];
+                    self.add(
+                        rows,
+                        first + k,
+                        joint.argument,
+                        derivative,
+                        &derivatives[form],
+                    );
                 }
             }
         }
         for (index, scale) in self.equations() {
-            let form = &self.forms[index];
-            let scale = Series::constant(Interval::point(scale));
-            pass.residual.push(form.value(coordinates) * scale);
-            let mut row = vec![Series::ZERO; width];
-            self.add(&mut row, &scale, &form.derivatives(coordinates));
-            pass.jacobian.extend(row);
+            let row = rows.residual.len();
+            let weight = Model::constant(scale);
+            rows.residual.push(forms[index].value(path).scaled(scale));
+            if let Some(form) = place(index) {
+                self.add(rows, row, index, &weight, &derivatives[form]);
+            }
         }
-        let all = pass.residual.iter().chain(&pass.jacobian);
-        if !all.chain(&pass.traces).all(Series::is_finite) {
-            return Err(Reason::Formula);
-        }
-        Ok(pass)
+        let matrices = rows.jacobian.iter().chain([&rows.rest]);
+        let numbers = matrices.flat_map(|m| m.groups().as_flattened());
+        let models = rows.residual.iter().chain(&rows.traces);
+        let whole = numbers.copied().all(f64::is_finite) && models.copied().all(|m| m.is_finite());
+        whole.then_some(()).ok_or(Reason::Formula)
     }
 
-    /// Second derivatives and turns, valid within the ball around the whole path.
-    fn bounds(&self, path: &Path) -> Result<Rows, Reason> {
-        let n = self.block.unknowns.len();
-        let mut place: Vec<Interval> = path.everywhere.iter().map(|s| s.0[0]).collect();
-        let (mut own, mut all) = (vec![0.0; place.len()], vec![0.0; place.len()]);
-        for (k, &slot) in self.columns.iter().enumerate() {
-            let scale = self.mechanism.scale_of(slot);
-            place[slot] = place[slot] + Interval::around_zero(self.ball * scale);
-            all[slot] = scale;
-            if k < n {
-                own[slot] = scale;
+    /// Adds a row's derivative by a form, times that of the form by its unknowns.
+    fn add(&self, rows: &mut Rows, row: usize, form: usize, by_form: &Model, of_form: &[Model]) {
+        for ((column, scale), rate) in self.moves[form].iter().zip(of_form) {
+            let entry = if rate.c[1..] == [0.0; TERMS - 1] && rate.rest == 0.0 {
+                by_form.scaled(rate.c[0] * scale)
+            } else {
+                by_form.times(rate).scaled(*scale)
+            };
+            let entry = entry.shortened(JACOBIAN_TERMS);
+            for (matrix, c) in rows.jacobian.iter_mut().zip(&entry.c) {
+                *matrix.at_mut(row, *column) += c;
+            }
+            // Sums of a few entries in one place round by less than each of them once.
+            let size: f64 = entry.c.iter().map(|c| c.abs()).sum();
+            *rows.rest.at_mut(row, *column) += entry.rest * GROW + 8.0 * f64::EPSILON * size;
+        }
+    }
+
+    /// Second derivatives and turns, valid within `ball` around the whole path.
+    pub fn bends(&self, forms: &[Form], path: &Path, ball: f64) -> Result<Bends, Reason> {
+        let needs_place = self
+            .used
+            .iter()
+            .any(|f| matches!(forms[*f], Form::Formula(_)));
+        let place = if needs_place {
+            path.place(&self.rates[1], ball)
+        } else {
+            Vec::new()
+        };
+        let mut changes = self.changes.clone();
+        for (changes, rates) in changes.iter_mut().zip(&self.rates) {
+            for form in &self.used {
+                if let Form::Formula(_) = forms[*form] {
+                    changes[*form] = forms[*form].change(&place, rates);
+                }
             }
         }
-        let changes = |rates: &[f64]| -> Vec<Change> {
-            let mut changes = vec![Change::default(); self.forms.len()];
-            for index in used(self.mechanism, self.block) {
-                changes[index] = self.forms[index].change(&place, rates);
-            }
-            changes
-        };
-        let (own, all) = (changes(&own), changes(&all));
-        let still: Vec<Series> = place.into_iter().map(Series::constant).collect();
-        let mut rows = Rows {
-            residual: Vec::new(),
-            jacobian: Vec::new(),
-            second: Vec::new(),
-            second_all: Vec::new(),
-            traces: Vec::new(),
+        let [own, all] = changes;
+        let mut bends = Bends {
+            ball,
+            ..Bends::default()
         };
         for part in &self.block.loops {
             let steps = &self.mechanism.loops[part.index].chain.steps;
-            let farthest = |a: usize| self.forms[a].value(&still).0[0].magnitude();
+            // The value over the path, and what the ball adds to it.
+            let farthest = |a: usize| match &forms[a] {
+                Form::Affine(affine) => {
+                    let value = Model::of_affine(affine, &path.coordinates);
+                    value.size() + all[a].rate * ball
+                }
+                form @ Form::Formula(_) => form.range(&place).magnitude(),
+            };
             let reaches = Reaches::new(steps, farthest, self.mechanism.size);
-            let second = |changes: &[Change]| reaches.second_derivatives(|a| changes[a]);
-            let (own, all_bounds) = (second(&own), second(&all));
+            let of_own = reaches.second_derivatives(|a| own[a]);
+            let of_all = reaches.second_derivatives(|a| all[a]);
             for component in &part.components {
-                rows.second.push(own[component / 3]);
-                rows.second_all.push(all_bounds[component / 3]);
+                bends.own.push(of_own[component / 3]);
+                bends.all.push(of_all[component / 3]);
             }
             if self.must_not_turn(part) {
-                let turn = reaches.turn(|a| all[a].rate);
-                rows.traces.push((Series::ZERO, turn));
+                bends.turns.push(reaches.turn(|a| all[a].rate));
             }
         }
         for (index, scale) in self.equations() {
-            rows.second.push(own[index].bend * scale);
-            rows.second_all.push(all[index].bend * scale);
+            bends.own.push(own[index].bend * scale);
+            bends.all.push(all[index].bend * scale);
         }
-        let mut bounds = rows.second.iter().chain(&rows.second_all);
+        let mut bounds = bends.own.iter().chain(&bends.all);
         if bounds.all(|b| b.is_finite()) {
-            Ok(rows)
+            Ok(bends)
         } else {
             Err(Reason::Formula)
         }
+    }
+}
+
+impl Path {
+    /// All values of the coordinates in a ball around the path; `scales` are those of the unknowns in the ball.
+    fn place(&self, scales: &[f64], ball: f64) -> Vec<Interval> {
+        let all = self.coordinates.iter().zip(scales);
+        all.map(|(x, scale)| x.range() + Interval::around_zero(ball * scale))
+            .collect()
     }
 }

@@ -1,0 +1,95 @@
+//! Distances of two bodies at one pose after the other. From pose to pose no distance changes by more than the points
+//! move, so that most elements need not be looked at again.
+
+use super::bodies::{BodyProximity, Hull, apart};
+use super::core::Element;
+use super::pair::distance;
+use crate::math::Pose;
+use glam::{DMat3, DVec3};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Relative rounding of distances and of the way between two poses: far more than there is.
+const SLACK: f64 = 1e-9;
+
+/// Two bodies and what is known of their elements' distances.
+pub struct Track<'a> {
+    hulls: [&'a Hull; 2],
+    /// Balls around the elements of the second body, in its frame.
+    balls: Vec<(DVec3, f64)>,
+    /// Lower bounds of the distances at the last pose, one row an element of the first body.
+    lower: Vec<f64>,
+    last: Option<Pose>,
+    nearest: usize,
+}
+
+impl<'a> Track<'a> {
+    /// Two bodies of which nothing is known yet.
+    pub fn new(hulls: [&'a Hull; 2]) -> Self {
+        let balls: Vec<(DVec3, f64)> = hulls[1].elements.iter().map(Element::bounds).collect();
+        Self {
+            hulls,
+            lower: vec![f64::NEG_INFINITY; hulls[0].elements.len() * balls.len()],
+            balls,
+            last: None,
+            nearest: 0,
+        }
+    }
+
+    /// The nearest elements at a pose.
+    pub fn at(&mut self, a_from_b: &Pose) -> Option<BodyProximity> {
+        self.move_to(a_from_b);
+        let columns = self.balls.len();
+        let mut placed: Vec<Option<Element>> = vec![None; columns];
+        let mut best: Option<BodyProximity> = None;
+        let count = self.lower.len();
+        let others = (0..count).filter(|k| *k != self.nearest);
+        for k in std::iter::once(self.nearest).chain(others.collect::<Vec<_>>()) {
+            let limit = best.map_or(f64::INFINITY, |b| b.proximity.distance);
+            if k >= count || self.lower[k] >= limit {
+                continue;
+            }
+            let (i, j) = (k / columns, k % columns);
+            let first = &self.hulls[0].elements[i];
+            let second = placed[j].get_or_insert_with(|| self.hulls[1].elements[j].moved(a_from_b));
+            if best.is_some() {
+                self.lower[k] = self.lower[k].max(apart(first, second));
+                if self.lower[k] >= limit {
+                    continue;
+                }
+            }
+            let proximity = distance(first, second);
+            // Depths are found by a search and known less well than distances.
+            self.lower[k] = if proximity.distance > 0.0 {
+                proximity.distance
+            } else {
+                f64::NEG_INFINITY
+            };
+            if proximity.distance < limit || best.is_none() {
+                self.nearest = k;
+                best = Some(BodyProximity {
+                    proximity,
+                    elements: [i, j],
+                });
+            }
+        }
+        best
+    }
+
+    /// Lowers what is known by the way from the last pose to this one.
+    fn move_to(&mut self, pose: &Pose) {
+        if let Some(last) = self.last.replace(*pose) {
+            let turn: DMat3 = pose.rotation - last.rotation;
+            let turn = turn.to_cols_array().iter().map(|v| v * v).sum::<f64>();
+            let turn = turn.sqrt() * FRAC_1_SQRT_2;
+            let columns = self.balls.len();
+            for (j, (center, radius)) in self.balls.iter().enumerate() {
+                let shift = pose.transform_point(*center) - last.transform_point(*center);
+                let turned = if turn == 0.0 { 0.0 } else { turn * radius };
+                let way = shift.length() + turned + SLACK * (center.length() + radius);
+                for lower in self.lower.iter_mut().skip(j).step_by(columns) {
+                    *lower -= way + SLACK * lower.abs();
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Taylor models: a polynomial in s with plain numbers, and a bound of what it leaves out for -1 ≤ s ≤ 1.
+//!
+//! Sums and products act on the polynomials; what they round or truncate is added to the bound. Coefficients are numbers,
+//! not intervals, so that a product costs its multiplications only.
+
+use super::super::interval::Interval;
+use super::series::{Series, TERMS};
+use crate::math::sin_cos;
+use crate::model::expression::Affine;
+
+/// Unit roundoff, doubled: covers one operation and the rounding of its own bound.
+const UNIT: f64 = f64::EPSILON;
+
+/// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
+pub const GROW: f64 = 1.0 + 1e-12;
+
+/// Operations that the coefficients of a sine take after each other, at most, each with its rounding.
+const SINE_STEPS: f64 = 48.0;
+
+/// Σ cₖ sᵏ.
+pub type Polynomial = [f64; TERMS];
+
+/// A function of s, -1 ≤ s ≤ 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// Coefficients.
+    pub c: Polynomial,
+    /// The function is nowhere farther from the polynomial.
+    pub rest: f64,
+}
+
+/// A function around a place: value ± way u, for -1 ≤ u ≤ 1, to within `off`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Around {
+    /// At the place.
+    pub value: f64,
+    /// Linear change to the end of the surroundings.
+    pub way: f64,
+    /// Bound of everything else.
+    pub off: f64,
+}
+
+/// Σ |cₖ|: the polynomial is nowhere larger.
+pub fn size(c: &Polynomial) -> f64 {
+    c.iter().map(|c| c.abs()).sum()
+}
+
+/// Sums of the last entries: entry m holds Σ over k ≥ m, and zero follows.
+pub fn tails(sizes: &Polynomial) -> [f64; TERMS + 1] {
+    let mut tails = [0.0; TERMS + 1];
+    for k in (0..TERMS).rev() {
+        tails[k] = tails[k + 1] + sizes[k];
+    }
+    tails
+}
+
+/// What a product of polynomials loses that are cut off after [`TERMS`] coefficients of these sizes.
+pub fn truncated(a: &Polynomial, tails: &[f64; TERMS + 1]) -> f64 {
+    (1..TERMS).map(|j| a[j] * tails[TERMS - j]).sum()
+}
+
+/// The product, cut off.
+pub fn product(a: &Polynomial, b: &Polynomial) -> Polynomial {
+    let mut c = [0.0; TERMS];
+    for j in 0..TERMS {
+        for k in 0..TERMS - j {
+            c[j + k] += a[j] * b[k];
+        }
+    }
+    c
+}
+
+impl Model {
+    /// Zero.
+    pub const ZERO: Self = Self {
+        c: [0.0; TERMS],
+        rest: 0.0,
+    };
+
+    /// A number that does not change.
+    pub fn constant(value: f64) -> Self {
+        let mut model = Self::ZERO;
+        model.c[0] = value;
+        model
+    }
+
+    /// From the series about the middle and the one about every place at once.
+    pub fn of(middle: &Series, everywhere: &Series) -> Self {
+        let series = middle.with_remainder_of(everywhere);
+        let c = series.0.map(Interval::middle);
+        let wide = series.0.iter().zip(c).map(|(i, c)| i.distance(c));
+        Self {
+            c,
+            rest: wide.sum::<f64>() * GROW,
+        }
+    }
+
+    /// An affine form of coordinates.
+    pub fn of_affine(form: &Affine, coordinates: &[Self]) -> Self {
+        let mut sum = Self::constant(form.constant);
+        // A number of the scene that is not whole is known to a unit in the last place.
+        let open = |v: f64| if v.fract() == 0.0 { 0.0 } else { UNIT };
+        sum.rest = open(form.constant) * form.constant.abs();
+        let mut all = form.constant.abs();
+        for &(slot, c) in &form.terms {
+            let x = &coordinates[slot];
+            for (sum, x) in sum.c.iter_mut().zip(&x.c) {
+                *sum += c * x;
+            }
+            let size = c.abs() * size(&x.c);
+            all += size;
+            sum.rest += c.abs() * x.rest * GROW + open(c) * size;
+        }
+        let is_plain = form.constant == 0.0 && matches!(form.terms[..], [(_, c)] if c.abs() == 1.0);
+        if !is_plain {
+            sum.rest += (form.terms.len() + 1) as f64 * UNIT * all;
+        }
+        sum
+    }
+
+    /// Nowhere larger than this.
+    pub fn size(&self) -> f64 {
+        (size(&self.c) + self.rest) * GROW
+    }
+
+    /// Nowhere farther from the constant coefficient than this.
+    pub fn size_of_change(&self) -> f64 {
+        (self.c[1..].iter().map(|c| c.abs()).sum::<f64>() + self.rest) * GROW
+    }
+
+    /// Whether all numbers are bounded.
+    pub fn is_finite(&self) -> bool {
+        self.rest.is_finite() && self.c.iter().all(|c| c.is_finite())
+    }
+
+    /// Product with a number.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            c: self.c.map(|c| c * factor),
+            rest: factor.abs() * (self.rest + UNIT * size(&self.c)),
+        }
+    }
+
+    /// Sum.
+    pub fn plus(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        sum.c.iter_mut().zip(&other.c).for_each(|(a, b)| *a += b);
+        sum.rest += other.rest + UNIT * size(&sum.c);
+        sum
+    }
+
+    /// Product.
+    pub fn times(&self, other: &Self) -> Self {
+        let (a, b) = (self.c.map(f64::abs), other.c.map(f64::abs));
+        let (whole, tails) = (size(&a), tails(&b));
+        Self {
+            c: product(&self.c, &other.c),
+            rest: truncated(&a, &tails)
+                + self.rest * (tails[0] + other.rest)
+                + whole * other.rest
+                + (TERMS + 1) as f64 * UNIT * whole * tails[0],
+        }
+    }
+
+    /// The same function with the last coefficients moved into the bound, so that `terms` of them stay.
+    pub fn shortened(mut self, terms: usize) -> Self {
+        let lost = self.c.iter_mut().skip(terms);
+        self.rest += lost.map(|c| std::mem::take(c).abs()).sum::<f64>() * GROW;
+        self
+    }
+
+    /// All values.
+    pub fn range(&self) -> Interval {
+        Interval::point(self.c[0]) + Interval::around_zero(self.size_of_change())
+    }
+
+    /// Coefficients about the place `s`, with `half` as the new unit.
+    pub fn about(&self, s: f64, half: f64) -> Polynomial {
+        let mut c = self.c;
+        for k in 0..TERMS {
+            for j in (k..TERMS - 1).rev() {
+                c[j] += c[j + 1] * s;
+            }
+        }
+        let mut unit = 1.0;
+        for c in &mut c {
+            *c *= unit;
+            unit *= half;
+        }
+        c
+    }
+
+    /// How the function moves around the place `s`, no farther than `half` from it.
+    pub fn around(&self, s: f64, half: f64) -> Around {
+        let c = self.about(s, half);
+        let bend: f64 = c[2..].iter().map(|c| c.abs()).sum();
+        // The shift takes two operations a step on numbers no larger than the sizes of the coefficients.
+        let rounding = (2 * TERMS * TERMS) as f64 * UNIT * size(&self.c);
+        Around {
+            value: c[0],
+            way: c[1],
+            off: (bend + self.rest + rounding) * GROW,
+        }
+    }
+
+    /// All values at the places in `s`.
+    pub fn value_at(&self, s: Interval) -> Interval {
+        let terms = self.c.iter().rev();
+        let value = terms.fold(Interval::ZERO, |sum, c| sum * s + Interval::point(*c));
+        value + Interval::around_zero(self.rest)
+    }
+}
+
+/// A rotation by an angle that changes: its sine and cosine as one pair.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// Coefficients.
+    pub sin: Polynomial,
+    /// Coefficients.
+    pub cos: Polynomial,
+    /// Bounds of the coefficients of the pair.
+    pub sizes: Polynomial,
+    /// The pair is nowhere farther from the true one.
+    pub rest: f64,
+}
+
+impl Turn {
+    /// About an angle.
+    ///
+    /// The coefficients of the pair are bounded by those of exp(Σ |aₖ| sᵏ), and so is the tail that is cut off.
+    pub fn new(angle: &Model) -> Self {
+        let a = &angle.c;
+        let (mut sin, mut cos, mut major) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
+        (sin[0], cos[0]) = sin_cos(a[0]);
+        major[0] = 1.0;
+        for k in 1..TERMS {
+            let (mut s, mut c, mut m) = (0.0, 0.0, 0.0);
+            for j in 1..=k {
+                let slope = j as f64 * a[j];
+                s += slope * cos[k - j];
+                c += slope * sin[k - j];
+                m += slope.abs() * major[k - j];
+            }
+            let k_inverse = 1.0 / k as f64;
+            (sin[k], cos[k], major[k]) = (s * k_inverse, -c * k_inverse, m * k_inverse);
+        }
+        let growth = libm::expm1(a[1..].iter().map(|a| a.abs()).sum());
+        let known: f64 = major[1..].iter().sum();
+        let rounding = 1.5 * UNIT + SINE_STEPS * UNIT * growth;
+        Self {
+            sin,
+            cos,
+            sizes: major.map(|m| m * GROW),
+            rest: ((growth - known).max(0.0) + rounding + angle.rest) * GROW,
+        }
+    }
+}
