@@ -45,6 +45,9 @@ pub struct PairReport {
     pub judgement: Judgement,
     /// Distances at the sampled times; empty for excluded pairs.
     pub distances: Vec<f64>,
+    /// Of pairs that are meant to touch: between the samples they are never farther apart. How deep they may be in each
+    /// other there is the bound of `least`.
+    pub farthest: Option<f64>,
 }
 
 /// What was found.
@@ -184,17 +187,22 @@ fn look_at_excluded(
         least,
         judgement,
         distances: Vec::new(),
+        farthest: None,
     })
 }
 
-/// A pair that must touch all the time, at the sampled times. What is reported is where it is farthest from that.
+/// A pair that must touch all the time: judged at the sampled times, with what is proved between them. What is reported
+/// is where it is farthest from touching.
 fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
     sweep.sampled(motion, &samples, &mut distances)?;
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
-    let least = sweep.sampled(motion, &samples[worst..=worst], &mut Vec::new())?;
+    let mut least = sweep.sampled(motion, &samples[worst..=worst], &mut Vec::new())?;
+    let (low, high, is_certified) = sweep.contact_over(motion);
+    (least.bound, least.is_certified) = (low.min(least.distance), is_certified);
+    let farthest = Some(high.max(least.distance));
     let holds = least.distance.abs() <= CONTACT * motion.mechanism.size;
     Some(PairReport {
         pair: sweep.bodies(),
@@ -206,6 +214,7 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
             Judgement::Failed
         },
         distances,
+        farthest,
     })
 }
 
@@ -247,6 +256,7 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
         least,
         judgement,
         distances,
+        farthest: None,
     })
 }
 

@@ -6,10 +6,9 @@
 
 use super::core::{BOX_EDGES, Circle, Core, Frustum};
 use super::point::{PointHit, on_segment, point_to};
-use super::search::{Spot, least, least_convex};
+use super::search::{Spot, least_convex, least_on_circle};
 use crate::math::sin_cos;
 use glam::DVec3;
-use std::f64::consts::TAU;
 
 /// The nearest points found of two cores.
 #[derive(Clone, Copy, Debug)]
@@ -154,15 +153,11 @@ fn of_circle(a: &Core, circle: &Circle) -> CorePair {
         return of_point(a, circle.center);
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    let at = |angle: f64| {
-        let (sin, cos) = sin_cos(angle);
-        (circle.center + x * cos + y * sin, y * cos - x * sin)
-    };
-    let best = least(0.0, TAU, circle.radius, |angle| {
-        let (point, tangent) = at(angle);
-        spot(a, angle, point, tangent)
+    let point = |(sin, cos): (f64, f64)| circle.center + x * cos + y * sin;
+    let best = least_on_circle(circle.radius, |angle, (sin, cos)| {
+        spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
-    of_point(a, at(best.at).0)
+    of_point(a, point(sin_cos(best.at)))
 }
 
 /// Corners of a polyhedral core, how many there are, and which of them its edges join.

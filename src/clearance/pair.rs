@@ -11,10 +11,8 @@ use super::depth::overlap;
 use super::half_space;
 use super::mesh;
 use super::point::point_to;
-use super::search::{Spot, least};
-use crate::math::sin_cos;
+use super::search::{Spot, least, least_on_circle};
 use glam::DVec3;
-use std::f64::consts::TAU;
 
 /// Where two elements are nearest, or deepest in each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,8 +118,7 @@ fn farthest_of_circle(core: &Core, circle: &super::core::Circle) -> f64 {
         return far(core, &[circle.center]);
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    -least(0.0, TAU, circle.radius, |angle| {
-        let (sin, cos) = sin_cos(angle);
+    -least_on_circle(circle.radius, |angle, (sin, cos)| {
         let point = circle.center + x * cos + y * sin;
         backwards(core, angle, point, y * cos - x * sin)
     })

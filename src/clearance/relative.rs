@@ -3,7 +3,7 @@
 use crate::kinematics::certificate::tube::Model;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, Motion, Step, turn_about};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// The chain from one body to another, without what both have in common.
 #[derive(Clone, Debug)]
@@ -11,68 +11,58 @@ pub struct RelativeChain {
     steps: Vec<Step>,
 }
 
-/// Motion of a body as seen from another one, from the middle of a short time to its ends: a rigid velocity times
-/// -1 ≤ u ≤ 1, and a bound of everything else.
+/// Motion of a body as seen from another one, from the middle of a short time to its ends: every point x goes to
+/// x + u X(x) + u² Y(x), -1 ≤ u ≤ 1, with affine X and Y, to within a bound.
 #[derive(Clone, Copy, Debug)]
 pub struct RelativeMove {
     /// `a_from_b` in the middle.
     pub pose: Pose,
-    /// Velocity of the point of b at a's origin, in a's frame.
+    /// X at a's origin, in a's frame.
     pub shift: DVec3,
-    /// Angular velocity in a's frame.
+    /// X as a spin: X(x) = shift + spin × x.
     pub spin: DVec3,
+    /// Y at a's origin.
+    pub bend: DVec3,
+    /// Y(x) = bend + twist x.
+    pub twist: DMat3,
     /// What every point may deviate by ...
     off: f64,
     /// ... and what comes to it for each unit of length from b's origin.
     off_by_reach: f64,
 }
 
+/// A matrix takes no unit vector farther.
+fn stretch(m: &DMat3) -> f64 {
+    m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The matrix of v ×.
+fn cross(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
+}
+
+/// Nothing times an endless length is nothing.
+fn times(rate: f64, length: f64) -> f64 {
+    if rate == 0.0 { 0.0 } else { rate * length }
+}
+
 impl RelativeMove {
-    /// Nothing of a ball of b (centre and radius in b's frame) deviates from the rigid velocity by more.
+    /// Nothing of a ball of b (centre and radius in b's frame) deviates from the two terms by more.
     pub fn deviation(&self, (center, radius): (DVec3, f64)) -> f64 {
-        let by_reach = if self.off_by_reach == 0.0 {
-            0.0
-        } else {
-            self.off_by_reach * (center.length() + radius)
-        };
-        (self.off + by_reach) * (1.0 + 1e-12)
+        (self.off + times(self.off_by_reach, center.length() + radius)) * (1.0 + 1e-12)
     }
 
-    /// What the bounds of the arguments alone let the points of a ball deviate by, however short the time.
-    pub fn blur(chain: &RelativeChain, arguments: &[Model], ball: (DVec3, f64)) -> f64 {
-        let mut blur = 0.0;
-        let mut reach = ball.0.length() + ball.1;
-        for step in chain.steps.iter().rev() {
-            match *step {
-                Step::Fixed(pose) => reach += pose.translation.length(),
-                Step::Joint {
-                    motion, argument, ..
-                } => {
-                    let model = &arguments[argument];
-                    match motion {
-                        Motion::Rotation if model.rest > 0.0 => blur += reach * model.rest,
-                        Motion::Rotation => {}
-                        Motion::Translation => {
-                            blur += model.rest;
-                            reach += model.size();
-                        }
-                    }
-                }
-            }
-        }
-        blur
+    /// How far Y takes the points of a ball.
+    pub fn bending(&self, (center, radius): (DVec3, f64)) -> f64 {
+        let center = self.bend + self.twist * self.pose.transform_point(center);
+        (center.length() + times(stretch(&self.twist), radius)) * (1.0 + 1e-12)
     }
 
     /// No point of a ball of b moves farther.
     pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
-        let center = self.pose.transform_point(ball.0);
-        let turn = if self.spin == DVec3::ZERO {
-            0.0
-        } else {
-            self.spin.length() * ball.1
-        };
-        let linear = (self.shift + self.spin.cross(center)).length() + turn;
-        linear * (1.0 + 1e-12) + self.deviation(ball)
+        let center = self.shift + self.spin.cross(self.pose.transform_point(ball.0));
+        let linear = center.length() + times(self.spin.length(), ball.1);
+        linear * (1.0 + 1e-12) + self.bending(ball) + self.deviation(ball)
     }
 }
 
@@ -99,59 +89,99 @@ impl RelativeChain {
 
     /// The motion no farther than `half` from the place `s` of a stretch.
     ///
-    /// With `wayᵢ` the linear change of joint i, `offᵢ` the rest of it and `playᵢ` both, a point x of b moves by
-    /// Σ ∂ᵢx wayᵢ u to within Σ |∂ᵢx| offᵢ + ½ Σ |∂ᵢⱼx| playᵢ playⱼ; no derivative is larger than the reach from the later
-    /// joint to the point.
+    /// With ξᵢ the twist of joint i, which moves by wayᵢ u + bendᵢ u² to within offᵢ, the two terms are those of
+    /// Π exp(ξᵢ (wayᵢ u + bendᵢ u²)). The rest is bounded joint by joint: a derivative by several joints is no larger
+    /// than the reach from the last of them to the point.
     pub fn around(&self, arguments: &[Model], s: f64, half: f64) -> RelativeMove {
         let mut moved = RelativeMove {
             pose: Pose::IDENTITY,
             shift: DVec3::ZERO,
             spin: DVec3::ZERO,
+            bend: DVec3::ZERO,
+            twist: DMat3::ZERO,
             off: 0.0,
             off_by_reach: 0.0,
         };
-        // Turns of the joints before, and the length from the first joint of all to here.
-        let (mut turned, mut length) = (0.0, 0.0);
-        // A joint's reach is the whole length less that before it.
+        // Of the joints before: their turns, the linear parts of these, and the length from the first joint to here.
+        let (mut turned, mut linear, mut length) = (0.0_f64, 0.0_f64, 0.0);
         let mut off_by_length = 0.0;
         for step in &self.steps {
-            let Step::Joint {
-                motion,
-                axis,
-                argument,
-                sign,
-            } = *step
-            else {
-                if let Step::Fixed(pose) = step {
+            let (motion, axis, argument, sign) = match *step {
+                Step::Fixed(pose) => {
                     length += pose.translation.length();
-                    moved.pose = moved.pose * *pose;
+                    moved.pose = moved.pose * pose;
+                    continue;
                 }
-                continue;
+                Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign,
+                } => (motion, axis, argument, sign),
             };
             let around = arguments[argument].around(s, half);
-            let play = around.way.abs() + around.off;
-            let direction = moved.pose.rotation.col(axis) * (sign * around.way);
+            let way = around.way.abs();
+            let play = way + around.bend.abs() + around.off;
+            let unit = moved.pose.rotation.col(axis) * sign;
+            let spin = unit * around.way;
             match motion {
                 Motion::Rotation => {
-                    moved.spin += direction;
-                    moved.shift += moved.pose.translation.cross(direction);
-                    let off = around.off + play * (0.5 * play + turned);
+                    let origin = moved.pose.translation;
+                    let turn = cross(spin);
+                    let second =
+                        cross(unit * around.bend) + turn * turn * 0.5 + cross(moved.spin) * turn;
+                    moved.twist += second;
+                    moved.bend -= second * origin;
+                    moved.spin += spin;
+                    moved.shift += origin.cross(spin);
+                    let third = ((turned + play).powi(3) - turned.powi(3)) / 6.0;
+                    let off = around.off
+                        + 0.5 * (play * play - way * way)
+                        + (turned * play - linear * way)
+                        + third;
                     moved.off_by_reach += off;
                     off_by_length += off * length;
                     turned += play;
+                    linear += way;
                     let value = ArgumentValue::new(around.value);
                     turn_about(&mut moved.pose, axis, sign * value.sin, value.cos);
                 }
                 Motion::Translation => {
-                    moved.shift += direction;
-                    moved.off += around.off + turned * play;
+                    moved.bend += unit * around.bend + moved.spin.cross(spin);
+                    moved.shift += spin;
+                    moved.off +=
+                        around.off + (turned * play - linear * way) + 0.5 * turned * turned * play;
                     length += around.value.abs() + play;
-                    moved.pose.translation += moved.pose.rotation.col(axis) * (sign * around.value);
+                    moved.pose.translation += unit * around.value;
                 }
             }
         }
-        moved.off += (moved.off_by_reach * length - off_by_length).max(0.0)
-            + 1e-12 * moved.off_by_reach * length;
+        // A joint's reach is the whole length less that before it.
+        let slack = 1e-12 * (moved.off_by_reach * length);
+        moved.off += (moved.off_by_reach * length - off_by_length).max(0.0) + slack;
         moved
+    }
+
+    /// What the bounds of the arguments alone let the points of a ball deviate by, however short the time.
+    pub fn blur(&self, arguments: &[Model], (center, radius): (DVec3, f64)) -> f64 {
+        let (mut blur, mut reach) = (0.0, center.length() + radius);
+        for step in self.steps.iter().rev() {
+            match *step {
+                Step::Fixed(pose) => reach += pose.translation.length(),
+                Step::Joint {
+                    motion, argument, ..
+                } => {
+                    let model = &arguments[argument];
+                    match motion {
+                        Motion::Rotation => blur += times(model.rest, reach),
+                        Motion::Translation => {
+                            blur += model.rest;
+                            reach += model.size();
+                        }
+                    }
+                }
+            }
+        }
+        blur
     }
 }

@@ -1,6 +1,10 @@
 //! Least values of functions of one variable whose slope is known: convex ones, and all others by bracketing with a
 //! bound of the slope.
 
+use crate::math::sin_cos;
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
+
 /// A place with the function's value and slope.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spot {
@@ -12,8 +16,11 @@ pub struct Spot {
     pub slope: f64,
 }
 
-/// Most evaluations of one root search: bisection, every third of them, needs 53 to exhaust f64.
-const MAX_STEPS: usize = 160;
+/// Most evaluations of one root search: bisection, every fourth of them, needs 53 to exhaust f64.
+const MAX_STEPS: usize = 220;
+
+/// Steps after which the bracket must be half as wide.
+const PATIENCE: usize = 4;
 
 /// A slope that promises less than this part of the value over the whole bracket promises nothing.
 const REMAINS: f64 = 0.1 * f64::EPSILON;
@@ -22,8 +29,8 @@ const REMAINS: f64 = 0.1 * f64::EPSILON;
 /// points, four of them minima.
 const PIECES: usize = 16;
 
-/// How often a piece is halved that could hide a smaller value.
-const HALVINGS: u32 = 3;
+/// Parts into which pieces are halved that could hide a smaller value.
+const FINEST: usize = 128;
 
 /// Least spot of a convex function on [low, high].
 pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
@@ -37,31 +44,57 @@ pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
     valley(a, b, &f)
 }
 
-/// Least spot of any function on [low, high] whose slope never exceeds `steepest`.
+/// Least spot of any function of an angle over a whole turn whose slope never exceeds `steepest`. The function is given the
+/// angle's sine and cosine too.
 ///
-/// Exact when no two minima of very different depth share a piece of 1/128 of the range that a bound of the slope
+/// Exact when no two minima of very different depth share a piece of 1/128 of the turn that a bound of the slope
 /// cannot rule out.
+pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> Spot) -> Spot {
+    let grid = grid();
+    let at = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid[k]);
+    least_of(steepest, at, |angle| f(angle, sin_cos(angle)))
+}
+
+/// Least spot of any function on [low, high] whose slope never exceeds `steepest`; as exact as
+/// [`least_on_circle`].
 pub fn least(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> Spot) -> Spot {
-    let place = |k: usize| low + (high - low) * (k as f64 / PIECES as f64);
-    let mut spots: Vec<Spot> = (0..=PIECES).map(|k| f(place(k))).collect();
+    let at = |k: usize| f(low + (high - low) * (k as f64 / FINEST as f64));
+    least_of(steepest, at, &f)
+}
+
+/// Sines and cosines of all places that halving comes to.
+fn grid() -> &'static [(f64, f64); FINEST + 1] {
+    static GRID: OnceLock<[(f64, f64); FINEST + 1]> = OnceLock::new();
+    GRID.get_or_init(|| std::array::from_fn(|k| sin_cos(TAU * (k as f64 / FINEST as f64))))
+}
+
+/// The search, with `at` for the places of the grid.
+fn least_of(steepest: f64, at: impl Fn(usize) -> Spot, f: impl Fn(f64) -> Spot) -> Spot {
+    let mut stride = FINEST / PIECES;
+    let mut spots: Vec<(usize, Spot)> = Vec::with_capacity(2 * PIECES + 1);
+    spots.extend((0..=PIECES).map(|k| (k * stride, at(k * stride))));
     let far = Spot {
         value: f64::INFINITY,
         ..Spot::default()
     };
-    let mut best = spots
-        .iter()
-        .fold(far, |best, s| if s.value < best.value { *s } else { best });
+    let mut best = spots.iter().fold(
+        far,
+        |best, (_, s)| if s.value < best.value { *s } else { best },
+    );
     let hides = |a: &Spot, b: &Spot, best: &Spot| {
         let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
         lowest < best.value
     };
-    for _ in 0..HALVINGS {
+    while stride > 1 {
         best = valleys(&spots, best, &hides, &f);
+        stride /= 2;
         let mut finer = Vec::with_capacity(2 * spots.len());
         for pair in spots.windows(2) {
-            finer.push(pair[0]);
-            if hides(&pair[0], &pair[1], &best) {
-                finer.push(f(0.5 * (pair[0].at + pair[1].at)));
+            let [(k, a), (next, b)] = [pair[0], pair[1]];
+            finer.push((k, a));
+            // Pieces that were not halved before hide nothing.
+            if next - k == 2 * stride && hides(&a, &b, &best) {
+                finer.push((k + stride, at(k + stride)));
             }
         }
         finer.extend(spots.last());
@@ -75,13 +108,13 @@ pub fn least(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> Spot) -> Spo
 
 /// The best of all bracketed minima.
 fn valleys(
-    spots: &[Spot],
+    spots: &[(usize, Spot)],
     mut best: Spot,
     hides: &impl Fn(&Spot, &Spot, &Spot) -> bool,
     f: &impl Fn(f64) -> Spot,
 ) -> Spot {
     for pair in spots.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
+        let [(_, a), (_, b)] = [pair[0], pair[1]];
         for end in [a, b] {
             if end.value < best.value {
                 best = end;
@@ -98,17 +131,27 @@ fn valleys(
     best
 }
 
-/// The minimum between a falling and a rising spot: the root of the slope by the Illinois rule, with a bisection
-/// whenever that does not halve the bracket.
+/// The minimum between a falling and a rising spot: the root of the slope by secants through the last two spots, with a
+/// bisection whenever they leave the bracket or do not halve it.
 fn valley(mut a: Spot, mut b: Spot, f: &impl Fn(f64) -> Spot) -> Spot {
     let mut best = if a.value < b.value { a } else { b };
-    let (mut weight_a, mut weight_b) = (a.slope, b.slope);
-    let mut side = 0;
+    let (mut last, mut before) = if a.slope.abs() < b.slope.abs() {
+        (a, b)
+    } else {
+        (b, a)
+    };
+    let mut width_before = f64::INFINITY;
     for step in 0..MAX_STEPS {
         let width = b.at - a.at;
-        let secant = a.at - weight_a * width / (weight_b - weight_a);
+        let mut is_slow = false;
+        if step % PATIENCE == PATIENCE - 1 {
+            is_slow = width > 0.5 * width_before;
+            width_before = width;
+        }
+        let curvature = (last.slope - before.slope) / (last.at - before.at);
+        let secant = last.at - last.slope / curvature;
         let inside = secant > a.at && secant < b.at;
-        let at = if step % 3 == 2 || !inside {
+        let at = if is_slow || !inside {
             0.5 * (a.at + b.at)
         } else {
             secant
@@ -122,15 +165,17 @@ fn valley(mut a: Spot, mut b: Spot, f: &impl Fn(f64) -> Spot) -> Spot {
             return if spot.value <= best.value { spot } else { best };
         }
         if spot.slope < 0.0 {
-            // The Illinois rule: an end that stays counts half.
-            weight_b = if side == 1 { 0.5 * weight_b } else { b.slope };
-            (a, weight_a, side) = (spot, spot.slope, 1);
+            a = spot;
         } else {
-            weight_a = if side == 2 { 0.5 * weight_a } else { a.slope };
-            (b, weight_b, side) = (spot, spot.slope, 2);
+            b = spot;
         }
-        // Near the minimum the value no longer feels the slope.
-        if spot.slope.abs() * (b.at - a.at) <= REMAINS * best.value.abs() {
+        (before, last) = (last, spot);
+        // Near the minimum the value no longer feels the slope: over the bracket, or down a parabola.
+        let remains = REMAINS * best.value.abs();
+        let curvature = (last.slope - before.slope) / (last.at - before.at);
+        if spot.slope.abs() * (b.at - a.at) <= remains
+            || (curvature > 0.0 && spot.slope * spot.slope <= remains * curvature)
+        {
             return best;
         }
     }

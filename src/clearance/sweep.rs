@@ -31,6 +31,9 @@ const SMALLEST_SCALE: f64 = 1e-4;
 /// Shortest piece of a stretch that is looked at, as a part of it.
 const SHORTEST: f64 = 1.0 / 65_536.0;
 
+/// Pieces of a stretch at which bodies in contact are looked at.
+const CONTACT_PIECES: u32 = 16;
+
 /// The least distance of two bodies over the motion.
 #[derive(Clone, Debug)]
 pub struct Least {
@@ -238,7 +241,8 @@ impl<'a> PairSweep<'a> {
         let fastest = moved.distance(self.hulls[1].ball);
         let near = piece.near.clone();
         // From both ends, each for the half that is nearer to it.
-        let from_ends = piece.ends - fastest - moved.deviation(self.hulls[1].ball);
+        let ball = self.hulls[1].ball;
+        let from_ends = piece.ends - fastest - moved.bending(ball) - moved.deviation(ball);
         let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
         let lowest = from_ends.max(far);
         if lowest >= self.target(best) {
@@ -295,7 +299,7 @@ impl<'a> PairSweep<'a> {
                 }
             }
         }
-        let blur = RelativeMove::blur(&self.chain, arguments, self.hulls[1].ball);
+        let blur = self.chain.blur(arguments, self.hulls[1].ball);
         Look {
             lowest,
             is_blurred: nearest - 2.0 * blur < self.target(best),
@@ -356,6 +360,44 @@ impl<'a> PairSweep<'a> {
         Some(least)
     }
 
+    /// Between which distances two bodies provably stay that touch at the samples: of their nearest points at many
+    /// instants, how far apart or how deep they can come until the next. The third says whether that is proved.
+    pub fn contact_over(&self, motion: &Motion) -> (f64, f64, bool) {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let half = 1.0 / f64::from(CONTACT_PIECES);
+        let pieces = (0..CONTACT_PIECES).map(|k| -1.0 + (2.0 * f64::from(k) + 1.0) * half);
+        let pieces: Vec<f64> = pieces.collect();
+        let mut is_certified = motion.gaps.is_empty() && motion.roots > 0;
+        for stretch in &motion.stretches[..motion.roots] {
+            is_certified &= stretch.is_certified;
+            for s in &pieces {
+                let moved = self.chain.around(&stretch.arguments, *s, half);
+                let [below, above] = self.contact_around(&moved);
+                (low, high) = (low.min(below), high.max(above));
+            }
+        }
+        let slack = POSE_SLACK * motion.mechanism.size;
+        (low - slack, high + slack, is_certified)
+    }
+
+    /// Bounds of the distance of the nearest elements during a move.
+    fn contact_around(&self, moved: &RelativeMove) -> [f64; 2] {
+        let (mut low, mut high) = (f64::INFINITY, f64::INFINITY);
+        let way = moved.distance(self.hulls[1].ball);
+        for mine in &self.hulls[1].elements {
+            let second = mine.moved(&moved.pose);
+            for first in &self.hulls[0].elements {
+                if apart(first, &second) - way >= high.min(low) {
+                    continue;
+                }
+                let found = distance(first, &second);
+                low = low.min(below(first, &second, mine, &found, moved));
+                high = high.min(above(first, &second, mine, &found, moved));
+            }
+        }
+        [low, high]
+    }
+
     /// Both bodies go on for ever.
     pub fn is_endless(&self) -> bool {
         self.hulls.iter().all(|hull| hull.ball.1 == f64::INFINITY)
@@ -408,28 +450,62 @@ fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> 
 }
 
 /// Lower bound of the distance of two elements while the second one moves; `mine` is that one in its own frame.
-///
-/// The gap along the normal n between two convex sets, of which the points x of one move by (v + w × x) u, is the least
-/// of n · x + u (n · v + (n × w) · x) less what the other one reaches: a concave function of u, so that its least value is
-/// at one of the ends.
 fn below(a: &Element, b: &Element, mine: &Element, found: &Proximity, moved: &RelativeMove) -> f64 {
     let ball = mine.bounds();
     let plain = found.distance - moved.distance(ball);
     let n = found.normal;
-    if found.distance <= 0.0 || n == DVec3::ZERO {
+    let apart = found.distance + a.radius + b.radius;
+    if apart <= 0.0 || n == DVec3::ZERO {
         return plain;
     }
-    let Some(reached) = a.core.support(n) else {
+    // The plane between them stands still, or turns as the line between the nearest points does.
+    let point = found.points[1] + n * b.radius;
+    let rate = moved.shift + moved.spin.cross(point);
+    let turn = (rate - n * n.dot(rate)) / apart;
+    let still = gap(a, b, found, moved, DVec3::ZERO);
+    let turning = || gap(a, b, found, moved, turn);
+    let Some(gap) = still.into_iter().chain(turning()).reduce(f64::max) else {
         return plain;
     };
-    let (across, turned) = (n.dot(moved.shift), n.cross(moved.spin));
-    let gap = |u: f64| {
-        let support = b.core.support(-(n + turned * u))?;
-        Some(u * across - support)
+    let third = turn.length() * moved.bending(ball);
+    let length = (1.0 + turn.length_squared()).sqrt();
+    plain.max(gap - third - length * moved.deviation(ball))
+}
+
+/// Upper bound of the distance of two elements while the second one moves: that of the points that were nearest.
+fn above(a: &Element, b: &Element, mine: &Element, found: &Proximity, moved: &RelativeMove) -> f64 {
+    let [from, to] = [
+        found.points[0] - found.normal * a.radius,
+        found.points[1] + found.normal * b.radius,
+    ];
+    let rate = moved.shift + moved.spin.cross(to);
+    let linear = (to - from + rate).length().max((to - from - rate).length());
+    let ball = mine.bounds();
+    linear + moved.bending(ball) + moved.deviation(ball) - a.radius - b.radius
+}
+
+/// Lower bound of the gap between two convex hulls along n + u t, of terms up to u².
+///
+/// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
+/// along n + u t and less both radii times its length, the terms up to u² are a concave function of a curve
+/// of second order in u. Such a curve lies in the hull of three control points, so that the function is nowhere less than
+/// the least of its values there. With D the distance in the middle, D u² t²/2 is taken off before, because the length of
+/// n + u t grows by no more than that: a gap of D along it stays one.
+fn gap(a: &Element, b: &Element, found: &Proximity, moved: &RelativeMove, t: DVec3) -> Option<f64> {
+    let n = found.normal;
+    let first = n.cross(moved.spin) + t;
+    let second = moved.twist.transpose() * n + t.cross(moved.spin);
+    let (across, bend) = (
+        n.dot(moved.shift),
+        n.dot(moved.bend) + t.dot(moved.shift) - 0.5 * found.distance.max(0.0) * t.length_squared(),
+    );
+    let radii = a.radius + b.radius;
+    let control = |u: f64, square: f64| {
+        let support = b.core.support(-(n + first * u + second * square))?;
+        let plane = n + t * u;
+        let reached = a.core.support(plane)?;
+        Some(u * across + square * bend - support - reached - radii * plane.length())
     };
-    let (Some(first), Some(second)) = (gap(-1.0), gap(1.0)) else {
-        return plain;
-    };
-    let gap = first.min(second) - reached - a.radius - b.radius;
-    plain.max(gap - moved.deviation(ball))
+    let ends = control(-1.0, 1.0)?.min(control(1.0, 1.0)?);
+    Some(ends.min(control(0.0, -1.0)?).min(found.distance))
 }

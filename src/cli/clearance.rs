@@ -116,6 +116,17 @@ fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String
     }
     for p in found.judged.iter().take(worst) {
         text.push_str(&row(mechanism, p));
+        if let Some(farthest) = p.farthest {
+            let sure = if p.least.is_certified {
+                "proved"
+            } else {
+                "estimated"
+            };
+            text.push_str(&format!(
+                "                  touching: between the samples from {:.2e} to {farthest:.2e} {unit} apart ({sure})\n",
+                p.least.bound
+            ));
+        }
     }
     if found.judged.len() > worst {
         let rest = found.judged.len() - worst;
@@ -156,7 +167,10 @@ fn inside(p: &PairReport) -> &'static str {
 fn row(mechanism: &Mechanism, p: &PairReport) -> String {
     let [a, b] = names(mechanism, p);
     // A depth has no bound: it is only known that the bodies overlap.
-    let bound = match (p.least.distance > 0.0, p.least.is_certified) {
+    let bound = match (
+        p.least.distance > 0.0 && p.farthest.is_none(),
+        p.least.is_certified,
+    ) {
         (false, _) => "-".to_owned(),
         (true, true) => format!("{:.4}", p.least.bound),
         (true, false) => format!("~{:.4}", p.least.bound),

@@ -65,6 +65,9 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport) -> Value {
                 object.insert("bound".to_owned(), json!(p.least.bound));
                 object.insert("certified".to_owned(), json!(p.least.is_certified));
                 object.insert("refined".to_owned(), json!(p.least.is_refined));
+                if let Some(farthest) = p.farthest {
+                    object.insert("farthest".to_owned(), json!(farthest));
+                }
             }
             let reason = match &p.judgement {
                 Judgement::Neighbours(joint) => Some((*joint).to_owned()),

@@ -29,13 +29,15 @@ pub struct Model {
     pub rest: f64,
 }
 
-/// A function around a place: value ± way u, for -1 ≤ u ≤ 1, to within `off`.
+/// A function around a place: value + way u + bend u², for -1 ≤ u ≤ 1, to within `off`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Around {
     /// At the place.
     pub value: f64,
     /// Linear change to the end of the surroundings.
     pub way: f64,
+    /// Change with the square.
+    pub bend: f64,
     /// Bound of everything else.
     pub off: f64,
 }
@@ -193,13 +195,14 @@ impl Model {
     /// How the function moves around the place `s`, no farther than `half` from it.
     pub fn around(&self, s: f64, half: f64) -> Around {
         let c = self.about(s, half);
-        let bend: f64 = c[2..].iter().map(|c| c.abs()).sum();
+        let rest: f64 = c[3..].iter().map(|c| c.abs()).sum();
         // The shift takes two operations a step on numbers no larger than the sizes of the coefficients.
         let rounding = (2 * TERMS * TERMS) as f64 * UNIT * size(&self.c);
         Around {
             value: c[0],
             way: c[1],
-            off: (bend + self.rest + rounding) * GROW,
+            bend: c[2],
+            off: (rest + self.rest + rounding) * GROW,
         }
     }
 

@@ -10,7 +10,7 @@ use crate::model::expression::{Expression, Function, Op};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Coefficients of a series: the last one bounds the remainder.
-pub const TERMS: usize = 6;
+pub const TERMS: usize = 8;
 
 /// Whole exponents up to this are products, as in values.
 const LARGEST_PRODUCT: f64 = 16.0;
