@@ -1,7 +1,11 @@
 //! Time of one distance query for pairs of solids, and of the whole check of a scene. `cargo bench --bench clearance`.
+//!
+//! `cargo bench --bench clearance -- FILE` times the pairs of a file instead, so that other programs can be given the same
+//! ones: a line each of a case's name, the exact distance, and two solids; a solid is `sphere R`, `capsule R HALF` (along
+//! its z axis) or `torus RING TUBE` (about its z axis), and the twelve numbers of its pose, row by row.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use mechanim::clearance::check::check;
 use mechanim::clearance::core::{Element, elements};
 use mechanim::clearance::pair::distance;
@@ -121,6 +125,58 @@ fn known_pairs() {
     known("overlapping tori", &deep);
 }
 
+/// A solid and its pose from the words of a line.
+fn read_solid<'w>(words: &mut impl Iterator<Item = &'w str>) -> Element {
+    let kind = words.next().unwrap();
+    let mut number = || words.next().unwrap().parse::<f64>().unwrap();
+    let center = DVec3::ZERO;
+    let solid = match kind {
+        "sphere" => Solid::Sphere {
+            center,
+            radius: number(),
+        },
+        "capsule" => {
+            let radius = number();
+            let end = DVec3::Z * number();
+            Solid::Capsule {
+                from: -end,
+                to: end,
+                radius,
+            }
+        }
+        _ => Solid::Torus {
+            center,
+            axis: DVec3::Z,
+            ring: number(),
+            tube: number(),
+        },
+    };
+    let rows: [[f64; 4]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
+    let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
+    element(solid).moved(&Pose {
+        rotation: DMat3::from_cols(column(0), column(1), column(2)),
+        translation: column(3),
+    })
+}
+
+fn pairs_of_a_file(path: &str) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut cases: Vec<(String, Vec<(Element, Element, f64)>)> = Vec::new();
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        let name = words.next().unwrap();
+        let exact = words.next().unwrap().parse().unwrap();
+        let pair = (read_solid(&mut words), read_solid(&mut words), exact);
+        match cases.last_mut() {
+            Some((last, pairs)) if last == name => pairs.push(pair),
+            _ => cases.push((name.to_owned(), vec![pair])),
+        }
+    }
+    for (name, pairs) in &cases {
+        known(name, pairs);
+    }
+}
+
 fn check_scene(path: &str) -> f64 {
     let text = std::fs::read_to_string(path).unwrap();
     let source = Source {
@@ -136,6 +192,10 @@ fn check_scene(path: &str) -> f64 {
 }
 
 fn main() {
+    let mut words = std::env::args().skip(1);
+    if let Some(path) = words.find(|word| !word.starts_with("--")) {
+        return pairs_of_a_file(&path);
+    }
     let (o, z) = (DVec3::ZERO, DVec3::Z);
     let torus = element(Solid::Torus {
         center: o,

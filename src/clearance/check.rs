@@ -105,6 +105,10 @@ pub fn check(
     tolerance: f64,
     progress: &dyn Fn(usize, usize),
 ) -> Result<ClearanceReport, StructureError> {
+    let count = mechanism.bodies.len();
+    let all = count * count.saturating_sub(1) / 2;
+    // Following the motion and sorting the triangles of meshes may take a while.
+    progress(0, all);
     let structure = Structure::new(mechanism)?;
     let mut motion = Motion::new(mechanism, &structure, times)?;
     let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
@@ -121,8 +125,6 @@ pub fn check(
         warnings: mesh_warnings(mechanism, &hulls),
         tolerance,
     };
-    let count = hulls.len();
-    let all = count * count.saturating_sub(1) / 2;
     let mut done = 0;
     for a in 0..count {
         for b in a + 1..count {

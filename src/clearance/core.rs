@@ -220,6 +220,32 @@ impl Core {
     }
 }
 
+impl Core {
+    /// A point p of a bounded convex core with the largest n · p; `None` for others.
+    pub fn support_point(&self, n: DVec3) -> Option<DVec3> {
+        let of = |points: &[DVec3]| {
+            let higher = |p: DVec3, q: DVec3| if n.dot(q) > n.dot(p) { q } else { p };
+            points.iter().copied().reduce(higher)
+        };
+        match self {
+            Self::Point(p) => Some(*p),
+            Self::Segment(ends) => of(ends),
+            Self::Triangle(corners) => of(corners),
+            Self::Box(b) => {
+                let local = b.from_box.rotation.transpose() * n;
+                let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
+                let signs = DVec3::new(sign(local.x), sign(local.y), sign(local.z));
+                Some(b.from_box.transform_point(b.half * signs))
+            }
+            Self::Frustum(f) => {
+                let across = (n - f.axis * n.dot(f.axis)).normalize_or_zero();
+                of(&f.rims().map(|rim| rim.center + across * rim.radius))
+            }
+            Self::Circle(_) | Self::HalfSpace(_) | Self::Mesh(..) => None,
+        }
+    }
+}
+
 impl Element {
     /// The same element after a motion.
     pub fn moved(&self, pose: &Pose) -> Self {

@@ -7,6 +7,7 @@ pub mod check;
 pub mod core;
 mod cores;
 mod depth;
+mod gap;
 mod half_space;
 pub mod mesh;
 pub mod motion;

@@ -7,8 +7,9 @@
 
 use super::bodies::{BodyProximity, Hull, apart, enclosed, nearest};
 use super::core::{Core, Element};
+use super::gap::{above, below};
 use super::motion::Motion;
-use super::pair::{Proximity, distance, is_inside};
+use super::pair::{distance, is_inside};
 use super::relative::{RelativeChain, RelativeMove};
 use super::track::Track;
 use crate::math::Pose;
@@ -25,7 +26,7 @@ const MAX_LOOKS: usize = 40_000;
 /// Of bodies that overlap the moment of greatest depth is searched, not proved.
 const LOOKS_IN_OVERLAP: usize = 400;
 
-/// A distance, in mechanism sizes, below which the bound need not be finer than its share.
+/// A threshold, in mechanism sizes, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
 
 /// Shortest piece of a stretch that is looked at, as a part of it.
@@ -63,7 +64,9 @@ pub struct PairSweep<'a> {
     /// How the first body moves as seen from the second: for elements of the second one that have no end.
     back: Option<RelativeChain>,
     tolerance: f64,
-    scale: f64,
+    threshold: f64,
+    /// No bound need be finer than this share of it.
+    least_scale: f64,
 }
 
 /// The best so far.
@@ -101,7 +104,8 @@ struct Look {
 }
 
 impl<'a> PairSweep<'a> {
-    /// Bodies by index with their hulls. `tolerance` is relative to the threshold.
+    /// Bodies by index with their hulls. `tolerance` is relative to the threshold, or to the distance where
+    /// that is zero.
     pub fn new(
         motion: &Motion,
         bodies: [usize; 2],
@@ -123,7 +127,8 @@ impl<'a> PairSweep<'a> {
             chain: RelativeChain::new(chain(0), chain(1)),
             back: back.then(|| RelativeChain::new(chain(1), chain(0))),
             tolerance,
-            scale: threshold.abs().max(SMALLEST_SCALE * motion.mechanism.size),
+            threshold: threshold.abs(),
+            least_scale: SMALLEST_SCALE * motion.mechanism.size,
         }
     }
 
@@ -178,7 +183,13 @@ impl<'a> PairSweep<'a> {
 
     /// What the bound must reach.
     fn target(&self, best: &Best) -> f64 {
-        best.found.proximity.distance - self.tolerance * self.scale
+        let near = best.found.proximity.distance;
+        let scale = if self.threshold > 0.0 {
+            self.threshold
+        } else {
+            near.abs()
+        };
+        near - self.tolerance * scale.max(self.least_scale)
     }
 
     /// The least distance over the whole motion with its bound; fills `distances` with those of the samples.
@@ -447,65 +458,4 @@ fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> 
             part(piece.stretch, piece.middle + half, half),
         ]
     })
-}
-
-/// Lower bound of the distance of two elements while the second one moves; `mine` is that one in its own frame.
-fn below(a: &Element, b: &Element, mine: &Element, found: &Proximity, moved: &RelativeMove) -> f64 {
-    let ball = mine.bounds();
-    let plain = found.distance - moved.distance(ball);
-    let n = found.normal;
-    let apart = found.distance + a.radius + b.radius;
-    if apart <= 0.0 || n == DVec3::ZERO {
-        return plain;
-    }
-    // The plane between them stands still, or turns as the line between the nearest points does.
-    let point = found.points[1] + n * b.radius;
-    let rate = moved.shift + moved.spin.cross(point);
-    let turn = (rate - n * n.dot(rate)) / apart;
-    let still = gap(a, b, found, moved, DVec3::ZERO);
-    let turning = || gap(a, b, found, moved, turn);
-    let Some(gap) = still.into_iter().chain(turning()).reduce(f64::max) else {
-        return plain;
-    };
-    let third = turn.length() * moved.bending(ball);
-    let length = (1.0 + turn.length_squared()).sqrt();
-    plain.max(gap - third - length * moved.deviation(ball))
-}
-
-/// Upper bound of the distance of two elements while the second one moves: that of the points that were nearest.
-fn above(a: &Element, b: &Element, mine: &Element, found: &Proximity, moved: &RelativeMove) -> f64 {
-    let [from, to] = [
-        found.points[0] - found.normal * a.radius,
-        found.points[1] + found.normal * b.radius,
-    ];
-    let rate = moved.shift + moved.spin.cross(to);
-    let linear = (to - from + rate).length().max((to - from - rate).length());
-    let ball = mine.bounds();
-    linear + moved.bending(ball) + moved.deviation(ball) - a.radius - b.radius
-}
-
-/// Lower bound of the gap between two convex hulls along n + u t, of terms up to u².
-///
-/// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
-/// along n + u t and less both radii times its length, the terms up to u² are a concave function of a curve
-/// of second order in u. Such a curve lies in the hull of three control points, so that the function is nowhere less than
-/// the least of its values there. With D the distance in the middle, D u² t²/2 is taken off before, because the length of
-/// n + u t grows by no more than that: a gap of D along it stays one.
-fn gap(a: &Element, b: &Element, found: &Proximity, moved: &RelativeMove, t: DVec3) -> Option<f64> {
-    let n = found.normal;
-    let first = n.cross(moved.spin) + t;
-    let second = moved.twist.transpose() * n + t.cross(moved.spin);
-    let (across, bend) = (
-        n.dot(moved.shift),
-        n.dot(moved.bend) + t.dot(moved.shift) - 0.5 * found.distance.max(0.0) * t.length_squared(),
-    );
-    let radii = a.radius + b.radius;
-    let control = |u: f64, square: f64| {
-        let support = b.core.support(-(n + first * u + second * square))?;
-        let plane = n + t * u;
-        let reached = a.core.support(plane)?;
-        Some(u * across + square * bend - support - reached - radii * plane.length())
-    };
-    let ends = control(-1.0, 1.0)?.min(control(1.0, 1.0)?);
-    Some(ends.min(control(0.0, -1.0)?).min(found.distance))
 }

@@ -221,7 +221,8 @@ pub struct CheckArgs {
     /// How many pairs the table shows, the worst first.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub worst: usize,
-    /// How near the proved bound must come to the least distance found, relative to the larger of it and the minimum.
+    /// How near the proved bound must come to the least distance found, as a part of the pair's minimum (of that
+    /// distance where the minimum is 0).
     #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = share)]
     pub tolerance: f64,
 }

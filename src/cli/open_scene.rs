@@ -2,6 +2,7 @@
 
 use super::args::SceneArgs;
 use super::outcome::Failure;
+use super::progress::announced;
 use super::term::Term;
 use super::{inputs_table, modes};
 use crate::diag::{Source, nearest};
@@ -25,7 +26,8 @@ pub fn open_with_plot(
 ) -> Result<Scene, Failure> {
     let (source, mut overrides) = text_of(args)?;
     overrides.plot = plot;
-    let mut scene = load(&source, &overrides).map_err(Box::new)?;
+    let read = || load(&source, &overrides).map_err(Box::new);
+    let mut scene = announced("reading the scene and its meshes", term.quiet(), read)?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
         inputs_table::apply(&mut scene.mechanism, path)?;

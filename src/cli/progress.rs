@@ -12,6 +12,36 @@ const REDRAW: Duration = Duration::from_millis(80);
 /// Characters of the bar.
 const WIDTH: usize = 28;
 
+/// Work that takes longer than this is announced.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// Does some work, and says so on a terminal if it takes long: what, and for how many seconds by now.
+pub fn announced<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
+    if quiet || !std::io::stderr().is_terminal() {
+        return work();
+    }
+    let (done, waits) = std::sync::mpsc::channel::<()>();
+    let start = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            let mut is_shown = false;
+            while waits.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+                let seconds = start.elapsed().as_secs_f64();
+                let mut stderr = std::io::stderr().lock();
+                let _ = write!(stderr, "\r{what}, {seconds:.1} s\x1b[K");
+                let _ = stderr.flush();
+                is_shown = true;
+            }
+            if is_shown {
+                let _ = write!(std::io::stderr(), "\r\x1b[K");
+            }
+        });
+        let result = work();
+        drop(done);
+        result
+    })
+}
+
 enum Style {
     Bar,
     Lines,
