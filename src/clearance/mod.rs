@@ -4,6 +4,7 @@
 
 pub mod bodies;
 pub mod check;
+mod contact;
 pub mod core;
 mod cores;
 mod depth;

@@ -163,8 +163,14 @@ impl<'m> Motion<'m> {
     fn cover(&mut self, pair: &[Sample], places: [usize; 2]) {
         let (tubes, refused) = self.prover.tubes(pair, FLOOR);
         let (from, to) = (pair[0].time, pair[1].time);
-        let whole = refused.is_none();
+        let mut whole = refused.is_none();
         for tube in tubes {
+            let arguments = self.prover.arguments(&tube);
+            if !arguments.iter().all(Model::is_finite) {
+                // A joint outside all loops whose formula has a kink or no value here.
+                whole = false;
+                break;
+            }
             let mut ends = [
                 (tube.start == from).then_some(places[0]),
                 (tube.end == to).then_some(places[1]),
@@ -172,7 +178,7 @@ impl<'m> Motion<'m> {
             if ends[1].is_some() && !self.prover.meets(&tube, &pair[1]) {
                 ends[1] = None;
             }
-            self.add_tube(tube, ends);
+            self.add_tube(tube, arguments, ends);
         }
         if whole {
             return;
@@ -191,12 +197,12 @@ impl<'m> Motion<'m> {
         }
     }
 
-    fn add_tube(&mut self, tube: Tube, ends: [Option<usize>; 2]) -> usize {
+    fn add_tube(&mut self, tube: Tube, arguments: Vec<Model>, ends: [Option<usize>; 2]) -> usize {
         self.stretches.push(Stretch {
             start: tube.start,
             end: tube.end,
             ends,
-            arguments: self.prover.arguments(&tube),
+            arguments,
             is_certified: true,
             way: Way::Proved(Box::new(tube)),
             halves: None,
@@ -303,8 +309,13 @@ impl<'m> Motion<'m> {
         match self.stretches[stretch].way.clone() {
             Way::Proved(tube) => {
                 let [first, second] = self.prover.halves(&tube)?;
-                let first = self.add_tube(first, [ends[0], None]);
-                self.add_tube(second, [None, ends[1]]);
+                let arguments = [&first, &second].map(|tube| self.prover.arguments(tube));
+                if !arguments.iter().flatten().all(Model::is_finite) {
+                    return None;
+                }
+                let [of_first, of_second] = arguments;
+                let first = self.add_tube(first, of_first, [ends[0], None]);
+                self.add_tube(second, of_second, [None, ends[1]]);
                 Some(first)
             }
             Way::Estimated([start, end]) => {

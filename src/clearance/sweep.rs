@@ -7,10 +7,10 @@
 
 use super::bodies::{BodyProximity, Hull, apart, enclosed, nearest};
 use super::core::{Core, Element};
-use super::gap::{above, below};
+use super::gap::below;
 use super::motion::Motion;
 use super::pair::{distance, is_inside};
-use super::relative::{RelativeChain, RelativeMove};
+use super::relative::RelativeChain;
 use super::track::Track;
 use crate::math::Pose;
 use glam::DVec3;
@@ -31,9 +31,6 @@ const SMALLEST_SCALE: f64 = 1e-4;
 
 /// Shortest piece of a stretch that is looked at, as a part of it.
 const SHORTEST: f64 = 1.0 / 65_536.0;
-
-/// Pieces of a stretch at which bodies in contact are looked at.
-const CONTACT_PIECES: u32 = 16;
 
 /// The least distance of two bodies over the motion.
 #[derive(Clone, Debug)]
@@ -59,8 +56,8 @@ pub struct Least {
 /// Two bodies over a motion.
 pub struct PairSweep<'a> {
     bodies: [usize; 2],
-    hulls: [&'a Hull; 2],
-    chain: RelativeChain,
+    pub(super) hulls: [&'a Hull; 2],
+    pub(super) chain: RelativeChain,
     /// How the first body moves as seen from the second: for elements of the second one that have no end.
     back: Option<RelativeChain>,
     tolerance: f64,
@@ -222,7 +219,10 @@ impl<'a> PairSweep<'a> {
             } else {
                 MAX_LOOKS
             };
-            let look = self.look(motion, &piece, &mut best);
+            let mut look = self.look(motion, &piece, &mut best);
+            if look.lowest.is_nan() {
+                look.lowest = f64::NEG_INFINITY;
+            }
             if look.lowest < self.target(&best)
                 && look.lowest > f64::NEG_INFINITY
                 && looks < most
@@ -369,44 +369,6 @@ impl<'a> PairSweep<'a> {
             least.inside.swap(0, 1);
         }
         Some(least)
-    }
-
-    /// Between which distances two bodies provably stay that touch at the samples: of their nearest points at many
-    /// instants, how far apart or how deep they can come until the next. The third says whether that is proved.
-    pub fn contact_over(&self, motion: &Motion) -> (f64, f64, bool) {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        let half = 1.0 / f64::from(CONTACT_PIECES);
-        let pieces = (0..CONTACT_PIECES).map(|k| -1.0 + (2.0 * f64::from(k) + 1.0) * half);
-        let pieces: Vec<f64> = pieces.collect();
-        let mut is_certified = motion.gaps.is_empty() && motion.roots > 0;
-        for stretch in &motion.stretches[..motion.roots] {
-            is_certified &= stretch.is_certified;
-            for s in &pieces {
-                let moved = self.chain.around(&stretch.arguments, *s, half);
-                let [below, above] = self.contact_around(&moved);
-                (low, high) = (low.min(below), high.max(above));
-            }
-        }
-        let slack = POSE_SLACK * motion.mechanism.size;
-        (low - slack, high + slack, is_certified)
-    }
-
-    /// Bounds of the distance of the nearest elements during a move.
-    fn contact_around(&self, moved: &RelativeMove) -> [f64; 2] {
-        let (mut low, mut high) = (f64::INFINITY, f64::INFINITY);
-        let way = moved.distance(self.hulls[1].ball);
-        for mine in &self.hulls[1].elements {
-            let second = mine.moved(&moved.pose);
-            for first in &self.hulls[0].elements {
-                if apart(first, &second) - way >= high.min(low) {
-                    continue;
-                }
-                let found = distance(first, &second);
-                low = low.min(below(first, &second, mine, &found, moved));
-                high = high.min(above(first, &second, mine, &found, moved));
-            }
-        }
-        [low, high]
     }
 
     /// Both bodies go on for ever.

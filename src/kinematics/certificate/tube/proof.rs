@@ -183,7 +183,7 @@ impl Workspace {
     }
 
     /// Rows of coefficient `k` of J and of all lower ones.
-    fn from_coefficient(&self, k: usize) -> &[Lanes] {
+    fn coefficients_from(&self, k: usize) -> &[Lanes] {
         &self.stacked[(JACOBIAN_TERMS - 1 - k) * self.n * self.stride..]
     }
 
@@ -216,7 +216,7 @@ impl Workspace {
             for i in 0..n {
                 let mut value = self.residuals[i * POLYNOMIAL + k / 4][k % 4];
                 for m in 1..JACOBIAN_TERMS.min(k + 1) {
-                    let row = &self.from_coefficient(m)[i * self.stride..(i + 1) * self.stride];
+                    let row = &self.coefficients_from(m)[i * self.stride..(i + 1) * self.stride];
                     value += dot(
                         row,
                         &steps[(k - m) * self.stride..(k - m + 1) * self.stride],
@@ -263,7 +263,7 @@ impl Workspace {
         }
         let mut product = vec![[0.0; 4]; self.stride];
         let times = |row: &[f64], k: usize, product: &mut Vec<Lanes>| {
-            combine(product, row, &self.from_coefficient(k)[..n * self.stride]);
+            combine(product, row, &self.coefficients_from(k)[..n * self.stride]);
         };
         let mut first = vec![[0.0; 4]; n * width];
         let mut sum = vec![[0.0; 4]; width];
@@ -328,7 +328,7 @@ impl Workspace {
                 // Coefficients m of R meet those k - m of J.
                 let least = (k + 1).saturating_sub(JACOBIAN_TERMS);
                 let most = k.min(INVERSE_TERMS - 1);
-                let rows = self.from_coefficient(k - least);
+                let rows = self.coefficients_from(k - least);
                 let count = (most - least + 1) * n;
                 let of_r = &factors[least * n..least * n + count];
                 combine(&mut product, of_r, &rows[..count * self.stride]);
