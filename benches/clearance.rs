@@ -52,8 +52,11 @@ fn micros(a: &Element, b: &Element) -> f64 {
     (0..ROUNDS).map(round).fold(f64::INFINITY, f64::min)
 }
 
+/// Two elements and their distance.
+type Known = (Element, Element, f64);
+
 /// Time a query and largest error over pairs whose distance is known.
-fn known(name: &str, pairs: &[(Element, Element, f64)]) {
+fn known(name: &str, pairs: &[Known]) {
     let round = |_| {
         let start = Instant::now();
         for (a, b, _) in pairs {
@@ -161,7 +164,7 @@ fn read_solid<'w>(words: &mut impl Iterator<Item = &'w str>) -> Element {
 
 fn pairs_of_a_file(path: &str) {
     let text = std::fs::read_to_string(path).unwrap();
-    let mut cases: Vec<(String, Vec<(Element, Element, f64)>)> = Vec::new();
+    let mut cases: Vec<(String, Vec<Known>)> = Vec::new();
     for line in text.lines() {
         let mut words = line.split_whitespace();
         let name = words.next().unwrap();
