@@ -179,6 +179,37 @@ fn candidates_that_cannot_turn_are_refused_not_taken() {
 }
 
 #[test]
+fn an_optimum_that_comes_too_near_is_not_taken() {
+    let w = Workspace::new();
+    // At 90 degrees the pin is r from the origin, the wall's face 55, the pin's face 3 nearer: 5 are left up to r = 47.
+    let bodies = "[[bodies]]\nname = \"pin\"\nframe = \"Rz(phi) Tx(r) Rz(alpha)\"\n\
+        shapes = [{ sphere = { radius = 3 } }]\n[[bodies]]\nname = \"wall\"\n\
+        shapes = [{ sphere = { center = [0, 60, 0], radius = 5 } }]\n[clearance]\nminimum = 5\n";
+    w.write("wall.toml", format!("{CRANK}{bodies}"));
+    for method in ["bfgs", "nelder-mead"] {
+        let run = [
+            "optimise",
+            "wall.toml",
+            "--method",
+            method,
+            "--out",
+            "kept.toml",
+        ];
+        let found = json(&w, &[&run[..], &["--json", "-"]].concat());
+        let r = found["variables"][0]["to"].as_f64().unwrap();
+        assert!((46.5..=47.0).contains(&r), "{method}: {r}");
+        let miss = found["to"].as_f64().unwrap();
+        assert!((miss - (2.0 * r - 100.0).powi(2)).abs() < 1e-9);
+        assert_eq!(found["clearance"]["kept"], true);
+        w.run(&["check", "kept.toml"]).exits(0);
+    }
+    let strict = format!("{CRANK}{}", bodies.replace("minimum = 5", "minimum = 15"));
+    w.write("strict.toml", strict);
+    let text = w.run(&["optimise", "strict.toml"]).exits(1).text();
+    assert!(text.contains("Clearances are not kept"), "{text}");
+}
+
+#[test]
 fn pairs_are_ranked() {
     let w = workspace();
     let found = json(

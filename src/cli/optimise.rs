@@ -233,8 +233,8 @@ impl Report<'_> {
         let (minimum, study) = (&self.optimum.minimum, &self.opened.family.study);
         let (first, last) = (self.optimum.first_value, minimum.value);
         let change = match first / last {
-            factor if factor >= 1.0 => format!("{} times less", six(factor)),
-            factor if factor > 0.0 => format!("{} times more", six(1.0 / factor)),
+            factor if factor >= 1.0 && factor.is_finite() => format!("{} times less", six(factor)),
+            factor if factor > 0.0 && factor < 1.0 => format!("{} times more", six(1.0 / factor)),
             _ => format!("by {}", six((last - first) * unit)),
         };
         let mut text = format!(

@@ -4,12 +4,16 @@ use super::optimise_film::Improvement;
 use super::outcome::Failure;
 use super::study::{Opened, six};
 use crate::analysis::optimise::Minimum;
+use crate::analysis::study::Evaluator;
 use crate::clearance::check::check;
 use crate::kinematics::sampling::frame_times;
 use crate::scene::{Overrides, load};
 
 /// Nearness of the bound where the instants between the samples count only roughly.
 const COARSE: f64 = 1.0;
+
+/// Halvings of the way from the last candidate that keeps the clearances to the next.
+const HALVINGS: usize = 6;
 
 /// What the bodies do over the drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +26,7 @@ pub struct Clearances {
     pub instead: Option<usize>,
 }
 
-/// Judges the values; `None` if the scene asks for no clearances.
+/// Judges the values; `None` if the scene asks for no clearances, or no pair is judged.
 fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure> {
     let overrides = Overrides {
         parameters: opened.parameters(values),
@@ -35,20 +39,19 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
     let mechanism = &scene.mechanism;
     let times = frame_times(mechanism, scene.view.fps);
     let report = check(mechanism, rules, &times, COARSE, &|_, _| {})?;
-    let worst = report.worst().map_or_else(String::new, |pair| {
+    Ok(report.worst().map(|pair| {
         let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
         let (distance, unit) = (six(pair.least.distance), &mechanism.length_unit);
-        format!("{a} / {b}, {distance} {unit} ({} asked for)", pair.minimum)
-    });
-    Ok(Some(Clearances {
-        kept: report.passed(),
-        worst,
-        instead: None,
+        Clearances {
+            kept: report.passed(),
+            worst: format!("{a} / {b}, {distance} {unit} ({} asked for)", pair.minimum),
+            instead: None,
+        }
     }))
 }
 
-/// Judges a minimum. Where it comes too near, the last of the improvements on the way that does not takes its place; if
-/// none is found it stays and is not kept.
+/// Judges a minimum. Where it comes too near, the last point found on the way that does not takes its place; if there is
+/// none it stays, as one that does not keep them.
 pub fn settle(
     opened: &Opened,
     minimum: &mut Minimum,
@@ -73,15 +76,60 @@ pub fn settle(
             _ => high = middle,
         }
     }
-    let Some((index, clearances)) = best else {
+    let Some((index, mut clearances)) = best else {
         return Ok(Some(found));
     };
     let taken = &improvements[index];
+    clearances.instead = Some(taken.iteration);
+    let end = improvements
+        .get(index + 1)
+        .map_or(&minimum.x, |i| &i.values);
+    let further = further(opened, taken, end)?;
     (minimum.x, minimum.value) = (taken.values.clone(), taken.objective);
-    Ok(Some(Clearances {
-        instead: Some(taken.iteration),
-        ..clearances
-    }))
+    if let Some((values, value, nearer)) = further {
+        (minimum.x, minimum.value) = (values, value);
+        clearances.worst = nearer.worst;
+    }
+    Ok(Some(clearances))
+}
+
+/// How far one can go from a candidate that keeps the clearances towards the next, which does not: the values there,
+/// their objective, and what the bodies do. `None` if that is no gain.
+fn further(
+    opened: &Opened,
+    from: &Improvement,
+    to: &[f64],
+) -> Result<Option<(Vec<f64>, f64, Clearances)>, Failure> {
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut best = None;
+    for _ in 0..HALVINGS {
+        let share = 0.5 * (low + high);
+        let ends = from.values.iter().zip(to);
+        let values: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+        match judge(opened, &values)? {
+            Some(clearances) if clearances.kept => {
+                best = Some((values, clearances));
+                low = share;
+            }
+            _ => high = share,
+        }
+    }
+    let Some((values, clearances)) = best else {
+        return Ok(None);
+    };
+    let value = objective(opened, &values)?.filter(|v| *v < from.objective);
+    Ok(value.map(|value| (values, value, clearances)))
+}
+
+/// The objective at other values; `None` where they cannot be reached.
+fn objective(opened: &Opened, values: &[f64]) -> Result<Option<f64>, Failure> {
+    let family = &opened.family;
+    let mut evaluator = Evaluator::new(family);
+    let start = evaluator.nominal(family.nominal()?.poses);
+    let measured = evaluator.approach(&start, values);
+    let measured = measured.and_then(|stand| evaluator.measure(&stand));
+    let index = family.study.objective;
+    Ok(measured.ok().zip(index).map(|(found, k)| found.measures[k]))
 }
 
 impl Clearances {
@@ -90,7 +138,7 @@ impl Clearances {
         let verdict = match (self.kept, self.instead) {
             (true, None) => "Clearances are kept".to_owned(),
             (true, Some(iteration)) => format!(
-                "Later candidates come too near: iteration {iteration} is the last found that keeps the clearances"
+                "The optimum comes too near: the search is followed only to where clearances are kept, after iteration {iteration}"
             ),
             (false, _) => "Clearances are not kept".to_owned(),
         };
