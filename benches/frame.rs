@@ -13,6 +13,7 @@ use image::RgbaImage;
 use mechanim::geometry::Mesh;
 use mechanim::math::Pose;
 use mechanim::render::cpu::CpuRenderer;
+use mechanim::render::look::Rim;
 use mechanim::render::{Camera, Frame, Ground, Instance, Projection, Renderer, Stage};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -160,6 +161,7 @@ fn stage(scale: u32, samples: u32, ground: bool) -> Stage {
         samples,
         camera: camera(),
         background: [245, 246, 248],
+        rim: Rim::DARK,
         ground: ground.then_some(Ground {
             center: DVec3::new(0.0, 0.0, -1.45),
             normal: DVec3::Z,

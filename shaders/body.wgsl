@@ -51,7 +51,7 @@ fn seen_normal(normal: vec3<f32>, front: bool) -> vec3<f32> {
 @fragment
 fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let normal = seen_normal(in.normal, front);
-    let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, in.colour.rgb, in.flatness);
+    let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
     return vec4<f32>(colour, 1.0);
 }
 
@@ -59,7 +59,7 @@ fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(
 fn body_translucent(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let normal = seen_normal(in.normal, front);
     let to_viewer = viewer_direction(in.place);
-    let colour = shade(normal, to_viewer, globals.up.xyz, in.colour.rgb, in.flatness);
+    let colour = shade(normal, to_viewer, globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
     let edge = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
     let opacity = mix(edge, in.colour.a, in.flatness);
     return vec4<f32>(colour, opacity);

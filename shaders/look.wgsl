@@ -11,7 +11,15 @@ fn edge_opacity(opacity: f32, n_v: f32) -> f32 {
 }
 
 // Directions are unit vectors in camera space; the answer is in linear light.
-fn shade(normal: vec3<f32>, to_viewer: vec3<f32>, up: vec3<f32>, albedo: vec3<f32>, flatness: f32) -> vec3<f32> {
+// `gain_loss` are those of the rim.
+fn shade(
+    normal: vec3<f32>,
+    to_viewer: vec3<f32>,
+    up: vec3<f32>,
+    gain_loss: vec2<f32>,
+    albedo: vec3<f32>,
+    flatness: f32,
+) -> vec3<f32> {
     let n_l = dot(normal, KEY_DIRECTION);
     let n_v = max(dot(normal, to_viewer), 0.0);
     let key = max((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
@@ -26,8 +34,12 @@ fn shade(normal: vec3<f32>, to_viewer: vec3<f32>, up: vec3<f32>, albedo: vec3<f3
     let h32 = h16 * h16;
     let glint = SHEEN * h8 + HIGHLIGHT * (h32 * h32);
 
-    let light = mix(GROUND_COLOUR, SKY_COLOUR, sky) + KEY_COLOUR * key + FILL_COLOUR * fill;
-    let gloss = KEY_COLOUR * glint + SKY_COLOUR * (RIM * rim(n_v));
+    let away = (1.0 - n_v) * (1.0 - n_v);
+    let kept = 1.0 - gain_loss.y * away;
+    let gain = gain_loss.x * (away * away);
+
+    let light = (mix(GROUND_COLOUR, SKY_COLOUR, sky) + KEY_COLOUR * key + FILL_COLOUR * fill) * kept;
+    let gloss = KEY_COLOUR * glint + SKY_COLOUR * gain;
     let lit = saturate(EXPOSURE * (albedo * light + gloss));
     return mix(lit, albedo, flatness);
 }

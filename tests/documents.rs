@@ -49,6 +49,7 @@ fn every_scene_key_is_documented() {
     let document = read("docs/scene-format.md");
     let keys = keys_of_the_reader(&[
         "src/scene/file.rs",
+        "src/scene/views.rs",
         "src/scene/plots.rs",
         "src/scene/studies.rs",
         "src/scene/measures.rs",

@@ -8,7 +8,7 @@ use image::codecs::png::PngDecoder;
 use image::{AnimationDecoder, Rgba, RgbaImage};
 use mechanim::export::apng::{ApngSettings, ApngSink};
 use mechanim::export::png::{Effort, PngSettings, StillSink};
-use mechanim::export::raw::{RawKind, RawSink};
+use mechanim::export::raw::{Chroma, RawKind, RawSink};
 use mechanim::export::timing::FrameTimes;
 use mechanim::export::{ExportSummary, FrameSink, Output, Target};
 use std::io::Cursor;
@@ -253,6 +253,7 @@ fn smaller_settings_are_smaller_and_the_same_picture() {
 #[test]
 fn a_y4m_says_what_it_holds_and_holds_it() {
     let kind = RawKind::Y4m {
+        chroma: Chroma::Full,
         fps: 30000.0 / 1001.0,
     };
     let (bytes, summary) = written(5, shaded, |output| {
@@ -310,7 +311,10 @@ fn ffmpeg_reads_the_video_with_the_right_colours() {
     let at = |name: &str| folder.path().join(name);
     let sink = RawSink::new(
         Box::new(Target::create(&at("a.y4m")).unwrap()),
-        RawKind::Y4m { fps: 20.0 },
+        RawKind::Y4m {
+            fps: 20.0,
+            chroma: Chroma::Full,
+        },
         [96, 72],
     );
     run(2, 8, shaded, Box::new(sink.unwrap())).unwrap();
@@ -323,6 +327,36 @@ fn ffmpeg_reads_the_video_with_the_right_colours() {
         assert!(run.expect("ffmpeg is installed").success(), "{arguments:?}");
     };
     let tags = "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709,format=yuv420p";
+    let quarter = RawSink::new(
+        Box::new(Target::create(&at("q.y4m")).unwrap()),
+        RawKind::Y4m {
+            fps: 20.0,
+            chroma: Chroma::Quarter,
+        },
+        [96, 72],
+    );
+    run(2, 8, shaded, Box::new(quarter.unwrap())).unwrap();
+    ffmpeg(&[
+        "-i",
+        "q.y4m",
+        "-pix_fmt",
+        "yuv444p",
+        "-vf",
+        "scale=in_range=tv:out_range=tv",
+        "q444.y4m",
+    ]);
+    let [quarter, full] = ["q444.y4m", "a.y4m"].map(|name| std::fs::read(at(name)).unwrap());
+    let frames = |bytes: &[u8]| bytes[bytes.len() - 8 * (6 + 3 * 96 * 72)..].to_vec();
+    let apart = frames(&quarter)
+        .into_iter()
+        .zip(frames(&full))
+        .map(|(a, b)| f64::from(a.abs_diff(b)));
+    let (sum, count) = apart.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
+    assert!(
+        sum / count < 1.0,
+        "colours are off by {} on average",
+        sum / count
+    );
     ffmpeg(&["-i", "a.y4m", "-vf", tags, "a.mp4"]);
     assert!(at("a.mp4").metadata().unwrap().len() > 500);
     let back = "setparams=colorspace=bt709,scale=in_color_matrix=bt709:in_range=tv,format=rgb24";

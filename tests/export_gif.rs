@@ -238,6 +238,30 @@ fn one_frame_one_pixel_and_three_hundred_frames() {
     assert_eq!((shown.frames.len(), shown.duration()), (300, 1200));
 }
 
+/// A hundredth holds no thirtieth of a second: every frame begins at the nearest hundredth, and none drifts.
+#[test]
+fn a_thousand_frames_at_thirty_a_second_do_not_drift() {
+    let memory = Memory::default();
+    let output = Box::new(Stream::new("memory", memory.clone()));
+    let settings = settings(&flat(0), 30.0, 1000, 100);
+    let sink = GifSink::new(output, settings, Arc::new(palette(flat, 1000))).unwrap();
+    let summary = run(2, 1000, flat, Box::new(sink)).unwrap();
+    let shown = Shown::decode(&memory.0.lock().unwrap());
+    assert_eq!(shown.frames.len(), 1000);
+    let mut start = 0;
+    for (k, (picture, delay)) in shown.frames.iter().enumerate() {
+        let exact = 100.0 * k as f64 / 30.0;
+        assert!(
+            (f64::from(start) - exact).abs() <= 0.5,
+            "{k}: {start} {exact}"
+        );
+        assert_eq!(picture, &flat(k));
+        start += u32::from(*delay);
+    }
+    assert_eq!(start, 3333);
+    assert!((summary.seconds - 33.33).abs() < 1e-9);
+}
+
 #[test]
 fn bytes_do_not_depend_on_workers_or_runs() {
     for quality in [100, 40] {

@@ -15,6 +15,7 @@ use mechanim::render::adapter::{AdapterChoice, AdapterInfo};
 use mechanim::render::camera::{ViewDirection, fit};
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::gpu::GpuRenderer;
+use mechanim::render::look::Rim;
 use mechanim::render::open::list_adapters;
 use mechanim::render::{Frame, Ground, Instance, Projection, RenderError, Renderer, Stage};
 use std::sync::Arc;
@@ -82,6 +83,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
         samples,
         camera: fit((0..8).map(corner), &view, projection, aspect, 0.06),
         background: [0xf4, 0xf5, 0xf7],
+        rim: Rim::DARK,
         ground: Some(Ground {
             center: DVec3::ZERO,
             normal: DVec3::Z,
@@ -320,6 +322,55 @@ fn later_frames_do_not_remember_earlier_ones() {
     assert_ne!(draw(&mut gpu, &stage, &many), fresh);
     assert_eq!(draw(&mut gpu, &stage, &few), fresh);
     assert_ne!(draw(&mut gpu, &stage, &Frame::default()), fresh);
+}
+
+/// Three renderers on one device, each on its own thread and with frames of its own, draw what one does.
+#[test]
+#[ignore = "needs a graphics adapter: run with --include-ignored"]
+fn frames_in_flight_do_not_disturb_each_other() {
+    let stage = stage(PERSPECTIVE, [160, 120], 4);
+    let frames: Vec<Frame> = (1..=8)
+        .map(|count| Frame {
+            instances: frame(&stage).instances[..count].to_vec(),
+            ..Frame::default()
+        })
+        .collect();
+    let mut first = GpuRenderer::open(Arc::clone(&stage), AdapterChoice::Any).unwrap();
+    let alone: Vec<RgbaImage> = frames.iter().map(|f| draw(&mut first, &stage, f)).collect();
+    let siblings = [first.sibling().unwrap(), first.sibling().unwrap(), first];
+    std::thread::scope(|scope| {
+        for (k, mut renderer) in siblings.into_iter().enumerate() {
+            let (stage, frames, alone) = (&stage, &frames, &alone);
+            scope.spawn(move || {
+                for round in 0..40 {
+                    let at = (round * (k + 1) + k) % frames.len();
+                    let found = draw(&mut renderer, stage, &frames[at]);
+                    assert_eq!(found, alone[at], "renderer {k}, frame {at}");
+                }
+            });
+        }
+    });
+}
+
+#[test]
+#[ignore = "needs a graphics adapter: run with --include-ignored"]
+fn a_moving_camera_sees_the_same() {
+    let stage = stage(PERSPECTIVE, [240, 180], 4);
+    let mut frame = frame(&stage);
+    let mut cpu = CpuRenderer::new(Arc::clone(&stage)).unwrap();
+    let mut gpu = GpuRenderer::open(Arc::clone(&stage), AdapterChoice::Any).unwrap();
+    for turn in [0.0, 0.4, 1.9] {
+        let turned = Pose::from_axis_rotation(2, turn) * stage.camera.world_from_camera;
+        frame.camera = Some(mechanim::render::Camera {
+            world_from_camera: turned,
+            ..stage.camera
+        });
+        let [found, expected] = [
+            draw(&mut gpu, &stage, &frame),
+            draw(&mut cpu, &stage, &frame),
+        ];
+        assert_same(&found, &expected, &format!("turned by {turn}"));
+    }
 }
 
 #[test]

@@ -362,7 +362,7 @@ fn an_stl_holds_the_bodies_where_they_stand() {
 fn an_obj_holds_every_body_by_name_and_colour() {
     for name in NAMES {
         let (scene, model) = pose(name, 40);
-        let bytes = written(&model, write_obj);
+        let bytes = written(&model, |model, output| write_obj(model, output, None));
         let load = |_: &std::path::Path| -> tobj::MTLLoadResult { panic!("no materials") };
         let (objects, _) =
             tobj::load_obj_buf(&mut bytes.as_slice(), &tobj::LoadOptions::default(), load).unwrap();
@@ -403,12 +403,50 @@ fn an_obj_holds_every_body_by_name_and_colour() {
     }
 }
 
+/// With a library every triangle has the material of its solid.
+#[test]
+fn an_objs_materials_are_its_colours() {
+    for name in NAMES {
+        let (_, model) = pose(name, 40);
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let target = |name: &str| Box::new(Target::create(&at(name)).unwrap());
+        let library: (String, Box<dyn Output>) = ("a.mtl".to_owned(), target("a.mtl"));
+        let summary = write_obj(&model, target("a.obj"), Some(library)).unwrap();
+        let size = |name: &str| at(name).metadata().unwrap().len();
+        assert_eq!(summary.bytes, size("a.obj") + size("a.mtl"));
+        let (objects, materials) =
+            tobj::load_obj(at("a.obj"), &tobj::LoadOptions::default()).unwrap();
+        let materials = materials.unwrap();
+        let parts: usize = model.bodies.iter().map(|body| body.parts.len()).sum();
+        assert!(materials.len() > 2 && materials.len() <= parts);
+        let mut found = BTreeMap::new();
+        for object in &objects {
+            let material = &materials[object.mesh.material_id.unwrap()];
+            let code = |c: f32| (255.0 * c).round() as u8;
+            let key = (
+                material.diffuse.unwrap().map(code),
+                code(material.dissolve.unwrap()),
+            );
+            *found.entry(key).or_insert(0) += object.mesh.indices.len() / 3;
+        }
+        let mut expected = BTreeMap::new();
+        for part in model.bodies.iter().flat_map(|body| &body.parts) {
+            let key = (part.colour, (255.0 * part.opacity).round() as u8);
+            *expected.entry(key).or_insert(0) += part.mesh.triangles.len();
+        }
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
 #[test]
 fn a_model_without_solids_is_no_stl() {
     let (_, mut model) = pose("slider-crank", 0);
     model.bodies.iter_mut().for_each(|b| b.parts.clear());
     let folder = tempfile::tempdir().unwrap();
-    for write in [write_stl, write_obj] {
+    type Writer = fn(&Model, Box<dyn Output>) -> Result<ExportSummary, ExportError>;
+    let writers: [Writer; 2] = [write_stl, |model, output| write_obj(model, output, None)];
+    for write in writers {
         let target = Target::create(&folder.path().join("a.stl")).unwrap();
         let error = write(&model, Box::new(target)).unwrap_err().to_string();
         assert!(error.contains("nothing to write"), "{error}");

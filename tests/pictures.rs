@@ -240,6 +240,16 @@ fn a_file_that_cannot_hold_what_is_asked_is_refused() {
             &["--loop means nothing to a y4m video"],
         ),
         (
+            "x.gif",
+            &["--chroma", "420"],
+            &["--chroma means nothing to a GIF", "it is for y4m videos"],
+        ),
+        (
+            "x.gif",
+            &["--orbit", "1e9"],
+            &["--orbit", "between -36000 and 36000"],
+        ),
+        (
             "x%d.gif",
             &[],
             &["a GIF is one file, its name takes no frame number"],

@@ -44,7 +44,7 @@ fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaIma
     let mut image = RgbaImage::new(width, height);
     let frame = staging.frame(index);
     renderer.draw(&frame, &mut image).unwrap();
-    Overlay::new(staging.stage.background).draw(&frame, &staging.stage.camera, &mut image);
+    Overlay::new(staging.stage.background).draw(&frame, &frame.camera(&staging.stage), &mut image);
     image
 }
 
@@ -207,4 +207,53 @@ fn trace_grows_frame_by_frame_and_is_whole_at_the_end() {
         drawn(staging.frame_count() - 1) as usize,
         staging.stage.meshes[trace].triangles.len()
     );
+}
+
+/// Oklab (Ottosson, 2020) of an sRGB colour.
+fn oklab(rgb: [u8; 3]) -> [f64; 3] {
+    let linear = mechanim::render::colour::Curve::shared().decode_rgb(rgb);
+    let [r, g, b] = linear.map(f64::from);
+    let cones = [
+        0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b,
+        0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b,
+        0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b,
+    ];
+    let [l, m, s] = cones.map(f64::cbrt);
+    [
+        0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+        1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+        0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s,
+    ]
+}
+
+/// 255 colours for a whole motion move no pixel as far as bodies' colours are apart (0.06, see `model/palette.rs`), and
+/// nearly all by less than can be seen.
+#[test]
+fn bodies_stay_apart_in_a_palette() {
+    use mechanim::export::palette::Palette;
+    for name in ["gearshift", "dyads", "twin-steer"] {
+        let (scene, trajectory) = solved(name);
+        let staging = Staging::new(&scene, &trajectory, SMALL);
+        let mut renderer = CpuRenderer::new(Arc::clone(&staging.stage)).unwrap();
+        let count = staging.frame_count();
+        let sampled = (0..count).step_by(count / 10);
+        let frames = sampled.map(|k| draw(&staging, &mut renderer, k));
+        let frames: Vec<RgbaImage> = frames.collect();
+        let palette = Palette::from_samples(&frames, &staging.flat_colours(), 255);
+        let between = draw(&staging, &mut renderer, count / 7);
+        let mut moved: Vec<f64> = between
+            .pixels()
+            .map(|pixel| {
+                let [r, g, b, _] = pixel.0;
+                let mapped = palette.colours()[usize::from(palette.map([r, g, b]))];
+                let (a, b) = (oklab([r, g, b]), oklab(mapped));
+                (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+            })
+            .collect();
+        moved.sort_by(f64::total_cmp);
+        let worst = moved[moved.len() - 1];
+        let usual = moved[moved.len() * 99 / 100];
+        println!("{name}: worst {worst:.4}, 99 % within {usual:.4}");
+        assert!(worst < 0.06 && usual < 0.02, "{name}: {worst} {usual}");
+    }
 }

@@ -23,7 +23,8 @@ fn picture(folder: &Path, options: &[&str]) -> RgbaImage {
 fn every_option_changes_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let plain = picture(folder.path(), &["--at", "3"]);
-    let options: [&[&str]; 15] = [
+    let options: [&[&str]; 16] = [
+        &["--orbit", "120"],
         &["--view", "iso"],
         &["--view", "front"],
         &["--view", "top"],
@@ -84,4 +85,63 @@ fn characters_without_glyph_are_named() {
     assert!(output.status.success());
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(message.contains("`漢` (U+6F22)"), "{message}");
+}
+
+/// A camera inside a body, one that looks along the up axis, one that passes over the zenith: pictures, no panics.
+#[test]
+fn cameras_in_odd_places_make_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = mechanim::scene::builtin::find("gearshift").unwrap().text;
+    let paths = [
+        "[{ target = [455, 235, 150], distance = 1e-3 }]",
+        "[{ target = [455, 235, 150], distance = 40 }]",
+        "[{ elevation = 90 }]",
+        "[{ elevation = -90, zoom = 100 }]",
+        "[{ t = 0, elevation = -90, azimuth = 0 }, { t = 3, elevation = 90, azimuth = 720 }]",
+    ];
+    for path in paths {
+        let view = format!("[view]\ncamera_path = {path}\n");
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, text.replacen("[view]\n", &view, 1)).unwrap();
+        for options in [
+            &["--at", "2"][..],
+            &["--at", "2", "--projection", "orthographic"],
+        ] {
+            let output = render(folder.path(), scene.to_str().unwrap(), "a.png", options);
+            let message = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(0), "{path}: {message}");
+            assert!(image::open(folder.path().join("a.png")).is_ok());
+        }
+    }
+}
+
+/// After a whole turn and a whole cycle everything is where it was; on the way it is not.
+#[test]
+fn an_orbit_of_a_whole_turn_ends_where_it_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    let seen = |at: &'static str| {
+        let options = [
+            "--orbit",
+            "360",
+            "--no-captions",
+            "--trails",
+            "none",
+            "--at",
+            at,
+        ];
+        picture(folder.path(), &options)
+    };
+    let [start, quarter, end] = ["0", "1.5", "6"].map(seen);
+    let apart = |a: &RgbaImage, b: &RgbaImage| {
+        let pairs = a.pixels().zip(b.pixels());
+        let differ = pairs.filter(|(p, q)| p.0.iter().zip(q.0).any(|(m, n)| m.abs_diff(n) > 2));
+        differ.count()
+    };
+    // Sines of a whole turn are rounded otherwise: some edges may.
+    assert!(apart(&start, &end) <= 20, "{}", apart(&start, &end));
+    assert!(
+        apart(&start, &quarter) > 2000,
+        "{}",
+        apart(&start, &quarter)
+    );
 }

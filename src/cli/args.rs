@@ -105,7 +105,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
     pub size: [u32; 2],
     /// Frames a second; the scene decides if absent.
-    #[arg(long, value_name = "RATE", value_parser = frame_rate)]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = frame_rate)]
     pub fps: Option<f64>,
     /// Number of frames, spread evenly over the motion.
     #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = frame_count)]

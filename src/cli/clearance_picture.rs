@@ -76,7 +76,7 @@ pub fn write(
     for mut renderer in open(choice, choice.default_adapter(), stage, 1)? {
         renderer.draw(&frame, &mut image)?;
     }
-    Overlay::new(staging.stage.background).draw(&frame, &staging.stage.camera, &mut image);
+    Overlay::new(staging.stage.background).draw(&frame, &frame.camera(&staging.stage), &mut image);
     let settings = PngSettings {
         size: OPTIONS.size,
         effort: Effort::Balanced,

@@ -20,6 +20,9 @@ pub struct FileArgs {
     /// How hard PNG and APNG are packed: stills and APNG are balanced, sequences fast unless said otherwise.
     #[arg(long, value_enum)]
     pub compression: Option<Compression>,
+    /// Colour of a y4m video: at every pixel (444, the default), or one for two by two pixels as most players want (420).
+    #[arg(long, value_enum)]
+    pub chroma: Option<ChromaArg>,
     /// Whether a GIF or APNG repeats.
     #[arg(long = "loop", value_enum)]
     pub repeat: Option<Repeat>,
@@ -41,7 +44,7 @@ pub struct EncodeArgs {
     #[command(flatten)]
     pub file: FileArgs,
     /// Frames a second.
-    #[arg(long, value_name = "RATE", default_value_t = 25.0, value_parser = super::args::frame_rate)]
+    #[arg(long, value_name = "RATE", default_value_t = 25.0, allow_negative_numbers = true, value_parser = super::args::frame_rate)]
     pub fps: f64,
     /// Keep the order of the command line.
     #[arg(long)]
@@ -110,6 +113,16 @@ pub enum Compression {
     Fast,
     Balanced,
     Small,
+}
+
+/// `--chroma`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ChromaArg {
+    #[value(name = "444")]
+    C444,
+    #[value(name = "420")]
+    C420,
 }
 
 /// `--loop`

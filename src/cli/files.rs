@@ -1,7 +1,7 @@
 //! From frames to a picture file: which format, whether it can hold what is asked, and the sink that writes it.
 
 use super::CANCEL;
-use super::file_args::{Compression, FileArgs, PictureFormat, Repeat};
+use super::file_args::{ChromaArg, Compression, FileArgs, PictureFormat, Repeat};
 use super::outcome::Failure;
 use super::progress::Progress;
 use super::term::Term;
@@ -11,7 +11,7 @@ use crate::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use crate::export::palette::Palette;
 use crate::export::png::{Effort, PngSettings, SequenceSink, StillSink};
 use crate::export::pump::{PumpError, Samples, draw_samples, pump};
-use crate::export::raw::{RawKind, RawSink};
+use crate::export::raw::{Chroma, RawKind, RawSink};
 use crate::export::timing::{FrameTimes, Schedule};
 use crate::export::{ExportSummary, Format, FrameSink, Output, Stream, Target};
 use image::RgbaImage;
@@ -45,6 +45,9 @@ pub fn format(args: &FileArgs) -> Result<Format, Failure> {
     }
     if args.repeat.is_some() && !matches!(format, Format::Gif | Format::Apng) {
         return refuse("--loop", "GIF and APNG");
+    }
+    if args.chroma.is_some() && format != Format::Y4m {
+        return refuse("--chroma", "y4m videos");
     }
     Ok(format)
 }
@@ -143,7 +146,13 @@ impl Film<'_> {
             Format::Png | Format::PngSequence(_) => {
                 Box::new(StillSink::new(file, self.png(Effort::Balanced))?)
             }
-            Format::Y4m => Box::new(RawSink::new(file, RawKind::Y4m { fps }, size)?),
+            Format::Y4m => {
+                let chroma = match self.args.chroma {
+                    Some(ChromaArg::C420) => Chroma::Quarter,
+                    Some(ChromaArg::C444) | None => Chroma::Full,
+                };
+                Box::new(RawSink::new(file, RawKind::Y4m { fps, chroma }, size)?)
+            }
             Format::Rgba => Box::new(RawSink::new(file, RawKind::Rgba { fps }, size)?),
             Format::Glb | Format::Stl | Format::Obj => {
                 let message = format!("{} holds no pixels", self.format.name());

@@ -7,7 +7,7 @@ use super::report::inputs;
 use super::term::Term;
 use crate::export::glb::write_glb;
 use crate::export::solid::{write_obj, write_stl};
-use crate::export::{ExportSummary, Format};
+use crate::export::{ExportSummary, Format, Output, Target};
 use crate::kinematics::trajectory::Trajectory;
 use crate::scene::Scene;
 use crate::staging::Staging;
@@ -35,7 +35,7 @@ pub fn write(
     let output = files::open_file(args)?;
     let summary = match format {
         Format::Stl => write_stl(&model, output)?,
-        Format::Obj => write_obj(&model, output)?,
+        Format::Obj => write_obj(&model, output, library(args)?)?,
         _ => write_glb(&model, output)?,
     };
     if !to_stdout(args) {
@@ -44,6 +44,20 @@ pub fn write(
         tell(args, &summary, model.bodies.len(), triangles, term);
     }
     Ok(())
+}
+
+/// Name and file of an OBJ's materials: beside it, under its name. `None` where the OBJ has no name to go by.
+fn library(args: &FileArgs) -> Result<Option<(String, Box<dyn Output>)>, Failure> {
+    let path = args.out.with_extension("mtl");
+    let name = path.file_name().and_then(|name| name.to_str());
+    // A name with blanks would be read as several.
+    let name = name.filter(|name| !name.contains(char::is_whitespace));
+    match name {
+        Some(name) if !to_stdout(args) && path != args.out => {
+            Ok(Some((name.to_owned(), Box::new(Target::create(&path)?))))
+        }
+        _ => Ok(None),
+    }
 }
 
 /// A pose that does not exist is not replaced by its neighbour in a file that cannot say so.

@@ -70,6 +70,7 @@ pub fn file(out: &Path) -> Result<FileArgs, Failure> {
         format: None,
         quality: None,
         compression: None,
+        chroma: None,
         repeat: None,
         threads: None,
         progress: ProgressArg::None,

@@ -45,7 +45,7 @@ pub fn draw(
     for mut renderer in open(choice, choice.default_adapter(), Arc::clone(stage), 1)? {
         renderer.draw(&frame, image)?;
     }
-    let (camera, size) = (&stage.camera, stage.size);
+    let (camera, size) = (&frame.camera(stage), stage.size);
     let primitives: Vec<Primitive> = paths
         .iter()
         .map(|path| {
@@ -66,6 +66,7 @@ pub fn draw(
             size: LINE_SIZE * height,
             colour: staging.theme().ink(),
             plate: false,
+            yields: false,
         });
     }
     Overlay::new(stage.background).draw(&frame, camera, image);

@@ -72,10 +72,7 @@ impl<'a> Pictures<'a> {
                 view.draw_into(sample, image)?;
             }
             let stage = &self.staging.stage;
-            let mut frame = self.staging.captions(sample);
-            let (patches, names) = panes::frame(self.scene.view.theme, stage.size);
-            frame.patches.extend(patches);
-            frame.labels.extend(names);
+            let frame = panes::over(self.scene, self.staging, sample);
             captions.draw(&frame, &stage.camera, image);
             Ok(())
         };
@@ -126,7 +123,7 @@ impl<'a> View<'a> {
 
     fn draw(&mut self, sample: usize, image: &mut RgbaImage) -> Result<(), RenderError> {
         let frame = self.staging.frame(sample);
-        let camera = &self.staging.stage.camera;
+        let camera = &frame.camera(&self.staging.stage);
         for (layer, renderer) in self.layers.iter_mut().enumerate() {
             let target = match layer {
                 0 => &mut *image,

@@ -9,6 +9,7 @@ use crate::model::view::{Axes, Ghosts, NamedView, Trails};
 use crate::model::view_change::ViewChange;
 use crate::render::text::missing_glyphs;
 use crate::scene::Scene;
+use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::MOST_GHOSTS;
 use clap::{Args, ValueEnum};
 
@@ -25,6 +26,9 @@ pub struct ViewArgs {
     /// Height of the viewer above the horizon, in degrees, -90 to 90.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = elevation)]
     pub elevation: Option<f64>,
+    /// Degrees that the camera turns about the up axis during the motion, in place of the scene's camera path.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = orbit)]
+    pub orbit: Option<f64>,
     /// Kind of projection.
     #[arg(long, value_enum)]
     pub projection: Option<ProjectionArg>,
@@ -52,13 +56,13 @@ pub struct ViewArgs {
     #[arg(long, value_enum)]
     pub trails: Option<TrailsArg>,
     /// Length of fading trails in seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
     pub trail_length: Option<f64>,
     /// Velocity arrows on traced points.
     #[arg(long)]
     pub arrows: bool,
     /// Seconds of motion that a velocity arrow is long.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
     pub arrow_scale: Option<f64>,
     /// Axes of frames.
     #[arg(long, value_enum)]
@@ -160,6 +164,7 @@ impl ViewArgs {
             }),
             gauge: yes(self.gauge),
             joints: yes(self.joints),
+            orbit: self.orbit.map(f64::to_radians),
             ..ViewChange::default()
         }
     }
@@ -216,6 +221,10 @@ fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
 
 fn azimuth(text: &str) -> Result<f64, String> {
     between(text, -720.0, 720.0)
+}
+
+fn orbit(text: &str) -> Result<f64, String> {
+    between(text, -MOST_ORBIT, MOST_ORBIT)
 }
 
 fn elevation(text: &str) -> Result<f64, String> {

@@ -8,8 +8,8 @@
 use super::costs::{Change, Costs, Loss, NEVER, Pixel};
 use super::lzw::{BitWriter, Dictionary, NONE};
 
-/// Strings followed at once. Against two, four make the file 2 % smaller at the same price and take a third more
-/// instructions; one makes it a tenth larger.
+/// Strings followed at once. Against two, four make the file 2 % smaller at the same price and take longer; one makes
+/// it a tenth larger.
 const BEAM: usize = 2;
 
 /// A string of the dictionary that can stand for the pixels read so far.

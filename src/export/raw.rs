@@ -29,13 +29,26 @@ const MATRIX: [[i32; 3]; 3] = [
     [28_784, -26_145, -2_639],
 ];
 
+/// How much of the colour a y4m keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chroma {
+    /// Colour at every pixel (4:4:4).
+    #[default]
+    Full,
+    /// One colour for two by two pixels, their mean, in the middle of them (4:2:0): what players want. At an odd side
+    /// the last colour is for fewer pixels.
+    Quarter,
+}
+
 /// Layout of the pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RawKind {
-    /// YUV4MPEG2 at `fps` frames a second: planes Y, Cb, Cr of full size, BT.709, limited range. Alpha is dropped.
+    /// YUV4MPEG2 at `fps` frames a second: planes Y, Cb, Cr, BT.709, limited range. Alpha is dropped.
     Y4m {
         /// Frames a second, positive.
         fps: f64,
+        /// Size of the planes Cb and Cr.
+        chroma: Chroma,
     },
     /// Four bytes a pixel, top row first, frame after frame.
     Rgba {
@@ -67,11 +80,16 @@ impl RawSink {
             size,
             summary: ExportSummary::default(),
         };
-        if let RawKind::Y4m { fps } = kind {
+        if let RawKind::Y4m { fps, chroma } = kind {
             let (frames, seconds) = fraction(fps, LARGEST_RATE);
             let [width, height] = size;
+            let planes = match chroma {
+                Chroma::Full => "444",
+                // As in JPEG files, the colour is that of the middle of its pixels.
+                Chroma::Quarter => "420jpeg",
+            };
             let header = format!(
-                "YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 C444 XCOLORRANGE=LIMITED\n"
+                "YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 C{planes} XCOLORRANGE=LIMITED\n"
             );
             sink.put(header.as_bytes())?;
         }
@@ -94,13 +112,13 @@ impl FrameSink for RawSink {
     fn coder(&self) -> Box<dyn FrameCoder> {
         let size = self.size;
         match self.kind {
-            RawKind::Y4m { .. } => Box::new(Planes { size }),
+            RawKind::Y4m { chroma, .. } => Box::new(Planes { size, chroma }),
             RawKind::Rgba { .. } => Box::new(Pixels { size }),
         }
     }
 
     fn write(&mut self, _index: usize, coded: &[u8]) -> Result<(), ExportError> {
-        let (RawKind::Y4m { fps } | RawKind::Rgba { fps }) = self.kind;
+        let (RawKind::Y4m { fps, .. } | RawKind::Rgba { fps }) = self.kind;
         if matches!(self.kind, RawKind::Y4m { .. }) {
             self.put(FRAME)?;
         }
@@ -119,6 +137,7 @@ impl FrameSink for RawSink {
 /// Turns frames into three planes.
 struct Planes {
     size: [u32; 2],
+    chroma: Chroma,
 }
 
 impl FrameCoder for Planes {
@@ -127,10 +146,34 @@ impl FrameCoder for Planes {
         coded.clear();
         for (row, offset) in MATRIX.into_iter().zip([BLACK, GREY, GREY]) {
             let (pixels, _) = frame.as_raw().as_chunks::<4>();
-            coded.extend(pixels.iter().map(|pixel| component(row, offset, *pixel)));
+            if offset == GREY && self.chroma == Chroma::Quarter {
+                let width = self.size[0] as usize;
+                let pairs = pixels.chunks(2 * width);
+                coded.extend(pairs.flat_map(|rows| quarter_row(row, rows, width)));
+            } else {
+                coded.extend(pixels.iter().map(|pixel| component(row, offset, *pixel)));
+            }
         }
         Ok(())
     }
+}
+
+/// A row of colour differences of two by two pixels; `rows` are two rows of pixels, or the last one alone.
+fn quarter_row(matrix: [i32; 3], rows: &[[u8; 4]], width: usize) -> impl Iterator<Item = u8> {
+    (0..width).step_by(2).map(move |x| {
+        let own = rows
+            .chunks(width)
+            .flat_map(|row| &row[x..(x + 2).min(width)]);
+        let (mut sum, mut count) = (0, 0);
+        for [r, g, b, _] in own {
+            let codes = [*r, *g, *b].map(i32::from);
+            sum += (0..3).map(|k| matrix[k] * codes[k]).sum::<i32>();
+            count += 1;
+        }
+        // Rounded to the nearest, as a single pixel is.
+        let unit = count << BITS;
+        ((sum + unit / 2).div_euclid(unit) + GREY).clamp(0, 255) as u8
+    })
 }
 
 /// One component of a pixel, rounded to the nearest code.
@@ -169,6 +212,39 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Two by two pixels have their mean, also at odd sides; grey stays grey and one colour stays what it is.
+    #[test]
+    fn a_quarter_of_the_colour_is_a_mean() {
+        let frame = RgbaImage::from_fn(5, 3, |x, y| {
+            image::Rgba([40 * x as u8, 90 * y as u8, 200, 255])
+        });
+        let planes = |chroma| {
+            let mut coded = Vec::new();
+            let size = [5, 3];
+            assert!(Planes { size, chroma }.code(&frame, &mut coded).is_ok());
+            coded
+        };
+        let (full, quarter) = (planes(Chroma::Full), planes(Chroma::Quarter));
+        assert_eq!(full.len(), 3 * 15);
+        assert_eq!(quarter.len(), 15 + 2 * 3 * 2);
+        assert_eq!(quarter[..15], full[..15]);
+        for (plane, (x, y)) in
+            (0..2).flat_map(|p| [(p, (0, 0)), (p, (2, 0)), (p, (1, 1)), (p, (2, 1))])
+        {
+            let found = f64::from(quarter[15 + 6 * plane + 3 * y + x]);
+            let own = (2 * x..(2 * x + 2).min(5))
+                .flat_map(|u| (2 * y..(2 * y + 2).min(3)).map(move |v| (u, v)));
+            let codes: Vec<f64> = own
+                .map(|(u, v)| f64::from(full[15 * (plane + 1) + 5 * v + u]))
+                .collect();
+            let mean = codes.iter().sum::<f64>() / codes.len() as f64;
+            assert!(
+                (found - mean).abs() <= 1.0,
+                "{plane} {x} {y}: {found} {mean}"
+            );
         }
     }
 

@@ -2,9 +2,10 @@
 
 use super::ExportSummary;
 use super::error::ExportError;
-use super::model::Model;
+use super::model::{Model, ModelPart};
 use super::target::Output;
 use crate::math::narrow;
+use std::collections::BTreeSet;
 use std::io::{self, BufWriter, Write};
 
 /// Writes the first key of `model` as binary STL and returns what was written. Colours and bodies are lost.
@@ -29,17 +30,55 @@ pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary
     })
 }
 
-/// Writes the first key of `model` as OBJ, one object a body, colours at the vertices (`v x y z r g b`, 0 to 1).
+/// Writes the first key of `model` as OBJ, one object a body, colours at the vertices (`v x y z r g b`, 0 to 1) and, if
+/// there is a file for them, as materials: `library` is its name as the OBJ says it.
 ///
 /// Errors: no triangles, a failed write.
-pub fn write_obj(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+pub fn write_obj(
+    model: &Model,
+    output: Box<dyn Output>,
+    library: Option<(String, Box<dyn Output>)>,
+) -> Result<ExportSummary, ExportError> {
     let parts = model.placed_parts();
     let triangles = parts.map(|(_, part, _)| part.mesh.triangles.len()).sum();
-    finish(output, "an OBJ", triangles, |file| obj(model, file))
+    let name = library.as_ref().map(|(name, _)| name.as_str());
+    let mut summary = finish(output, "an OBJ", triangles, |file| obj(model, name, file))?;
+    if let Some((_, output)) = library {
+        let materials = finish(output, "an MTL", triangles, |file| mtl(model, file))?;
+        summary.bytes += materials.bytes;
+    }
+    Ok(summary)
 }
 
-fn obj(model: &Model, file: &mut dyn Write) -> io::Result<()> {
+/// Name of a part's material: its colour, and its opacity in percent if it is translucent.
+fn material(part: &ModelPart) -> String {
+    let [r, g, b] = part.colour;
+    match part.opacity {
+        opacity if opacity < 1.0 => format!("{r:02x}{g:02x}{b:02x}-{:.0}", 100.0 * opacity),
+        _ => format!("{r:02x}{g:02x}{b:02x}"),
+    }
+}
+
+/// Every material once. `Kd` is the colour in sRGB codes, as most readers take it.
+fn mtl(model: &Model, file: &mut dyn Write) -> io::Result<()> {
+    let mut known = BTreeSet::new();
+    for (_, part, _) in model.placed_parts() {
+        let name = material(part);
+        if known.insert(name.clone()) {
+            let [r, g, b] = part.colour.map(|c| f32::from(c) / 255.0);
+            writeln!(file, "newmtl {name}")?;
+            writeln!(file, "Kd {r:.4} {g:.4} {b:.4}\nKs 0.2 0.2 0.2\nNs 60")?;
+            writeln!(file, "d {:.4}\nillum 2", part.opacity)?;
+        }
+    }
+    Ok(())
+}
+
+fn obj(model: &Model, library: Option<&str>, file: &mut dyn Write) -> io::Result<()> {
     writeln!(file, "# {}", one_line(&model.title))?;
+    if let Some(library) = library {
+        writeln!(file, "mtllib {library}")?;
+    }
     // Corners are counted from 1 over the whole file.
     let mut base = 1;
     let mut object = None;
@@ -56,6 +95,9 @@ fn obj(model: &Model, file: &mut dyn Write) -> io::Result<()> {
         for normal in &part.mesh.normals {
             let [x, y, z] = narrow(pose.transform_vector(*normal));
             writeln!(file, "vn {x:.6} {y:.6} {z:.6}")?;
+        }
+        if library.is_some() {
+            writeln!(file, "usemtl {}", material(part))?;
         }
         for triangle in &part.mesh.triangles {
             let [a, b, c] = triangle.map(|i| base + i as usize);

@@ -1,11 +1,13 @@
 //! The mechanism as resolved: immutable, without names to look up or units to convert.
 
+pub mod camera_path;
 pub mod chain;
 pub mod clearance;
 pub mod drive;
 pub mod expression;
 pub mod measure;
 pub mod mechanism;
+pub mod palette;
 pub mod plot;
 pub mod shape;
 pub mod study;

@@ -1,5 +1,6 @@
 //! How a scene wants to be seen: camera direction, ground, labels. Plain data, no pixels.
 
+use super::camera_path::CameraPath;
 use super::theme::Theme;
 use glam::DVec3;
 
@@ -122,6 +123,8 @@ pub struct SceneLabel {
     pub leader: bool,
     /// Not drawn while a body stands before its point.
     pub hides: bool,
+    /// Not drawn where it would cover an earlier label.
+    pub yields: bool,
     /// Height of a line of text, as a fraction of the picture's height.
     pub size: f64,
 }
@@ -178,6 +181,8 @@ pub struct View {
     pub labels: Vec<SceneLabel>,
     /// What is shown beside the bodies.
     pub decor: Decor,
+    /// How the camera moves.
+    pub camera_path: CameraPath,
 }
 
 impl View {
@@ -196,6 +201,7 @@ impl View {
             }
         };
         self.four = false;
+        self.camera_path = CameraPath::default();
         (self.azimuth, self.elevation) = (azimuth, elevation);
         self.projection = ViewProjection::Orthographic;
     }

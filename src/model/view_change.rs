@@ -1,5 +1,6 @@
 //! What a command line or a list of pictures changes in the view of a scene.
 
+use super::camera_path::CameraPath;
 use super::theme::Theme;
 use super::view::{Axes, Ghosts, GroundPlace, NamedView, Trails, View, ViewProjection};
 
@@ -38,6 +39,8 @@ pub struct ViewChange {
     pub gauge: Option<bool>,
     /// Joints drawn by kind.
     pub joints: Option<bool>,
+    /// Radians that the camera turns during the motion, in place of the scene's path.
+    pub orbit: Option<f64>,
 }
 
 impl ViewChange {
@@ -50,6 +53,14 @@ impl ViewChange {
         if let Some(from) = self.from {
             view.look_from(from);
         }
+        if let Some(orbit) = self.orbit {
+            view.camera_path = CameraPath {
+                keys: Vec::new(),
+                orbit,
+            };
+        }
+        let path = &mut view.camera_path;
+        path.forget(self.azimuth.is_some(), self.elevation.is_some());
         view.azimuth = self.azimuth.unwrap_or(view.azimuth);
         view.elevation = self.elevation.unwrap_or(view.elevation);
         match self.parallel {

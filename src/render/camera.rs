@@ -61,8 +61,19 @@ pub fn fit(
     aspect: f64,
     margin: f64,
 ) -> Camera {
+    fit_within(points, view, projection, aspect, [margin; 2])
+}
+
+/// The same with margins of their own for the width and the height.
+pub fn fit_within(
+    points: impl Iterator<Item = DVec3> + Clone,
+    view: &ViewDirection,
+    projection: Projection,
+    aspect: f64,
+    margins: [f64; 2],
+) -> Camera {
     let axes = view.axes();
-    let free = 1.0 - margin.clamp(0.0, MAX_MARGIN);
+    let free = margins.map(|margin| 1.0 - margin.clamp(0.0, MAX_MARGIN));
     let slope = match projection {
         Projection::Perspective { fov_y } => {
             let (sin, cos) = sin_cos(0.5 * fov_y);
@@ -70,7 +81,7 @@ pub fn fit(
         }
         Projection::Orthographic { .. } => 0.0,
     };
-    let slopes = [slope * aspect * free, slope * free];
+    let slopes = [slope * aspect * free[0], slope * free[1]];
     let inside = points
         .filter(|point| point.is_finite())
         .map(|point| axes.transpose() * point);
@@ -82,7 +93,7 @@ pub fn fit(
         ),
         Projection::Orthographic { .. } => {
             let spans = [0, 1].map(|k| support.reach[k][0] + support.reach[k][1]);
-            let height = (spans[0] / aspect).max(spans[1]) / free;
+            let height = (spans[0] / (aspect * free[0])).max(spans[1] / free[1]);
             let height = if height > support.extent * EXTENT_RESOLUTION {
                 height
             } else {

@@ -12,25 +12,23 @@ pub type Rgb = [f32; 3];
 /// so that the length is 1 without rounding a table of digits.
 pub const KEY_DIRECTION: [f32; 3] = [-4.0 / 9.0, 7.0 / 9.0, 4.0 / 9.0];
 /// Irradiance of the key light, faintly warm.
-pub const KEY_COLOUR: Rgb = [0.71, 0.70, 0.68];
+pub const KEY_COLOUR: Rgb = [0.92, 0.91, 0.885];
 /// How far the key light reaches around the terminator: 0 is Lambert, 1 reaches the far pole.
-pub const KEY_WRAP: f32 = 0.25;
+pub const KEY_WRAP: f32 = 0.20;
 /// Unit direction towards the fill light: from the right, a little above the horizon.
 pub const FILL_DIRECTION: [f32; 3] = [6.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0];
 /// Irradiance of the fill light, faintly cool.
 pub const FILL_COLOUR: Rgb = [0.16, 0.17, 0.19];
 /// Irradiance on a surface that faces up.
-pub const SKY_COLOUR: Rgb = [0.45, 0.46, 0.48];
+pub const SKY_COLOUR: Rgb = [0.34, 0.345, 0.36];
 /// Irradiance on a surface that faces down: light that the ground sends back.
-pub const GROUND_COLOUR: Rgb = [0.28, 0.27, 0.26];
+pub const GROUND_COLOUR: Rgb = [0.155, 0.15, 0.143];
 /// Strength of the wide sheen, `(n·h)^8`.
-pub const SHEEN: f32 = 0.045;
+pub const SHEEN: f32 = 0.05;
 /// Strength of the small highlight, `(n·h)^64`.
-pub const HIGHLIGHT: f32 = 0.26;
-/// Light added where the surface turns away from the viewer, `(1 - n·v)^4`.
-pub const RIM: f32 = 0.10;
+pub const HIGHLIGHT: f32 = 0.36;
 /// Factor on everything a lit surface sends.
-pub const EXPOSURE: f32 = 0.98;
+pub const EXPOSURE: f32 = 1.02;
 /// How much of its missing opacity a translucent surface regains where it is seen edge-on.
 pub const EDGE_OPACITY: f32 = 0.65;
 
@@ -76,19 +74,56 @@ pub fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
+/// What is around a lit surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surroundings {
+    /// The ground's normal in camera space, unit length.
+    pub up: [f32; 3],
+    /// What a surface gains and loses where it turns away from the viewer.
+    pub rim: Rim,
+}
+
+/// Light at silhouettes: they must stand out from the background and from a body of the same colour behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// Strength of the light added, `(1 - n·v)^4`.
+    pub gain: f32,
+    /// Share of the light that is taken away, `(1 - n·v)^2`.
+    pub loss: f32,
+}
+
+impl Rim {
+    /// Dark silhouettes for light backgrounds.
+    pub const DARK: Self = Self {
+        gain: 0.05,
+        loss: 0.32,
+    };
+    /// Light silhouettes for dark backgrounds.
+    pub const LIGHT: Self = Self {
+        gain: 0.16,
+        loss: 0.0,
+    };
+}
+
 /// The colour that a lit surface sends to the viewer, in linear light, 0..=1.
 ///
 /// All directions are unit vectors in camera space: `normal` on the side that is seen, `to_viewer` from
-/// the surface to the eye (`[0, 0, 1]` for a parallel projection), `up` the ground's normal. `albedo` is
+/// the surface to the eye (`[0, 0, 1]` for a parallel projection). `albedo` is
 /// linear; `flat` 1 gives the albedo itself. The highlight is Blinn's, with
 /// `(n·h)² = (n·l + n·v)² / (2 + 2 l·v)` so that the half vector is never normalised.
 #[inline(always)]
-pub fn shade(normal: [f32; 3], to_viewer: [f32; 3], up: [f32; 3], albedo: Rgb, flat: f32) -> Rgb {
+pub fn shade(
+    normal: [f32; 3],
+    to_viewer: [f32; 3],
+    around: &Surroundings,
+    albedo: Rgb,
+    flat: f32,
+) -> Rgb {
     let n_l = dot(normal, KEY_DIRECTION);
     let n_v = larger(dot(normal, to_viewer), 0.0);
     let key = larger((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
     let fill = larger(dot(normal, FILL_DIRECTION), 0.0);
-    let sky = 0.5 + 0.5 * dot(normal, up);
+    let sky = 0.5 + 0.5 * dot(normal, around.up);
 
     let half = larger(n_l + n_v, 0.0);
     let h2 = smaller(
@@ -100,12 +135,15 @@ pub fn shade(normal: [f32; 3], to_viewer: [f32; 3], up: [f32; 3], albedo: Rgb, f
     let h16 = h8 * h8;
     let h32 = h16 * h16;
     let glint = SHEEN * h8 + HIGHLIGHT * (h32 * h32);
-    let rim = rim(n_v);
+    let away = (1.0 - n_v) * (1.0 - n_v);
+    let kept = 1.0 - around.rim.loss * away;
+    let gain = around.rim.gain * (away * away);
 
     let channel = |c: usize| {
         let light =
             mix(GROUND_COLOUR[c], SKY_COLOUR[c], sky) + KEY_COLOUR[c] * key + FILL_COLOUR[c] * fill;
-        let gloss = KEY_COLOUR[c] * glint + SKY_COLOUR[c] * (RIM * rim);
+        let light = light * kept;
+        let gloss = KEY_COLOUR[c] * glint + SKY_COLOUR[c] * gain;
         let lit = saturate(EXPOSURE * (albedo[c] * light + gloss));
         mix(lit, albedo[c], flat)
     };

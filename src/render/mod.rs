@@ -20,6 +20,7 @@ use crate::geometry::Mesh;
 use crate::math::Pose;
 use glam::DVec3;
 use image::RgbaImage;
+use look::Rim;
 use std::ops::Range;
 
 /// What stays the same over all frames.
@@ -35,6 +36,8 @@ pub struct Stage {
     pub camera: Camera,
     /// Background colour, sRGB.
     pub background: [u8; 3],
+    /// Light at silhouettes.
+    pub rim: Rim,
     /// The ground, if any.
     pub ground: Option<Ground>,
 }
@@ -146,11 +149,15 @@ pub struct Label {
     pub colour: [u8; 3],
     /// Draws a plate of the background's colour behind the text.
     pub plate: bool,
+    /// Left out where it would cover a label before it.
+    pub yields: bool,
 }
 
 /// Everything that is particular to one frame.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
+    /// From where it is seen, if not through the stage's camera.
+    pub camera: Option<Camera>,
     /// Meshes to draw.
     pub instances: Vec<Instance>,
     /// Rectangles over them.
@@ -159,6 +166,13 @@ pub struct Frame {
     pub labels: Vec<Label>,
     /// Drawn greyed, with a hatched margin: there is no pose at this time.
     pub no_pose: bool,
+}
+
+impl Frame {
+    /// The camera that sees this frame of `stage`.
+    pub fn camera(&self, stage: &Stage) -> Camera {
+        self.camera.unwrap_or(stage.camera)
+    }
 }
 
 /// Why a picture could not be made.

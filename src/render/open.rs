@@ -28,7 +28,10 @@ impl RendererChoice {
     }
 }
 
-/// Opens renderers of a stage: `workers` (at least one) of the built-in kind, or one on an adapter.
+/// Most renderers on one adapter: one draws, one reads back, one is being prepared.
+const FRAMES_IN_FLIGHT: usize = 3;
+
+/// Opens renderers of a stage: `workers` (at least one) of the built-in kind, or as many on an adapter, up to three.
 ///
 /// Errors: no adapter of the kind asked for; a device that fails; a picture that the renderer cannot draw. `Auto`
 /// with [`AdapterChoice::Hardware`] falls back to the built-in renderer instead; any other adapter was asked for by
@@ -41,11 +44,11 @@ pub fn open(
 ) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
     match choice {
         RendererChoice::Cpu => open_cpu(&stage, workers),
-        RendererChoice::Gpu => Ok(vec![open_gpu(stage, adapter)?]),
+        RendererChoice::Gpu => open_gpu(stage, adapter, workers),
         RendererChoice::Auto => {
             let fall_back = adapter == AdapterChoice::Hardware;
-            match open_gpu(Arc::clone(&stage), adapter) {
-                Ok(renderer) => Ok(vec![renderer]),
+            match open_gpu(Arc::clone(&stage), adapter, workers) {
+                Ok(renderers) => Ok(renderers),
                 Err(_) if fall_back => open_cpu(&stage, workers),
                 Err(error) => Err(error),
             }
@@ -71,12 +74,24 @@ fn open_cpu(stage: &Arc<Stage>, workers: usize) -> Result<Vec<Box<dyn Renderer>>
 }
 
 #[cfg(feature = "gpu")]
-fn open_gpu(stage: Arc<Stage>, adapter: AdapterChoice) -> Result<Box<dyn Renderer>, RenderError> {
-    Ok(Box::new(super::gpu::GpuRenderer::open(stage, adapter)?))
+fn open_gpu(
+    stage: Arc<Stage>,
+    adapter: AdapterChoice,
+    workers: usize,
+) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
+    let first = super::gpu::GpuRenderer::open(stage, adapter)?;
+    let others = (1..workers.min(FRAMES_IN_FLIGHT)).map(|_| first.sibling());
+    let others = others.collect::<Result<Vec<_>, _>>()?;
+    let all = std::iter::once(first).chain(others);
+    Ok(all.map(|one| Box::new(one) as Box<dyn Renderer>).collect())
 }
 
 #[cfg(not(feature = "gpu"))]
-fn open_gpu(_: Arc<Stage>, adapter: AdapterChoice) -> Result<Box<dyn Renderer>, RenderError> {
+fn open_gpu(
+    _: Arc<Stage>,
+    adapter: AdapterChoice,
+    _: usize,
+) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
     Err(RenderError::NoAdapter(format!(
         "this build has no gpu renderer, so no {} can be used; build with the default features, or use \
          `--renderer cpu`",
@@ -89,6 +104,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use crate::math::Pose;
+    use crate::render::look::Rim;
     use crate::render::{Camera, Frame, Projection};
     use image::RgbaImage;
 
@@ -104,6 +120,7 @@ mod tests {
                 far: 10.0,
             },
             background: [1, 2, 3],
+            rim: Rim::DARK,
             ground: None,
         })
     }

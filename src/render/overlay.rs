@@ -22,6 +22,8 @@ const LARGEST_SIZE: f64 = 1024.0;
 pub struct Overlay {
     face: Face,
     plate_colour: [u8; 3],
+    /// Left, top, right and bottom of the labels drawn so far in this frame.
+    taken: Vec<[i32; 4]>,
 }
 
 impl Overlay {
@@ -30,6 +32,7 @@ impl Overlay {
         Self {
             face: Face::new(),
             plate_colour: background,
+            taken: Vec::new(),
         }
     }
 
@@ -45,6 +48,7 @@ impl Overlay {
         for patch in &frame.patches {
             patch::draw(&mut Painter::new(image), patch, picture);
         }
+        self.taken.clear();
         for label in &frame.labels {
             self.draw_label(label, camera, image);
         }
@@ -59,6 +63,17 @@ impl Overlay {
         let Some([left, top]) = place(label, &setting, camera, size) else {
             return;
         };
+        let [width, high] = [setting.width, setting.height].map(|n| n.ceil() as i32);
+        let own = [
+            left,
+            top,
+            left.saturating_add(width),
+            top.saturating_add(high),
+        ];
+        if label.yields && self.taken.iter().any(|other| overlap(&own, other)) {
+            return;
+        }
+        self.taken.push(own);
         let mut painter = Painter::new(image);
         if let Anchor::Beside(point) = label.anchor
             && let Some([x, y, _]) = camera.project(point, size)
@@ -96,6 +111,10 @@ impl Overlay {
             painter.blend_mask(mask, origin, colour);
         }
     }
+}
+
+fn overlap(a: &[i32; 4], b: &[i32; 4]) -> bool {
+    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
 /// How far right of and above its point a label with a line stands, in heights of its capitals.

@@ -9,6 +9,7 @@ use super::reader::{FormulaText, Spanned, TableReader, read_table};
 use super::shapes::{ShapeFile, shape};
 use super::studies::{StudyFile, study};
 use super::values::formula_of;
+use super::views::{ViewFile, view};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -153,34 +154,6 @@ pub struct LabelFile {
     pub hides: Option<bool>,
     /// The whole entry.
     pub span: Span,
-}
-
-/// `[view]`
-#[derive(Clone, Debug, Default)]
-#[allow(missing_docs)]
-pub struct ViewFile {
-    pub azimuth: Option<FormulaText>,
-    pub elevation: Option<FormulaText>,
-    pub up: Option<Spanned<String>>,
-    pub projection: Option<Spanned<String>>,
-    pub fov: Option<FormulaText>,
-    pub margin: Option<FormulaText>,
-    pub background: Option<[u8; 3]>,
-    pub ground: Option<FormulaText>,
-    pub fps: Option<FormulaText>,
-    pub captions: Option<bool>,
-    pub from: Option<Spanned<String>>,
-    pub theme: Option<Spanned<String>>,
-    pub transparent: Option<bool>,
-    pub ghosts: Option<FormulaText>,
-    pub ghost_times: Option<Spanned<Vec<FormulaText>>>,
-    pub trails: Option<Spanned<String>>,
-    pub trail_length: Option<FormulaText>,
-    pub arrows: Option<bool>,
-    pub arrow_scale: Option<FormulaText>,
-    pub axes: Option<Spanned<String>>,
-    pub gauge: Option<bool>,
-    pub joints: Option<bool>,
 }
 
 /// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
@@ -390,33 +363,6 @@ fn label(r: &mut TableReader) -> Option<LabelFile> {
         hides,
         span,
     })
-}
-
-fn view(r: &mut TableReader) -> ViewFile {
-    ViewFile {
-        azimuth: r.formula("azimuth"),
-        elevation: r.formula("elevation"),
-        up: r.string("up"),
-        projection: r.string("projection"),
-        fov: r.formula("fov"),
-        margin: r.formula("margin"),
-        background: r.colour("background"),
-        ground: r.formula("ground"),
-        fps: r.formula("fps"),
-        captions: r.boolean("captions"),
-        from: r.string("from"),
-        theme: r.string("theme"),
-        transparent: r.boolean("transparent"),
-        ghosts: r.formula("ghosts"),
-        ghost_times: r.formulas("ghost_times"),
-        trails: r.string("trails"),
-        trail_length: r.formula("trail_length"),
-        arrows: r.boolean("arrows"),
-        arrow_scale: r.formula("arrow_scale"),
-        axes: r.string("axes"),
-        gauge: r.boolean("gauge"),
-        joints: r.boolean("joints"),
-    }
 }
 
 /// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).

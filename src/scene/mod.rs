@@ -15,6 +15,7 @@ pub mod resolve;
 pub mod shapes;
 pub mod studies;
 pub mod values;
+pub mod views;
 
 use crate::diag::{Diagnostics, SceneError, Source};
 use crate::model::clearance::ClearanceRules;

@@ -5,6 +5,7 @@ use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::view::{Ghosts, ViewProjection};
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FormulaText, Spanned, TableReader, read_table};
+use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, choice};
 use toml::de::DeTable;
 
@@ -207,6 +208,7 @@ fn view(r: &mut TableReader) -> ViewChange {
     let azimuth = degrees("azimuth", -720.0, 720.0);
     let elevation = degrees("elevation", -90.0, 90.0);
     let fov = degrees("fov", 1.0, 120.0);
+    let orbit = degrees("orbit", -MOST_ORBIT, MOST_ORBIT);
     let kind = r.string("projection");
     let projection = match kind.as_ref().map(|kind| kind.value.as_str()) {
         Some("orthographic") => Some(ViewProjection::Orthographic),
@@ -224,8 +226,7 @@ fn view(r: &mut TableReader) -> ViewChange {
                 .hint("one of perspective, orthographic"),
         );
     }
-    // Four views are several pictures, and the last of the names.
-    let from = word(r, "from", &NAMED_VIEWS[..4]);
+    let from = word(r, "from", &NAMED_VIEWS);
     let theme = word(r, "theme", &THEMES);
     ViewChange {
         from,
@@ -242,6 +243,7 @@ fn view(r: &mut TableReader) -> ViewChange {
         axes: word(r, "axes", &AXES),
         gauge: r.boolean("gauge"),
         joints: r.boolean("joints"),
+        orbit,
         ..ViewChange::default()
     }
 }

@@ -5,11 +5,13 @@ use crate::diag::{SceneError, Source};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::sampling::frame_times;
 use crate::kinematics::structure::StructureError;
+use crate::kinematics::trajectory::Trajectory;
 use crate::render::cpu::CpuRenderer;
 use crate::render::overlay::Overlay;
 use crate::render::{RenderError, Renderer};
 use crate::scene::{Overrides, Scene, builtin, load};
-use crate::staging::{PictureOptions, Staging};
+use crate::staging::marks::Marks;
+use crate::staging::{PictureOptions, Staging, panes};
 use image::RgbaImage;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,12 +54,44 @@ pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
         size: picture.size,
         samples: picture.samples,
     };
-    let staging = Staging::new(&scene, &trajectory, options);
-    let mut renderer = CpuRenderer::new(Arc::clone(&staging.stage))?;
+    let whole = Staging::new(&scene, &trajectory, options);
+    if scene.view.four {
+        return four(&scene, &trajectory, &whole, index);
+    }
+    one(&whole, index)
+}
+
+/// One view.
+fn one(staging: &Staging, index: usize) -> Result<RgbaImage, DrawError> {
+    let stage = &staging.stage;
+    let mut renderer = CpuRenderer::new(Arc::clone(stage))?;
     let frame = staging.frame(index);
-    let mut image = RgbaImage::new(picture.size[0], picture.size[1]);
+    let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
     renderer.draw(&frame, &mut image)?;
-    Overlay::new(staging.stage.background).draw(&frame, &staging.stage.camera, &mut image);
+    Overlay::new(stage.background).draw(&frame, &frame.camera(stage), &mut image);
+    Ok(image)
+}
+
+/// Four views in one picture, as `render --view four` lays them out.
+fn four(
+    scene: &Scene,
+    trajectory: &Trajectory,
+    whole: &Staging,
+    index: usize,
+) -> Result<RgbaImage, DrawError> {
+    let stage = &whole.stage;
+    let options = PictureOptions {
+        size: stage.size,
+        samples: stage.samples,
+    };
+    let scenes = panes::scenes(scene);
+    let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
+    for ([x, y], pane) in panes::stagings(&scenes, trajectory, options, &Marks::default()) {
+        let view = one(&pane, index)?;
+        image::imageops::replace(&mut image, &view, x.into(), y.into());
+    }
+    let frame = panes::over(scene, whole, index);
+    Overlay::new(stage.background).draw(&frame, &stage.camera, &mut image);
     Ok(image)
 }
 

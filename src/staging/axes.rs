@@ -83,6 +83,7 @@ impl AxisSigns {
                 size: LETTER_SIZE * height,
                 colour: COLOURS[k],
                 plate: false,
+                yields: false,
             })
             .collect()
     }

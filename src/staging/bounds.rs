@@ -42,6 +42,24 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
     points
 }
 
+/// Of all points those that are outermost in one of `directions` evenly spread directions (Fibonacci's lattice on the
+/// sphere): enough to frame them.
+pub fn outline(points: &[DVec3], directions: usize) -> Vec<DVec3> {
+    if points.len() <= directions {
+        return points.to_vec();
+    }
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let outermost = (0..directions).filter_map(|k| {
+        let z = 1.0 - (2.0 * k as f64 + 1.0) / directions as f64;
+        let out = (1.0 - z * z).sqrt();
+        let (sin, cos) = crate::math::sin_cos(golden * k as f64);
+        let direction = DVec3::new(out * cos, out * sin, z);
+        let far = |p: &&DVec3, q: &&DVec3| p.dot(direction).total_cmp(&q.dot(direction));
+        points.iter().max_by(far).copied()
+    });
+    outermost.collect()
+}
+
 /// Smallest axis-parallel box around the points.
 pub fn box_of(points: &[DVec3]) -> Option<[DVec3; 2]> {
     let first = *points.first()?;

@@ -50,6 +50,7 @@ pub fn add(
         size: size * height,
         colour,
         plate: false,
+        yields: false,
     };
     let values = values(&scene.mechanism, &sample.inputs);
     if view.captions {
@@ -146,5 +147,6 @@ pub fn in_world(
         size: label.size * height,
         colour: label.colour.unwrap_or(theme.ink()),
         plate: false,
+        yields: label.yields,
     })
 }

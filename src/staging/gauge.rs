@@ -60,6 +60,7 @@ pub fn of_inputs(
             size: VALUE_SIZE * size[1],
             colour: theme.faint_ink(),
             plate: false,
+            yields: false,
         });
     }
     (patches, labels)

@@ -1,23 +1,28 @@
-//! Signs of joints by kind: pin, ball, slider guide, screw; and hatched ground under those that stand on the frame.
+//! Signs of joints by kind: pin, ball, slider guide, screw; and hatched ground under those
+//! that stand on the frame where no body does.
 
+use super::joint_places::Outlines;
 use super::joints::{self, Joint, JointKind};
 use super::solids::{merged, sign};
 use crate::geometry::Mesh;
 use crate::kinematics::trajectory::Trajectory;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain};
+use crate::model::chain::{ArgumentValue, Chain, Step};
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use crate::render::Instance;
 use glam::DVec3;
 
 /// Radius of a pin over the extent of the motion; all signs are made of it.
-const RADIUS: f64 = 0.0095;
+const RADIUS: f64 = 0.008;
 
 /// Colours of the part before a joint, of the part behind it, and of the ground.
 const SEAT: [u8; 3] = [0x4c, 0x55, 0x62];
 const MOVER: [u8; 3] = [0xd9, 0xdd, 0xe3];
 const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
+
+/// How near to a joint's axis a body must come to hold it, in radii of a pin.
+const HOLD: f64 = 3.0;
 
 /// Facet error over the radius of a pin.
 const FACETS: f64 = 0.02;
@@ -53,7 +58,10 @@ impl JointSigns {
         };
         let radius = RADIUS * extent;
         let mut signs = Self::default();
+        let outlines = Outlines::new(mechanism);
         for joint in joints::find(mechanism, first) {
+            let place = outlines.place(mechanism, &joint, &values, HOLD * radius);
+            let shift = DVec3::AXES[joint.axis] * place.shift;
             let strokes = values.iter().map(|values| joint.stroke(values));
             let stroke = strokes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| {
                 [low.min(s), high.max(s)]
@@ -69,10 +77,10 @@ impl JointSigns {
                     });
                 }
             };
-            add(seat, Some(&joint.before), SEAT);
-            add(mover, Some(&joint.after), MOVER);
-            if joint.grounded {
-                let at = joint.before.pose(first);
+            add(seat, Some(&shifted(&joint.before, shift)), SEAT);
+            add(mover, Some(&shifted(&joint.after, shift)), MOVER);
+            if joint.grounded && !place.held {
+                let at = joint.before.pose(first) * Pose::from_translation(shift);
                 let slides = matches!(joint.kind, JointKind::Slider);
                 let middle = if slides {
                     at.rotation.col(joint.axis) * (0.5 * (stroke[0] + stroke[1]))
@@ -113,6 +121,15 @@ impl JointSigns {
     }
 }
 
+/// The chain with a translation behind it.
+fn shifted(chain: &Chain, by: DVec3) -> Chain {
+    let mut steps = chain.steps.clone();
+    if by != DVec3::ZERO {
+        steps.push(Step::Fixed(Pose::from_translation(by)));
+    }
+    Chain { steps }
+}
+
 /// Values of the arguments at some samples of the motion.
 fn arguments(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Vec<ArgumentValue>> {
     let samples = trajectory.samples.iter();
@@ -149,8 +166,8 @@ fn solids(joint: &Joint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Soli
             let ring = Solid::Torus {
                 center: DVec3::ZERO,
                 axis,
-                ring: 1.9 * r,
-                tube: 0.5 * r,
+                ring: 1.85 * r,
+                tube: 0.45 * r,
             };
             let ball = Solid::Sphere {
                 center: DVec3::ZERO,

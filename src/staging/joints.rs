@@ -1,7 +1,7 @@
 //! Joints found in the chains of the bodies, and where they are at a pose. Their signs are made in `joint_signs`.
 
 use crate::kinematics::trajectory::{ClosedPose, Sample};
-use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
 use glam::DVec3;
 
@@ -40,6 +40,8 @@ pub struct Joint {
     pub last_axis: usize,
     /// Nothing moves before it: it stands on the frame.
     pub grounded: bool,
+    /// A formula moves it that is more than a coordinate, scaled and shifted.
+    placed: bool,
     /// Unknowns and inputs that move it, ascending.
     coordinates: Vec<usize>,
 }
@@ -64,10 +66,23 @@ pub fn find(mechanism: &Mechanism, first: &[ArgumentValue]) -> Vec<Joint> {
     let chains = chains.chain(loops.iter().map(|(chain, closed)| (chain, *closed)));
     let mut found: Vec<(Joint, [DVec3; 2])> = Vec::new();
     for (chain, closed) in chains {
+        let in_loop = loops.iter().any(|(other, _)| std::ptr::eq(other, chain));
         for joint in along(chain, closed, &bodies, mechanism) {
+            // A piece that follows a formula (of a rope on its drum) is placed, not jointed.
+            if !in_loop && joint.placed {
+                continue;
+            }
             let ends = [&joint.before, &joint.after].map(|c| c.pose(first).translation);
-            // A loop may come to a joint from behind.
-            let near = |place: &DVec3| place.distance(ends[0]) < SAME_PLACE * mechanism.size;
+            // Another chain may come to a joint from behind, or to a pin elsewhere on its axis.
+            let axis = joint.before.pose(first).rotation.col(joint.axis);
+            let near = |place: &DVec3| {
+                let apart = *place - ends[0];
+                let along = match joint.kind {
+                    JointKind::Pin => axis * apart.dot(axis),
+                    _ => DVec3::ZERO,
+                };
+                (apart - along).length() < SAME_PLACE * mechanism.size
+            };
             let known = found.iter().any(|(other, places)| {
                 other.coordinates == joint.coordinates && places.iter().any(near)
             });
@@ -162,6 +177,9 @@ fn along(chain: &Chain, closed: bool, bodies: &[&Chain], mechanism: &Mechanism) 
             last_axis: motion(steps.get(end - 1)).map_or(axis, |(_, last, _)| last),
             grounded: !steps[..at].iter().any(is_joint)
                 || (closed && !steps[end..].iter().any(is_joint)),
+            placed: (at..end)
+                .filter_map(|k| motion(steps.get(k)))
+                .any(|(_, _, a)| matches!(mechanism.arguments[a], Argument::Formula(_))),
             // `Tx(s)` and `Tx(-s)` are two arguments and one joint.
             coordinates: (at..end)
                 .filter_map(|k| motion(steps.get(k)))

@@ -101,6 +101,7 @@ impl Marks {
             size: LABEL_SIZE * height,
             colour: LINE,
             plate: true,
+            yields: false,
         })
     }
 }

@@ -5,10 +5,12 @@
 mod arrows;
 mod axes;
 mod bounds;
+mod cameras;
 mod captions;
 mod decor;
 mod gauge;
 mod ghosts;
+mod joint_places;
 mod joint_signs;
 pub mod joints;
 pub mod marks;
@@ -22,10 +24,11 @@ mod trails;
 
 use crate::kinematics::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
-use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
-use crate::render::camera::{ViewDirection, fit};
-use crate::render::{Anchor, Camera, Frame, Ground, Instance, Label, Projection, Stage};
+use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View};
+use crate::render::look::Rim;
+use crate::render::{Anchor, Camera, Frame, Ground, Instance, Label, Stage};
 use crate::scene::Scene;
+use cameras::Cameras;
 use decor::DecorParts;
 use glam::DVec3;
 use marks::Marks;
@@ -47,6 +50,8 @@ pub struct Staging<'a> {
     pub stage: Arc<Stage>,
     scene: &'a Scene,
     trajectory: &'a Trajectory,
+    /// One a sample where the camera moves, else none.
+    cameras: Vec<Camera>,
     parts: Vec<Part>,
     marks: Marks,
     /// Mesh of the marked distance.
@@ -86,9 +91,12 @@ impl<'a> Staging<'a> {
         let mut meshes = Vec::new();
         let moving = (scene, trajectory);
         let mut decor = DecorParts::before_camera(moving, (&mut bounds, up), &mut meshes);
-        let camera = camera(view, &bounds, options);
+        let aspect = aspect(options);
+        let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
+        let duration = scene.mechanism.duration;
+        let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let ground = ground(view, &bounds, up);
-        let pixel = parts::pixel_size(&camera, options.size, &bounds);
+        let pixel = parts::pixel_size(cameras.all(), options.size, &bounds);
         let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
         decor.after_camera(moving, pixel, &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
@@ -96,14 +104,19 @@ impl<'a> Staging<'a> {
             meshes,
             size: options.size,
             samples: options.samples,
-            camera,
+            camera: cameras.first,
             background: view.background,
+            rim: match view.theme {
+                Theme::Light => Rim::DARK,
+                Theme::Dark => Rim::LIGHT,
+            },
             ground,
         };
         Self {
             stage: Arc::new(stage),
             scene,
             trajectory,
+            cameras: cameras.moving,
             parts,
             marks,
             measure,
@@ -148,12 +161,13 @@ impl<'a> Staging<'a> {
         let sample = &self.trajectory.samples[index];
         let mut frame = Frame {
             no_pose: sample.pose.is_none(),
+            camera: self.cameras.get(index).copied(),
             ..Frame::default()
         };
         if let Some(pose) = self.shown[index].and_then(|k| self.trajectory.samples[k].pose.as_ref())
         {
             frame.instances = self.instances(index, pose);
-            frame.labels = self.labels(pose);
+            frame.labels = self.labels(pose, &frame.camera(&self.stage));
         }
         captions::add(
             self.scene,
@@ -192,7 +206,7 @@ impl<'a> Staging<'a> {
         solids.chain(decor).chain(line).collect()
     }
 
-    fn labels(&self, pose: &ClosedPose) -> Vec<Label> {
+    fn labels(&self, pose: &ClosedPose, camera: &Camera) -> Vec<Label> {
         let height = f64::from(self.stage.size[1]);
         let theme = self.scene.view.theme;
         let labels = &self.scene.view.labels;
@@ -201,7 +215,7 @@ impl<'a> Staging<'a> {
             .zip(&self.label_places)
             .filter_map(|(label, place)| {
                 let shown = captions::in_world(label, *place, pose, height, theme)?;
-                (!label.hides || !self.is_hidden(label, &shown, pose)).then_some(shown)
+                (!label.hides || !self.is_hidden(label, &shown, pose, camera)).then_some(shown)
             })
             .chain(self.decor.letters(height))
             .chain(self.marks.label(height))
@@ -209,7 +223,13 @@ impl<'a> Staging<'a> {
     }
 
     /// Whether a body stands before a label's point.
-    fn is_hidden(&self, label: &SceneLabel, shown: &Label, pose: &ClosedPose) -> bool {
+    fn is_hidden(
+        &self,
+        label: &SceneLabel,
+        shown: &Label,
+        pose: &ClosedPose,
+        camera: &Camera,
+    ) -> bool {
         let (Anchor::World(point) | Anchor::Beside(point)) = shown.anchor else {
             return false;
         };
@@ -217,8 +237,7 @@ impl<'a> Staging<'a> {
             LabelPlace::OnBody { body, .. } => Some(body),
             LabelPlace::OnTrace { .. } => None,
         };
-        let stage = &self.stage;
-        sight::is_hidden(point, own, &stage.camera, &self.parts, pose, &stage.meshes)
+        sight::is_hidden(point, own, camera, &self.parts, pose, &self.stage.meshes)
     }
 }
 
@@ -237,34 +256,17 @@ fn shown(trajectory: &Trajectory) -> Vec<Option<usize>> {
         .collect()
 }
 
+/// Width over height.
+fn aspect(options: PictureOptions) -> f64 {
+    f64::from(options.size[0]) / f64::from(options.size[1])
+}
+
 fn up_axis(up: UpAxis) -> DVec3 {
     match up {
         UpAxis::X => DVec3::X,
         UpAxis::Y => DVec3::Y,
         UpAxis::Z => DVec3::Z,
     }
-}
-
-/// The tightest camera that holds the points, from where the view looks.
-fn camera(view: &View, points: &[DVec3], options: PictureOptions) -> Camera {
-    let projection = match view.projection {
-        ViewProjection::Perspective { fov_y } => Projection::Perspective { fov_y },
-        ViewProjection::Orthographic => Projection::Orthographic { height: 1.0 },
-    };
-    let direction = ViewDirection {
-        azimuth: view.azimuth,
-        elevation: view.elevation,
-        up: up_axis(view.up),
-    };
-    let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
-    let margin = 2.0 * view.margin;
-    fit(
-        points.iter().copied(),
-        &direction,
-        projection,
-        aspect,
-        margin,
-    )
 }
 
 /// The ground under the motion, or none.

@@ -1,6 +1,6 @@
 //! One camera and ground for several scenes that are shown one after the other.
 
-use super::{PictureOptions, Staging, bounds, camera, ground, up_axis};
+use super::{PictureOptions, Staging, aspect, bounds, cameras, ground, up_axis};
 use crate::kinematics::trajectory::Trajectory;
 use crate::render::{Camera, Ground, Stage};
 use crate::scene::Scene;
@@ -23,7 +23,7 @@ impl Outlook {
         let all = moving.flat_map(|(s, t)| bounds::moving_points(&s.mechanism, t));
         let points: Vec<_> = all.collect();
         Some(Self {
-            camera: camera(view, &points, options),
+            camera: cameras::still(view, up_axis(view.up), &points, aspect(options)),
             ground: ground(view, &points, up_axis(view.up)),
         })
     }
@@ -37,6 +37,8 @@ impl Staging<'_> {
             ground: outlook.ground,
             ..Stage::clone(&self.stage)
         });
+        // One camera for all stands still.
+        self.cameras.clear();
         self
     }
 }

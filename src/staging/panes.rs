@@ -5,33 +5,61 @@ use super::{PictureOptions, Staging};
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view::NamedView;
-use crate::render::{Anchor, Label, Patch, Projection, Stage};
+use crate::render::{Anchor, Frame, Label, Patch, Projection, Stage};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Names of the panes, row by row, and how they look; top stands above front, so that their x axes agree.
-const PANES: [(&str, Option<NamedView>); 4] = [
-    ("top", Some(NamedView::Top)),
-    ("", None),
-    ("front", Some(NamedView::Front)),
-    ("side", Some(NamedView::Side)),
+/// A pane: its name, how it looks, and the shares of its height kept free above and below for the texts there.
+struct Pane {
+    name: &'static str,
+    look: Option<NamedView>,
+    free: [f64; 2],
+}
+
+/// Row by row; top stands above front, so that their x axes agree. The first has title and name in it, the third the
+/// values of the inputs.
+const PANES: [Pane; 4] = [
+    Pane {
+        name: "top",
+        look: Some(NamedView::Top),
+        free: [0.25, 0.05],
+    },
+    Pane {
+        name: "",
+        look: None,
+        free: [0.16, 0.06],
+    },
+    Pane {
+        name: "front",
+        look: Some(NamedView::Front),
+        free: [0.11, 0.17],
+    },
+    Pane {
+        name: "side",
+        look: Some(NamedView::Side),
+        free: [0.11, 0.06],
+    },
 ];
 
-/// Free border of the panes, which captions and names need.
-const MARGIN: f64 = 0.12;
+/// Labels of a pane over those of a whole picture, both as shares of their heights.
+const LABELS: f64 = 1.6;
 
 /// Height of the names as a share of the picture's.
 const NAME_SIZE: f64 = 0.026;
 
 /// The scene as each pane looks at it.
 pub fn scenes(scene: &Scene) -> Vec<Scene> {
-    let panes = PANES.iter().map(|(_, named)| {
+    let panes = PANES.iter().map(|Pane { look, free, .. }| {
         let mut pane = scene.clone();
         let view = &mut pane.view;
         view.captions = false;
         view.decor.gauge = false;
-        view.margin = view.margin.max(MARGIN);
-        if let Some(named) = named {
+        view.margin = view.margin.max(0.5 * (free[0] + free[1]));
+        for label in &mut view.labels {
+            label.size *= LABELS;
+            label.yields = true;
+        }
+        if let Some(named) = look {
             view.look_from(*named);
         }
         pane
@@ -66,13 +94,20 @@ pub fn stagings<'a>(
         )
     });
     let mut panes: Vec<([u32; 2], Staging)> = panes.collect();
-    let heights = panes.iter().filter_map(|(_, pane)| height_of(&pane.stage));
+    let looks = panes
+        .iter()
+        .zip(&PANES)
+        .filter(|(_, pane)| pane.look.is_some());
+    let heights = looks.filter_map(|((_, pane), _)| height_of(&pane.stage));
     let tallest = heights.fold(0.0, f64::max);
-    for (_, pane) in &mut panes {
-        if let Projection::Orthographic { .. } = pane.stage.camera.projection
+    for ((_, pane), Pane { look, free, .. }) in panes.iter_mut().zip(&PANES) {
+        if look.is_some()
             && let Some(stage) = Arc::get_mut(&mut pane.stage)
         {
-            stage.camera.projection = Projection::Orthographic { height: tallest };
+            let camera = &mut stage.camera;
+            camera.projection = Projection::Orthographic { height: tallest };
+            let up = camera.world_from_camera.rotation.y_axis;
+            camera.world_from_camera.translation += up * (0.5 * (free[0] - free[1]) * tallest);
         }
     }
     panes
@@ -85,8 +120,18 @@ fn height_of(stage: &Stage) -> Option<f64> {
     }
 }
 
+/// What stands over the panes at sample `index`: title, values, lines between them and their names. `whole` is the
+/// staging of the whole picture.
+pub fn over(scene: &Scene, whole: &Staging, index: usize) -> Frame {
+    let mut frame = whole.captions(index);
+    let (patches, names) = borders(scene.view.theme, whole.stage.size);
+    frame.patches.extend(patches);
+    frame.labels.extend(names);
+    frame
+}
+
 /// Lines between the panes and their names, over a picture of `size` pixels.
-pub fn frame(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
+fn borders(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
     let [width, height] = size.map(f64::from);
     let line = |corner, size| Patch {
         corner,
@@ -98,8 +143,8 @@ pub fn frame(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
         line([0.5 - 0.5 / width, 0.0], [1.0 / width, 1.0]),
         line([0.0, 0.5 - 0.5 / height], [1.0, 1.0 / height]),
     ];
-    let names = PANES.iter().enumerate().map(|(k, (name, _))| Label {
-        text: (*name).to_owned(),
+    let names = PANES.iter().enumerate().map(|(k, pane)| Label {
+        text: pane.name.to_owned(),
         anchor: Anchor::Screen([
             0.5 * (k % 2) as f64 + 0.02 * height / width,
             // Below the title in the first pane.
@@ -108,6 +153,7 @@ pub fn frame(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
         size: NAME_SIZE * height,
         colour: theme.faint_ink(),
         plate: false,
+        yields: false,
     });
     (patches, names.collect())
 }

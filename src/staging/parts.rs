@@ -1,5 +1,6 @@
 //! Meshes of bodies and traces at the fineness the picture needs, and their instances.
 
+use super::bounds;
 use crate::geometry::{Mesh, mesh_of};
 use crate::kinematics::trajectory::ClosedPose;
 use crate::math::Pose;
@@ -39,8 +40,23 @@ impl Part {
     }
 }
 
-/// Length of a pixel where the motion is nearest to the camera, in the scene's unit.
-pub fn pixel_size(camera: &Camera, size: [u32; 2], points: &[DVec3]) -> f64 {
+/// Cameras of a moving one that are asked for the length of a pixel.
+const CAMERAS: usize = 32;
+
+/// Pictures of the motion's extent below which nothing gets finer: an eye inside a body asks for no end of facets.
+const CLOSEST: f64 = 16.0;
+
+/// Length of a pixel where the motion is nearest to any of the cameras, in the scene's unit.
+pub fn pixel_size(cameras: &[Camera], size: [u32; 2], points: &[DVec3]) -> f64 {
+    let stride = cameras.len().div_ceil(CAMERAS).max(1);
+    let some = cameras.iter().step_by(stride);
+    let nearest = some.map(|camera| nearest_pixel(camera, size, points));
+    let extent = bounds::box_of(points).map_or(0.0, |[low, high]| (high - low).length());
+    let finest = extent / (CLOSEST * f64::from(size[1]));
+    nearest.fold(f64::INFINITY, f64::min).max(finest)
+}
+
+fn nearest_pixel(camera: &Camera, size: [u32; 2], points: &[DVec3]) -> f64 {
     let scale = camera.pixels_per_unit(size);
     if !camera.is_perspective() {
         return 1.0 / scale;

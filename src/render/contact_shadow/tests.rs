@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::mesh_of;
 use crate::model::shape::Solid;
+use crate::render::look::Rim;
 use crate::render::{Camera, Projection};
 use glam::DVec3;
 
@@ -28,6 +29,7 @@ fn caster() -> (ShadowCaster, Pose) {
             far: 10.0,
         },
         background: [255; 3],
+        rim: Rim::DARK,
         ground: Some(Ground {
             center: tilt.translation,
             normal: tilt.transform_vector(DVec3::Z),

@@ -3,11 +3,11 @@
 //! All but the shadow is the same in every frame and made once.
 
 use super::tile::TILE;
-use crate::render::Stage;
 use crate::render::colour::Curve;
 use crate::render::contact_shadow::{ContactShadow, TexelPlace};
 use crate::render::ground::GroundView;
 use crate::render::look::{self, Rgb};
+use crate::render::{Camera, Stage};
 
 /// The ground in one pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +25,8 @@ struct Spot {
 pub(super) struct Backdrop {
     size: [usize; 2],
     background: Rgb,
+    /// Code of the background.
+    bare: [u8; 4],
     /// Codes without shadow, row by row.
     codes: Vec<[u8; 4]>,
     spots: Vec<Spot>,
@@ -39,36 +41,42 @@ impl Backdrop {
         let size = stage.size.map(|n| n as usize);
         let background = curve.decode_rgb(stage.background);
         let [r, g, b] = stage.background;
-        let view = stage
-            .ground
-            .as_ref()
-            .and_then(|ground| GroundView::new(ground, &stage.camera, stage.size));
-        let shade = stage.ground.map_or([0.0; 2], |ground| ground.shade);
         let mut backdrop = Self {
             size,
             background,
-            codes: vec![[r, g, b, 255]; size[0] * size[1]],
+            bare: [r, g, b, 255],
+            codes: Vec::new(),
             spots: Vec::new(),
             reach: Vec::new(),
-            view,
+            view: None,
         };
-        if let Some(view) = view {
-            backdrop.lay_ground(&view, shade, curve);
-        }
+        backdrop.see(stage, &stage.camera);
         backdrop
+    }
+
+    /// Makes everything anew for another camera.
+    pub(super) fn see(&mut self, stage: &Stage, camera: &Camera) {
+        let [width, height] = self.size;
+        self.codes.clear();
+        self.codes.resize(width * height, self.bare);
+        self.spots.clear();
+        self.reach.clear();
+        let ground = stage.ground.as_ref();
+        self.view = ground.and_then(|ground| GroundView::new(ground, camera, stage.size));
+        if let (Some(view), Some(ground)) = (self.view, ground) {
+            self.lay_ground(&view, ground.shade, Curve::shared());
+        }
     }
 
     fn lay_ground(&mut self, view: &GroundView, shade: [f32; 2], curve: &Curve) {
         let [width, height] = self.size;
-        self.spots = vec![
-            Spot {
-                factor: 1.0,
-                ..Spot::default()
-            };
-            width * height
-        ];
+        let none = Spot {
+            factor: 1.0,
+            ..Spot::default()
+        };
+        self.spots.resize(width * height, none);
         let columns = width.div_ceil(TILE);
-        self.reach = vec![None; columns * height.div_ceil(TILE)];
+        self.reach.resize(columns * height.div_ceil(TILE), None);
         for y in 0..height {
             for x in 0..width {
                 let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {

@@ -18,7 +18,8 @@ mod tile;
 mod translucent;
 
 use super::contact_shadow::{ContactShadow, ShadowCaster};
-use super::{Frame, RenderError, Renderer, Stage, colour};
+use super::look::Surroundings;
+use super::{Camera, Frame, RenderError, Renderer, Stage, colour};
 use assembly::Assembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
@@ -36,13 +37,15 @@ pub const MAX_SIDE: u32 = 8192;
 pub struct CpuRenderer {
     stage: Arc<Stage>,
     solids: Vec<Solid>,
+    /// The camera that the next three are made for.
+    camera: Camera,
     lens: Lens,
     backdrop: Backdrop,
     assembly: Assembly,
     tile: AnyTile,
     caster: Option<ShadowCaster>,
-    /// Camera-space direction that is up.
-    up: [f32; 3],
+    /// What lights are relative to.
+    around: Surroundings,
 }
 
 /// A tile's samples, by the number of vectors that a pixel's fill.
@@ -68,26 +71,32 @@ impl CpuRenderer {
         }
         let lens = Lens::new(&stage.camera, stage.size);
         let backdrop = Backdrop::new(&stage);
-        let up = match &stage.ground {
-            Some(ground) => lens.camera_from_world.transform_vector(ground.normal),
-            None => glam::DVec3::Y,
-        };
         let tile = match stage.samples {
             16 => AnyTile::Four(Tile::new(16)),
             8 => AnyTile::Two(Tile::new(8)),
             fewer => AnyTile::One(Tile::new(fewer)),
         };
-        let caster = ShadowCaster::new(&stage).filter(|_| backdrop.view.is_some());
         Ok(Self {
             solids: stage.meshes.iter().map(Solid::new).collect(),
+            camera: stage.camera,
+            around: surroundings(&lens, &stage),
             lens,
             backdrop,
             assembly: Assembly::new(stage.size),
             tile,
-            caster,
-            up: crate::math::narrow(up),
+            caster: ShadowCaster::new(&stage),
             stage,
         })
+    }
+
+    /// Makes `camera` the one that the next frame is seen through.
+    fn look_through(&mut self, camera: Camera) {
+        if camera != self.camera {
+            self.camera = camera;
+            self.lens = Lens::new(&camera, self.stage.size);
+            self.backdrop.see(&self.stage, &camera);
+            self.around = surroundings(&self.lens, &self.stage);
+        }
     }
 
     fn below_ground(&self, frame: &Frame) -> bool {
@@ -108,6 +117,18 @@ impl CpuRenderer {
     }
 }
 
+/// Up is the ground's normal, or the picture's own without a ground.
+fn surroundings(lens: &Lens, stage: &Stage) -> Surroundings {
+    let up = match &stage.ground {
+        Some(ground) => lens.camera_from_world.transform_vector(ground.normal),
+        None => glam::DVec3::Y,
+    };
+    Surroundings {
+        up: crate::math::narrow(up),
+        rim: stage.rim,
+    }
+}
+
 impl Renderer for CpuRenderer {
     fn name(&self) -> String {
         "cpu".to_owned()
@@ -122,15 +143,18 @@ impl Renderer for CpuRenderer {
                 image.height()
             )));
         }
+        self.look_through(frame.camera(&self.stage));
         let below_ground = self.below_ground(frame);
-        let shadow = self.caster.as_mut().map(|caster| caster.cast(frame));
+        let seen = self.backdrop.view.is_some();
+        let caster = self.caster.as_mut().filter(|_| seen);
+        let shadow = caster.map(|caster| caster.cast(frame));
         let scene = Scene {
             frame,
             solids: &self.solids,
             lens: &self.lens,
             backdrop: &self.backdrop,
             shadow,
-            up: self.up,
+            around: self.around,
             below_ground,
             size: self.stage.size,
         };
@@ -154,7 +178,7 @@ struct Scene<'a> {
     lens: &'a Lens,
     backdrop: &'a Backdrop,
     shadow: Option<&'a ContactShadow>,
-    up: [f32; 3],
+    around: Surroundings,
     below_ground: bool,
     size: [u32; 2],
 }
@@ -172,7 +196,7 @@ impl Scene<'_> {
             lens: self.lens,
             backdrop: self.backdrop,
             shadow: self.shadow,
-            up: self.up,
+            around: self.around,
             below_ground: self.below_ground,
         };
         let [width, height] = self.size.map(|n| n as i32);

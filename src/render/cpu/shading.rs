@@ -3,7 +3,7 @@
 use super::assembly::{Assembly, Facet};
 use super::lens::Lens;
 use super::samples::SUBPIXELS;
-use crate::render::look::{self, Rgb};
+use crate::render::look::{self, Rgb, Surroundings};
 
 /// Items shaded together; the loop over them is what the compiler turns into vector code.
 pub(super) const BATCH: usize = 128;
@@ -65,14 +65,14 @@ impl Batch {
     /// Lights all items, adds them to their pixels by weight and empties the batch.
     // One index through many arrays is what becomes vector code.
     #[allow(clippy::needless_range_loop)]
-    pub(super) fn flush(&mut self, up: [f32; 3], pixels: &mut [[f32; 3]]) {
+    pub(super) fn flush(&mut self, around: &Surroundings, pixels: &mut [[f32; 3]]) {
         let mut colour = [[0.0; BATCH]; 3];
         for i in 0..BATCH {
             let at = |a: &[[f32; BATCH]; 3]| [a[0][i], a[1][i], a[2][i]];
             let rgb = light(
                 at(&self.normal),
                 at(&self.to_viewer),
-                up,
+                around,
                 at(&self.albedo),
                 self.flat[i],
             );
@@ -96,11 +96,11 @@ impl Batch {
 pub(super) fn light(
     normal: [f32; 3],
     to_viewer: [f32; 3],
-    up: [f32; 3],
+    around: &Surroundings,
     albedo: Rgb,
     flat: f32,
 ) -> Rgb {
-    look::shade(unit(normal), unit(to_viewer), up, albedo, flat)
+    look::shade(unit(normal), unit(to_viewer), around, albedo, flat)
 }
 
 /// The vector with length 1; a zero vector stays zero.

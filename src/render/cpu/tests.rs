@@ -6,6 +6,7 @@ use crate::geometry::{Mesh, mesh_of};
 use crate::math::Pose;
 use crate::model::shape::Solid as Shape;
 use crate::render::colour::Curve;
+use crate::render::look::{Rim, Surroundings};
 use crate::render::{Camera, Ground, Instance, Projection, look};
 use glam::DVec3;
 use image::Rgba;
@@ -27,6 +28,7 @@ fn flat_stage(size: [u32; 2], samples: u32, meshes: Vec<Mesh>) -> Stage {
             near: 1.0,
             far: 1000.0,
         },
+        rim: Rim::DARK,
         background: WHITE,
         ground: None,
     }
@@ -273,7 +275,10 @@ fn a_facing_surface_has_the_colour_of_the_look() {
     let light = look::shade(
         facing,
         facing,
-        [0.0, 1.0, 0.0],
+        &Surroundings {
+            up: [0.0, 1.0, 0.0],
+            rim: Rim::DARK,
+        },
         curve.decode_rgb(colour),
         0.0,
     );
@@ -326,6 +331,7 @@ fn workshop(samples: u32) -> (Stage, Frame) {
         samples,
         camera: crate::render::camera::fit(corners.into_iter(), &view, projection, 1.6, 0.1),
         background: [245, 246, 248],
+        rim: Rim::DARK,
         ground: Some(ground),
     };
     let mut frame = Frame::default();
@@ -367,6 +373,30 @@ fn a_picture_depends_on_nothing_but_its_frame() {
             .join()
             .unwrap();
         assert!(threaded == other);
+    }
+}
+
+/// A frame's own camera gives the picture of a stage that is seen through it, also after others and from below.
+#[test]
+fn a_frame_is_seen_through_its_own_camera() {
+    let (stage, mut frame) = workshop(4);
+    let mut moving = CpuRenderer::new(Arc::new(stage.clone())).unwrap();
+    let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
+    for (axis, turn) in [(2, 0.4), (0, 2.5), (2, -1.0)] {
+        let turned = Pose::from_axis_rotation(axis, turn) * stage.camera.world_from_camera;
+        let camera = Camera {
+            world_from_camera: turned,
+            ..stage.camera
+        };
+        let there = Stage {
+            camera,
+            ..stage.clone()
+        };
+        frame.camera = None;
+        let expected = draw(there, frame.instances.clone());
+        frame.camera = Some(camera);
+        moving.draw(&frame, &mut image).unwrap();
+        assert!(image == expected, "{axis} {turn}");
     }
 }
 

@@ -9,6 +9,7 @@ use super::shading::{Batch, normal_at};
 use super::translucent::Layers;
 use crate::render::colour::Curve;
 use crate::render::contact_shadow::ContactShadow;
+use crate::render::look::Surroundings;
 use wide::{f32x4, i32x4};
 
 /// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
@@ -30,7 +31,7 @@ pub(super) struct View<'a> {
     pub(super) lens: &'a Lens,
     pub(super) backdrop: &'a Backdrop,
     pub(super) shadow: Option<&'a ContactShadow>,
-    pub(super) up: [f32; 3],
+    pub(super) around: Surroundings,
     /// Whether something may be below the ground.
     pub(super) below_ground: bool,
 }
@@ -282,7 +283,7 @@ impl<const G: usize> Tile<G> {
                 }
             }
         });
-        self.batch.flush(view.up, colour);
+        self.batch.flush(&view.around, colour);
     }
 
     #[inline(never)]
@@ -337,7 +338,7 @@ impl Batch {
             pixel as u32,
         );
         if self.is_full() {
-            self.flush(view.up, colour);
+            self.flush(&view.around, colour);
         }
     }
 }

@@ -21,7 +21,7 @@ fn lit(view: &View, number: usize, x: i32, y: i32) -> (Rgb, f32) {
     let normal = normal_at(view.assembly, facet, view.lens, x, y);
     let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
     let cosine = look::saturate(look::dot(unit(normal), unit(to_viewer)));
-    let rgb = light(normal, to_viewer, view.up, paint.albedo, paint.flat);
+    let rgb = light(normal, to_viewer, &view.around, paint.albedo, paint.flat);
     (rgb, cosine)
 }
 

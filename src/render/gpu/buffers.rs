@@ -9,7 +9,8 @@ use crate::render::RenderError;
 use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-/// All meshes of a stage in one vertex and one index buffer.
+/// All meshes of a stage in one vertex and one index buffer; clones are the same ones.
+#[derive(Clone)]
 pub struct Meshes {
     /// Vertices of all meshes.
     pub vertices: wgpu::Buffer,

@@ -8,7 +8,8 @@ use std::time::Duration;
 /// that is silent this long is lost.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// An open device.
+/// An open device; clones are the same one.
+#[derive(Clone)]
 pub struct Device {
     /// wgpu's device.
     pub device: wgpu::Device,

@@ -35,7 +35,7 @@ pub struct InstanceData {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Globals {
-    /// Clip-space x and y per unit in camera space; the rest is padding.
+    /// Clip-space x and y per unit in camera space, and gain and loss of the rim.
     pub scale: [f32; 4],
     /// Factors of the depth and of the divisor, see the shader.
     pub depth: [f32; 4],
@@ -83,20 +83,21 @@ impl DepthMap {
 }
 
 impl Globals {
-    /// The globals of a stage; `ground` is the stage's ground seen through its camera.
-    pub fn new(stage: &Stage, ground: Option<&GroundView>) -> Self {
-        let camera = &stage.camera;
+    /// The globals of a stage seen through `camera`; `ground` is the stage's ground seen through it.
+    pub fn new(stage: &Stage, camera: &Camera, ground: Option<&GroundView>) -> Self {
         let size = stage.size.map(f64::from);
         let per_unit = camera.pixels_per_unit(stage.size);
-        let depth = DepthMap::new(camera, ground_reach(stage));
-        let up = up_in_camera(stage);
+        let depth = DepthMap::new(camera, ground_reach(stage, camera));
+        let up = up_in_camera(stage, camera);
         let [r, g, b] = Curve::shared().decode_rgb(stage.background);
         let perspective = if camera.is_perspective() { 1.0 } else { 0.0 };
         let mut globals = Self {
-            scale: row(
-                [2.0 * per_unit / size[0], 2.0 * per_unit / size[1], 0.0],
-                0.0,
-            ),
+            scale: [
+                (2.0 * per_unit / size[0]) as f32,
+                (2.0 * per_unit / size[1]) as f32,
+                stage.rim.gain,
+                stage.rim.loss,
+            ],
             depth: depth.factors.map(|f| f as f32),
             up: row(up.to_array(), perspective),
             background: [r, g, b, 1.0],
@@ -126,8 +127,8 @@ impl Globals {
 }
 
 /// Up in camera space: the ground's normal, or the picture's own upward direction where there is no ground.
-fn up_in_camera(stage: &Stage) -> DVec3 {
-    let camera_from_world = stage.camera.world_from_camera.rotation.transpose();
+fn up_in_camera(stage: &Stage, camera: &Camera) -> DVec3 {
+    let camera_from_world = camera.world_from_camera.rotation.transpose();
     stage.ground.map_or(DVec3::Y, |ground| {
         camera_from_world * ground_axes(&ground).z_axis
     })
@@ -145,13 +146,10 @@ pub fn instance_data(instance: &Instance, camera_from_world: &Pose) -> InstanceD
 }
 
 /// Greatest distance of the ground's disc from the eye's plane.
-fn ground_reach(stage: &Stage) -> f64 {
+fn ground_reach(stage: &Stage, camera: &Camera) -> f64 {
     stage.ground.map_or(0.0, |ground| {
-        let seen = stage
-            .camera
-            .world_from_camera
-            .inverse()
-            .transform_point(ground.center);
+        let camera_from_world = camera.world_from_camera.inverse();
+        let seen = camera_from_world.transform_point(ground.center);
         ground.radius - seen.z
     })
 }
@@ -191,6 +189,7 @@ mod tests {
     use super::*;
     use crate::render::Ground;
     use crate::render::camera::{ViewDirection, fit};
+    use crate::render::look::Rim;
 
     fn stage(projection: Projection) -> Stage {
         let view = ViewDirection {
@@ -205,6 +204,7 @@ mod tests {
             samples: 4,
             camera: fit(corners.into_iter(), &view, projection, 1.6, 0.1),
             background: [250, 250, 250],
+            rim: Rim::DARK,
             ground: Some(Ground {
                 center: DVec3::new(0.0, 0.0, -1.0),
                 normal: DVec3::Z,
@@ -225,7 +225,7 @@ mod tests {
             let stage = stage(projection);
             let ground =
                 GroundView::new(&stage.ground.unwrap(), &stage.camera, stage.size).unwrap();
-            let globals = Globals::new(&stage, Some(&ground));
+            let globals = Globals::new(&stage, &stage.camera, Some(&ground));
             for point in [DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.7, -1.2, -1.0)] {
                 let seen = stage
                     .camera

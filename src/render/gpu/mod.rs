@@ -17,8 +17,7 @@ use super::adapter::{AdapterChoice, AdapterInfo};
 use super::colour::mark_no_pose;
 use super::contact_shadow::ShadowCaster;
 use super::ground::GroundView;
-use super::{Frame, RenderError, Renderer, Stage};
-use crate::math::Pose;
+use super::{Camera, Frame, RenderError, Renderer, Stage};
 use buffers::{InstanceBuffer, Meshes};
 use bytemuck::bytes_of;
 use device::{Device, nearest_sample_count};
@@ -46,7 +45,10 @@ pub struct GpuRenderer {
     shadow: ShadowTexture,
     caster: Option<ShadowCaster>,
     bindings: wgpu::BindGroup,
-    camera_from_world: Pose,
+    /// The camera of the globals.
+    camera: Camera,
+    /// Whether the ground's upper side is seen through it.
+    ground_seen: bool,
 }
 
 impl GpuRenderer {
@@ -58,17 +60,35 @@ impl GpuRenderer {
         let (adapter, info) = adapter::choose(&choice)?;
         let device = Device::open(&adapter)?;
         let samples = nearest_sample_count(stage.samples, &device.sample_counts);
-        let target = Target::new(&device, stage.size, samples)?;
         let pipelines = Pipelines::new(&device, samples);
         let meshes = Meshes::new(&device, &stage.meshes)?;
-        let ground = stage
-            .ground
-            .and_then(|ground| GroundView::new(&ground, &stage.camera, stage.size));
-        let globals = Globals::new(&stage, ground.as_ref());
+        Self::on(device, stage, info, (samples, pipelines, meshes))
+    }
+
+    /// A second renderer of the same stage on the same device: while one's picture is drawn and read back, the next is
+    /// prepared and the one before is encoded.
+    ///
+    /// Errors: the device refuses.
+    pub fn sibling(&self) -> Result<Self, RenderError> {
+        let (pipelines, meshes) = (self.pipelines.clone(), self.meshes.clone());
+        let shared = (self.target.samples(), pipelines, meshes);
+        let stage = Arc::clone(&self.stage);
+        Self::on(self.device.clone(), stage, self.info.clone(), shared)
+    }
+
+    /// Adds to what renderers share what each has of its own.
+    fn on(
+        device: Device,
+        stage: Arc<Stage>,
+        info: AdapterInfo,
+        (samples, pipelines, meshes): (u32, Pipelines, Meshes),
+    ) -> Result<Self, RenderError> {
+        let target = Target::new(&device, stage.size, samples)?;
+        let (globals, ground_seen) = globals_of(&stage, &stage.camera);
         let globals_buffer = device.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("globals"),
             contents: bytes_of(&globals),
-            usage: wgpu::BufferUsages::UNIFORM,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
         let sampler = shadow::sampler(&device);
         let shadow = ShadowTexture::new(&device, 1);
@@ -81,8 +101,9 @@ impl GpuRenderer {
         );
         device.check()?;
         Ok(Self {
-            camera_from_world: stage.camera.world_from_camera.inverse(),
-            caster: ground.and_then(|_| ShadowCaster::new(&stage)),
+            camera: stage.camera,
+            ground_seen,
+            caster: ShadowCaster::new(&stage),
             instances: InstanceBuffer::new(&device),
             stage,
             info,
@@ -103,9 +124,20 @@ impl GpuRenderer {
         &self.info
     }
 
+    /// Makes `camera` the one that the next frame is seen through.
+    fn look_through(&mut self, camera: Camera) {
+        if camera == self.camera {
+            return;
+        }
+        self.camera = camera;
+        (self.globals, self.ground_seen) = globals_of(&self.stage, &camera);
+        let queue = &self.device.queue;
+        queue.write_buffer(&self.globals_buffer, 0, bytes_of(&self.globals));
+    }
+
     /// Casts the frame's shadow and brings it to the device.
     fn cast_shadow(&mut self, frame: &Frame) {
-        let Some(caster) = &mut self.caster else {
+        let Some(caster) = self.caster.as_mut().filter(|_| self.ground_seen) else {
             return;
         };
         let shadow = caster.cast(frame);
@@ -143,7 +175,7 @@ impl GpuRenderer {
             };
             run(&mut pass, pipeline, draw);
         }
-        if self.caster.is_some() {
+        if self.ground_seen {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..self.globals.ground_layers());
         }
@@ -154,6 +186,16 @@ impl GpuRenderer {
         drop(pass);
         encoder
     }
+}
+
+/// The globals of a stage seen through `camera`, and whether its ground is seen.
+fn globals_of(stage: &Stage, camera: &Camera) -> (Globals, bool) {
+    let ground = stage.ground.as_ref();
+    let ground = ground.and_then(|ground| GroundView::new(ground, camera, stage.size));
+    (
+        Globals::new(stage, camera, ground.as_ref()),
+        ground.is_some(),
+    )
 }
 
 fn run(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, draw: &frame::Draw) {
@@ -197,7 +239,9 @@ impl Renderer for GpuRenderer {
                 "a stage of {width} x {height} pixels cannot be drawn into a picture of {w} x {h}"
             )));
         }
-        let plan = Plan::new(frame, &self.meshes.spans, &self.camera_from_world);
+        self.look_through(frame.camera(&self.stage));
+        let camera_from_world = self.camera.world_from_camera.inverse();
+        let plan = Plan::new(frame, &self.meshes.spans, &camera_from_world);
         self.cast_shadow(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
@@ -214,6 +258,7 @@ mod tests {
     use super::*;
     use crate::render::Projection;
     use crate::render::camera::{ViewDirection, fit};
+    use crate::render::look::Rim;
     use glam::DVec3;
 
     #[test]
@@ -232,6 +277,7 @@ mod tests {
             samples: 4,
             camera: fit(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),
             background: [250, 250, 250],
+            rim: Rim::DARK,
             ground: None,
         });
         let mut renderer = GpuRenderer::open(stage, AdapterChoice::Any).unwrap();

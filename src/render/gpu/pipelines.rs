@@ -5,7 +5,8 @@ use super::layout::{InstanceData, Vertex};
 use super::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 use wgpu::Face;
 
-/// All pipelines of one number of samples.
+/// All pipelines of one number of samples; clones are the same ones.
+#[derive(Clone)]
 pub struct Pipelines {
     /// Opaque and closed: back faces are never seen.
     pub closed: wgpu::RenderPipeline,

@@ -40,7 +40,7 @@ fn constants() -> String {
         SKY_COLOUR,
         GROUND_COLOUR
     );
-    scalars!(KEY_WRAP, SHEEN, HIGHLIGHT, RIM, EXPOSURE, EDGE_OPACITY);
+    scalars!(KEY_WRAP, SHEEN, HIGHLIGHT, EXPOSURE, EDGE_OPACITY);
     scalars!(GRID_HALF_WIDTH, GRID_MAX_FOOTPRINT);
     scalars!(FADE_START_SQUARED, SHADOW_DARKNESS);
     text

@@ -16,6 +16,7 @@ const PIXEL: u32 = 4;
 /// Everything of one picture size.
 pub struct Target {
     size: [u32; 2],
+    sample_count: u32,
     /// Many samples a pixel; `None` when there is one.
     samples: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
@@ -56,12 +57,18 @@ impl Target {
         device.check()?;
         Ok(Self {
             size,
+            sample_count,
             samples,
             depth: view(&depth),
             picture_view: view(&picture),
             picture,
             buffer,
         })
+    }
+
+    /// Samples a pixel.
+    pub fn samples(&self) -> u32 {
+        self.sample_count
     }
 
     /// Begins the one pass of a picture, cleared to `background` (linear).

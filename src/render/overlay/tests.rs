@@ -29,6 +29,7 @@ fn label(text: &str, anchor: Anchor) -> Label {
         size: 12.0,
         colour: [255, 255, 255],
         plate: false,
+        yields: false,
     }
 }
 
@@ -71,6 +72,38 @@ fn a_world_label_is_centred_on_its_point() {
     // The seam has the background's colour, the letters their own.
     assert!(image.pixels().any(|p| p.0[..3] == [20, 30, 40]));
     assert!(image.pixels().any(|p| p.0[..3] == [255, 255, 255]));
+}
+
+#[test]
+fn a_label_that_yields_is_left_out_where_another_stands() {
+    let at = |x: f64| Anchor::World(DVec3::new(x, 0.0, 0.0));
+    let alone = drawn(160, 100, vec![label("A", at(0.0))], false);
+    for (x, yields, same) in [(0.5, true, true), (0.5, false, false), (4.0, true, false)] {
+        let second = Label {
+            yields,
+            ..label("B", at(x))
+        };
+        let both = drawn(160, 100, vec![label("A", at(0.0)), second], false);
+        assert_eq!(both == alone, same, "{x} {yields}");
+    }
+}
+
+#[test]
+fn a_leader_reaches_from_the_point_to_the_text() {
+    let point = DVec3::new(-2.0, -1.0, 0.0);
+    let image = drawn(160, 100, vec![label("H", Anchor::Beside(point))], false);
+    let [x0, y0, x1, y1] = changed(&image).unwrap();
+    // The world's (-2, -1) is at the pixel (60, 60); the text stands right of and above it.
+    assert!(x0.abs_diff(60) <= 2 && y1.abs_diff(60) <= 2, "{x0} {y1}");
+    assert!(x1 > 80 && y0 < 45, "{x1} {y0}");
+    // The line is there all the way: every column has ink.
+    let ink = |x: u32| (0..100).any(|y| image.get_pixel(x, y).0[..3] != GREY);
+    // It ends two pixels before the text, which begins 2.2 heights of its capitals away.
+    assert!((60..83).all(ink));
+    // Near the border the text stays in the picture.
+    let near = Anchor::Beside(DVec3::new(7.0, 0.0, 0.0));
+    let [left, ..] = changed(&drawn(160, 100, vec![label("HHHH", near)], false)).unwrap();
+    assert!(left < 130, "{left}");
 }
 
 #[test]

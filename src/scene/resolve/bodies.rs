@@ -11,22 +11,11 @@ use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::geometry::stl::read_stl;
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
+use crate::model::palette;
 use crate::model::shape::{Shape, Solid, TriangleSoup};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Colours of bodies that name none: told apart by colour-blind eyes too.
-const PALETTE: [[u8; 3]; 8] = [
-    [0x4e, 0x79, 0xa7],
-    [0xf2, 0x8e, 0x2b],
-    [0x59, 0xa1, 0x4f],
-    [0xe1, 0x57, 0x59],
-    [0xb0, 0x7a, 0xa1],
-    [0x76, 0xb7, 0xb2],
-    [0xed, 0xc9, 0x48],
-    [0x9c, 0x75, 0x5f],
-];
 
 /// Constant formulas of shapes and views, with their messages.
 pub struct Constants<'a> {
@@ -108,7 +97,9 @@ pub fn resolve(
         let chain = joints
             .chain(&parsed.frames[index], diagnostics)
             .unwrap_or_default();
-        let colour = body.colour.unwrap_or(PALETTE[index % PALETTE.len()]);
+        let colour = body
+            .colour
+            .unwrap_or(palette::BODIES[index % palette::BODIES.len()]);
         let opacity = body
             .opacity
             .as_ref()
@@ -398,7 +389,9 @@ pub fn traces(
             name: trace.name.value.clone(),
             body,
             point,
-            colour: trace.colour.unwrap_or(PALETTE[(index + 3) % PALETTE.len()]),
+            colour: trace
+                .colour
+                .unwrap_or(palette::BODIES[(index + 3) % palette::BODIES.len()]),
             radius: radius.flatten(),
         });
     }

@@ -1,7 +1,7 @@
 //! The keys of `[view]` that say what is shown beside the bodies.
 
-use super::super::file::ViewFile;
 use super::super::reader::FormulaText;
+use super::super::views::ViewFile;
 use super::bodies::Constants;
 use super::choices::{AXES, MOST_GHOSTS, TRAILS, choice};
 use crate::diag::{Diagnostic, Diagnostics, shown};

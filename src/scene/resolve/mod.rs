@@ -1,6 +1,7 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
 pub mod bodies;
+pub mod camera;
 pub mod choices;
 mod contacts;
 mod coordinates;

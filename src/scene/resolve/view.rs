@@ -6,6 +6,7 @@ use super::bodies::{Constants, body_index};
 use super::choices::{NAMED_VIEWS, THEMES, choice};
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown};
+use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use crate::model::view_change::ViewChange;
@@ -94,6 +95,7 @@ pub fn resolve(
         captions: view.captions.unwrap_or(true),
         labels,
         decor,
+        camera_path: CameraPath::default(),
     };
     if view.from.is_some() {
         let change = ViewChange {
@@ -106,6 +108,7 @@ pub fn resolve(
         };
         change.apply(&mut resolved);
     }
+    resolved.camera_path = super::camera::resolve(view, &constants, diagnostics);
     resolved
 }
 
@@ -141,6 +144,7 @@ fn label(
         colour: label.colour,
         leader: label.leader.unwrap_or(false),
         hides: label.hides.unwrap_or(false),
+        yields: false,
         size,
     })
 }

@@ -1,0 +1,110 @@
+//! The keys of `[view]` that move the camera.
+
+use super::super::reader::FormulaText;
+use super::super::views::{CameraKeyFile, ViewFile};
+use super::bodies::Constants;
+use crate::diag::{Diagnostic, Diagnostics, shown};
+use crate::model::camera_path::{CameraKey, CameraPath};
+
+/// Most degrees that an orbit turns.
+pub const MOST_ORBIT: f64 = 36_000.0;
+
+/// Largest azimuth of a key in degrees: a hundred turns.
+const MOST_AZIMUTH: f64 = 36_000.0;
+
+/// Least and greatest zoom.
+const ZOOMS: [f64; 2] = [0.01, 100.0];
+
+/// Resolves them; what is wrong is said and left as if it were absent.
+pub fn resolve(
+    view: &ViewFile,
+    constants: &Constants,
+    diagnostics: &mut Diagnostics,
+) -> CameraPath {
+    let orbit = within(
+        "orbit",
+        &view.orbit,
+        [-MOST_ORBIT, MOST_ORBIT],
+        constants,
+        diagnostics,
+    );
+    let mut keys: Vec<CameraKey> = Vec::new();
+    let alone = view.camera_path.len() == 1;
+    for file in &view.camera_path {
+        let Some(key) = key(file, alone, constants, diagnostics) else {
+            continue;
+        };
+        if let Some(last) = keys.last().filter(|last| last.time >= key.time) {
+            let [last, time] = [last.time, key.time].map(shown);
+            let message = format!("camera keys must ascend in time: {time} comes after {last}");
+            let place = file.t.as_ref().map_or(&file.span, |t| &t.span);
+            diagnostics.push(Diagnostic::error(message).at(place.clone()));
+            continue;
+        }
+        keys.push(key);
+    }
+    CameraPath {
+        keys,
+        orbit: orbit.unwrap_or(0.0).to_radians(),
+    }
+}
+
+fn key(
+    file: &CameraKeyFile,
+    alone: bool,
+    constants: &Constants,
+    diagnostics: &mut Diagnostics,
+) -> Option<CameraKey> {
+    let all = [-f64::MAX, f64::MAX];
+    let time = within("t", &file.t, all, constants, diagnostics);
+    if file.t.is_none() && !alone {
+        let message = "a camera key needs `t`, its time in seconds";
+        diagnostics.push(Diagnostic::error(message).at(file.span.clone()));
+        return None;
+    }
+    let degrees = [-MOST_AZIMUTH, MOST_AZIMUTH];
+    let azimuth = within("azimuth", &file.azimuth, degrees, constants, diagnostics);
+    let elevation = within(
+        "elevation",
+        &file.elevation,
+        [-90.0, 90.0],
+        constants,
+        diagnostics,
+    );
+    let zoom = within("zoom", &file.zoom, ZOOMS, constants, diagnostics);
+    let distance = file.distance.as_ref();
+    if let (Some(_), Some(distance)) = (&file.zoom, distance) {
+        let message = "a camera key has a `zoom` or a `distance`, not both";
+        diagnostics.push(Diagnostic::error(message).at(distance.span.clone()));
+    }
+    let distance = distance.and_then(|d| constants.positive("distance", d, diagnostics));
+    let target = file.target.as_ref();
+    let target = target.and_then(|target| constants.vector(target, diagnostics));
+    Some(CameraKey {
+        time: time.unwrap_or(0.0),
+        azimuth: azimuth.map(f64::to_radians),
+        elevation: elevation.map(f64::to_radians),
+        zoom,
+        distance,
+        target,
+    })
+}
+
+/// The number under `what`, if it is there and in its range.
+fn within(
+    what: &str,
+    text: &Option<FormulaText>,
+    [low, high]: [f64; 2],
+    constants: &Constants,
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
+    let text = text.as_ref()?;
+    let value = constants.value(text, diagnostics)?;
+    if (low..=high).contains(&value) {
+        return Some(value);
+    }
+    let value = shown(value);
+    let message = format!("{what} must be between {low} and {high}, found {value}");
+    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+    None
+}

@@ -1,0 +1,89 @@
+//! `[view]` as typed: how a scene is seen, before names and units are resolved.
+
+use super::reader::{FormulaText, Spanned, TableReader};
+use crate::diag::Span;
+
+/// `[view]`
+#[derive(Clone, Debug, Default)]
+#[allow(missing_docs)]
+pub struct ViewFile {
+    pub azimuth: Option<FormulaText>,
+    pub elevation: Option<FormulaText>,
+    pub up: Option<Spanned<String>>,
+    pub projection: Option<Spanned<String>>,
+    pub fov: Option<FormulaText>,
+    pub margin: Option<FormulaText>,
+    pub background: Option<[u8; 3]>,
+    pub ground: Option<FormulaText>,
+    pub fps: Option<FormulaText>,
+    pub captions: Option<bool>,
+    pub from: Option<Spanned<String>>,
+    pub theme: Option<Spanned<String>>,
+    pub transparent: Option<bool>,
+    pub ghosts: Option<FormulaText>,
+    pub ghost_times: Option<Spanned<Vec<FormulaText>>>,
+    pub trails: Option<Spanned<String>>,
+    pub trail_length: Option<FormulaText>,
+    pub arrows: Option<bool>,
+    pub arrow_scale: Option<FormulaText>,
+    pub axes: Option<Spanned<String>>,
+    pub gauge: Option<bool>,
+    pub joints: Option<bool>,
+    pub orbit: Option<FormulaText>,
+    pub camera_path: Vec<CameraKeyFile>,
+}
+
+/// An entry of `camera_path`
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub struct CameraKeyFile {
+    pub t: Option<FormulaText>,
+    pub azimuth: Option<FormulaText>,
+    pub elevation: Option<FormulaText>,
+    pub zoom: Option<FormulaText>,
+    pub distance: Option<FormulaText>,
+    pub target: Option<[FormulaText; 3]>,
+    pub span: Span,
+}
+
+/// Reads `[view]`.
+pub fn view(r: &mut TableReader) -> ViewFile {
+    ViewFile {
+        azimuth: r.formula("azimuth"),
+        elevation: r.formula("elevation"),
+        up: r.string("up"),
+        projection: r.string("projection"),
+        fov: r.formula("fov"),
+        margin: r.formula("margin"),
+        background: r.colour("background"),
+        ground: r.formula("ground"),
+        fps: r.formula("fps"),
+        captions: r.boolean("captions"),
+        from: r.string("from"),
+        theme: r.string("theme"),
+        transparent: r.boolean("transparent"),
+        ghosts: r.formula("ghosts"),
+        ghost_times: r.formulas("ghost_times"),
+        trails: r.string("trails"),
+        trail_length: r.formula("trail_length"),
+        arrows: r.boolean("arrows"),
+        arrow_scale: r.formula("arrow_scale"),
+        axes: r.string("axes"),
+        gauge: r.boolean("gauge"),
+        joints: r.boolean("joints"),
+        orbit: r.formula("orbit"),
+        camera_path: r.tables("camera_path", camera_key),
+    }
+}
+
+fn camera_key(r: &mut TableReader) -> CameraKeyFile {
+    CameraKeyFile {
+        t: r.formula("t"),
+        azimuth: r.formula("azimuth"),
+        elevation: r.formula("elevation"),
+        zoom: r.formula("zoom"),
+        distance: r.formula("distance"),
+        target: r.vector::<3>("target"),
+        span: r.span.clone(),
+    }
+}

@@ -1,0 +1,220 @@
+//! Where along its axis the sign of a joint stands: a chain fixes the axis only, the bodies say where it is borne.
+
+use super::joints::{Joint, JointKind};
+use crate::geometry::mesh_of;
+use crate::math::Pose;
+use crate::model::chain::{ArgumentValue, Chain};
+use crate::model::mechanism::Mechanism;
+use glam::DVec3;
+
+/// Facet error of the meshes that are looked at over the mechanism's size.
+const COARSE: f64 = 0.02;
+
+/// A body belongs to a frame if it moves in it by less than this share of the mechanism's size.
+const AT_REST: f64 = 1e-6;
+
+/// Poses at which that is looked at.
+const POSES: usize = 7;
+
+/// Solids that surround an axis (sockets, hubs) count up to this many reaches from it.
+const SOCKET: f64 = 8.0;
+
+/// How much farther from its line than from a pin's axis a slider's guide may be.
+const GUIDE: f64 = 3.0;
+
+/// Points of the solids of every body, a list a solid, in the body's frame.
+pub struct Outlines(Vec<Vec<Vec<DVec3>>>);
+
+/// Where a joint is borne.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointPlace {
+    /// Shift along the joint's first axis from its frames.
+    pub shift: f64,
+    /// Whether a body that stands before the joint reaches it; the joint then needs no other ground.
+    pub held: bool,
+}
+
+/// Extents of a solid along the axis of a joint.
+type Stretch = [f64; 2];
+
+impl Outlines {
+    /// Outlines of all bodies.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let bodies = mechanism.bodies.iter().map(|body| {
+            let solids = body.shapes.iter().map(|shape| {
+                let mesh = mesh_of(&shape.solid, COARSE * mechanism.size);
+                let points = mesh.positions.iter();
+                points
+                    .map(|p| shape.body_from_shape.transform_point(*p))
+                    .collect()
+            });
+            solids.collect()
+        });
+        Self(bodies.collect())
+    }
+
+    /// The place of a joint; `values` are those of the arguments over the motion, `reach` how near to the axis a body
+    /// must come to hold it.
+    pub fn place(
+        &self,
+        mechanism: &Mechanism,
+        joint: &Joint,
+        values: &[Vec<ArgumentValue>],
+        reach: f64,
+    ) -> JointPlace {
+        let stride = values.len().div_ceil(POSES).max(1);
+        let some: Vec<&[ArgumentValue]> =
+            values.iter().step_by(stride).map(Vec::as_slice).collect();
+        // What guides a slider is beside its line.
+        let reach = match joint.kind {
+            JointKind::Slider => GUIDE * reach,
+            _ => reach,
+        };
+        let meets = matches!(joint.kind, JointKind::Ball | JointKind::Cross);
+        let [before, after] = [&joint.before, &joint.after].map(|chain| {
+            let mut stretches = self.stretches(mechanism, chain, joint.axis, &some, reach);
+            if meets {
+                stretches.retain(|s| s[0] <= reach && s[1] >= -reach);
+            }
+            stretches
+        });
+        let shift = if meets { 0.0 } else { shift(&before, &after) };
+        JointPlace {
+            shift,
+            held: !before.is_empty(),
+        }
+    }
+
+    /// Where the bodies that rest in the frame of `chain` lie on its axis.
+    fn stretches(
+        &self,
+        mechanism: &Mechanism,
+        chain: &Chain,
+        axis: usize,
+        values: &[&[ArgumentValue]],
+        reach: f64,
+    ) -> Vec<Stretch> {
+        let bodies = mechanism.bodies.iter().zip(&self.0);
+        let resting = bodies.filter_map(|(body, solids)| {
+            let seen = values
+                .iter()
+                .map(|v| chain.pose(v).inverse() * body.world_from_body.pose(v));
+            let seen: Vec<Pose> = seen.collect();
+            let first = *seen.first()?;
+            let still = seen
+                .iter()
+                .all(|pose| moved(pose, &first, mechanism.size) < AT_REST * mechanism.size);
+            still.then_some((first, solids))
+        });
+        resting
+            .flat_map(|(pose, solids)| {
+                let solids = solids.iter();
+                solids.filter_map(move |points| stretch(points, &pose, axis, reach))
+            })
+            .collect()
+    }
+}
+
+/// How far a point of a mechanism of this size is from where another pose puts it, at most.
+fn moved(pose: &Pose, other: &Pose, size: f64) -> f64 {
+    let turned = (0..3).map(|k| (pose.rotation.col(k) - other.rotation.col(k)).length());
+    (pose.translation - other.translation).length() + size * turned.fold(0.0, f64::max)
+}
+
+/// Extent along the axis of a solid that touches it or surrounds it closely.
+fn stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Option<Stretch> {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let local: Vec<DVec3> = points.iter().map(|p| pose.transform_point(*p)).collect();
+    let first = *local.first()?;
+    let fold = |pick: fn(DVec3, DVec3) -> DVec3| local.iter().fold(first, |a, b| pick(a, *b));
+    let (low, high) = (fold(DVec3::min), fold(DVec3::max));
+    let nearest = local.iter().map(|p| p[u].hypot(p[v]));
+    let touches = nearest.fold(f64::INFINITY, f64::min) <= reach;
+    let around = [u, v].into_iter().all(|k| {
+        low[k] <= reach && high[k] >= -reach && low[k].abs().max(high[k].abs()) <= SOCKET * reach
+    });
+    (touches || around).then_some([low[axis], high[axis]])
+}
+
+/// Where solids before and behind a joint meet on its axis: in the middle of the gap or overlap of the nearest two; at
+/// the origin if they both cover it.
+fn shift(before: &[Stretch], after: &[Stretch]) -> f64 {
+    let alone = |stretches: &[Stretch]| {
+        let nearest = stretches.iter().map(|s| 0f64.clamp(s[0], s[1]));
+        nearest.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    };
+    let meeting = |a: &Stretch, b: &Stretch| {
+        let (start, end) = (a[0].max(b[0]), a[1].min(b[1]));
+        let place = if start <= 0.0 && end >= 0.0 {
+            0.0
+        } else {
+            0.5 * (start + end)
+        };
+        ((start - end).max(0.0), place)
+    };
+    let pairs = before
+        .iter()
+        .flat_map(|a| after.iter().map(move |b| meeting(a, b)));
+    let nearest = pairs.min_by(|p, q| {
+        let order = p.0.total_cmp(&q.0);
+        order.then(p.1.abs().total_cmp(&q.1.abs()))
+    });
+    let one_sided = || alone(before).or_else(|| alone(after));
+    nearest.map(|pair| pair.1).or_else(one_sided).unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::kinematics::continuation::solve;
+    use crate::kinematics::sampling::even_times;
+    use crate::scene::{Overrides, builtin, load};
+    use crate::staging::joints;
+
+    #[test]
+    fn a_sign_stands_where_two_solids_meet() {
+        let cases: [(&[Stretch], &[Stretch], f64); 6] = [
+            (&[[1.0, 3.0]], &[[2.0, 5.0]], 2.5),
+            (&[[1.0, 3.0]], &[[4.0, 5.0]], 3.5),
+            (&[[-1.0, 3.0]], &[[-4.0, 5.0]], 0.0),
+            (&[[8.0, 9.0], [1.0, 2.0]], &[[2.5, 3.0]], 2.25),
+            (&[], &[[-7.0, -6.0]], -6.0),
+            (&[], &[], 0.0),
+        ];
+        for (before, after, place) in cases {
+            assert_eq!(shift(before, after), place, "{before:?} {after:?}");
+        }
+    }
+
+    /// The driver's bearing is high above the origin in which its chain begins; all joints of the frame are held by it.
+    #[test]
+    fn signs_stand_on_the_bodies_that_the_joint_connects() {
+        let source = builtin::find("rsrrr").unwrap();
+        let mechanism = load(&source, &Overrides::default()).unwrap().mechanism;
+        let trajectory = solve(&mechanism, &even_times(&mechanism, 9)).unwrap();
+        let samples = trajectory.samples.iter();
+        let closed = samples.filter_map(|s| Some((s, s.pose.as_ref()?)));
+        let values: Vec<Vec<ArgumentValue>> = closed
+            .map(|(sample, pose)| joints::arguments(&mechanism, sample, pose))
+            .collect();
+        let outlines = Outlines::new(&mechanism);
+        let places = joints::find(&mechanism, &values[0])
+            .into_iter()
+            .filter(|joint| joint.grounded)
+            .map(|joint| {
+                let place = outlines.place(&mechanism, &joint, &values, 0.8);
+                let at = joint.before.pose(&values[0]);
+                assert!(place.held);
+                (at.translation + at.rotation.col(joint.axis) * place.shift).z
+            });
+        let places: Vec<f64> = places.collect();
+        assert_eq!(places.len(), 2, "{places:?}");
+        // The frame's upper bearing reaches from 11.2 to 14.2.
+        assert!(
+            places.iter().any(|z| (11.2..=14.2).contains(z)),
+            "{places:?}"
+        );
+        assert!(places.iter().any(|z| *z < 0.0), "{places:?}");
+    }
+}
