@@ -145,3 +145,48 @@ fn an_orbit_of_a_whole_turn_ends_where_it_begins() {
         apart(&start, &quarter)
     );
 }
+
+/// A post with a label, and a door that passes before it.
+const DOOR: &str = r#"
+duration = 2
+[inputs]
+x = "4*t - 4"
+[loops]
+A = "Tx(x) Tx(-y)"
+[[bodies]]
+name = "post"
+shapes = [{ box = { center = [0, 2, 0], size = [0.2, 0.2, 0.2] } }]
+[[bodies]]
+name = "door"
+frame = "Tx(x)"
+shapes = [{ box = { center = [0, 0, 0], size = [2, 0.2, 2] } }]
+[view]
+from = "front"
+captions = false
+"#;
+
+#[test]
+fn a_label_hides_while_a_body_stands_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let seen = |rule: &str, at: &str| {
+        let scene = folder.path().join("door.toml");
+        std::fs::write(&scene, format!("{DOOR}{rule}")).unwrap();
+        let output = render(
+            folder.path(),
+            scene.to_str().unwrap(),
+            "a.png",
+            &["--at", at],
+        );
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{message}");
+        image::open(folder.path().join("a.png")).unwrap().to_rgba8()
+    };
+    let label = "[[labels]]\ntext = \"P\"\nbody = \"post\"\npoint = [0, 2, 0]\n";
+    let hides = format!("{label}hides = true\n");
+    // The door is far at the start, and before the post in the middle.
+    for (at, hidden) in [("0", false), ("1", true)] {
+        let [none, always, sometimes] = ["", label, &hides].map(|rule| seen(rule, at));
+        assert!(none != always);
+        assert!(sometimes == if hidden { none } else { always }, "{at}");
+    }
+}
