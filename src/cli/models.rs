@@ -6,8 +6,8 @@ use super::outcome::Failure;
 use super::report::inputs;
 use super::term::Term;
 use crate::export::glb::write_glb;
-use crate::export::solid::{write_obj, write_stl};
-use crate::export::{ExportSummary, Format, Output, Target};
+use crate::export::solid::{Library, write_obj, write_stl};
+use crate::export::{ExportSummary, Format, Target};
 use crate::kinematics::trajectory::Trajectory;
 use crate::scene::Scene;
 use crate::staging::Staging;
@@ -47,7 +47,7 @@ pub fn write(
 }
 
 /// Name and file of an OBJ's materials: beside it, under its name. `None` where the OBJ has no name to go by.
-fn library(args: &FileArgs) -> Result<Option<(String, Box<dyn Output>)>, Failure> {
+fn library(args: &FileArgs) -> Result<Option<Library>, Failure> {
     let path = args.out.with_extension("mtl");
     let name = path.file_name().and_then(|name| name.to_str());
     // A name with blanks would be read as several.

@@ -30,14 +30,17 @@ pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary
     })
 }
 
+/// A file for materials, and its name as an OBJ says it.
+pub type Library = (String, Box<dyn Output>);
+
 /// Writes the first key of `model` as OBJ, one object a body, colours at the vertices (`v x y z r g b`, 0 to 1) and, if
-/// there is a file for them, as materials: `library` is its name as the OBJ says it.
+/// there is a file for them, as materials in the library.
 ///
 /// Errors: no triangles, a failed write.
 pub fn write_obj(
     model: &Model,
     output: Box<dyn Output>,
-    library: Option<(String, Box<dyn Output>)>,
+    library: Option<Library>,
 ) -> Result<ExportSummary, ExportError> {
     let parts = model.placed_parts();
     let triangles = parts.map(|(_, part, _)| part.mesh.triangles.len()).sum();
