@@ -3,9 +3,10 @@
 use std::sync::atomic::Ordering;
 
 fn main() {
-    // The first Ctrl-C ends a run in order; a second one does not wait.
+    // The first Ctrl-C ends a run in order, or after a short while without order; a second one does not wait.
     let handler = ctrlc::set_handler(|| {
-        if mechanim::cli::CANCEL.swap(true, Ordering::Relaxed) {
+        let is_second = mechanim::cli::CANCEL.swap(true, Ordering::Relaxed);
+        if is_second || mechanim::cli::overdue() {
             std::process::exit(130);
         }
     });

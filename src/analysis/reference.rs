@@ -1,7 +1,7 @@
 //! The poses that routes are compared with: solved with all care, and how well they are known.
 
 use super::observer::{distance, positions};
-use crate::kinematics::certificate::Certificate;
+use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::closure::{BlockWorkspace, Want};
 use crate::kinematics::continuation::solve;
 use crate::kinematics::qr::PivotedQr;
@@ -52,7 +52,15 @@ impl Reference {
                 _ => None,
             };
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-            let next = newton_step(mechanism, structure, &coordinates);
+            // At a singular pose a step leads anywhere and tells nothing; the missing bound says so.
+            let singular = Certificate::Refused {
+                reason: Reason::Singular,
+            };
+            let next = if pose.certificate == singular {
+                coordinates.clone()
+            } else {
+                newton_step(mechanism, structure, &coordinates)
+            };
             let here = positions(mechanism, &coordinates);
             let moved = distance(&here, &positions(mechanism, &next));
             reference.moved = reference.moved.max(moved);

@@ -87,9 +87,10 @@ pub struct SceneArgs {
     /// Take the inputs from the rows of a CSV file; columns are found by the names of the inputs.
     #[arg(long = "inputs", value_name = "TABLE.csv")]
     pub table: Option<PathBuf>,
-    /// Start from assembly number K of `mechanim modes` at the start of the drive, in place of the start values.
-    #[arg(long, value_name = "K", conflicts_with = "guess", value_parser = mode_number)]
-    pub mode: Option<usize>,
+    /// Start from assembly number K of `mechanim modes` at the start of the drive, or from the one with that branch
+    /// signature (such as `+-`), in place of the start values.
+    #[arg(long, value_name = "K", conflicts_with = "guess", value_parser = mode_choice, allow_hyphen_values = true)]
+    pub mode: Option<ModeChoice>,
 }
 
 /// `mechanim render`
@@ -371,10 +372,22 @@ fn starts(text: &str) -> Result<usize, String> {
     }
 }
 
-fn mode_number(text: &str) -> Result<usize, String> {
+/// An assembly mode by its place in the table, or by its branch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ModeChoice {
+    /// Counted from 1.
+    Number(usize),
+    /// A sign per block.
+    Signature(String),
+}
+
+fn mode_choice(text: &str) -> Result<ModeChoice, String> {
+    if !text.is_empty() && text.chars().all(|c| c == '+' || c == '-') {
+        return Ok(ModeChoice::Signature(text.to_owned()));
+    }
     match text.parse::<usize>() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err("modes are counted from 1".to_owned()),
+        Ok(number) if number > 0 => Ok(ModeChoice::Number(number)),
+        _ => Err("a number of the table, counted from 1, or a signature such as `+-`".to_owned()),
     }
 }
 

@@ -119,6 +119,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         "unique_radius": proof.certified().map(|p| p.unique_radius),
         "refused": proof.refused,
         "refused_because": proof.reasons,
+        "locked": proof.locked,
         "measures": measured.iter().map(Measured::json).collect::<Vec<_>>(),
         "assumed": assumptions,
         "motion": motion.as_ref().map(MotionProof::json),
@@ -137,6 +138,8 @@ struct Proof {
     error_bound: f64,
     unique_radius: f64,
     refused: usize,
+    /// Proved as rotations only.
+    locked: usize,
     reasons: Vec<&'static str>,
 }
 
@@ -147,6 +150,7 @@ impl Proof {
             error_bound: 0.0,
             unique_radius: f64::INFINITY,
             refused: 0,
+            locked: 0,
             reasons: Vec::new(),
         };
         for pose in trajectory.poses() {
@@ -155,7 +159,13 @@ impl Proof {
                 Certificate::Certified {
                     error_bound,
                     unique_radius,
+                }
+                | Certificate::Locked {
+                    error_bound,
+                    unique_radius,
                 } => {
+                    let is_locked = matches!(pose.certificate, Certificate::Locked { .. });
+                    proof.locked += usize::from(is_locked);
                     proof.error_bound = proof.error_bound.max(error_bound);
                     proof.unique_radius = proof.unique_radius.min(unique_radius);
                 }
@@ -192,8 +202,12 @@ impl Proof {
         } else {
             format!(" ({})", self.reasons.join(", "))
         };
+        let locked = match self.locked {
+            0 => String::new(),
+            n => format!("; {n} with locked angles, of which the rotation is proved"),
+        };
         format!(
-            "{bounds}refused {} of {}{reasons}",
+            "{bounds}refused {} of {}{reasons}{locked}",
             self.refused, self.poses
         )
     }

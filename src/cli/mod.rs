@@ -47,11 +47,30 @@ use args::{Cli, Command};
 use clap::Parser;
 pub use outcome::{Failure, Outcome};
 use std::ffi::OsString;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use term::Term;
 
 /// Raised by Ctrl-C; everything that takes long looks at it.
 pub static CANCEL: AtomicBool = AtomicBool::new(false);
+
+/// Raised by what has results to save on Ctrl-C, and looks at [`CANCEL`] by itself as often as it can.
+static SAVES: AtomicBool = AtomicBool::new(false);
+
+/// How long a run may take to end in order after Ctrl-C: a frame, or a few poses of a large mechanism.
+const GRACE: Duration = Duration::from_millis(350);
+
+/// Waits for a run to end after Ctrl-C. Where it does not, removes what is half-written and says so; true if the process
+/// is to end then.
+pub fn overdue() -> bool {
+    std::thread::sleep(GRACE);
+    if SAVES.load(Ordering::Relaxed) {
+        return false;
+    }
+    crate::export::remove_unfinished();
+    eprintln!("error: {}", Failure::Interrupted);
+    true
+}
 
 /// The exit code of `run`, also where it panics: a fault of the program has its own code. Unwinding has removed
 /// unfinished files by then.

@@ -1,6 +1,6 @@
 //! `mechanim modes`: the assemblies at one pose of the inputs as a numbered table; and `--mode`, which starts from one.
 
-use super::args::ModesArgs;
+use super::args::{ModeChoice, ModesArgs};
 use super::outcome::{Failure, Outcome};
 use super::term::Term;
 use super::{CANCEL, open_scene, report};
@@ -47,21 +47,72 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
     })
 }
 
-/// Makes mode `number` of the table (counted from 1) the start of the motion.
-pub fn start_from(mechanism: &mut Mechanism, number: usize) -> Result<(), Failure> {
+/// Share of the drive after which the branches are listed that meet at its start.
+const BESIDE_START: f64 = 1e-3;
+
+/// Makes a mode at the start of the drive the start of the motion.
+pub fn start_from(mechanism: &mut Mechanism, choice: &ModeChoice) -> Result<(), Failure> {
     let modes = search(mechanism, 0.0, DEFAULT_STARTS)?;
-    let Some(mode) = number.checked_sub(1).and_then(|k| modes.list.get(k)) else {
-        return Err(Failure::usage(
+    let coordinates = match choice {
+        ModeChoice::Number(number) => numbered(&modes, *number)?,
+        ModeChoice::Signature(signature) => signed(mechanism, &modes, signature)?,
+    };
+    mechanism.guess = coordinates[..mechanism.unknowns.len()].to_vec();
+    Ok(())
+}
+
+fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
+    let mode = number.checked_sub(1).and_then(|k| modes.list.get(k));
+    mode.map(|mode| mode.coordinates.clone()).ok_or_else(|| {
+        Failure::usage(
             format!(
                 "there is no mode {number}: {} found at the start of the drive",
-                count(&modes)
+                count(modes)
             ),
             vec!["`mechanim modes` lists them".to_owned()],
-        ));
-    };
-    let unknowns = mechanism.unknowns.len();
-    mechanism.guess = mode.coordinates[..unknowns].to_vec();
-    Ok(())
+        )
+    })
+}
+
+/// The only mode with that signature. Where branches meet at the start, that of the branch right after it.
+fn signed(mechanism: &Mechanism, modes: &Modes, signature: &str) -> Result<Vec<f64>, Failure> {
+    if let Some(mode) = only(modes, signature)? {
+        return Ok(mode.coordinates.clone());
+    }
+    if modes.list.iter().any(|mode| mode.is_singular) {
+        let beside = search(
+            mechanism,
+            BESIDE_START * mechanism.duration,
+            DEFAULT_STARTS,
+        )?;
+        if let Some(mode) = only(&beside, signature)? {
+            return Ok(mode.coordinates.clone());
+        }
+    }
+    let mut known: Vec<&str> = modes.list.iter().map(|m| m.branch.as_str()).collect();
+    known.dedup();
+    Err(Failure::usage(
+        format!("no mode with signature `{signature}` was found at the start of the drive"),
+        vec![format!("found were: {}", known.join(", "))],
+    ))
+}
+
+/// The mode with a signature, if there is one; an error if there are several.
+fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failure> {
+    let has_it = |mode: &Mode| mode.branch == signature && !mode.is_singular;
+    let numbered = modes.list.iter().enumerate();
+    let fitting: Vec<usize> = numbered.filter(|(_, m)| has_it(m)).map(|(k, _)| k).collect();
+    match fitting[..] {
+        [] => Ok(None),
+        [one] => Ok(Some(&modes.list[one])),
+        _ => {
+            let numbers: Vec<String> = fitting.iter().map(|k| (k + 1).to_string()).collect();
+            Err(Failure::usage(
+                format!("several modes have the signature `{signature}`"),
+                vec![format!("choose one by its number: {}", numbers.join(", "))],
+            ))
+        }
+    }
 }
 
 fn search(mechanism: &Mechanism, time: f64, starts: usize) -> Result<Modes, Failure> {

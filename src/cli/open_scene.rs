@@ -32,8 +32,8 @@ pub fn open_with_plot(
     if let Some(path) = &args.table {
         inputs_table::apply(&mut scene.mechanism, path)?;
     }
-    if let Some(number) = args.mode {
-        modes::start_from(&mut scene.mechanism, number)?;
+    if let Some(choice) = &args.mode {
+        modes::start_from(&mut scene.mechanism, choice)?;
     }
     Ok(scene)
 }

@@ -56,10 +56,10 @@ pub fn events(
     if missing == 0 && trajectory.gaps.is_empty() {
         return Ok(Outcome::Done);
     }
-    term.warning(&format!(
-        "{missing} of {} samples have no pose",
-        trajectory.samples.len()
-    ));
+    term.warning(&match missing {
+        0 => "every sample has a pose, but not every instant between them".to_owned(),
+        _ => format!("{missing} of {} samples have no pose", trajectory.samples.len()),
+    });
     Ok(Outcome::NotClosed)
 }
 
@@ -83,11 +83,20 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
             let at = inputs(mechanism, &lack.at.inputs);
             return format!("; `{}` has no value at {at}", lack.name);
         }
+        let at = inputs(mechanism, &lack.at.inputs);
+        if mechanism.equations.iter().any(|e| e.name == lack.name)
+            && !mechanism.contacts.contains(&lack.name)
+        {
+            return format!(
+                "; equation `{}` leaves {} at {at}",
+                lack.name,
+                amount(lack.distance)
+            );
+        }
         format!(
-            "; `{}` stays {:.6} {unit}{turned} open at {}",
+            "; `{}` stays {} {unit}{turned} open at {at}",
             lack.name,
-            lack.distance,
-            inputs(mechanism, &lack.at.inputs)
+            amount(lack.distance)
         )
     });
     format!("no pose exists {stretch}{lack}")
@@ -107,6 +116,16 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             format!("poses exist again from {at} on, on another branch than before")
         }
         EventKind::SingularPosePassed => format!("singular pose near {at}, passed straight on"),
+        EventKind::SingularPoseMet => format!(
+            "singular pose at {at}, where the drive turns back: the motion returns on its branch, though another one begins there"
+        ),
+        EventKind::BranchChosen { taken, others } if others.is_empty() => {
+            format!("from {at} on the motion follows branch {taken}, the only one found there")
+        }
+        EventKind::BranchChosen { taken, others } => format!(
+            "of the branches that meet at {at} the motion follows {taken}, the one nearest to the start values; --guess or --mode takes another ({})",
+            others.join(", ")
+        ),
         EventKind::LimitPosition {
             name,
             measure,
@@ -132,8 +151,15 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             if !distance.is_finite() {
                 return format!("`{name}` has no value at {at} where the search ended");
             }
+            if mechanism.equations.iter().any(|e| e.name == *name) {
+                let left = amount(*distance);
+                return format!(
+                    "equation `{name}` does not hold at {at}: the best pose found leaves {left} in place of zero"
+                );
+            }
             format!(
-                "loop `{name}` does not close at {at}: the best pose found leaves {distance:.6} {unit} and {angle:.6} rad"
+                "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {angle:.6} rad",
+                amount(*distance)
             )
         }
         EventKind::GimbalLock { names, distance } => {
@@ -153,6 +179,15 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
         EventKind::OtherStart => format!(
             "the start values lead to no pose at {at}; a perturbed start was used, which may be on another branch"
         ),
+    }
+}
+
+/// What is lacking, in decimals as long as these show it.
+fn amount(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value) {
+        format!("{value:.6}")
+    } else {
+        format!("{value:.3e}")
     }
 }
 

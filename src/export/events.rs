@@ -15,6 +15,8 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
         EventKind::MotionEnds => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
         EventKind::SingularPosePassed => "singular-pose-passed",
+        EventKind::SingularPoseMet => "singular-pose-met",
+        EventKind::BranchChosen { .. } => "branch-chosen",
         EventKind::LimitPosition { .. } => "limit-position",
         EventKind::InputUndefined { .. } => "input-undefined",
         EventKind::StartNotClosed { .. } => "start-not-closed",

@@ -43,7 +43,7 @@ pub mod timing;
 
 pub use error::ExportError;
 pub use format::Format;
-pub use target::{Output, Stream, Target};
+pub use target::{Output, Stream, Target, remove_unfinished};
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -189,6 +189,10 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
         Certificate::Certified {
             error_bound,
             unique_radius,
+        }
+        | Certificate::Locked {
+            error_bound,
+            unique_radius,
         } => [error_bound, unique_radius].map(Cell::Number),
         Certificate::Refused { .. } => [Cell::Empty, Cell::Empty],
     });

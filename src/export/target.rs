@@ -4,6 +4,22 @@ use super::error::ExportError;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Temporary files that have not been moved to their places.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the temporary files of all targets, for a process that ends without dropping them.
+pub fn remove_unfinished() {
+    for path in list_of_unfinished().drain(..) {
+        // Whoever has dropped a target has removed its file already.
+        let _ = fs::remove_file(path);
+    }
+}
+
+fn list_of_unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Bytes between two system calls; frames are tens of kilobytes.
 const BUFFER_BYTES: usize = 1 << 16;
@@ -56,6 +72,7 @@ impl Target {
         }
         let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let file = temporary_beside(&place).map_err(|e| explain(path, &place, e))?;
+        list_of_unfinished().push(file.path().to_owned());
         let body = Body::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file));
         Ok(Self {
             name,
@@ -83,7 +100,9 @@ impl Target {
                 if wait {
                     sync(file.as_file()).map_err(fail)?;
                 }
+                let temporary = file.path().to_owned();
                 file.persist(&self.path).map_err(|e| fail(e.error))?;
+                list_of_unfinished().retain(|path| *path != temporary);
                 Ok(())
             }
         }

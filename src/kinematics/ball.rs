@@ -4,11 +4,14 @@
 //! rotation any more, though nothing is wrong with the joint: they are gimbal-locked. What is solved instead next to
 //! such poses is in `chart`.
 //!
-//! With C = [u1, u2, u1 × u2] for the axes u1, u2 of the first two rotations, and the third axis turned by mu from
-//! u1 × u2 about u2, every such joint is C Rx(a) Ry(b + mu) Rz(c) Ry(-mu) Cᵀ: one formula serves all orders of axes.
-//! It is locked where cos(b + mu) = 0; only a + c or a - c is determined there.
+//! Constant poses may stand between the rotations as long as all three axes meet in one point and each is at right
+//! angles to the next: `Rz(a) Rx(90) Rz(b) Rx(-90) Rz(c)` is a ball joint. With u1, u2, u3 the axes in the frame before
+//! the joint at zero angles, M the product of the constant rotations, C = [u1, u2, u1 × u2], and u3 turned by mu from
+//! u1 × u2 about u2, every such joint is C Rx(a) Ry(b + mu) Rz(c) Ry(-mu) Cᵀ M: one formula serves all orders of axes.
+//! It is locked where cos(b + mu) = 0; only a + c or a - c is determined there. Axes that are not at right angles do
+//! not reach all rotations: where they come to lie in one plane the joint is at its end, and rightly called singular.
 //!
-//! Three rotations count as a ball joint if they stand side by side wherever they are used, are unknowns of their own,
+//! Three rotations count as a ball joint if they stand together wherever they are used, are unknowns of their own,
 //! and no body belongs to a link between them: a body there would show the single angles.
 
 use super::structure::Structure;
@@ -16,7 +19,7 @@ use crate::math::{Pose, sin_cos};
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 /// Distance from a locked pose, in half turns, at which |cos(b + mu)| is 0.2.
 const NEAR: f64 = 0.064_094_216_849;
@@ -25,6 +28,79 @@ const NEAR: f64 = 0.064_094_216_849;
 /// radians at most, no more than rounding of a long chain.
 const UNREADABLE: f64 = 4e-15;
 
+/// Axes meet, and are at right angles, if they miss it by no more than the rounding of folded constants (radians, sizes).
+const EXACT: f64 = 1e-12;
+
+/// Three rotations in a row with the constant poses between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Run {
+    /// Axis, argument and sign.
+    turns: [(usize, usize, f64); 3],
+    between: [Pose; 2],
+    /// Steps of the chain that it takes.
+    steps: usize,
+}
+
+impl Run {
+    /// The run that begins at step `first`.
+    fn at(steps: &[Step], first: usize) -> Option<Self> {
+        let mut turns = [(0, 0, 0.0); 3];
+        let mut between = [Pose::IDENTITY; 2];
+        let mut found = 0;
+        for (k, step) in steps.iter().enumerate().skip(first) {
+            match *step {
+                Step::Joint {
+                    motion: Motion::Rotation,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    turns[found] = (axis, argument, sign);
+                    found += 1;
+                    if found == 3 {
+                        let steps = k + 1 - first;
+                        return Some(Self {
+                            turns,
+                            between,
+                            steps,
+                        });
+                    }
+                }
+                Step::Fixed(pose) if found > 0 => between[found - 1] = between[found - 1] * pose,
+                _ => return None,
+            }
+        }
+        None
+    }
+
+    fn inverse(&self) -> Self {
+        let [first, second, third] = self
+            .turns
+            .map(|(axis, argument, sign)| (axis, argument, -sign));
+        let [one, other] = self.between.map(|pose| pose.inverse());
+        Self {
+            turns: [third, second, first],
+            between: [other, one],
+            steps: self.steps,
+        }
+    }
+
+    /// Whether both are the same joint.
+    fn is(&self, other: &Self, size: f64) -> bool {
+        let pairs = self.between.iter().zip(&other.between);
+        let mut gaps = pairs.map(|(a, b)| {
+            let turned = (a.rotation - b.rotation).to_cols_array();
+            let moved = (a.translation - b.translation).length() / size;
+            turned.iter().fold(moved, |m, v| m.max(v.abs()))
+        });
+        self.turns == other.turns && gaps.all(|gap| gap <= EXACT)
+    }
+
+    fn arguments(&self) -> [usize; 3] {
+        self.turns.map(|(_, argument, _)| argument)
+    }
+}
+
 /// A ball joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ball {
@@ -32,22 +108,44 @@ pub struct Ball {
     pub slots: [usize; 3],
     /// Block that solves them.
     pub block: usize,
-    pub(super) arguments: [usize; 3],
-    axes: [usize; 3],
-    signs: [f64; 3],
-    /// Added to the unknowns before they are angles.
+    run: Run,
+    /// Radians by unknown.
+    factors: [f64; 3],
+    /// Added before they are angles.
     offsets: [f64; 3],
     /// C above.
     frame: DMat3,
+    /// M above.
+    constant: DMat3,
     mu: f64,
+    /// From the frame behind the joint to the point in which the axes meet.
+    pub(super) centre: DVec3,
 }
 
 impl Ball {
     /// The joint's rotation.
     pub fn rotation(&self, coordinates: &[f64]) -> DMat3 {
         let angles = self.angles(coordinates);
-        let turn = |k: usize| Pose::from_axis_rotation(self.axes[k], angles[k]).rotation;
-        turn(0) * turn(1) * turn(2)
+        let turn = |k: usize| Pose::from_axis_rotation(self.run.turns[k].0, angles[k]).rotation;
+        let [first, second] = self.run.between.map(|pose| pose.rotation);
+        turn(0) * first * turn(1) * second * turn(2)
+    }
+
+    /// Arguments of its rotations, in their order.
+    pub(super) fn arguments(&self) -> [usize; 3] {
+        self.run.arguments()
+    }
+
+    /// Whether the joint stands at step `first` of a chain: how many steps it takes there, and whether it is inverted.
+    pub(super) fn stands_at(
+        &self,
+        steps: &[Step],
+        first: usize,
+        size: f64,
+    ) -> Option<(usize, bool)> {
+        let run = Run::at(steps, first)?;
+        let is_inverse = run.inverse().is(&self.run, size);
+        (is_inverse || run.is(&self.run, size)).then_some((run.steps, is_inverse))
     }
 
     /// Two smooth numbers that vanish where the angles are locked; their length is |cos(b + mu)|.
@@ -72,25 +170,33 @@ impl Ball {
 
     /// Half turns of b + mu from a locked pose.
     fn half_turns(&self, coordinates: &[f64]) -> f64 {
-        let b = self.signs[1] * (coordinates[self.slots[1]] + self.offsets[1]);
-        (b + self.mu) / PI - 0.5
+        (self.angle(coordinates, 1) + self.mu) / PI - 0.5
     }
 
     /// Sign of the determinant of the map from rates of the unknowns to the joint's angular velocity.
     pub fn orientation(&self, coordinates: &[f64]) -> i8 {
         let b = self.angles(coordinates)[1] + self.mu;
-        let signs: f64 = self.signs.iter().product();
-        if signs * sin_cos(b).1 < 0.0 { -1 } else { 1 }
+        let rates: f64 = (0..3).map(|k| self.rate(k)).product();
+        if rates * sin_cos(b).1 < 0.0 { -1 } else { 1 }
     }
 
     fn angles(&self, coordinates: &[f64]) -> [f64; 3] {
-        [0, 1, 2].map(|k| self.signs[k] * (coordinates[self.slots[k]] + self.offsets[k]))
+        [0, 1, 2].map(|k| self.angle(coordinates, k))
+    }
+
+    fn angle(&self, coordinates: &[f64], k: usize) -> f64 {
+        self.run.turns[k].2 * (self.factors[k] * coordinates[self.slots[k]] + self.offsets[k])
+    }
+
+    /// Rate of angle `k` by its unknown.
+    fn rate(&self, k: usize) -> f64 {
+        self.run.turns[k].2 * self.factors[k]
     }
 
     /// Rx(a) Ry(b + mu) Rz(c) of a rotation of the joint.
     fn canonical(&self, rotation: &DMat3) -> DMat3 {
         let back = Pose::from_axis_rotation(1, self.mu).rotation;
-        self.frame.transpose() * *rotation * self.frame * back
+        self.frame.transpose() * *rotation * self.constant.transpose() * self.frame * back
     }
 
     /// Writes the unknowns that give `rotation` into `coordinates`: of all triples the one nearest to those that
@@ -125,7 +231,8 @@ impl Ball {
             one
         };
         for k in 0..3 {
-            coordinates[self.slots[k]] = self.signs[k] * nearest[k] - self.offsets[k];
+            let argument = self.run.turns[k].2 * nearest[k];
+            coordinates[self.slots[k]] = (argument - self.offsets[k]) / self.factors[k];
         }
     }
 
@@ -141,37 +248,7 @@ impl Ball {
             w.z / cos
         };
         let found = [w.x - last * sin, w.y, last];
-        [0, 1, 2].map(|k| self.signs[k] * found[k])
-    }
-}
-
-/// Axis, argument and sign of a rotation.
-fn rotation_of(step: &Step) -> Option<(usize, usize, f64)> {
-    match *step {
-        Step::Joint {
-            motion: Motion::Rotation,
-            axis,
-            argument,
-            sign,
-        } => Some((axis, argument, sign)),
-        _ => None,
-    }
-}
-
-/// Whether three steps are the ball joint: as it is, or inverted.
-pub(super) fn stands_at(ball: &Ball, window: &[Step]) -> Option<bool> {
-    let found = [
-        rotation_of(&window[0])?,
-        rotation_of(&window[1])?,
-        rotation_of(&window[2])?,
-    ];
-    let own = |k: usize, sign: f64| (ball.axes[k], ball.arguments[k], sign * ball.signs[k]);
-    if found == [own(0, 1.0), own(1, 1.0), own(2, 1.0)] {
-        Some(false)
-    } else if found == [own(2, -1.0), own(1, -1.0), own(0, -1.0)] {
-        Some(true)
-    } else {
-        None
+        [0, 1, 2].map(|k| found[k] / self.rate(k))
     }
 }
 
@@ -179,48 +256,39 @@ pub(super) fn stands_at(ball: &Ball, window: &[Step]) -> Option<bool> {
 pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
     let mut list: Vec<Ball> = Vec::new();
     for item in &mechanism.loops {
+        let steps = &item.chain.steps;
         let mut k = 0;
-        while let Some(window) = item.chain.steps.get(k..k + 3) {
-            k += 1;
-            if list.iter().any(|ball| stands_at(ball, window).is_some()) {
-                k += 2;
-                continue;
-            }
-            let Some(ball) = ball_at(mechanism, structure, window) else {
-                continue;
-            };
-            let taken = list
+        while k < steps.len() {
+            let known = list
                 .iter()
-                .any(|b| b.slots.iter().any(|s| ball.slots.contains(s)));
-            if !taken && is_alone(mechanism, &ball) {
-                list.push(ball);
-                k += 2;
+                .find_map(|ball| ball.stands_at(steps, k, mechanism.size));
+            if let Some((taken, _)) = known {
+                k += taken;
+                continue;
             }
+            let found = Run::at(steps, k).and_then(|run| ball_of(mechanism, structure, run));
+            let found = found.filter(|ball| {
+                let mut others = list.iter().flat_map(|b| b.slots);
+                !others.any(|slot| ball.slots.contains(&slot)) && is_alone(mechanism, ball)
+            });
+            k += found.as_ref().map_or(1, |ball| ball.run.steps);
+            list.extend(found);
         }
     }
     list
 }
 
-fn ball_at(mechanism: &Mechanism, structure: &Structure, window: &[Step]) -> Option<Ball> {
-    let found = [
-        rotation_of(&window[0])?,
-        rotation_of(&window[1])?,
-        rotation_of(&window[2])?,
-    ];
-    let axes = found.map(|(axis, _, _)| axis);
-    if axes[0] == axes[1] || axes[1] == axes[2] {
-        return None;
-    }
+fn ball_of(mechanism: &Mechanism, structure: &Structure, run: Run) -> Option<Ball> {
     let mut slots = [0; 3];
-    let mut offsets = [0.0; 3];
-    for (k, (_, argument, _)) in found.iter().enumerate() {
-        let Argument::Affine(affine) = &mechanism.arguments[*argument] else {
+    let (mut factors, mut offsets) = ([0.0; 3], [0.0; 3]);
+    for (k, argument) in run.arguments().into_iter().enumerate() {
+        let Argument::Affine(affine) = &mechanism.arguments[argument] else {
             return None;
         };
-        let [(slot, 1.0)] = affine.terms[..] else {
+        let [(slot, factor)] = affine.terms[..] else {
             return None;
         };
-        (slots[k], offsets[k]) = (slot, affine.constant);
+        (slots[k], factors[k], offsets[k]) = (slot, factor, affine.constant);
     }
     let block = structure
         .blocks
@@ -229,55 +297,96 @@ fn ball_at(mechanism: &Mechanism, structure: &Structure, window: &[Step]) -> Opt
     let unknowns = &structure.blocks[block].unknowns;
     let is_whole = slots.iter().all(|slot| unknowns.contains(slot));
     let differ = slots[0] != slots[1] && slots[1] != slots[2] && slots[0] != slots[2];
-    let (u1, u2) = (DVec3::AXES[axes[0]], DVec3::AXES[axes[1]]);
-    let third = u1.cross(u2);
-    let mu = if axes[2] == axes[0] {
-        FRAC_PI_2
-    } else if third.dot(DVec3::AXES[axes[2]]) > 0.0 {
-        0.0
-    } else {
-        PI
-    };
-    (is_whole && differ).then(|| Ball {
+    if !is_whole || !differ || factors.contains(&0.0) {
+        return None;
+    }
+    let axes = axes_of(&run)?;
+    Some(Ball {
         slots,
         block,
-        arguments: found.map(|(_, argument, _)| argument),
-        axes,
-        signs: found.map(|(_, _, sign)| sign),
+        factors,
         offsets,
-        frame: DMat3::from_cols(u1, u2, third),
-        mu,
+        frame: axes.frame,
+        constant: run.between[0].rotation * run.between[1].rotation,
+        mu: axes.mu,
+        centre: centre(&run, mechanism.size)?,
+        run,
     })
+}
+
+/// C and mu of a run.
+struct Axes {
+    frame: DMat3,
+    mu: f64,
+}
+
+/// `None` unless each axis is at right angles to the next.
+fn axes_of(run: &Run) -> Option<Axes> {
+    let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
+    let [first, second] = run.between.map(|pose| pose.rotation);
+    let (u1, u2, u3) = (own[0], first * own[1], first * second * own[2]);
+    if u1.dot(u2).abs() > EXACT || u2.dot(u3).abs() > EXACT {
+        return None;
+    }
+    let third = u1.cross(u2);
+    Some(Axes {
+        frame: DMat3::from_cols(u1, u2, third),
+        mu: u3.dot(u1).atan2(u3.dot(third)),
+    })
+}
+
+/// The point in which the three axes meet, from the frame behind the last; `None` if they do not.
+///
+/// What a constant shifts along the axis before it or behind it moves no axis off the point.
+fn centre(run: &Run, size: f64) -> Option<DVec3> {
+    let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
+    let [first, second] = run.between;
+    let second_axis = first.rotation * own[1];
+    let (along, back) = (
+        first.translation.dot(own[0]),
+        first.translation.dot(second_axis),
+    );
+    let off_first = first.translation - own[0] * along - second_axis * back;
+    // The point of the second axis in which it meets the first, in the frame behind the second rotation.
+    let meets = own[1] * -back;
+    let last_axis = second.rotation * own[2];
+    let way = meets - second.translation;
+    let onward = way.dot(last_axis);
+    let off_last = way - last_axis * onward;
+    let misses = off_first.length().max(off_last.length()) / size;
+    (misses <= EXACT).then(|| own[2] * onward)
 }
 
 /// Whether the three unknowns are used nowhere but in this joint, and no body stands between its rotations.
 fn is_alone(mechanism: &Mechanism, ball: &Ball) -> bool {
     let uses = |slots: &[usize]| slots.iter().any(|slot| ball.slots.contains(slot));
+    let own = ball.arguments();
     let elsewhere = mechanism
         .arguments
         .iter()
         .enumerate()
-        .any(|(k, argument)| !ball.arguments.contains(&k) && uses(&argument.coordinates()));
+        .any(|(k, argument)| !own.contains(&k) && uses(&argument.coordinates()));
     let in_equations = mechanism
         .equations
         .iter()
         .any(|e| uses(&e.expression.slots()));
     let chains = mechanism.loops.iter().map(|l| &l.chain);
     let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
-    !elsewhere && !in_equations && chains.chain(bodies).all(|chain| is_whole_in(chain, ball))
+    let mut chains = chains.chain(bodies);
+    !elsewhere && !in_equations && chains.all(|chain| is_whole_in(chain, ball, mechanism.size))
 }
 
 /// Whether the joint's rotations stand in a chain only together.
-fn is_whole_in(chain: &Chain, ball: &Ball) -> bool {
+fn is_whole_in(chain: &Chain, ball: &Ball, size: f64) -> bool {
+    let own = ball.arguments();
     let mut k = 0;
     while k < chain.steps.len() {
-        let window = chain.steps.get(k..k + 3);
-        if window.is_some_and(|window| stands_at(ball, window).is_some()) {
-            k += 3;
+        if let Some((taken, _)) = ball.stands_at(&chain.steps, k, size) {
+            k += taken;
             continue;
         }
         if let Step::Joint { argument, .. } = chain.steps[k]
-            && ball.arguments.contains(&argument)
+            && own.contains(&argument)
         {
             return false;
         }
@@ -288,34 +397,61 @@ fn is_whole_in(chain: &Chain, ball: &Ball) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
-    fn ball(axes: [usize; 3], signs: [f64; 3]) -> Ball {
-        let window = [0, 1, 2].map(|k| Step::Joint {
+    /// A joint with constants between its rotations, which may be the identity.
+    fn ball(axes: [usize; 3], signs: [f64; 3], between: [Pose; 2]) -> Ball {
+        let turn = |k: usize| Step::Joint {
             motion: Motion::Rotation,
             axis: axes[k],
             argument: k,
             sign: signs[k],
-        });
-        let (u1, u2) = (DVec3::AXES[axes[0]], DVec3::AXES[axes[1]]);
-        let third = u1.cross(u2);
-        let mu = match axes[2] {
-            last if last == axes[0] => FRAC_PI_2,
-            last if third.dot(DVec3::AXES[last]) > 0.0 => 0.0,
-            _ => PI,
         };
+        let steps = [
+            turn(0),
+            Step::Fixed(between[0]),
+            turn(1),
+            Step::Fixed(between[1]),
+            turn(2),
+        ];
+        let run = Run::at(&steps, 0).unwrap();
+        let found = axes_of(&run).unwrap();
         let ball = Ball {
             slots: [0, 1, 2],
             block: 0,
-            arguments: [0, 1, 2],
-            axes,
-            signs,
+            factors: [1.0, 1.0, -2.0],
             offsets: [0.1, 0.0, -0.3],
-            frame: DMat3::from_cols(u1, u2, third),
-            mu,
+            frame: found.frame,
+            constant: between[0].rotation * between[1].rotation,
+            mu: found.mu,
+            centre: centre(&run, 1.0).unwrap(),
+            run,
         };
-        assert_eq!(stands_at(&ball, &window), Some(false));
+        assert_eq!(ball.stands_at(&steps, 0, 1.0), Some((5, false)));
+        let inverse: Vec<Step> = steps.iter().rev().map(Step::inverse).collect();
+        assert_eq!(ball.stands_at(&inverse, 0, 1.0), Some((5, true)));
         ball
+    }
+
+    /// Orders of axes with constants that keep neighbours at right angles.
+    fn orders() -> Vec<([usize; 3], [Pose; 2])> {
+        let turn = |axis, degrees: f64| Pose::from_axis_rotation(axis, degrees.to_radians());
+        let plain = [
+            [0, 1, 2],
+            [2, 1, 0],
+            [1, 2, 0],
+            [2, 0, 2],
+            [0, 1, 0],
+            [1, 0, 2],
+        ];
+        let mut list: Vec<_> = plain.map(|axes| (axes, [Pose::IDENTITY; 2])).to_vec();
+        list.push(([2, 2, 2], [turn(0, 90.0), turn(0, -90.0)]));
+        list.push(([0, 0, 2], [turn(1, 90.0), Pose::IDENTITY]));
+        list.push(([0, 1, 2], [turn(0, 30.0), turn(1, -70.0)]));
+        list.push(([0, 1, 2], [turn(1, 25.0), turn(2, 40.0)]));
+        list
     }
 
     fn difference(a: &DMat3, b: &DMat3) -> f64 {
@@ -327,16 +463,9 @@ mod tests {
 
     #[test]
     fn angles_are_read_back_for_all_orders_of_axes_locked_or_not() {
-        for axes in [
-            [0, 1, 2],
-            [2, 1, 0],
-            [1, 2, 0],
-            [2, 0, 2],
-            [0, 1, 0],
-            [1, 0, 2],
-        ] {
+        for (axes, between) in orders() {
             for signs in [[1.0; 3], [1.0, -1.0, 1.0], [-1.0; 3]] {
-                let ball = ball(axes, signs);
+                let ball = ball(axes, signs, between);
                 for near_lock in [1.0, 1e-3, 1e-9, 1e-15, 0.0, -1e-9, -0.5] {
                     let middle = signs[1] * (FRAC_PI_2 - ball.mu - near_lock);
                     let truth = [0.7, middle, -2.0];
@@ -364,8 +493,8 @@ mod tests {
 
     #[test]
     fn rates_of_angles_follow_the_angular_velocity() {
-        for axes in [[0, 1, 2], [2, 1, 0], [2, 0, 2]] {
-            let ball = ball(axes, [1.0, -1.0, 1.0]);
+        for (axes, between) in orders() {
+            let ball = ball(axes, [1.0, -1.0, 1.0], between);
             let (q, rates) = ([0.4, 0.3, -1.1], [0.5, -0.2, 0.9]);
             let h = 1e-6;
             let at = |s: f64| {
@@ -379,5 +508,28 @@ mod tests {
                 assert!((found[k] - rates[k]).abs() < 1e-8, "{axes:?} {found:?}");
             }
         }
+    }
+
+    #[test]
+    fn axes_that_miss_each_other_or_a_right_angle_are_no_ball() {
+        let shift = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z));
+        let turn = |axis, angle| Pose::from_axis_rotation(axis, angle);
+        let run = |between: [Pose; 2]| Run {
+            turns: [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)],
+            between,
+            steps: 5,
+        };
+        // Along the axes before and behind a constant nothing is moved apart.
+        let met = run([shift(3.0, -2.0, 0.0), shift(0.0, 2.0, 5.0)]);
+        assert_eq!(centre(&met, 1.0), Some(DVec3::new(0.0, 0.0, -5.0)));
+        for [one, other] in [
+            [shift(0.0, 0.0, 1.0), Pose::IDENTITY],
+            [Pose::IDENTITY, shift(1.0, 0.0, 0.0)],
+            [shift(3.0, -2.0, 0.0), shift(0.0, 0.0, 5.0)],
+        ] {
+            assert_eq!(centre(&run([one, other]), 1.0), None);
+        }
+        assert!(axes_of(&run([turn(2, 0.5), Pose::IDENTITY])).is_none());
+        assert!(axes_of(&run([turn(0, 0.5), turn(1, 0.7)])).is_some());
     }
 }

@@ -1,37 +1,30 @@
 //! Another description of a mechanism's ball joints, which is never gimbal-locked.
 //!
-//! Each joint is its present rotation, a constant, times three small rotations about x, y and z, in the same unknowns.
-//! What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
+//! Each joint is its rotation at a pose, which the chart is based on, times three small rotations about x, y and z, in
+//! the same unknowns. The angles of the base are inputs of the chart, so that its chains hold no rounded rotation and can
+//! be proved. What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
 
-use super::ball::{Ball, balls, stands_at};
+use super::ball::{Ball, balls};
 use super::structure::{Structure, block};
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::drive::Drive;
 use crate::model::expression::Affine;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use glam::{DMat3, DVec3};
 
-/// Where a ball joint stands in the loops.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    loop_index: usize,
-    step: usize,
-    is_inverse: bool,
-}
-
-/// The mechanism with its ball joints described from their present rotation on.
+/// The mechanism with its ball joints described from a pose on.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Loops and unknowns only; the unknowns of ball joints are small rotations about x, y, z.
+    /// Loops and coordinates only; the unknowns of ball joints are small rotations about x, y, z, and after the scene's
+    /// inputs stand those angles of every ball joint that the chart is based on.
     pub mechanism: Mechanism,
     /// The scene's order of solution, for `mechanism`.
     pub structure: Structure,
     /// The ball joints, none of which is held.
     pub balls: Vec<Ball>,
-    /// Places of the constant rotations in `mechanism`, for every ball.
-    places: Vec<Vec<Place>>,
-    /// Present rotations.
-    rotations: Vec<DMat3>,
+    /// Coordinates of the scene.
+    count: usize,
 }
 
 impl Chart {
@@ -41,34 +34,47 @@ impl Chart {
         if balls.is_empty() {
             return None;
         }
+        let count = mechanism.coordinate_count();
         let mut charted = Mechanism {
             bodies: Vec::new(),
             traces: Vec::new(),
             outputs: Vec::new(),
             ..mechanism.clone()
         };
-        let mut places = Vec::new();
+        let mut small = Vec::new();
         for ball in &balls {
-            for (argument, slot) in ball.arguments.iter().zip(ball.slots) {
-                charted.arguments[*argument] = Argument::Affine(Affine {
+            for (argument, slot) in ball.arguments().into_iter().zip(ball.slots) {
+                let base = charted.coordinate_count();
+                charted.inputs.push(Coordinate {
+                    name: mechanism.unknowns[slot].name.clone(),
+                    kind: Kind::Angle,
+                });
+                charted.drives.push(Drive::constant(0.0));
+                rebase(&mut charted.arguments[argument], base);
+            }
+            let first = charted.arguments.len();
+            charted.arguments.extend(ball.slots.map(|slot| {
+                Argument::Affine(Affine {
                     terms: vec![(slot, 1.0)],
                     constant: 0.0,
-                });
-            }
+                })
+            }));
+            small.push(first);
         }
-        for (index, item) in charted.loops.iter_mut().enumerate() {
-            places.extend(rewrite(&mut item.chain, index, &balls));
+        let size = mechanism.size;
+        for item in &mut charted.loops {
+            rewrite(&mut item.chain, &balls, &small, size);
         }
-        let of_ball = |k: usize| {
-            let own = places.iter().filter(|(ball, _)| *ball == k);
-            own.map(|(_, place)| *place).collect()
-        };
+        let mut structure = structure.clone();
+        for item in &mut structure.blocks {
+            let (loops, equations) = (item.loops.clone(), item.equations.clone());
+            *item = block(&charted, loops, equations, item.unknowns.clone());
+        }
         Some(Self {
-            places: (0..balls.len()).map(of_ball).collect(),
-            rotations: vec![DMat3::IDENTITY; balls.len()],
             mechanism: charted,
-            structure: structure.clone(),
+            structure,
             balls,
+            count,
         })
     }
 
@@ -77,39 +83,33 @@ impl Chart {
         self.balls.iter().any(|b| b.is_nearly_locked(coordinates))
     }
 
-    /// Describes the joints from the scene's `coordinates` on; returns the chart's coordinates of that pose.
-    pub fn base(&mut self, coordinates: &[f64]) -> Vec<f64> {
+    /// The chart's coordinates of the pose at the scene's `coordinates`, which it is based on.
+    pub fn base(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut own = coordinates.to_vec();
-        for (k, ball) in self.balls.iter().enumerate() {
-            let rotation = ball.rotation(coordinates);
-            self.rotations[k] = rotation;
+        for ball in &self.balls {
+            own.extend(ball.slots.map(|slot| coordinates[slot]));
             ball.slots.iter().for_each(|slot| own[*slot] = 0.0);
-            for place in &self.places[k] {
-                let rotation = if place.is_inverse {
-                    rotation.transpose()
-                } else {
-                    rotation
-                };
-                let steps = &mut self.mechanism.loops[place.loop_index].chain.steps;
-                steps[place.step] = Step::Fixed(Pose {
-                    rotation,
-                    translation: DVec3::ZERO,
-                });
-            }
-        }
-        for item in &mut self.structure.blocks {
-            let (loops, equations) = (item.loops.clone(), item.equations.clone());
-            *item = block(&self.mechanism, loops, equations, item.unknowns.clone());
         }
         own
     }
 
+    /// The angles of ball `index` that the chart's coordinates `own` are based on, in their places among the scene's.
+    fn angles_of_base(&self, index: usize, own: &[f64]) -> Vec<f64> {
+        let first = self.count + 3 * index;
+        let mut coordinates = own[..self.count].to_vec();
+        for (slot, angle) in self.balls[index].slots.iter().zip(&own[first..]) {
+            coordinates[*slot] = *angle;
+        }
+        coordinates
+    }
+
     /// The scene's coordinates for the chart's: of all names of the pose the one nearest to `near`.
     pub fn scene(&self, own: &[f64], near: &[f64]) -> Vec<f64> {
-        let mut coordinates = own.to_vec();
-        for (ball, base) in self.balls.iter().zip(&self.rotations) {
+        let mut coordinates = own[..self.count].to_vec();
+        for (index, ball) in self.balls.iter().enumerate() {
+            let base = ball.rotation(&self.angles_of_base(index, own));
             let turn = |k: usize| Pose::from_axis_rotation(k, own[ball.slots[k]]).rotation;
-            let rotation = *base * turn(0) * turn(1) * turn(2);
+            let rotation = base * turn(0) * turn(1) * turn(2);
             ball.slots
                 .iter()
                 .for_each(|slot| coordinates[*slot] = near[*slot]);
@@ -129,11 +129,12 @@ impl Chart {
         }
     }
 
-    /// Rates of the scene's unknowns for rates at the pose that the chart was based on: those of a joint's first and last
-    /// angle are NaN where they are locked.
+    /// Rates of the scene's unknowns for rates at the pose `coordinates` that the chart was based on: those of a joint's
+    /// first and last angle are NaN where they are locked.
     pub fn scene_rates(&self, coordinates: &[f64], rates: &mut [f64]) {
-        for (ball, base) in self.balls.iter().zip(&self.rotations) {
-            let turn = *base * DVec3::from_array(ball.slots.map(|slot| rates[slot]));
+        for ball in &self.balls {
+            let base = ball.rotation(coordinates);
+            let turn = base * DVec3::from_array(ball.slots.map(|slot| rates[slot]));
             for (slot, rate) in ball.slots.iter().zip(ball.rates(coordinates, turn)) {
                 rates[*slot] = rate;
             }
@@ -141,44 +142,60 @@ impl Chart {
     }
 }
 
-/// Puts a constant rotation before every ball joint of a chain (after, where it stands inverted), and small
-/// rotations in its place. Returns the constants' places with the index of their ball.
-fn rewrite(chain: &mut Chain, loop_index: usize, balls: &[Ball]) -> Vec<(usize, Place)> {
+/// Has a joint's value made of coordinate `slot` in place of its own one.
+fn rebase(argument: &mut Argument, slot: usize) {
+    if let Argument::Affine(affine) = argument {
+        affine.terms.iter_mut().for_each(|term| term.0 = slot);
+    }
+}
+
+/// Puts small rotations behind every ball joint of a chain (before it, where it stands inverted), about the point in
+/// which its axes meet. Their arguments begin at `small`, for every ball.
+fn rewrite(chain: &mut Chain, balls: &[Ball], small: &[usize], size: f64) {
     let mut steps: Vec<Step> = Vec::new();
-    let mut places = Vec::new();
     let mut k = 0;
     while k < chain.steps.len() {
-        let known = balls.iter().enumerate().find_map(|(index, ball)| {
-            let window = chain.steps.get(k..k + 3)?;
-            stands_at(ball, window).map(|is_inverse| (index, ball, is_inverse))
+        let known = balls.iter().zip(small).find_map(|(ball, first)| {
+            let (taken, is_inverse) = ball.stands_at(&chain.steps, k, size)?;
+            Some((ball, *first, taken, is_inverse))
         });
-        let Some((index, ball, is_inverse)) = known else {
+        let Some((ball, first, taken, is_inverse)) = known else {
             steps.push(chain.steps[k]);
             k += 1;
             continue;
         };
-        let small = |axis: usize, sign: f64| Step::Joint {
-            motion: Motion::Rotation,
-            axis,
-            argument: ball.arguments[axis],
-            sign,
-        };
-        let first = steps.len();
+        let turns = turns_about(ball.centre, first);
+        let own = &chain.steps[k..k + taken];
         if is_inverse {
-            steps.extend([2, 1, 0].map(|axis| small(axis, -1.0)));
-            steps.push(Step::Fixed(Pose::IDENTITY));
+            steps.extend(turns.iter().rev().map(Step::inverse));
+            steps.extend(own);
         } else {
-            steps.push(Step::Fixed(Pose::IDENTITY));
-            steps.extend([0, 1, 2].map(|axis| small(axis, 1.0)));
+            steps.extend(own);
+            steps.extend(turns);
         }
-        let place = Place {
-            loop_index,
-            step: if is_inverse { first + 3 } else { first },
-            is_inverse,
-        };
-        places.push((index, place));
-        k += 3;
+        k += taken;
     }
     chain.steps = steps;
-    places
+}
+
+/// Rotations about x, y and z in a point, with the arguments from `first` on.
+fn turns_about(centre: DVec3, first: usize) -> Vec<Step> {
+    let turn = |axis: usize| Step::Joint {
+        motion: Motion::Rotation,
+        axis,
+        argument: first + axis,
+        sign: 1.0,
+    };
+    let mut steps: Vec<Step> = [0, 1, 2].map(turn).to_vec();
+    if centre != DVec3::ZERO {
+        let shift = |translation: DVec3| {
+            Step::Fixed(Pose {
+                rotation: DMat3::IDENTITY,
+                translation,
+            })
+        };
+        steps.insert(0, shift(centre));
+        steps.push(shift(-centre));
+    }
+    steps
 }

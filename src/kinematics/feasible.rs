@@ -16,6 +16,9 @@ const STEPS: usize = 180;
 /// Lengths and plain numbers are swept this many sizes (or units) to either side.
 const REACH: f64 = 3.0;
 
+/// Ends that agree within this share of the largest value are the same.
+const TOUCHING: f64 = 1e-9;
+
 /// Values of one input with a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feasible {
@@ -29,13 +32,23 @@ pub struct Feasible {
 pub fn feasible_inputs(mechanism: &Mechanism) -> Vec<Feasible> {
     let given = mechanism.inputs_at(0.0);
     let inputs = (0..given.len()).filter_map(|input| {
-        let stretches = sweep(mechanism, &given, input)?;
-        (!stretches.is_empty()).then_some(Feasible { input, stretches })
+        // A value far out says nothing about where the mechanism is: then around zero.
+        let middles = [given[input], 0.0];
+        let found = middles.iter().find_map(|middle| {
+            let stretches = sweep(mechanism, &given, input, *middle)?;
+            (!stretches.is_empty()).then_some(stretches)
+        });
+        found.map(|stretches| Feasible { input, stretches })
     });
     inputs.collect()
 }
 
-fn sweep(mechanism: &Mechanism, given: &[f64], input: usize) -> Option<Vec<[f64; 2]>> {
+fn sweep(
+    mechanism: &Mechanism,
+    given: &[f64],
+    input: usize,
+    middle: f64,
+) -> Option<Vec<[f64; 2]>> {
     let reach = match mechanism.inputs[input].kind {
         Kind::Angle => PI,
         Kind::Length => REACH * mechanism.size,
@@ -46,7 +59,7 @@ fn sweep(mechanism: &Mechanism, given: &[f64], input: usize) -> Option<Vec<[f64;
     swept.drives = given.iter().map(|v| Drive::constant(*v)).collect();
     swept.drives[input] = Drive::Keys {
         times: vec![0.0, 1.0],
-        values: vec![given[input] - reach, given[input] + reach],
+        values: vec![middle - reach, middle + reach],
         ease: Ease::Linear,
     };
     let times: Vec<f64> = (0..=STEPS).map(|k| k as f64 / STEPS as f64).collect();
@@ -68,5 +81,22 @@ fn stretches(trajectory: &Trajectory, input: usize) -> Vec<[f64; 2]> {
         begin = gap.until.as_ref().map(|at| at.inputs[input]);
     }
     list.extend(begin.map(|begin| [begin, last.inputs[input]]));
-    list
+    merged(list)
+}
+
+/// Stretches that touch are one; single values beside stretches are where the sweep came in.
+fn merged(list: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let reach = list.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let mut joined: Vec<[f64; 2]> = Vec::new();
+    for [from, to] in list {
+        match joined.last_mut() {
+            Some(last) if from - last[1] <= TOUCHING * reach => last[1] = to,
+            _ => joined.push([from, to]),
+        }
+    }
+    let is_wide = |s: &[f64; 2]| s[1] - s[0] > TOUCHING * reach;
+    if joined.iter().any(is_wide) {
+        joined.retain(is_wide);
+    }
+    joined
 }

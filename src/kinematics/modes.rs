@@ -6,7 +6,8 @@
 //! another directly are one joint.
 
 use super::assembly::{assemble, turns_matter};
-use super::ball::balls;
+use super::ball::{Ball, balls};
+use super::chart::Chart;
 use super::branch::BranchWatch;
 use super::forward::{body_poses, closure_error};
 use super::newton::Corrector;
@@ -81,9 +82,10 @@ pub fn find_modes(
 ) -> Modes {
     let closures = closures(mechanism, structure, inputs, starts, cancelled);
     let closed = closures.len();
+    let balls = balls(mechanism, structure);
     let mut groups: Vec<Group> = Vec::new();
     for (start, coordinates) in closures {
-        let fingerprint = fingerprint(mechanism, &coordinates);
+        let fingerprint = fingerprint(mechanism, &balls, &coordinates);
         let known = groups
             .iter_mut()
             .find(|g| same(&g.fingerprint, &fingerprint));
@@ -98,7 +100,7 @@ pub fn find_modes(
         }
     }
     for group in &mut groups {
-        group.rename(mechanism);
+        group.rename(mechanism, &balls);
     }
     Modes {
         list: described(mechanism, structure, groups),
@@ -125,14 +127,14 @@ impl Group {
     }
 
     /// Replaces second Euler angles by first ones where that makes the angles smaller and moves no link.
-    fn rename(&mut self, mechanism: &Mechanism) {
+    fn rename(&mut self, mechanism: &Mechanism, balls: &[Ball]) {
         for triple in triples(mechanism) {
             let mut other = self.coordinates.clone();
             triple.rename(&mut other);
             wrap(mechanism, &mut other);
             if angles(mechanism, &other) < angles(mechanism, &self.coordinates) - EQUAL
                 && closure_error(mechanism, &other) <= CLOSED
-                && same(&fingerprint(mechanism, &other), &self.fingerprint)
+                && same(&fingerprint(mechanism, balls, &other), &self.fingerprint)
             {
                 self.coordinates = other;
             }
@@ -214,7 +216,7 @@ fn random(key: u64, counter: u64) -> f64 {
 }
 
 /// Everything that tells assemblies apart: poses of links and bodies, and unknowns that move neither.
-fn fingerprint(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
+fn fingerprint(mechanism: &Mechanism, balls: &[Ball], coordinates: &[f64]) -> Vec<f64> {
     let arguments = mechanism.argument_values(coordinates);
     let mut numbers = Vec::new();
     let mut note = |pose: &Pose| {
@@ -222,7 +224,11 @@ fn fingerprint(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
         numbers.extend((pose.translation / mechanism.size).to_array());
     };
     for item in &mechanism.loops {
-        links(&item.chain, &arguments, &mut note);
+        let inner = |k: usize| {
+            let joint = balls.iter().find_map(|b| b.stands_at(&item.chain.steps, k, mechanism.size));
+            joint.map_or(0, |(taken, _)| taken - 1)
+        };
+        links(&item.chain, inner, &arguments, &mut note);
     }
     body_poses(mechanism, coordinates).iter().for_each(note);
     for slot in outside_chains(mechanism) {
@@ -236,18 +242,25 @@ fn fingerprint(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     numbers
 }
 
-/// Poses between the joints of a chain. Rotations in a row are one joint, and so are translations in a row.
-fn links(chain: &Chain, arguments: &[ArgumentValue], note: &mut impl FnMut(&Pose)) {
+/// Poses between the joints of a chain. Rotations in a row are one joint, and so are translations in a row, and as many
+/// steps after step `k` as `inner` says.
+fn links(
+    chain: &Chain,
+    inner: impl Fn(usize) -> usize,
+    arguments: &[ArgumentValue],
+    note: &mut impl FnMut(&Pose),
+) {
     let motion_of = |step: &Step| match step {
         Step::Fixed(_) => None,
         Step::Joint { motion, .. } => Some(*motion),
     };
     let mut pose = Pose::IDENTITY;
-    let mut steps = chain.steps.iter().peekable();
-    while let Some(step) = steps.next() {
+    let mut within = 0;
+    for (k, step) in chain.steps.iter().enumerate() {
         step.advance(&mut pose, arguments);
-        let next = steps.peek().and_then(|next| motion_of(next));
-        if next.is_none() || next != motion_of(step) {
+        let next = chain.steps.get(k + 1).and_then(motion_of);
+        within = if within > 0 { within - 1 } else { inner(k) };
+        if within == 0 && (next.is_none() || next != motion_of(step)) {
             note(&pose);
         }
     }
@@ -347,13 +360,25 @@ fn triples(mechanism: &Mechanism) -> Vec<Triple> {
 fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -> Vec<Mode> {
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(structure);
-    let balls = balls(mechanism, structure);
+    let chart = Chart::new(mechanism, structure);
     let mut list: Vec<Mode> = Vec::new();
     for group in groups {
-        let mut state = watch.observe(mechanism, structure, &mut corrector, &group.coordinates);
-        for ball in &balls {
-            state.signs[ball.block] *= ball.orientation(&group.coordinates);
-        }
+        let coordinates = &group.coordinates;
+        let state = match &chart {
+            // Next to gimbal-locked angles signs and singular values are those of the rotations.
+            Some(chart) if chart.is_needed(coordinates) => {
+                let (own, mut corrector) = (chart.base(coordinates), Corrector::new(&chart.structure));
+                watch.observe(&chart.mechanism, &chart.structure, &mut corrector, &own)
+            }
+            _ => {
+                let mut state = watch.observe(mechanism, structure, &mut corrector, coordinates);
+                let balls = chart.iter().flat_map(|chart| &chart.balls);
+                for ball in balls {
+                    state.signs[ball.block] *= ball.orientation(coordinates);
+                }
+                state
+            }
+        };
         list.push(Mode {
             branch: state.signature(),
             sigma_min: state.sigma_min,

@@ -71,6 +71,9 @@ pub enum EventKind {
     },
     /// The pose is singular; the motion was continued straight through it.
     SingularPosePassed,
+    /// The pose of a sample is singular, and the drive turns back there: the motion returned on the branch on which it
+    /// came, though another one begins there.
+    SingularPoseMet,
     /// The first and last axis of a ball joint that is written as three rotations are parallel, or nearly: only the
     /// sum or difference of their angles is determined. The position is not affected.
     GimbalLock {
@@ -106,6 +109,13 @@ pub enum EventKind {
     },
     /// The first pose is singular: several assemblies may meet there, and which is followed is not determined.
     StartSingular,
+    /// Which of the branches that meet at a singular first pose the motion took.
+    BranchChosen {
+        /// Its signature.
+        taken: String,
+        /// Signatures of the others that were found.
+        others: Vec<String>,
+    },
     /// The start values did not lead to a pose; another start did, perhaps on another branch.
     OtherStart,
 }

@@ -189,6 +189,20 @@ impl Mechanism {
         }
     }
 
+    /// Least and largest scale of an unknown, an angle's being the size: what a distance of poses in radians and sizes is
+    /// at least, and at most, as a difference of unknowns.
+    pub fn distance_units(&self) -> [f64; 2] {
+        let unit = |index: usize| match self.unknowns[index].kind {
+            Kind::Length | Kind::Angle => self.size,
+            Kind::Number => self.scale_of(index),
+        };
+        let units = (0..self.unknowns.len()).map(unit);
+        let range = units.map(|unit| [unit, unit]);
+        range
+            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+            .unwrap_or([self.size; 2])
+    }
+
     /// Factor that makes the value of equation `index` comparable with one.
     pub fn weight_of(&self, index: usize) -> f64 {
         let equation = &self.equations[index];

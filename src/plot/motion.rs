@@ -362,12 +362,12 @@ fn word(event: &Event, place: f64, x: &Abscissa) -> String {
             .to_owned(),
         EventKind::MotionResumes { same_branch: true } => "resumes".to_owned(),
         EventKind::MotionResumes { same_branch: false } => "resumes on another branch".to_owned(),
-        EventKind::SingularPosePassed => "singular pose".to_owned(),
+        EventKind::SingularPosePassed | EventKind::SingularPoseMet => "singular pose".to_owned(),
         EventKind::OtherStart => "other start".to_owned(),
         EventKind::InputUndefined { name } => format!("{name} has no value"),
         EventKind::LimitPosition { name, .. } => format!("{name} turns back"),
         EventKind::GimbalLock { .. } => "gimbal lock".to_owned(),
         EventKind::StartSingular => "singular start".to_owned(),
-        EventKind::StartNotClosed { .. } => String::new(),
+        EventKind::StartNotClosed { .. } | EventKind::BranchChosen { .. } => String::new(),
     }
 }

@@ -60,7 +60,7 @@ impl Nominal {
             Certificate::Certified { error_bound, .. } => {
                 self.error_bound = self.error_bound.max(error_bound)
             }
-            Certificate::Refused { .. } => self.unproved += 1,
+            Certificate::Locked { .. } | Certificate::Refused { .. } => self.unproved += 1,
         }
     }
 }

@@ -53,8 +53,16 @@ pub const BALL: f64 = 0.25;
 pub enum Certificate {
     /// An exact closed pose exists.
     Certified {
-        /// No unknown differs from it by more: lengths in the scene's unit; angles as radians times the
+        /// No unknown differs from it by more: lengths and plain numbers as they are; angles as radians times the
         /// mechanism's size.
+        error_bound: f64,
+        /// It is the only one within this distance, measured likewise.
+        unique_radius: f64,
+    },
+    /// An exact closed pose exists, but angles of a ball joint are locked, so that only its rotation is proved.
+    Locked {
+        /// As above, where the three angles of every ball joint are replaced by the rotation vector that leads to the
+        /// exact pose, in the frame behind the joint.
         error_bound: f64,
         /// It is the only one within this distance, measured likewise.
         unique_radius: f64,
@@ -73,7 +81,7 @@ pub enum Reason {
     Formula,
     /// Too near a singular pose (or too far from a closed one) for the test to succeed.
     Singular,
-    /// The angles of a ball joint are nearly locked: they have no bound, though the position has an error of rounding.
+    /// The angles of a ball joint are locked, and its rotation has no proof either.
     GimbalLock,
     /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
     HalfTurn,
@@ -186,11 +194,12 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// From radians and sizes.
+    /// From radians and sizes, so that both hold for every unknown in its own unit.
     fn certificate(&self, error: f64, radius: f64) -> Certificate {
+        let [least, largest] = self.mechanism.distance_units();
         Certificate::Certified {
-            error_bound: error * self.mechanism.size * (1.0 + 1e-12),
-            unique_radius: radius * self.mechanism.size * (1.0 - 1e-12),
+            error_bound: error * largest * (1.0 + 1e-12),
+            unique_radius: radius * least * (1.0 - 1e-12),
         }
     }
 

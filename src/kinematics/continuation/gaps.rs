@@ -4,7 +4,7 @@
 //! as its beginning is. What can be followed back past the beginning of the gap is another assembly, which the motion
 //! cannot reach; taking it up would be a jump.
 
-use super::super::assembly::{NotClosed, smallest_gap};
+use super::super::assembly::{NotClosed, shake, smallest_gap};
 use super::super::newton::Pace;
 use super::super::trajectory::{EventKind, Gap, Instant, Lack};
 use super::{Follower, Stand, Stop};
@@ -12,6 +12,12 @@ use super::{Follower, Stand, Stop};
 /// How far from its end the other of two branches that meet there is looked for, as shares of what was followed back:
 /// as far as mirroring at the fold is a good picture of it.
 const BESIDE_FOLD: [f64; 5] = [3e-2, 3e-3, 3e-4, 3e-5, 3e-6];
+
+/// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
+const ASIDE: f64 = 0.3;
+
+/// A gap is seen if it is wider than this power of one half of the way on which it is looked for.
+const HALVINGS: i32 = 30;
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
 const SAME_POSE: f64 = 1e-6;
@@ -77,7 +83,13 @@ impl Follower<'_> {
         };
         let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
         let start = [unknowns, &inputs].concat();
-        match self.assembled(&start, false) {
+        let found = self.assembled(&start, false).or_else(|gap| {
+            // From links in line no correction leaves the line.
+            let mut beside = start.clone();
+            shake(self.mechanism, self.trajectory.samples.len(), ASIDE, &mut beside);
+            self.assembled(&beside, false).map_err(|_| gap)
+        });
+        match found {
             Ok(found) => {
                 self.iterations += found.iterations;
                 let stand = self.stand(time, found.coordinates);
@@ -119,12 +131,17 @@ impl Follower<'_> {
     }
 
     /// Follows the motion backwards from `found` to where it ends; `None` if it reaches `limit`.
-    fn walk_back(&mut self, found: &Stand, limit: Option<f64>) -> Option<Stand> {
+    pub(super) fn walk_back(&mut self, found: &Stand, limit: Option<f64>) -> Option<Stand> {
         let start = self.trajectory.samples.first().map(|s| s.time);
         let target = limit.or(start)?;
         let events = self.trajectory.events.len();
         self.anchor = Some(found.clone());
-        let end = self.follow(found.clone(), target);
+        // Ever shorter stretches, so that one of them ends inside of the narrowest gap before the target.
+        let halvings = if limit.is_some() { HALVINGS } else { 0 };
+        let way = found.time - target;
+        let mut targets = (1..=halvings).map(|k| target + way * 0.5_f64.powi(k));
+        let end = targets.try_fold(found.clone(), |here, time| self.follow(here, time));
+        let end = end.and_then(|here| self.follow(here, target));
         self.trajectory.events.truncate(events);
         self.crossing = None;
         match end {

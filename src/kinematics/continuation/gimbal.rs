@@ -5,7 +5,7 @@
 
 use super::super::assembly::{Assembled, NotClosed, assemble};
 use super::super::branch::BranchState;
-use super::super::certificate::{Certificate, Reason};
+use super::super::certificate::{Certificate, Certifier, Reason};
 use super::super::chart::Chart;
 use super::super::newton::{Correction, Corrector, Pace};
 use super::super::trajectory::EventKind;
@@ -22,6 +22,9 @@ const LOCKED: f64 = 1e-12;
 /// Approach of the straight line between two poses that is looked at more closely.
 const WORTH_A_LOOK: f64 = 0.05;
 
+/// Closest approaches of one joint within this share of the motion are the same: a start beside a lock, and the lock.
+const SAME_LOCK: f64 = 1e-6;
+
 /// Iterations that locate the closest approach: it is a linear problem but for the curvature of the path.
 const LOCATING: usize = 12;
 
@@ -34,7 +37,7 @@ impl Follower<'_> {
     ) -> Result<Assembled, NotClosed> {
         let (mechanism, structure) = (self.mechanism, self.structure);
         let found = assemble(mechanism, structure, &mut self.corrector, start, persist);
-        let Some(chart) = &mut self.chart else {
+        let Some(chart) = &self.chart else {
             return found;
         };
         let mut found = match found {
@@ -69,7 +72,7 @@ impl Follower<'_> {
         coordinates: &mut [f64],
         pace: Pace,
     ) -> Option<Correction> {
-        let chart = self.chart.as_mut().filter(|c| c.is_needed(coordinates))?;
+        let chart = self.chart.as_ref().filter(|c| c.is_needed(coordinates))?;
         let mut own = chart.base(coordinates);
         let mut corrector = Corrector::new(&chart.structure);
         let correction = corrector.correct(&chart.mechanism, &chart.structure, &mut own, pace);
@@ -86,7 +89,7 @@ impl Follower<'_> {
     ) -> Option<(Vec<f64>, f64)> {
         let chart = self
             .chart
-            .as_mut()
+            .as_ref()
             .filter(|c| c.is_needed(&here.coordinates))?;
         let n = chart.mechanism.unknowns.len();
         let own = chart.base(&here.coordinates);
@@ -133,7 +136,7 @@ impl Follower<'_> {
     /// Singular values and signs, with ball joints as rotations: no angle's sign enters, and next to locked poses no
     /// angle's singularity.
     pub(super) fn observe(&mut self, coordinates: &[f64]) -> BranchState {
-        let Some(chart) = &mut self.chart else {
+        let Some(chart) = &self.chart else {
             let (mechanism, structure) = (self.mechanism, self.structure);
             return self
                 .watch
@@ -179,22 +182,47 @@ impl Follower<'_> {
         self.corrector
             .prepare(self.mechanism, self.structure, coordinates);
         let certificate = certifier.polish(coordinates, self.watch.bases(), &self.corrector);
-        match certificate {
-            Certificate::Refused {
-                reason: Reason::Singular,
-            } if needed => Certificate::Refused {
-                reason: Reason::GimbalLock,
+        let is_singular = Certificate::Refused {
+            reason: Reason::Singular,
+        };
+        if needed && certificate == is_singular {
+            return self.certified_in_chart(coordinates);
+        }
+        certificate
+    }
+
+    /// The certificate of a pose whose angles are too nearly locked to have one: of the joints' rotations.
+    fn certified_in_chart(&mut self, coordinates: &[f64]) -> Certificate {
+        let locked = Certificate::Refused {
+            reason: Reason::GimbalLock,
+        };
+        let Some(chart) = &self.chart else {
+            return locked;
+        };
+        let own = chart.base(coordinates);
+        let mut certifier = Certifier::new(&chart.mechanism, &chart.structure);
+        match certifier.certify(&own, self.watch.bases()) {
+            Certificate::Certified {
+                error_bound,
+                unique_radius,
+            } => Certificate::Locked {
+                error_bound,
+                unique_radius,
             },
-            other => other,
+            _ => locked,
         }
     }
 
     /// Rates of the unknowns in the chart, if there is need for it; `rates` holds those of the inputs in its tail.
     pub(super) fn rates_in_chart(&mut self, coordinates: &[f64], rates: &mut [f64]) -> Option<()> {
-        let chart = self.chart.as_mut().filter(|c| c.is_needed(coordinates))?;
+        let chart = self.chart.as_ref().filter(|c| c.is_needed(coordinates))?;
         let own = chart.base(coordinates);
+        let mut own_rates = rates.to_vec();
+        // What the chart is based on stands still.
+        own_rates.resize(own.len(), 0.0);
         let mut corrector = Corrector::new(&chart.structure);
-        corrector.tangent(&chart.mechanism, &chart.structure, &own, rates);
+        corrector.tangent(&chart.mechanism, &chart.structure, &own, &mut own_rates);
+        rates.copy_from_slice(&own_rates[..rates.len()]);
         chart.scene_rates(coordinates, rates);
         Some(())
     }
@@ -304,7 +332,14 @@ impl Follower<'_> {
         let names = chart.balls[index]
             .slots
             .map(|slot| unknowns[slot].name.clone());
-        self.event(time, EventKind::GimbalLock { names, distance });
+        let again = SAME_LOCK * self.mechanism.duration;
+        let known = self.trajectory.events.iter().rev().any(|event| {
+            let is_same = matches!(&event.kind, EventKind::GimbalLock { names: n, .. } if *n == names);
+            is_same && (event.time - time).abs() <= again
+        });
+        if !known {
+            self.event(time, EventKind::GimbalLock { names, distance });
+        }
     }
 }
 

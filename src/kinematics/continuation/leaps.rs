@@ -2,6 +2,7 @@
 //! singular pose.
 
 use super::super::assembly::{assemble, shake, turns_matter};
+use super::super::trajectory::EventKind;
 use super::{Follower, SINGULAR_START, SMALLEST_STEP, Stand};
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -73,7 +74,8 @@ impl Follower<'_> {
         let beside = stand.time + BESIDE_START * (time - stand.time);
         let inputs = self.inputs(beside).ok()?;
         let n = self.mechanism.unknowns.len();
-        let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut best: Option<(f64, Stand)> = None;
+        let mut met: Vec<String> = Vec::new();
         for attempt in 0..STARTS {
             let mut start = [&stand.coordinates[..n], &inputs].concat();
             let amplitude = AROUND * attempt as f64 / STARTS as f64;
@@ -89,14 +91,28 @@ impl Follower<'_> {
                 continue;
             }
             let far = self.apart(&found.coordinates, &self.mechanism.guess);
+            let beyond = self.stand(beside, found.coordinates);
+            let signature = beyond.branch.signature();
+            if self.is_usable(&beyond.branch) && !met.contains(&signature) {
+                met.push(signature);
+            }
             if best.as_ref().is_none_or(|(least, _)| far < *least) {
-                best = Some((far, found.coordinates));
+                best = Some((far, beyond));
             }
         }
-        let (_, coordinates) = best?;
-        let beyond = self.stand(beside, coordinates);
+        let (_, beyond) = best?;
         self.anchor = Some(beyond.clone());
-        self.is_usable(&beyond.branch).then_some(beyond)
+        if !self.is_usable(&beyond.branch) {
+            return None;
+        }
+        let taken = beyond.branch.signature();
+        met.retain(|other| *other != taken);
+        met.sort();
+        self.event(
+            stand.time,
+            EventKind::BranchChosen { taken, others: met },
+        );
+        Some(beyond)
     }
 
     /// Largest difference of two poses in scaled unknowns.

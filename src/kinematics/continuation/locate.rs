@@ -40,8 +40,16 @@ struct Node {
 }
 
 impl Follower<'_> {
+    /// The drive turned back on the singular pose of a sample, and the motion with it.
+    pub(super) fn left_singular_sample(&mut self) {
+        if let Some(time) = self.singular_sample.take() {
+            self.event(time, EventKind::SingularPoseMet);
+        }
+    }
+
     /// A singular pose near `time` has been passed.
     pub(super) fn passed(&mut self, time: f64) {
+        self.singular_sample = None;
         self.event(time, EventKind::SingularPosePassed);
         self.crossing = self.anchor.clone().map(|before| Crossing {
             event: self.trajectory.events.len() - 1,

@@ -24,6 +24,10 @@ use crate::model::mechanism::Mechanism;
 /// of that interval.
 const SMALLEST_STEP: f64 = 1e-12;
 
+/// Most steps from one sample to the next. Motions that can be followed take a few dozen; beyond this they have come to
+/// rest before a singular pose.
+const MOST_STEPS: usize = 5_000;
+
 /// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
 /// digits, which leaves a condition of about 1e8.
 const SINGULAR_START: f64 = 1e7;
@@ -97,6 +101,10 @@ struct Follower<'m> {
     kept_before: Option<Stand>,
     /// Last pose that is well away from singular ones: where crossings start from.
     anchor: Option<Stand>,
+    /// Time of a sample that lies on a singular pose, until it is known how the motion goes on.
+    singular_sample: Option<f64>,
+    /// Whether it is being found out if two poses are joined.
+    is_judging: bool,
     /// A crossing that has been made and not been located yet.
     crossing: Option<locate::Crossing>,
     /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
@@ -123,6 +131,8 @@ impl<'m> Follower<'m> {
             last_kept: None,
             kept_before: None,
             anchor: None,
+            singular_sample: None,
+            is_judging: false,
             crossing: None,
             elsewhere: None,
             widest: None,
@@ -260,6 +270,7 @@ impl<'m> Follower<'m> {
                     .or_else(|| self.cross(&stand, time))
                 {
                     Some(beyond) if beyond.time == time && !self.is_usable(&beyond.branch) => {
+                        self.singular_sample = Some(time);
                         return Ok(beyond);
                     }
                     Some(beyond) => {
@@ -302,8 +313,10 @@ impl<'m> Follower<'m> {
         let smallest = SMALLEST_STEP * self.interval;
         let direction = (time - here.time).signum();
         let mut step = (time - here.time).abs();
+        let mut made = 0;
         while here.time != time {
-            if (self.cancelled)() {
+            made += 1;
+            if made > MOST_STEPS || (self.cancelled)() {
                 return Err(Stop::Ends(here));
             }
             let next = if step >= (time - here.time).abs() {

@@ -4,6 +4,7 @@ use super::super::branch::BranchState;
 use super::super::newton::{Correction, Pace};
 use super::super::predictor::{HIGHEST_ORDER, Prediction};
 use super::{Follower, Stand};
+use crate::model::mechanism::Kind;
 
 /// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
 const MAX_CORRECTION: f64 = 0.05;
@@ -25,6 +26,10 @@ const USABLE_SIGMA: f64 = 1e-6;
 
 /// A sample this close to the end of the steps, in intervals between samples, is the singular pose itself.
 const BESIDE: f64 = 1e-6;
+
+/// The same in inputs, in radians and sizes: a drive that turns back on a fold lingers there. Steps end a little
+/// nearer to a fold.
+const BESIDE_INPUTS: f64 = 1e-11;
 
 /// Longest stretch, in intervals between samples, over which a singular pose is crossed.
 const LONGEST_CROSSING: f64 = 1.0;
@@ -65,8 +70,14 @@ impl Follower<'_> {
             .all(|(a, b)| a == b);
         let fine = same || !usable || !self.is_usable(&stand.branch);
         // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
-        if fine && !usable && !same && self.is_usable(&stand.branch) {
-            self.passed(here.time);
+        if fine && !usable && self.is_usable(&stand.branch) {
+            if same {
+                self.left_singular_sample();
+            } else if !self.is_judging && self.is_joined(here, &stand) {
+                self.passed(here.time);
+            } else {
+                return Ok(None);
+            }
         }
         Ok(fine.then_some(stand))
     }
@@ -114,11 +125,12 @@ impl Follower<'_> {
 
     /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
     pub(super) fn settle(&mut self, end: &Stand, time: f64) -> Option<Stand> {
-        if time - end.time > BESIDE * self.interval {
-            return None;
-        }
         let inputs = self.inputs(time).ok()?;
         let n = self.mechanism.unknowns.len();
+        let moved = self.inputs_apart(&end.coordinates[n..], &inputs);
+        if time - end.time > BESIDE * self.interval && moved > BESIDE_INPUTS {
+            return None;
+        }
         let mut coordinates = [&end.coordinates[..n], &inputs].concat();
         let correction = self.correct(&mut coordinates, Pace::Patient);
         self.rename(end, time, &mut coordinates);
@@ -140,7 +152,8 @@ impl Follower<'_> {
             let allowed = (CORRECTION_OF_STEP * predicted.length).min(MAX_CORRECTION);
             if correction.converged && correction.first_step <= allowed && beyond > end.time {
                 self.rename(&anchor, beyond, &mut coordinates);
-                return Some(self.stand(beyond, coordinates));
+                let stand = self.stand(beyond, coordinates);
+                return self.is_joined(end, &stand).then_some(stand);
             }
             reach = if reach < limit {
                 (reach * 2.0).min(limit)
@@ -149,6 +162,45 @@ impl Follower<'_> {
             };
         }
         None
+    }
+
+    /// Whether poses join `end` to `beyond`. What looks like a crossing may be two folds that face each other over a
+    /// narrow gap; there the way back ends at the other one, and nothing closes between them.
+    fn is_joined(&mut self, end: &Stand, beyond: &Stand) -> bool {
+        let anchor = self.anchor.clone();
+        let kept = (self.last_kept.clone(), self.kept_before.clone());
+        let singular_sample = self.singular_sample;
+        // On the way back no singular pose is crossed: it is to end at the first one.
+        self.is_judging = true;
+        let first = self.walk_back(beyond, Some(end.time));
+        self.is_judging = false;
+        self.anchor = anchor;
+        (self.last_kept, self.kept_before) = kept;
+        self.singular_sample = singular_sample;
+        let Some(first) = first else { return true };
+        let time = 0.5 * (end.time + first.time);
+        let Ok(inputs) = self.inputs(time) else {
+            return false;
+        };
+        let n = self.mechanism.unknowns.len();
+        let pairs = end.coordinates[..n].iter().zip(&first.coordinates);
+        let mut coordinates: Vec<f64> = pairs.map(|(a, b)| 0.5 * (a + b)).collect();
+        coordinates.extend(inputs);
+        self.correct(&mut coordinates, Pace::Patient).converged
+    }
+
+    /// Largest difference of inputs in radians, sizes, and shares of numbers.
+    fn inputs_apart(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).zip(&self.mechanism.inputs);
+        let scaled = pairs.map(|((a, b), input)| {
+            let unit = match input.kind {
+                Kind::Angle => 1.0,
+                Kind::Length => self.mechanism.size,
+                Kind::Number => a.abs().max(b.abs()).max(f64::MIN_POSITIVE),
+            };
+            (a - b).abs() / unit
+        });
+        scaled.fold(0.0, f64::max)
     }
 
     /// Observes a closed pose.

@@ -238,8 +238,11 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
     }
 }
 
+/// Shares of the drive at which driven lengths are looked at.
+const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
+
 /// The mechanism's own length: the longest fixed offset between two joints of its chains, else its longest
-/// length parameter or driven length, else one.
+/// length parameter or driven length, else the largest lead of a screw, else one.
 fn size(mechanism: &Mechanism, names: &Names) -> f64 {
     use crate::model::chain::Step;
     let fixed = mechanism
@@ -259,13 +262,41 @@ fn size(mechanism: &Mechanism, names: &Names) -> f64 {
         .iter()
         .filter(|p| p.kind == Some(Kind::Length))
         .map(|p| p.value.abs());
-    let start = mechanism.inputs_at(0.0);
-    let inputs = mechanism
-        .inputs
-        .iter()
-        .zip(&start)
-        .filter(|(c, _)| c.kind == Kind::Length)
-        .map(|(_, v)| v.abs());
-    let longest = parameters.chain(inputs).fold(0.0, f64::max);
+    let drives = mechanism.inputs.iter().zip(&mechanism.drives);
+    let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
+    let inputs = driven.flat_map(|(_, drive)| {
+        INSTANTS.map(|share| drive.value(share * mechanism.duration).abs())
+    });
+    let finite = parameters.chain(inputs).filter(|v| v.is_finite());
+    let longest = finite.fold(0.0, f64::max);
+    if longest > 0.0 {
+        return longest;
+    }
+    let longest = leads(mechanism).fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 1.0 }
+}
+
+/// Advance per turn of all translations that follow an angle.
+fn leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
+    use crate::model::chain::{Argument, Motion, Step};
+    let steps = mechanism.loops.iter().flat_map(|l| &l.chain.steps);
+    let arguments = steps.filter_map(|step| match step {
+        Step::Joint {
+            motion: Motion::Translation,
+            argument,
+            ..
+        } => Some(&mechanism.arguments[*argument]),
+        _ => None,
+    });
+    let terms = arguments.flat_map(|argument| match argument {
+        Argument::Affine(affine) => affine.terms.as_slice(),
+        Argument::Formula(_) => &[],
+    });
+    let kind_of = |slot: usize| {
+        let mut coordinates = mechanism.unknowns.iter().chain(&mechanism.inputs);
+        coordinates.nth(slot).map(|c| c.kind)
+    };
+    terms
+        .filter(move |(slot, _)| kind_of(*slot) == Some(Kind::Angle))
+        .map(|(_, factor)| factor.abs() * std::f64::consts::TAU)
 }

@@ -105,13 +105,13 @@ impl<'m> Prover<'m> {
     /// Proves the interval between the two samples of `pair`; the tubes are those up to its end or its refusal.
     pub fn interval(&mut self, pair: &[Sample]) -> (IntervalCertificate, Vec<Tube>) {
         let (tubes, refused) = self.tubes(pair, FLOOR);
-        let size = self.mechanism.size;
+        let [least, largest] = self.mechanism.distance_units();
         let radius = tubes.iter().map(|t: &Tube| t.radius).fold(0.0, f64::max);
         let unique = tubes.iter().map(|t| t.unique).fold(f64::INFINITY, f64::min);
         let certificate = IntervalCertificate {
             tubes: tubes.len(),
-            radius: radius * size * (1.0 + 1e-12),
-            unique_radius: unique * size * (1.0 - 1e-12),
+            radius: radius * largest * (1.0 + 1e-12),
+            unique_radius: unique * least * (1.0 - 1e-12),
             refused,
         };
         (certificate, tubes)
@@ -211,6 +211,8 @@ impl<'m> Prover<'m> {
         let pose = sample.pose.as_ref().ok_or(Obstacle::NoPose)?;
         let error = match pose.certificate {
             Certificate::Certified { error_bound, .. } => error_bound,
+            // Tubes are about angles, which have no bound here.
+            Certificate::Locked { .. } => return Err(Obstacle::Test(Reason::GimbalLock)),
             Certificate::Refused { reason } => return Err(Obstacle::Test(reason)),
         };
         if self.bases.is_none() {
@@ -230,7 +232,7 @@ impl<'m> Prover<'m> {
             rates: Some(pose.rates.clone()),
             sample: Some((
                 sample.inputs.clone(),
-                error / self.mechanism.size * (1.0 + 1e-12),
+                error / self.mechanism.distance_units()[1] * (1.0 + 1e-12),
             )),
         })
     }
