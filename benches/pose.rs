@@ -121,7 +121,9 @@ impl Course<'_> {
                     Certificate::Certified { error_bound, .. } => {
                         pass.worst_bound = pass.worst_bound.max(error_bound);
                     }
-                    Certificate::Refused { .. } => pass.worst_bound = f64::INFINITY,
+                    Certificate::Locked { .. } | Certificate::Refused { .. } => {
+                        pass.worst_bound = f64::INFINITY;
+                    }
                 }
             }
         }

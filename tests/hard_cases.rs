@@ -80,7 +80,7 @@ fn proof(pose: &ClosedPose) -> Option<(f64, f64)> {
             error_bound,
             unique_radius,
         } => Some((error_bound, unique_radius)),
-        Certificate::Refused { .. } => None,
+        Certificate::Locked { .. } | Certificate::Refused { .. } => None,
     }
 }
 

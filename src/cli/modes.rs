@@ -80,11 +80,7 @@ fn signed(mechanism: &Mechanism, modes: &Modes, signature: &str) -> Result<Vec<f
         return Ok(mode.coordinates.clone());
     }
     if modes.list.iter().any(|mode| mode.is_singular) {
-        let beside = search(
-            mechanism,
-            BESIDE_START * mechanism.duration,
-            DEFAULT_STARTS,
-        )?;
+        let beside = search(mechanism, BESIDE_START * mechanism.duration, DEFAULT_STARTS)?;
         if let Some(mode) = only(&beside, signature)? {
             return Ok(mode.coordinates.clone());
         }
@@ -101,7 +97,10 @@ fn signed(mechanism: &Mechanism, modes: &Modes, signature: &str) -> Result<Vec<f
 fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failure> {
     let has_it = |mode: &Mode| mode.branch == signature && !mode.is_singular;
     let numbered = modes.list.iter().enumerate();
-    let fitting: Vec<usize> = numbered.filter(|(_, m)| has_it(m)).map(|(k, _)| k).collect();
+    let fitting: Vec<usize> = numbered
+        .filter(|(_, m)| has_it(m))
+        .map(|(k, _)| k)
+        .collect();
     match fitting[..] {
         [] => Ok(None),
         [one] => Ok(Some(&modes.list[one])),

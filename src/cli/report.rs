@@ -58,7 +58,10 @@ pub fn events(
     }
     term.warning(&match missing {
         0 => "every sample has a pose, but not every instant between them".to_owned(),
-        _ => format!("{missing} of {} samples have no pose", trajectory.samples.len()),
+        _ => format!(
+            "{missing} of {} samples have no pose",
+            trajectory.samples.len()
+        ),
     });
     Ok(Outcome::NotClosed)
 }

@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use super::format::FramePattern;
-use super::target::{Output, Target};
+use super::target::{Output, Target, enter_unfinished, leave_unfinished};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
@@ -238,6 +238,7 @@ impl SequenceSink {
                 });
             }
             std::fs::create_dir(&folder).map_err(|e| ExportError::create(&folder, e))?;
+            enter_unfinished(&folder);
         }
         Ok(Self {
             pattern,
@@ -267,6 +268,7 @@ impl FrameSink for SequenceSink {
             .map_err(|e| ExportError::write(&path.display().to_string(), e))?;
         target.commit_unsynced()?;
         if is_new {
+            enter_unfinished(&path);
             self.made.push(path);
         }
         self.summary.frames += 1;
@@ -275,6 +277,8 @@ impl FrameSink for SequenceSink {
     }
 
     fn finish(mut self: Box<Self>) -> Result<ExportSummary, ExportError> {
+        leave_unfinished(&self.made);
+        leave_unfinished(&[self.pattern.folder().to_owned()]);
         self.made.clear();
         self.made_folder = false;
         Ok(std::mem::take(&mut self.summary))

@@ -1,6 +1,7 @@
 //! Where bytes go: a file that appears only when complete, or a stream. Knows no format.
 
 use super::error::ExportError;
+use std::collections::HashSet;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -11,10 +12,26 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Removes the temporary files of all targets, for a process that ends without dropping them.
 pub fn remove_unfinished() {
-    for path in list_of_unfinished().drain(..) {
+    // Folders were entered before what is in them.
+    for path in list_of_unfinished().drain(..).rev() {
         // Whoever has dropped a target has removed its file already.
-        let _ = fs::remove_file(path);
+        let _ = if path.is_dir() {
+            fs::remove_dir(path)
+        } else {
+            fs::remove_file(path)
+        };
     }
+}
+
+/// Has a file or folder removed, too, until it is part of something finished.
+pub(crate) fn enter_unfinished(path: &Path) {
+    list_of_unfinished().push(path.to_owned());
+}
+
+/// What was entered is finished.
+pub(crate) fn leave_unfinished(paths: &[PathBuf]) {
+    let finished: HashSet<&PathBuf> = paths.iter().collect();
+    list_of_unfinished().retain(|path| !finished.contains(path));
 }
 
 fn list_of_unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
@@ -72,7 +89,7 @@ impl Target {
         }
         let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let file = temporary_beside(&place).map_err(|e| explain(path, &place, e))?;
-        list_of_unfinished().push(file.path().to_owned());
+        enter_unfinished(file.path());
         let body = Body::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file));
         Ok(Self {
             name,
@@ -102,7 +119,7 @@ impl Target {
                 }
                 let temporary = file.path().to_owned();
                 file.persist(&self.path).map_err(|e| fail(e.error))?;
-                list_of_unfinished().retain(|path| *path != temporary);
+                leave_unfinished(&[temporary]);
                 Ok(())
             }
         }

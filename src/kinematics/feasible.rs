@@ -13,6 +13,12 @@ use std::f64::consts::PI;
 /// Steps of a sweep: two degrees each.
 const STEPS: usize = 180;
 
+/// A mechanism of many unknowns or inputs is swept in longer steps, so that a hint takes no minutes.
+const FEWEST_STEPS: usize = 24;
+
+/// Unknowns times inputs up to which no step is longer.
+const SMALL: usize = 18;
+
 /// Lengths and plain numbers are swept this many sizes (or units) to either side.
 const REACH: f64 = 3.0;
 
@@ -43,12 +49,12 @@ pub fn feasible_inputs(mechanism: &Mechanism) -> Vec<Feasible> {
     inputs.collect()
 }
 
-fn sweep(
-    mechanism: &Mechanism,
-    given: &[f64],
-    input: usize,
-    middle: f64,
-) -> Option<Vec<[f64; 2]>> {
+fn steps(mechanism: &Mechanism) -> usize {
+    let work = mechanism.unknowns.len() * mechanism.inputs.len();
+    (STEPS * SMALL / work.max(SMALL)).max(FEWEST_STEPS)
+}
+
+fn sweep(mechanism: &Mechanism, given: &[f64], input: usize, middle: f64) -> Option<Vec<[f64; 2]>> {
     let reach = match mechanism.inputs[input].kind {
         Kind::Angle => PI,
         Kind::Length => REACH * mechanism.size,
@@ -62,7 +68,8 @@ fn sweep(
         values: vec![middle - reach, middle + reach],
         ease: Ease::Linear,
     };
-    let times: Vec<f64> = (0..=STEPS).map(|k| k as f64 / STEPS as f64).collect();
+    let steps = steps(mechanism);
+    let times: Vec<f64> = (0..=steps).map(|k| k as f64 / steps as f64).collect();
     let trajectory = solve(&swept, &times).ok()?;
     Some(stretches(&trajectory, input))
 }

@@ -7,8 +7,8 @@
 
 use super::assembly::{assemble, turns_matter};
 use super::ball::{Ball, balls};
-use super::chart::Chart;
 use super::branch::BranchWatch;
+use super::chart::Chart;
 use super::forward::{body_poses, closure_error};
 use super::newton::Corrector;
 use super::structure::Structure;
@@ -225,7 +225,9 @@ fn fingerprint(mechanism: &Mechanism, balls: &[Ball], coordinates: &[f64]) -> Ve
     };
     for item in &mechanism.loops {
         let inner = |k: usize| {
-            let joint = balls.iter().find_map(|b| b.stands_at(&item.chain.steps, k, mechanism.size));
+            let joint = balls
+                .iter()
+                .find_map(|b| b.stands_at(&item.chain.steps, k, mechanism.size));
             joint.map_or(0, |(taken, _)| taken - 1)
         };
         links(&item.chain, inner, &arguments, &mut note);
@@ -367,7 +369,8 @@ fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -
         let state = match &chart {
             // Next to gimbal-locked angles signs and singular values are those of the rotations.
             Some(chart) if chart.is_needed(coordinates) => {
-                let (own, mut corrector) = (chart.base(coordinates), Corrector::new(&chart.structure));
+                let (own, mut corrector) =
+                    (chart.base(coordinates), Corrector::new(&chart.structure));
                 watch.observe(&chart.mechanism, &chart.structure, &mut corrector, &own)
             }
             _ => {

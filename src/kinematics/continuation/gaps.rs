@@ -86,7 +86,12 @@ impl Follower<'_> {
         let found = self.assembled(&start, false).or_else(|gap| {
             // From links in line no correction leaves the line.
             let mut beside = start.clone();
-            shake(self.mechanism, self.trajectory.samples.len(), ASIDE, &mut beside);
+            shake(
+                self.mechanism,
+                self.trajectory.samples.len(),
+                ASIDE,
+                &mut beside,
+            );
             self.assembled(&beside, false).map_err(|_| gap)
         });
         match found {

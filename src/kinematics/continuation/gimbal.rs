@@ -334,7 +334,8 @@ impl Follower<'_> {
             .map(|slot| unknowns[slot].name.clone());
         let again = SAME_LOCK * self.mechanism.duration;
         let known = self.trajectory.events.iter().rev().any(|event| {
-            let is_same = matches!(&event.kind, EventKind::GimbalLock { names: n, .. } if *n == names);
+            let is_same =
+                matches!(&event.kind, EventKind::GimbalLock { names: n, .. } if *n == names);
             is_same && (event.time - time).abs() <= again
         });
         if !known {

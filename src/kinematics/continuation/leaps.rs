@@ -108,15 +108,12 @@ impl Follower<'_> {
         let taken = beyond.branch.signature();
         met.retain(|other| *other != taken);
         met.sort();
-        self.event(
-            stand.time,
-            EventKind::BranchChosen { taken, others: met },
-        );
+        self.event(stand.time, EventKind::BranchChosen { taken, others: met });
         Some(beyond)
     }
 
     /// Largest difference of two poses in scaled unknowns.
-    fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
+    pub(super) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
         let pairs = a.iter().zip(b).take(self.mechanism.unknowns.len());
         let scaled = pairs
             .enumerate()

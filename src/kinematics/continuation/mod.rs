@@ -24,9 +24,11 @@ use crate::model::mechanism::Mechanism;
 /// of that interval.
 const SMALLEST_STEP: f64 = 1e-12;
 
-/// Most steps from one sample to the next. Motions that can be followed take a few dozen; beyond this they have come to
-/// rest before a singular pose.
-const MOST_STEPS: usize = 5_000;
+/// A step that moves no unknown by more (radians, sizes) gets nowhere.
+const CREEPING: f64 = 1e-7;
+
+/// Most such steps in a row from one sample to the next: beyond this the motion has come to rest before a singular pose.
+const MOST_CREEPING: usize = 1_000;
 
 /// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
 /// digits, which leaves a condition of about 1e8.
@@ -313,10 +315,9 @@ impl<'m> Follower<'m> {
         let smallest = SMALLEST_STEP * self.interval;
         let direction = (time - here.time).signum();
         let mut step = (time - here.time).abs();
-        let mut made = 0;
+        let mut creeping = 0;
         while here.time != time {
-            made += 1;
-            if made > MOST_STEPS || (self.cancelled)() {
+            if creeping > MOST_CREEPING || (self.cancelled)() {
                 return Err(Stop::Ends(here));
             }
             let next = if step >= (time - here.time).abs() {
@@ -328,6 +329,8 @@ impl<'m> Follower<'m> {
             match self.step(&here, next) {
                 Ok(Some(stand)) => {
                     step = (2.0 * length).max(smallest);
+                    let moved = self.apart(&stand.coordinates, &here.coordinates);
+                    creeping = if moved < CREEPING { creeping + 1 } else { 0 };
                     here = self.keep(stand);
                 }
                 Ok(None) => step = 0.5 * length,

@@ -264,9 +264,8 @@ fn size(mechanism: &Mechanism, names: &Names) -> f64 {
         .map(|p| p.value.abs());
     let drives = mechanism.inputs.iter().zip(&mechanism.drives);
     let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
-    let inputs = driven.flat_map(|(_, drive)| {
-        INSTANTS.map(|share| drive.value(share * mechanism.duration).abs())
-    });
+    let inputs = driven
+        .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * mechanism.duration).abs()));
     let finite = parameters.chain(inputs).filter(|v| v.is_finite());
     let longest = finite.fold(0.0, f64::max);
     if longest > 0.0 {
