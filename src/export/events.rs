@@ -46,6 +46,14 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
             );
             object.insert("extreme".to_owned(), json!(extreme));
         }
+        EventKind::BranchChosen { taken, others } => {
+            object.insert("branch".to_owned(), json!(taken));
+            object.insert("others".to_owned(), json!(others));
+        }
+        EventKind::GimbalLock { names, distance } => {
+            object.insert("coordinates".to_owned(), json!(names));
+            object.insert("distance".to_owned(), json!(distance));
+        }
         _ => {}
     }
     object.into()

@@ -106,6 +106,7 @@ pub fn assemble(
 pub fn smallest_gap(mechanism: &Mechanism, structure: &Structure, best: NotClosed) -> NotClosed {
     let mut descent = Descent {
         most: GAP_ITERATIONS,
+        enough: CLOSURE_TOLERANCE,
         ..Descent::default()
     };
     let mut coordinates = best.coordinates.clone();
@@ -115,7 +116,7 @@ pub fn smallest_gap(mechanism: &Mechanism, structure: &Structure, best: NotClose
             descent.turn_weight = weight;
             left = descent.minimise(mechanism, block, &mut coordinates).1;
         }
-        if left > HAND_OVER {
+        if left > CLOSURE_TOLERANCE {
             return gap(mechanism, block, &coordinates);
         }
     }
@@ -211,6 +212,8 @@ pub(super) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
 
 struct Descent {
     most: u32,
+    /// It ends when no entry of the residual is larger.
+    enough: f64,
     /// Rows of rotations count this many times.
     turn_weight: f64,
     weights: Vec<f64>,
@@ -226,6 +229,7 @@ impl Default for Descent {
     fn default() -> Self {
         Self {
             most: MAX_ITERATIONS,
+            enough: HAND_OVER,
             turn_weight: 1.0,
             weights: Vec::new(),
             workspace: BlockWorkspace::default(),
@@ -254,7 +258,7 @@ impl Descent {
             .evaluate(mechanism, block, coordinates, Want::Jacobian);
         let mut value = self.norm(&self.workspace.residual);
         while iterations < self.most && damping < LAST_DAMPING && !block.unknowns.is_empty() {
-            if value.is_nan() || self.workspace.residual_norm() <= HAND_OVER {
+            if value.is_nan() || self.workspace.residual_norm() <= self.enough {
                 break;
             }
             iterations += 1;

@@ -276,7 +276,9 @@ impl<'m> Follower<'m> {
                         return Ok(beyond);
                     }
                     Some(beyond) => {
-                        if self.jump_after(&stand).is_none() {
+                        // Steps also end at kinks of formulas, which have two sides but no other branch.
+                        let is_other_side = beyond.branch.signs != stand.branch.signs;
+                        if is_other_side && self.jump_after(&stand).is_none() {
                             self.passed(stand.time);
                         }
                         here = self.keep(beyond);
