@@ -13,6 +13,7 @@ use crate::model::measure::Measure;
 use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Version of the JSON document.
@@ -24,6 +25,8 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 /// Runs the verb.
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_picture::refuse(args)?;
+    // The pieces made so far are worth waiting for.
+    super::SAVES.store(true, Ordering::Relaxed);
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let tolerances = tolerances(&opened, args.tolerance)?;
