@@ -2,42 +2,25 @@
 //! drive turns back, starts where branches meet. Against closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use mechanim::diag::Source;
+mod reference;
+
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::continuation::solve;
 use mechanim::kinematics::feasible::feasible_inputs;
 use mechanim::kinematics::sampling::even_times;
 use mechanim::kinematics::trajectory::EventKind;
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, load};
-use std::f64::consts::{PI, TAU};
-
-fn read(text: &str) -> Mechanism {
-    let source = Source {
-        name: "test".into(),
-        text: text.into(),
-    };
-    let scene = load(&source, &Overrides::default());
-    scene
-        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
-        .mechanism
-}
-
-fn turned(angle: f64) -> f64 {
-    (angle - TAU * (angle / TAU).round()).abs()
-}
+use reference::scenes::written;
+use reference::{slot, turned};
+use std::f64::consts::PI;
 
 fn unknown(mechanism: &Mechanism, unknowns: &[f64], name: &str) -> f64 {
-    unknowns[mechanism
-        .unknowns
-        .iter()
-        .position(|u| u.name == name)
-        .unwrap()]
+    unknowns[slot(mechanism, name)]
 }
 
 /// A crank longer than its rod by a share `excess`.
 fn slider_crank(excess: f64) -> Mechanism {
-    read(&format!(
+    written(&format!(
         "duration = 4\n[parameters]\nL = 80\nr = \"L*(1 + {excess})\"\n[inputs]\nphi = \"2*pi*t/4\"\n[loops]\n\
          A = \"Rz(phi) Tx(r) Rz(a) Tx(L) Rz(b) Tx(-h)\"\n[guess]\nh = 160\n"
     ))
@@ -91,7 +74,7 @@ fn a_narrow_gap_is_no_passage() {
 #[test]
 fn a_drive_that_turns_back_on_a_dead_point_takes_the_motion_with_it() {
     for samples in [80, 81, 90, 360] {
-        let mechanism = read(
+        let mechanism = written(
             "units = { length = \"mm\", angle = \"deg\" }\nduration = 4\n[inputs]\nh = \"80 + 40*cos(360*t/4)\"\n\
              [loops]\nA = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n[guess]\nphi = 10\n",
         );
@@ -131,7 +114,7 @@ fn a_drive_that_turns_back_on_a_dead_point_takes_the_motion_with_it() {
 #[test]
 fn feasible_inputs_are_found_from_far_and_from_links_in_line() {
     for start in [500.0, 20_000.0, -500.0] {
-        let mechanism = read(&format!(
+        let mechanism = written(&format!(
             "[inputs]\nh = {start}\n[loops]\nA = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n"
         ));
         let found = feasible_inputs(&mechanism);
@@ -154,7 +137,7 @@ fn feasible_inputs_are_found_from_far_and_from_links_in_line() {
 #[test]
 fn the_branch_taken_from_a_change_point_is_said() {
     for (theta, others) in [(0.0, ["-"]), (-0.2, ["+"])] {
-        let mechanism = read(&format!(
+        let mechanism = written(&format!(
             "duration = 4\n[inputs]\nphi = \"2*pi*t/4\"\n[loops]\n\
              A = \"Rz(phi) Tx(40) Rz(mu) Tx(100) Rz(nu) Tx(-40) Rz(-theta) Tx(-100)\"\n[guess]\ntheta = {theta}\n\
              mu = {theta}\n"
@@ -176,7 +159,7 @@ fn the_branch_taken_from_a_change_point_is_said() {
 fn the_bound_of_plain_numbers_holds_in_their_own_unit() {
     // Two circles and a diagonal, as equations only: nothing says what a unit is.
     for scale in [1e-9, 1.0, 3e8] {
-        let mechanism = read(&format!(
+        let mechanism = written(&format!(
             "duration = 4\n[parameters]\nk = {scale}\n[inputs]\nx = \"60*k + 30*k*t/4\"\n[equations]\n\
              c = \"x^2 + y^2 - (100*k)^2\"\nd = \"z - 2*y\"\n[guess]\ny = \"100*k\"\nz = \"80*k\"\n"
         ));
@@ -203,7 +186,7 @@ fn the_bound_of_plain_numbers_holds_in_their_own_unit() {
 fn a_small_gap_is_measured_as_well_as_a_large_one() {
     // Two bars of 50 over a base that is longer than both by a share.
     for share in [1e-1, 1e-4, 1e-6, 1e-8] {
-        let mechanism = read(&format!(
+        let mechanism = written(&format!(
             "[loops]\nA = \"Rz(a) Tx(50) Rz(b) Tx(50) Rz(c) Tx(-100*(1 + {share}))\"\n[guess]\na = 0.1\nb = -0.2\n"
         ));
         let trajectory = solve(&mechanism, &[0.0]).unwrap();
@@ -223,7 +206,7 @@ fn the_end_of_a_formula_is_no_singular_pose_that_was_passed() {
         ("ln(y) - y + c + 1", 0.0),
         ("y - asin(1 - c)", 0.0),
     ] {
-        let mechanism = read(&format!(
+        let mechanism = written(&format!(
             "duration = 4\n[inputs]\nc = \"1 - t/2\"\n[equations]\ne = \"{equation}\"\n[guess]\ny = 2\n"
         ));
         let trajectory = solve(&mechanism, &even_times(&mechanism, 81)).unwrap();

@@ -74,8 +74,8 @@ fn apply(
             duration: mechanism.duration,
         });
     }
-    if let Some(number) = scene.mode {
-        modes::start_from(mechanism, number)?;
+    if let Some(choice) = &scene.mode {
+        modes::start_from(mechanism, choice)?;
         let start = mechanism.unknowns.iter().zip(&mechanism.guess);
         overrides.guess = start
             .map(|(unknown, value)| {

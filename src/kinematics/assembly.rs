@@ -1,7 +1,7 @@
 //! Finding a first closed pose from start values that may be far off: Levenberg-Marquardt, then Newton.
 
 use super::closure::{BlockWorkspace, Want};
-use super::newton::{Corrector, Pace};
+use super::newton::{CLOSURE_TOLERANCE, Corrector, Pace};
 use super::qr::PivotedQr;
 use super::structure::{Block, Structure};
 use crate::model::chain::{Argument, Motion, Step};
