@@ -5,13 +5,15 @@
 //! joints' twists: a rotation about axis a through o changes the translation t by a × (t - o) and turns the
 //! frame by a; the inverse left Jacobian of SO(3) maps the turn to the rate of the rotation vector.
 
-use super::plan::{BlockPlan, PlannedEquation, PlannedJoint, PlannedLoop, Share};
+use super::lanes::{Lanes, combine, groups};
+use super::plan::{BlockPlan, Entry, PlannedEquation, PlannedLoop};
+use super::quads::{Frame, JointGroup};
 use super::structure::Block;
 use crate::math::Pose;
 use crate::math::{left_jacobian_inverse, rotation_log};
-use crate::model::chain::{Argument, ArgumentValue, Motion, turn_about};
+use crate::model::chain::{Argument, ArgumentValue};
 use crate::model::mechanism::Mechanism;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Buffers of one block's evaluation; made once, reused for every step.
 #[derive(Clone, Debug, Default)]
@@ -20,29 +22,20 @@ pub struct BlockWorkspace {
     pub residual: Vec<f64>,
     /// Jacobian with respect to the block's unknowns in their scaled form, column-major.
     pub jacobian: Vec<f64>,
-    /// Rate of the residual along a direction of the other coordinates.
-    pub drift: Vec<f64>,
-    /// Derivative by the coordinates from outside, as the plan lists them, column-major and not scaled.
-    outer: Vec<f64>,
+    /// Rate of the residual along a direction of the other coordinates, in whole groups.
+    pub drift: Vec<Lanes>,
+    /// Derivative by the coordinates from outside, as the plan lists them, column-major in whole groups and not scaled.
+    outer: Vec<Lanes>,
+    /// Rates of those coordinates.
+    outer_rates: Vec<f64>,
     arguments: Vec<ArgumentValue>,
-    joints: Vec<JointTwist>,
+    joints: Vec<JointGroup>,
+    /// Columns of a loop's joints, four joints at a time.
+    columns: Vec<[Lanes; 6]>,
     values: Vec<f64>,
     adjoints: Vec<f64>,
     /// All zero between uses.
     gradient: Vec<f64>,
-}
-
-/// Axis and place of a joint in the base frame of its loop.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JointTwist {
-    /// Kind of motion.
-    pub motion: Motion,
-    /// Place in the plan's arguments.
-    pub argument: usize,
-    /// Direction, with the joint's sign.
-    pub axis: DVec3,
-    /// A point of the axis.
-    pub origin: DVec3,
 }
 
 /// What to compute besides the residual.
@@ -78,8 +71,8 @@ impl BlockWorkspace {
         })
     }
 
-    /// Joints of all loops of the block at the last evaluation, in the order of the plan.
-    pub(super) fn twists(&self) -> &[JointTwist] {
+    /// Joints of all loops of the block at the last evaluation, as the plan groups them.
+    pub(super) fn joints(&self) -> &[JointGroup] {
         &self.joints
     }
 
@@ -106,10 +99,10 @@ impl BlockWorkspace {
             self.jacobian.clear();
             self.jacobian.resize(rows * columns, 0.0);
             self.outer.clear();
-            self.outer.resize(rows * plan.outer.len(), 0.0);
+            self.outer.resize(groups(rows) * plan.outer.len(), [0.0; 4]);
         }
         self.evaluate_arguments(site);
-        self.joints.clear();
+        self.joints.resize(plan.groups.len(), JointGroup::default());
         for item in &plan.loops {
             self.evaluate_loop(site, item, with_columns);
         }
@@ -123,15 +116,11 @@ impl BlockWorkspace {
 
     /// Fills `drift` along the given rates of all coordinates, from the last evaluation with a Jacobian.
     pub fn drift_along(&mut self, plan: &BlockPlan, rates: &[f64]) {
-        let rows = self.residual.len();
-        self.drift.clear();
-        self.drift.resize(rows, 0.0);
-        for (column, slot) in self.outer.chunks_exact(rows.max(1)).zip(&plan.outer) {
-            let rate = rates[*slot];
-            for (sum, entry) in self.drift.iter_mut().zip(column) {
-                *sum += rate * entry;
-            }
-        }
+        self.outer_rates.clear();
+        self.outer_rates
+            .extend(plan.outer.iter().map(|slot| rates[*slot]));
+        self.drift.resize(groups(self.residual.len()), [0.0; 4]);
+        combine(&mut self.drift, &self.outer_rates, &self.outer);
     }
 
     fn evaluate_arguments(&mut self, site: Site) {
@@ -150,96 +139,78 @@ impl BlockWorkspace {
     }
 
     fn evaluate_loop(&mut self, site: Site, item: &PlannedLoop, with_columns: bool) {
-        let size = site.mechanism.size;
-        let first = self.joints.len();
-        let product = self.walk(&site.plan.joints[item.joints.clone()], &item.end);
+        let product = self.walk(site.plan, item);
         let turn = rotation_log(&product.rotation);
-        let six = residual_of(turn, product.translation, size);
+        let six = residual_of(turn, product.translation, site.mechanism.size);
         for (k, component) in item.components.iter().enumerate() {
             self.residual[item.row + k] = six[*component];
         }
         if with_columns {
-            let log_from_spin = left_jacobian_inverse(turn);
-            for joint in first..self.joints.len() {
-                let twist = self.joints[joint];
-                let column = column_of(&twist, product.translation, &log_from_spin, size);
-                self.add_column(site, item, twist.argument, &column);
-            }
+            self.add_columns(site, item, turn, product.translation);
         }
     }
 
     /// Multiplies the loop's steps, noting every joint's axis and origin.
-    fn walk(&mut self, joints: &[PlannedJoint], end: &Pose) -> Pose {
-        let mut pose = Pose::IDENTITY;
-        for joint in joints {
-            if let Some(shift) = joint.shift {
-                pose.translation += pose.rotation * shift;
-            }
-            if let Some(turn) = joint.turn {
-                pose.rotation *= turn;
-            }
-            let axis = pose.rotation.col(joint.axis) * joint.sign;
-            let value = &self.arguments[joint.argument];
-            self.joints.push(JointTwist {
-                motion: joint.motion,
-                argument: joint.argument,
-                axis,
-                origin: pose.translation,
-            });
-            match joint.motion {
-                Motion::Translation => pose.translation += axis * value.value,
-                Motion::Rotation => {
-                    turn_about(&mut pose, joint.axis, joint.sign * value.sin, value.cos);
+    fn walk(&mut self, plan: &BlockPlan, item: &PlannedLoop) -> Pose {
+        let mut frame = Frame::IDENTITY;
+        let fours = plan.joints[item.joints.clone()].chunks(4);
+        let noted = &mut self.joints[item.groups.clone()];
+        for (joints, group) in fours.zip(noted) {
+            for (lane, joint) in joints.iter().enumerate() {
+                let (axis, origin) = frame.reach(joint);
+                for k in 0..3 {
+                    group.axis[k][lane & 3] = axis[k];
+                    group.origin[k][lane & 3] = origin[k];
                 }
+                frame.pass(joint, &self.arguments[joint.argument]);
             }
         }
-        pose * *end
+        frame.end(&item.end)
     }
 
-    /// Distributes a joint's column over the coordinates of its argument.
-    fn add_column(&mut self, site: Site, item: &PlannedLoop, argument: usize, column: &[f64; 6]) {
-        let planned = &site.plan.arguments[argument];
-        let shares = &site.plan.shares[planned.shares.clone()];
-        if !planned.is_formula {
-            for share in shares {
-                self.add_entry(site, item, share, share.coefficient, column);
-            }
-            return;
+    /// Distributes the joints' columns over the coordinates of their arguments.
+    fn add_columns(&mut self, site: Site, item: &PlannedLoop, turn: DVec3, translation: DVec3) {
+        let log_from_spin = left_jacobian_inverse(turn);
+        let per_size = 1.0 / site.mechanism.size;
+        let planned = &site.plan.groups[item.groups.clone()];
+        let joints = &self.joints[item.groups.clone()];
+        self.columns.clear();
+        self.columns.extend(
+            joints
+                .iter()
+                .zip(planned)
+                .map(|(group, p)| group.columns(p, &log_from_spin, translation, per_size)),
+        );
+        let outer = self.outer.as_flattened_mut();
+        let (columns, components) = (&self.columns[..], &item.components[..]);
+        if let [_, _, _, _, _, _] = components {
+            add_whole(&mut self.jacobian, &item.own, columns);
+            add_whole(outer, &item.outside, columns);
+        } else {
+            add_parts(&mut self.jacobian, &item.own, columns, components);
+            add_parts(outer, &item.outside, columns, components);
         }
+        for joint in &item.formulas {
+            self.add_formula(site, item, *joint);
+        }
+    }
+
+    /// Adds the column of a joint whose argument is a formula, times the formula's rates.
+    fn add_formula(&mut self, site: Site, item: &PlannedLoop, joint: usize) {
+        let argument = site.plan.joints[item.joints.start + joint].argument;
+        let planned = &site.plan.arguments[argument];
         let Argument::Formula(expression) = &site.mechanism.arguments[planned.index] else {
             return;
         };
         self.gradient.resize(site.coordinates.len(), 0.0);
         let (values, adjoints) = (&mut self.values, &mut self.adjoints);
         expression.add_gradient(site.coordinates, 1.0, &mut self.gradient, values, adjoints);
-        for share in shares {
-            let rate = std::mem::take(&mut self.gradient[share.slot]);
-            self.add_entry(site, item, share, rate, column);
-        }
-    }
-
-    /// Adds a coordinate's share of a joint's column to the Jacobian, or to the columns from outside.
-    #[inline]
-    fn add_entry(
-        &mut self,
-        site: Site,
-        item: &PlannedLoop,
-        share: &Share,
-        rate: f64,
-        column: &[f64; 6],
-    ) {
-        let factor = rate * share.scale;
-        let target = column_at(&mut self.jacobian, &mut self.outer, site.rows, share.column);
-        let target = &mut target[item.row..];
-        if let ([_, _, _, _, _, _], Some(six)) =
-            (&item.components[..], target.first_chunk_mut::<6>())
-        {
-            six.iter_mut()
-                .zip(column)
-                .for_each(|(t, c)| *t += factor * c);
-        } else {
-            for (entry, component) in target.iter_mut().zip(&item.components) {
-                *entry += factor * column[*component];
+        for share in &site.plan.shares[planned.shares.clone()] {
+            let factor = std::mem::take(&mut self.gradient[share.slot]) * share.scale;
+            let target = column_at(&mut self.jacobian, &mut self.outer, site.rows, share.column);
+            let parts = item.components.iter();
+            for (entry, component) in target[item.row..].iter_mut().zip(parts) {
+                *entry += factor * self.columns[joint / 4][*component][joint % 4];
             }
         }
     }
@@ -272,18 +243,43 @@ impl BlockWorkspace {
     }
 }
 
+/// Adds multiples of joints' columns to a column-major matrix, all six rows of each.
+fn add_whole(matrix: &mut [f64], entries: &[Entry], columns: &[[Lanes; 6]]) {
+    for entry in entries {
+        let column = &columns[entry.joint / 4];
+        let target = matrix[entry.start..].first_chunk_mut::<6>();
+        for (t, c) in target.into_iter().flatten().zip(column) {
+            *t += entry.factor * c[entry.joint % 4];
+        }
+    }
+}
+
+/// The same where only some of the six rows are kept.
+fn add_parts(matrix: &mut [f64], entries: &[Entry], columns: &[[Lanes; 6]], parts: &[usize]) {
+    for entry in entries {
+        let column = &columns[entry.joint / 4];
+        for (t, part) in matrix[entry.start..].iter_mut().zip(parts) {
+            *t += entry.factor * column[*part][entry.joint % 4];
+        }
+    }
+}
+
 /// The column of that number in the Jacobian, or after it in the columns from outside.
 #[inline]
 fn column_at<'a>(
     jacobian: &'a mut [f64],
-    outer: &'a mut [f64],
+    outer: &'a mut [Lanes],
     rows: usize,
     column: usize,
 ) -> &'a mut [f64] {
     let start = column * rows;
     match start.checked_sub(jacobian.len()) {
         None => &mut jacobian[start..start + rows],
-        Some(start) => &mut outer[start..start + rows],
+        // Columns of no rows are nowhere read.
+        Some(after) => {
+            let start = after / rows.max(1) * groups(rows);
+            &mut outer[start..start + groups(rows)].as_flattened_mut()[..rows]
+        }
     }
 }
 
@@ -291,15 +287,4 @@ fn column_at<'a>(
 pub fn residual_of(turn: DVec3, translation: DVec3, size: f64) -> [f64; 6] {
     let t = translation / size;
     [turn.x, turn.y, turn.z, t.x, t.y, t.z]
-}
-
-#[inline]
-fn column_of(joint: &JointTwist, translation: DVec3, log_from_spin: &DMat3, size: f64) -> [f64; 6] {
-    match joint.motion {
-        Motion::Translation => residual_of(DVec3::ZERO, joint.axis, size),
-        Motion::Rotation => {
-            let turn = *log_from_spin * joint.axis;
-            residual_of(turn, joint.axis.cross(translation - joint.origin), size)
-        }
-    }
 }

@@ -1,118 +1,107 @@
-//! Gaussian elimination with row pivots for regular square matrices: one Newton step, or the inverse, at half the price
-//! of a QR. What is nearly singular is refused and left to the factorisation that sees ranks.
+//! Gauss-Jordan inverses of regular square matrices, at half the price of a QR. What is nearly singular is refused and
+//! left to the factorisation that sees ranks.
 
-use super::lanes::{LaneMatrix, Lanes, clear_column, dot, groups, scale};
+use super::lanes::{LaneMatrix, Lanes, clear_column, scale};
+use wide::f64x4;
 
 /// Pivots whose ratio is below this call for the factorisation that sees ranks: six of sixteen digits would be lost.
 const SMALLEST_RATIO: f64 = 1e-6;
 
+/// What an elimination tells besides the inverse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pivots {
+    /// Sign of the determinant.
+    pub sign: i8,
+    /// Smallest magnitude of a pivot.
+    pub smallest: f64,
+    largest: f64,
+}
+
+impl Pivots {
+    const NONE: Self = Self {
+        sign: 1,
+        smallest: f64::INFINITY,
+        largest: 0.0,
+    };
+
+    /// Takes in a pivot and whether rows were exchanged for it; false where it is none or too small.
+    #[inline]
+    fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {
+        let size = pivot.abs();
+        (self.smallest, self.largest) = (self.smallest.min(size), self.largest.max(size));
+        if exchanged != (pivot < 0.0) {
+            self.sign = -self.sign;
+        }
+        size > 0.0 && size.is_finite() && self.smallest > ratio * self.largest
+    }
+}
+
 /// Buffers of an elimination.
 #[derive(Clone, Debug, Default)]
 pub struct Elimination {
-    /// The matrix, and the right side as its last column.
     matrix: LaneMatrix,
-    solution: Vec<Lanes>,
     pivot_row: Vec<Lanes>,
     order: Vec<usize>,
 }
 
 impl Elimination {
-    /// Solves `a x = b` with `a` column-major and square; returns the smallest pivot's magnitude, or `None` where the
-    /// matrix is nearly singular or holds no numbers (`x` is then of no use).
-    pub fn solve(&mut self, a: &[f64], b: &[f64], x: &mut [f64]) -> Option<f64> {
-        let n = b.len();
-        self.matrix.reset(n, n + 1);
-        self.matrix.copy_columns_into(a, n);
-        for (i, value) in b.iter().enumerate() {
-            *self.matrix.at_mut(i, n) = *value;
-        }
-        let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
-        for k in 0..n {
-            let pivot = self.bring_pivot(k).abs();
-            smallest = smallest.min(pivot);
-            largest = largest.max(pivot);
-            // False also where the pivot is not a number.
-            let is_regular = pivot > 0.0 && smallest > SMALLEST_RATIO * largest;
-            if !is_regular {
-                return None;
-            }
-            self.clear_below(k);
-        }
-        self.solution.clear();
-        self.solution.resize(groups(n + 1), [0.0; 4]);
-        for k in (0..n).rev() {
-            // What stands before the diagonal, and the right side itself, meet zeros.
-            let known = dot(&self.matrix.row(k)[k / 4..], &self.solution[k / 4..]);
-            let value = (self.matrix.at(k, n) - known) / self.matrix.at(k, k);
-            self.solution[k / 4][k % 4] = value;
-            x[k] = value;
-        }
-        Some(smallest)
-    }
-
-    /// Brings the largest entry of column `k` below the diagonal to row `k` and returns it.
-    fn bring_pivot(&mut self, k: usize) -> f64 {
-        let (place, value) = self.largest_below(k);
-        self.matrix.swap_rows(k, place);
-        value
-    }
-
-    fn clear_below(&mut self, k: usize) {
-        let stride = self.matrix.stride();
-        let reciprocal = 1.0 / self.matrix.at(k, k);
-        self.pivot_row.clear();
-        self.pivot_row.extend_from_slice(self.matrix.row(k));
-        scale(&mut self.pivot_row, reciprocal);
-        let (_, below) = self.matrix.split_at_row(k + 1);
-        clear_column(&mut below[..], &self.pivot_row[..stride], k, false);
-    }
-
-    /// Inverts a square column-major matrix by Gauss and Jordan into `inverse`, row-major; returns the sign of its
-    /// determinant, or `None` where it is nearly singular.
-    pub fn invert(&mut self, a: &[f64], n: usize, inverse: &mut LaneMatrix) -> Option<i8> {
-        self.matrix.copy_columns(a, n, n);
+    /// Inverts a square column-major matrix into `inverse`, which is written column by column as well; `None` where it is
+    /// nearly singular or holds no numbers.
+    pub fn invert(&mut self, a: &[f64], n: usize, inverse: &mut LaneMatrix) -> Option<Pivots> {
+        // The transposed inverse is the inverse of the transposed.
+        self.matrix.copy_rows(a, n, n);
         self.invert_rows(n, SMALLEST_RATIO, inverse)
     }
 
-    /// The same for a matrix that is already in rows, however small its pivots.
-    pub fn invert_matrix(&mut self, a: &LaneMatrix, inverse: &mut LaneMatrix) -> Option<i8> {
+    /// The same for a matrix in rows, however small its pivots; the inverse is in rows too.
+    pub fn invert_matrix(&mut self, a: &LaneMatrix, inverse: &mut LaneMatrix) -> Option<Pivots> {
         self.matrix.copy(a);
         self.invert_rows(a.rows().len(), 0.0, inverse)
     }
 
-    fn invert_rows(&mut self, n: usize, ratio: f64, inverse: &mut LaneMatrix) -> Option<i8> {
+    fn invert_rows(&mut self, n: usize, ratio: f64, inverse: &mut LaneMatrix) -> Option<Pivots> {
         self.order.clear();
         self.order.extend(0..n);
-        let mut sign = 1;
-        let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
+        let order = &mut self.order[..];
+        // The usual sizes by themselves, so that the pivot's row stays in registers.
+        let pivots = match self.matrix.stride() {
+            1 => invert_fixed::<1>(self.matrix.fixed_rows(), ratio, order),
+            2 => invert_fixed::<2>(self.matrix.fixed_rows(), ratio, order),
+            3 => invert_fixed::<3>(self.matrix.fixed_rows(), ratio, order),
+            4 => invert_fixed::<4>(self.matrix.fixed_rows(), ratio, order),
+            _ => self.invert_any(n, ratio),
+        }?;
+        inverse.reshape(n, n);
+        let stride = inverse.stride().max(1);
+        for (row, target) in self.matrix.rows().zip(inverse.rows_mut()) {
+            target[stride - 1] = [0.0; 4];
+            let target = target.as_flattened_mut();
+            for (value, column) in row.as_flattened().iter().zip(&self.order) {
+                target[*column] = *value;
+            }
+        }
+        Some(pivots)
+    }
+
+    fn invert_any(&mut self, n: usize, ratio: f64) -> Option<Pivots> {
+        let mut pivots = Pivots::NONE;
         for k in 0..n {
             let (place, value) = self.largest_below(k);
-            (smallest, largest) = (smallest.min(value.abs()), largest.max(value.abs()));
-            let is_regular = value != 0.0 && value.is_finite() && smallest > ratio * largest;
-            if !is_regular {
+            if !pivots.take(value, place != k, ratio) {
                 return None;
             }
             self.matrix.swap_rows(k, place);
             self.order.swap(k, place);
-            if (place != k) != (value < 0.0) {
-                sign = -sign;
-            }
             *self.matrix.at_mut(k, k) = 1.0;
             let row = self.matrix.row_mut(k);
             scale(row, 1.0 / value);
             self.pivot_row.clear();
             self.pivot_row.extend_from_slice(row);
             let (above, rest) = self.matrix.split_at_row(k);
-            clear_column(above, &self.pivot_row, k, true);
-            clear_column(&mut rest[self.pivot_row.len()..], &self.pivot_row, k, true);
+            clear_column(above, &self.pivot_row, k);
+            clear_column(&mut rest[self.pivot_row.len()..], &self.pivot_row, k);
         }
-        inverse.reset(n, n);
-        for (k, column) in self.order.iter().enumerate() {
-            for i in 0..n {
-                *inverse.at_mut(i, *column) = self.matrix.at(i, k);
-            }
-        }
-        Some(sign)
+        Some(pivots)
     }
 
     /// Place and value of the largest entry of column `k` from its diagonal down.
@@ -128,7 +117,70 @@ impl Elimination {
     }
 }
 
+/// Gauss and Jordan in place on rows of `G` groups; `order` says which column of the inverse each column became.
+fn invert_fixed<const G: usize>(
+    rows: &mut [[Lanes; G]],
+    ratio: f64,
+    order: &mut [usize],
+) -> Option<Pivots> {
+    let mut pivots = Pivots::NONE;
+    for k in 0..rows.len() {
+        let (group, lane) = (k / 4 % G, k % 4);
+        let (mut place, mut value) = (k, rows[k][group][lane]);
+        for (i, row) in rows.iter().enumerate().skip(k + 1) {
+            let entry = row[group][lane];
+            if entry.abs() > value.abs() {
+                (place, value) = (i, entry);
+            }
+        }
+        if !pivots.take(value, place != k, ratio) {
+            return None;
+        }
+        rows.swap(k, place);
+        order.swap(k, place);
+        let reciprocal = 1.0 / value;
+        let (above, rest) = rows.split_at_mut(k);
+        let Some((own, below)) = rest.split_first_mut() else {
+            break;
+        };
+        own[group][lane] = 1.0;
+        let pivot = own.map(|part| f64x4::new(part) * f64x4::splat(reciprocal));
+        *own = pivot.map(f64x4::to_array);
+        for part in [above, below] {
+            match group {
+                0 => clear_fixed::<G, 0>(part, &pivot, lane),
+                1 => clear_fixed::<G, 1>(part, &pivot, lane),
+                2 => clear_fixed::<G, 2>(part, &pivot, lane),
+                _ => clear_fixed::<G, 3>(part, &pivot, lane),
+            }
+        }
+    }
+    Some(pivots)
+}
+
+/// Puts zero into every row's entry `lane` of group `K` and subtracts the pivot's row times what was there.
+#[inline(always)]
+fn clear_fixed<const G: usize, const K: usize>(
+    rows: &mut [[Lanes; G]],
+    pivot: &[f64x4; G],
+    lane: usize,
+) {
+    let mut kept = [f64::from_bits(u64::MAX); 4];
+    kept[lane] = 0.0;
+    let kept = f64x4::new(kept);
+    for row in rows {
+        // The group always exists: the number of the pivot's group is below G.
+        let factor = f64x4::splat(row[K % G][lane]);
+        for g in 0..G {
+            let entries = f64x4::new(row[g]);
+            let entries = if g == K { entries & kept } else { entries };
+            row[g] = (entries - factor * pivot[g]).to_array();
+        }
+    }
+}
+
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
@@ -140,11 +192,12 @@ mod tests {
         let mut inverse = LaneMatrix::default();
         for flipped in [1.0_f64, -1.0] {
             let a = a.map(|v| flipped * v);
-            let sign = buffers.invert(&a, 3, &mut inverse);
-            assert_eq!(sign.map(f64::from), Some((flipped * determinant).signum()));
+            let pivots = buffers.invert(&a, 3, &mut inverse).unwrap();
+            assert_eq!(f64::from(pivots.sign), (flipped * determinant).signum());
+            assert!(pivots.smallest > 0.1 && pivots.smallest < 4.0);
             for i in 0..3 {
                 for j in 0..3 {
-                    let entry: f64 = (0..3).map(|k| inverse.at(i, k) * a[j * 3 + k]).sum();
+                    let entry: f64 = (0..3).map(|k| inverse.at(k, i) * a[j * 3 + k]).sum();
                     assert!((entry - f64::from(i == j)).abs() < 1e-15);
                 }
             }
@@ -153,18 +206,43 @@ mod tests {
     }
 
     #[test]
-    fn solves_what_is_regular_and_refuses_what_is_not() {
-        let a = [0.0, 1.0, 4.0, 2.0, 0.5, 1.0, 1.0, -3.0, 0.25];
-        let mut x = [0.0; 3];
-        let mut elimination = Elimination::default();
-        let smallest = elimination.solve(&a, &[7.0, -7.0, 6.75], &mut x);
-        assert!(smallest.is_some_and(|s| s > 0.5 && s < 4.0));
-        for (x, expected) in x.iter().zip([1.0, 2.0, 3.0]) {
-            assert!((x - expected).abs() < 1e-14);
+    fn inverts_all_sizes_and_refuses_what_is_nearly_singular() {
+        let mut state = 7_u64;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let (mut elimination, mut inverse) = (Elimination::default(), LaneMatrix::default());
+        // Sizes go down after they went up, so that stale numbers would show.
+        for n in (1..20).chain([13, 6, 5, 2]) {
+            let a: Vec<f64> = (0..n * n).map(|_| random()).collect();
+            let pivots = elimination.invert(&a, n, &mut inverse).unwrap();
+            let mut by_rows = LaneMatrix::default();
+            by_rows.copy_columns(&a, n, n);
+            let mut rows_inverse = LaneMatrix::default();
+            let again = elimination.invert_matrix(&by_rows, &mut rows_inverse);
+            assert_eq!(again.unwrap().sign, pivots.sign, "{n}");
+            for i in 0..n {
+                for j in 0..n {
+                    let identity = f64::from(i == j);
+                    let entry: f64 = (0..n).map(|k| inverse.at(k, i) * a[j * n + k]).sum();
+                    assert!((entry - identity).abs() < 1e-11, "{n}: {entry}");
+                    let entry: f64 = (0..n).map(|k| rows_inverse.at(i, k) * a[j * n + k]).sum();
+                    assert!((entry - identity).abs() < 1e-11, "{n}: {entry}");
+                }
+            }
+            // Lanes beyond the matrix are zero: sums may run over them.
+            assert!(
+                inverse
+                    .rows()
+                    .all(|row| row.as_flattened()[n..].iter().all(|v| *v == 0.0))
+            );
         }
         let singular = [1.0, 2.0, 2.0, 4.0 + 1e-9];
-        assert_eq!(elimination.solve(&singular, &[1.0, 1.0], &mut x), None);
+        assert_eq!(elimination.invert(&singular, 2, &mut inverse), None);
         let none = [f64::NAN, 2.0, 2.0, 4.0];
-        assert_eq!(elimination.solve(&none, &[1.0, 1.0], &mut x), None);
+        assert_eq!(elimination.invert(&none, 2, &mut inverse), None);
     }
 }

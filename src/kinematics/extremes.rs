@@ -10,8 +10,9 @@
 
 use super::lanes::{LaneMatrix, Lanes, combine, dot, groups, scale};
 
-/// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much.
-pub const SMALLEST_ERROR: f64 = 1e-6;
+/// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much. An inverse of a
+/// pose right beside adds as much again: together a millionth.
+pub const SMALLEST_ERROR: f64 = 5e-7;
 
 /// Relative error of the largest singular value, and with it of the condition number.
 pub const LARGEST_ERROR: f64 = 1e-3;
@@ -39,10 +40,9 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Smallest and largest singular value of the matrix whose rows are `transposed` and whose inverse (or
-    /// pseudo-inverse) has the rows of `inverse`; both have one row per unknown. `None` where the iterations do not
-    /// decide.
-    pub fn of(&mut self, transposed: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
+    /// Smallest and largest singular value of a matrix from itself and its inverse (or pseudo-inverse), either of which
+    /// may be transposed. `None` where the iterations do not decide.
+    pub fn of(&mut self, matrix: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
         let sum: f64 = inverse.rows().map(|row| dot(row, row)).sum();
         let mut squares = None;
         // Rounding of the sums is far below what is clear.
@@ -57,7 +57,7 @@ impl Extremes {
         })?;
         self.large.mix();
         let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
-        let large = self.large.largest(transposed, |value, residual| {
+        let large = self.large.largest(matrix, |value, residual| {
             residual <= allowed * value * value
         })?;
         Some((1.0 / small.sqrt(), large.sqrt()))

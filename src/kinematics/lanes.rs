@@ -92,47 +92,11 @@ fn combine_fixed<const G: usize>(target: &mut [Lanes], factors: &[f64], rows: &[
     }
 }
 
-/// Subtracts from every row the multiple of `pivot_row` that clears its entry `column`; `clear` says whether the entry
-/// is set to zero before.
-#[inline]
-pub fn clear_column(rows: &mut [Lanes], pivot_row: &[Lanes], column: usize, clear: bool) {
-    match pivot_row.len() {
-        1 => clear_fixed::<1>(rows, pivot_row, column, clear),
-        2 => clear_fixed::<2>(rows, pivot_row, column, clear),
-        3 => clear_fixed::<3>(rows, pivot_row, column, clear),
-        4 => clear_fixed::<4>(rows, pivot_row, column, clear),
-        length => {
-            for row in rows.chunks_exact_mut(length.max(1)) {
-                let factor = row[column / 4][column % 4];
-                if clear {
-                    row[column / 4][column % 4] = 0.0;
-                }
-                add_scaled(row, -factor, pivot_row);
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn clear_fixed<const G: usize>(
-    rows: &mut [Lanes],
-    pivot_row: &[Lanes],
-    column: usize,
-    clear: bool,
-) {
-    let mut pivot = [f64x4::ZERO; G];
-    for (p, row) in pivot.iter_mut().zip(pivot_row) {
-        *p = f64x4::new(*row);
-    }
-    let (group, lane) = (column / 4 % G, column % 4);
-    for row in rows.as_chunks_mut::<G>().0 {
-        let factor = f64x4::splat(row[group][lane]);
-        if clear {
-            row[group][lane] = 0.0;
-        }
-        for g in 0..G {
-            row[g] = (f64x4::new(row[g]) - factor * pivot[g]).to_array();
-        }
+/// Puts zero into every row's entry `column` and subtracts the pivot's row times what was there.
+pub fn clear_column(rows: &mut [Lanes], pivot_row: &[Lanes], column: usize) {
+    for row in rows.chunks_exact_mut(pivot_row.len().max(1)) {
+        let factor = std::mem::take(&mut row[column / 4][column % 4]);
+        add_scaled(row, -factor, pivot_row);
     }
 }
 
@@ -155,6 +119,22 @@ impl LaneMatrix {
         self.stride = groups(columns);
         self.entries.clear();
         self.entries.resize(rows * self.stride, [0.0; 4]);
+    }
+
+    /// Gives it that shape; what stands in it has no meaning.
+    pub fn reshape(&mut self, rows: usize, columns: usize) {
+        self.stride = groups(columns);
+        self.entries.resize(rows * self.stride, [0.0; 4]);
+    }
+
+    /// Takes over the transpose of the first `rows` × `columns` entries of a matrix.
+    pub fn copy_transposed(&mut self, a: &Self, rows: usize, columns: usize) {
+        self.reset(columns, rows);
+        for i in 0..rows {
+            for j in 0..columns {
+                *self.at_mut(j, i) = a.at(i, j);
+            }
+        }
     }
 
     /// Takes over another matrix without new storage.
@@ -218,6 +198,18 @@ impl LaneMatrix {
     #[inline]
     pub fn rows(&self) -> std::slice::ChunksExact<'_, Lanes> {
         self.entries.chunks_exact(self.stride.max(1))
+    }
+
+    /// The rows in order, to change.
+    #[inline]
+    pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, Lanes> {
+        self.entries.chunks_exact_mut(self.stride.max(1))
+    }
+
+    /// The rows of a matrix whose stride is `G`.
+    #[inline]
+    pub fn fixed_rows<const G: usize>(&mut self) -> &mut [[Lanes; G]] {
+        self.entries.as_chunks_mut().0
     }
 
     /// All rows, one after the other.

@@ -27,6 +27,7 @@ pub mod plan;
 pub mod predictor;
 pub mod probes;
 pub mod qr;
+mod quads;
 pub mod rank;
 pub mod rates;
 pub mod sampling;

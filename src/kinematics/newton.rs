@@ -6,7 +6,7 @@
 use super::closure::{BlockWorkspace, Want};
 use super::elimination::Elimination;
 use super::extremes::Extremes;
-use super::lanes::{LaneMatrix, Lanes, dot, pack};
+use super::lanes::{LaneMatrix, Lanes, combine, dot, groups};
 use super::qr::PivotedQr;
 use super::rank::{Conditioning, RANK_TOLERANCE, conditioning};
 use super::structure::{Block, Structure};
@@ -44,6 +44,10 @@ pub const CLOSURE_TOLERANCE: f64 = 1e-11;
 /// the accuracy promised. Below it, and wherever a rank may be lost, the Jacobian is decomposed.
 const ITERATED_RATIO: f64 = 1e-7;
 
+/// An inverse serves a pose beside its own while the change of the Jacobian times the inverse, both in the Frobenius norm,
+/// is at most this: singular values then differ by no more than this part of themselves, and no determinant changes its sign.
+const SAME_INVERSE: f64 = 5e-7;
+
 /// Buffers and factorisations, one per block. All iterations reuse them.
 #[derive(Clone, Debug)]
 pub struct Corrector {
@@ -58,7 +62,7 @@ enum Stage {
     Stale,
     /// Residual and Jacobian stand in the workspace.
     Evaluated,
-    /// The Jacobian is factored, and inverted where it can be.
+    /// The Jacobian, or one beside it, is factored, and inverted where it can be.
     Factored,
 }
 
@@ -71,15 +75,23 @@ pub(super) struct BlockBuffers {
     stage: Stage,
     /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.
     at: Vec<f64>,
+    /// Inverse (of a tall matrix the pseudo-inverse) with one row an equation, so that a solution is a sum of rows.
     inverse: LaneMatrix,
     has_inverse: bool,
+    /// The inverse comes from the elimination.
+    eliminated: bool,
+    /// The Jacobian that was factored.
+    factored: Vec<f64>,
+    /// Smallest pivot.
+    pivot: f64,
     /// Sign of the determinant, zero unless square and regular.
     sign: i8,
     transposed: LaneMatrix,
     extremes: Extremes,
     right_side: Vec<f64>,
-    packed: Vec<Lanes>,
-    pub(super) step: Vec<f64>,
+    solution: Vec<f64>,
+    /// Step of the block's unknowns, in whole groups.
+    step: Vec<Lanes>,
 }
 
 /// What a correction did.
@@ -178,8 +190,8 @@ impl Corrector {
                 return Correction::failed(iterations, first_step);
             }
             buffers.stage = Stage::Stale;
-            for (column, unknown) in block.unknowns.iter().enumerate() {
-                coordinates[*unknown] += mechanism.scale_of(*unknown) * buffers.step[column];
+            for (unknown, change) in buffers.changes(block) {
+                coordinates[unknown] += change;
             }
             // Quadratic convergence: what is left after this step is about step²/σ.
             done = (at_floor && !falls) || size * size <= ROUNDING_FLOOR * pivot;
@@ -208,8 +220,8 @@ impl Corrector {
             buffers.linearise(mechanism, block, coordinates);
             buffers.workspace.drift_along(&block.plan, rates);
             buffers.solve_drift();
-            for (column, unknown) in block.unknowns.iter().enumerate() {
-                rates[*unknown] = mechanism.scale_of(*unknown) * buffers.step[column];
+            for (unknown, change) in buffers.changes(block) {
+                rates[unknown] = change;
             }
         }
     }
@@ -221,7 +233,7 @@ impl Corrector {
         }
     }
 
-    /// The inverse of a block's Jacobian at the last linearisation, if it has one.
+    /// The inverse of a block's Jacobian at the last linearisation, or right beside it, if it has one; a row an equation.
     pub fn inverse(&self, block: usize) -> Option<&LaneMatrix> {
         let buffers = self.blocks.get(block)?;
         (buffers.stage == Stage::Factored && buffers.has_inverse).then_some(&buffers.inverse)
@@ -270,24 +282,53 @@ impl BlockBuffers {
         }
     }
 
-    /// Evaluates and factors at `coordinates`, unless that is done.
+    /// Evaluates and factors at `coordinates`, unless that is done or the factors serve from a pose right beside it.
     pub(super) fn linearise(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         self.evaluate(mechanism, block, coordinates);
-        if self.stage < Stage::Factored {
-            let (rows, columns) = (block.rows(), block.unknowns.len());
-            let jacobian = &self.workspace.jacobian;
-            let eliminated = match rows == columns {
-                true => self.elimination.invert(jacobian, rows, &mut self.inverse),
-                false => None,
-            };
-            self.has_inverse = eliminated.is_some();
-            self.sign = eliminated.unwrap_or_else(|| {
-                self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
-                self.has_inverse = self.qr.invert(&mut self.inverse);
-                self.qr.determinant_sign()
-            });
+        if self.stage < Stage::Factored && self.inverse_serves() {
             self.stage = Stage::Factored;
         }
+        self.factor(block);
+    }
+
+    /// Whether the inverse that stands is near enough to that of the Jacobian in the workspace.
+    fn inverse_serves(&self) -> bool {
+        let jacobian = &self.workspace.jacobian;
+        if !self.has_inverse || self.factored.len() != jacobian.len() {
+            return false;
+        }
+        let changes = jacobian.iter().zip(&self.factored);
+        let change: f64 = changes.map(|(a, b)| (a - b) * (a - b)).sum();
+        let size = dot(self.inverse.groups(), self.inverse.groups());
+        change * size <= SAME_INVERSE * SAME_INVERSE
+    }
+
+    /// Factors the Jacobian in the workspace, unless that is done.
+    fn factor(&mut self, block: &Block) {
+        if self.stage == Stage::Factored {
+            return;
+        }
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let jacobian = &self.workspace.jacobian;
+        self.factored.clone_from(jacobian);
+        let pivots = match rows == columns {
+            true => self.elimination.invert(jacobian, rows, &mut self.inverse),
+            false => None,
+        };
+        self.eliminated = pivots.is_some();
+        if let Some(pivots) = pivots {
+            (self.sign, self.pivot) = (pivots.sign, pivots.smallest);
+            self.has_inverse = true;
+        } else {
+            self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
+            self.has_inverse = self.qr.invert(&mut self.transposed);
+            if self.has_inverse {
+                self.inverse
+                    .copy_transposed(&self.transposed, columns, rows);
+            }
+            (self.sign, self.pivot) = (self.qr.determinant_sign(), self.qr.smallest_pivot());
+        }
+        self.stage = Stage::Factored;
     }
 
     /// Singular values at the linearisation: iterated where that is reliable, else decomposed.
@@ -312,46 +353,57 @@ impl BlockBuffers {
     /// Solves for the step that cancels the residual; returns its largest entry in scaled unknowns and the smallest
     /// pivot.
     fn newton_step(&mut self, block: &Block) -> (f64, f64) {
-        let (rows, columns) = (block.rows(), block.unknowns.len());
-        let residual = &self.workspace.residual;
+        self.factor(block);
         self.right_side.clear();
-        self.right_side.extend(residual.iter().map(|r| -r));
-        self.step.resize(columns, 0.0);
-        let jacobian = &self.workspace.jacobian;
-        let eliminated = if rows == columns {
-            self.elimination
-                .solve(jacobian, &self.right_side, &mut self.step)
-        } else {
-            None
-        };
-        let pivot = eliminated.unwrap_or_else(|| {
-            self.qr.factor(jacobian, rows, columns, RANK_TOLERANCE);
-            self.qr.solve(&mut self.right_side, &mut self.step);
-            self.qr.smallest_pivot()
-        });
-        let size = self.step.iter().fold(0.0, |m: f64, s| {
+        self.right_side.extend_from_slice(&self.workspace.residual);
+        self.solve(self.eliminated);
+        let size = self.step.as_flattened().iter().fold(0.0, |m: f64, s| {
             if s.is_nan() {
                 f64::INFINITY
             } else {
                 m.max(s.abs())
             }
         });
-        (size, pivot)
+        (size, self.pivot)
+    }
+
+    /// The step as changes of the block's unknowns.
+    pub(super) fn changes<'a>(
+        &'a self,
+        block: &'a Block,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let scaled = block.plan.scales.iter().zip(self.step.as_flattened());
+        let changes = scaled.map(|(scale, step)| scale * step);
+        block.unknowns.iter().copied().zip(changes)
     }
 
     /// Solves J step = -drift at the linearisation.
     pub(super) fn solve_drift(&mut self) {
-        let drift = self.workspace.drift.iter();
-        if self.has_inverse {
-            pack(&mut self.packed, drift.map(|d| -d));
-            self.step.clear();
-            self.step
-                .extend(self.inverse.rows().map(|row| dot(row, &self.packed)));
-        } else {
-            self.right_side.clear();
-            self.right_side.extend(drift.map(|d| -d));
-            self.step.resize(self.qr.column_order().len(), 0.0);
-            self.qr.solve(&mut self.right_side, &mut self.step);
+        let rows = self.workspace.residual.len();
+        self.right_side.clear();
+        self.right_side
+            .extend_from_slice(&self.workspace.drift.as_flattened()[..rows]);
+        self.solve(self.has_inverse);
+    }
+
+    /// Solves J step = -right side, by the inverse or by the factors.
+    fn solve(&mut self, by_inverse: bool) {
+        if by_inverse {
+            self.step.resize(self.inverse.stride(), [0.0; 4]);
+            combine(&mut self.step, &self.right_side, self.inverse.groups());
+            for group in &mut self.step {
+                *group = group.map(|v| -v);
+            }
+            return;
+        }
+        self.right_side.iter_mut().for_each(|r| *r = -*r);
+        let columns = self.qr.column_order().len();
+        self.solution.resize(columns, 0.0);
+        self.qr.solve(&mut self.right_side, &mut self.solution);
+        self.step.clear();
+        self.step.resize(groups(columns), [0.0; 4]);
+        for (s, value) in self.step.as_flattened_mut().iter_mut().zip(&self.solution) {
+            *s = *value;
         }
     }
 }

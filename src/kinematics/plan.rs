@@ -7,6 +7,7 @@ use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
+use super::lanes::{Lanes, groups};
 use super::structure::LoopPart;
 
 /// Where a part of a rate goes.
@@ -53,11 +54,52 @@ pub struct PlannedJoint {
     pub sign: f64,
 }
 
+/// Four neighbours among a loop's joints; the last group is filled up with joints that do not move anything.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct PlannedGroup {
+    /// One for rotations.
+    pub turns: Lanes,
+    /// One for translations.
+    pub slides: Lanes,
+    /// Places in [`BlockPlan::arguments`].
+    pub arguments: [usize; 4],
+}
+
+/// A coordinate's part of an affine argument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Place in [`BlockPlan::arguments`].
+    pub argument: usize,
+    /// The coordinate.
+    pub slot: usize,
+    /// Rate of the argument by the coordinate.
+    pub coefficient: f64,
+}
+
+/// Where a multiple of a joint's column is added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// The joint's place among those of its loop.
+    pub joint: usize,
+    /// Index of the first row in the column-major Jacobian, or in the padded derivative by coordinates from outside.
+    pub start: usize,
+    /// What the column is multiplied by.
+    pub factor: f64,
+}
+
 /// A loop of the block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedLoop {
     /// Its entries of [`BlockPlan::joints`].
     pub joints: Range<usize>,
+    /// Its entries of [`BlockPlan::groups`].
+    pub groups: Range<usize>,
+    /// Its affine entries of the Jacobian.
+    pub own: Vec<Entry>,
+    /// Its affine entries of the derivative by coordinates from outside.
+    pub outside: Vec<Entry>,
+    /// Places of the joints whose arguments are formulas.
+    pub formulas: Vec<usize>,
     /// Fixed pose after the last joint.
     pub end: Pose,
     /// Equations that are kept.
@@ -86,8 +128,14 @@ pub struct BlockPlan {
     pub arguments: Vec<PlannedArgument>,
     /// Shares of arguments and equations.
     pub shares: Vec<Share>,
+    /// Terms of all affine arguments.
+    pub terms: Vec<Term>,
+    /// Scales of the block's unknowns.
+    pub scales: Vec<f64>,
     /// Joints of all loops.
     pub joints: Vec<PlannedJoint>,
+    /// The same joints, four at a time.
+    pub groups: Vec<PlannedGroup>,
     /// Loops in the order of the rows.
     pub loops: Vec<PlannedLoop>,
     /// Equations, after the loops.
@@ -112,12 +160,24 @@ impl BlockPlan {
             ..Self::default()
         };
         let columns = column_of.iter().flatten().count();
+        plan.scales.resize(columns, 1.0);
+        for (slot, column) in column_of.iter().enumerate() {
+            if let Some(column) = column {
+                plan.scales[*column] = mechanism.scale_of(slot);
+            }
+        }
         for &index in arguments {
             plan.add_argument(mechanism, index, column_of, columns);
         }
+        let rows = loops
+            .iter()
+            .map(|part| part.components.len())
+            .sum::<usize>()
+            + equations.len();
         let mut row = 0;
         for part in loops {
             plan.add_loop(mechanism, part, arguments, row);
+            plan.add_entries(rows, columns);
             row += part.components.len();
         }
         for (k, &index) in equations.iter().enumerate() {
@@ -156,6 +216,15 @@ impl BlockPlan {
         };
         let shares = self.add_shares(mechanism, &terms, column_of, columns);
         self.is_affine &= !is_formula;
+        if !is_formula {
+            let argument = self.arguments.len();
+            self.terms
+                .extend(terms.iter().map(|&(slot, coefficient)| Term {
+                    argument,
+                    slot,
+                    coefficient,
+                }));
+        }
         self.arguments.push(PlannedArgument {
             index,
             constant,
@@ -221,12 +290,58 @@ impl BlockPlan {
                 }
             }
         }
+        let first = self.groups.len();
+        self.groups
+            .extend(self.joints[start..].chunks(4).map(PlannedGroup::new));
         self.loops.push(PlannedLoop {
             joints: start..self.joints.len(),
+            groups: first..self.groups.len(),
+            own: Vec::new(),
+            outside: Vec::new(),
+            formulas: Vec::new(),
             end: fixed,
             components: part.components.clone(),
             row,
         });
+    }
+
+    /// Lists where the columns of the last loop's joints go.
+    fn add_entries(&mut self, rows: usize, columns: usize) {
+        let Some(item) = self.loops.last_mut() else {
+            return;
+        };
+        for (joint, planned) in self.joints[item.joints.clone()].iter().enumerate() {
+            let argument = &self.arguments[planned.argument];
+            if argument.is_formula {
+                item.formulas.push(joint);
+                continue;
+            }
+            for share in &self.shares[argument.shares.clone()] {
+                let (list, start) = match share.column.checked_sub(columns) {
+                    None => (&mut item.own, share.column * rows),
+                    Some(column) => (&mut item.outside, column * 4 * groups(rows)),
+                };
+                list.push(Entry {
+                    joint,
+                    start: start + item.row,
+                    factor: share.coefficient * share.scale,
+                });
+            }
+        }
+    }
+}
+
+impl PlannedGroup {
+    fn new(joints: &[PlannedJoint]) -> Self {
+        let mut group = Self::default();
+        for (lane, joint) in joints.iter().enumerate() {
+            match joint.motion {
+                Motion::Rotation => group.turns[lane] = 1.0,
+                Motion::Translation => group.slides[lane] = 1.0,
+            }
+            group.arguments[lane] = joint.argument;
+        }
+        group
     }
 }
 

@@ -6,13 +6,14 @@
 //! unknowns comes from the Jacobian of the pose. (Brackets of twists: Murray, Li and Sastry, A Mathematical
 //! Introduction to Robotic Manipulation, chapter 2.)
 
-use super::closure::{JointTwist, residual_of};
+use super::closure::residual_of;
+use super::lanes::Lanes;
 use super::newton::{BlockBuffers, Corrector};
-use super::plan::BlockPlan;
+use super::plan::{BlockPlan, PlannedGroup};
+use super::quads::Twists;
 use super::structure::{Block, Structure};
-use crate::model::chain::Motion;
 use crate::model::mechanism::Mechanism;
-use glam::DVec3;
+use wide::f64x4;
 
 /// Highest order. One more costs a pass along the joints, one less an iteration of Newton's method.
 pub const HIGHEST_ORDER: usize = 4;
@@ -26,48 +27,15 @@ pub struct Prediction {
     pub bend: f64,
 }
 
-/// A screw: angular and linear part at the origin of the loop's base.
+/// Coefficients of the twists of four joints, and of the twists of the links before them.
 #[derive(Clone, Copy, Debug, Default)]
-struct Twist {
-    angular: DVec3,
-    linear: DVec3,
-}
-
-impl Twist {
-    fn of(joint: &JointTwist) -> Self {
-        match joint.motion {
-            Motion::Rotation => Self {
-                angular: joint.axis,
-                linear: joint.origin.cross(joint.axis),
-            },
-            Motion::Translation => Self {
-                angular: DVec3::ZERO,
-                linear: joint.axis,
-            },
-        }
-    }
-
-    #[inline]
-    fn add(&mut self, other: &Self, factor: f64) {
-        self.angular += other.angular * factor;
-        self.linear += other.linear * factor;
-    }
-
-    /// [self, other].
-    #[inline]
-    fn bracket(&self, other: &Self) -> Self {
-        Self {
-            angular: self.angular.cross(other.angular),
-            linear: self.angular.cross(other.linear) + self.linear.cross(other.angular),
-        }
-    }
-}
-
-/// Coefficients of a joint's twist, and of the twist of the link before it.
-#[derive(Clone, Copy, Debug, Default)]
-struct JointSeries {
-    own: [Twist; HIGHEST_ORDER],
-    before: [Twist; HIGHEST_ORDER],
+struct GroupSeries {
+    own: [Twists; HIGHEST_ORDER],
+    before: [Twists; HIGHEST_ORDER],
+    /// What the change of the twists contributes to the last coefficient of the loop's whole twist.
+    bend: Twists,
+    /// Coefficients of the rates of the joints' arguments.
+    rates: [Lanes; HIGHEST_ORDER],
 }
 
 /// Buffers of the series.
@@ -75,9 +43,9 @@ struct JointSeries {
 pub struct Predictor {
     /// Coefficients of all coordinates, order by order.
     series: Vec<f64>,
-    joints: Vec<JointSeries>,
-    /// Coefficients of the arguments' values.
-    arguments: Vec<[f64; HIGHEST_ORDER + 1]>,
+    groups: Vec<GroupSeries>,
+    /// The last coefficient of the arguments' rates.
+    rates: Vec<f64>,
 }
 
 impl Predictor {
@@ -106,19 +74,21 @@ impl Predictor {
         }
         for (block, buffers) in structure.blocks.iter().zip(&mut corrector.blocks) {
             buffers.linearise(mechanism, block, coordinates);
-            self.block_series(mechanism, block, buffers, count, order);
+            self.block_series(mechanism.size, block, buffers, count, order);
         }
         let mut prediction = Prediction {
             length: 0.0,
             bend: 0.0,
         };
-        for (slot, value) in coordinates.iter_mut().enumerate().take(n) {
-            let tangent = self.series[slot];
-            let bend: f64 = (1..order).map(|k| self.series[k * count + slot]).sum();
-            let scale = mechanism.scale_of(slot);
-            prediction.length = largest(prediction.length, tangent / scale);
-            prediction.bend = largest(prediction.bend, bend / scale);
-            *value += tangent + bend;
+        let (first, higher) = self.series.split_at(count);
+        for block in &structure.blocks {
+            for (slot, scale) in block.unknowns.iter().zip(&block.plan.scales) {
+                let tangent = first[*slot];
+                let bend: f64 = higher.chunks_exact(count).map(|c| c[*slot]).sum();
+                prediction.length = largest(prediction.length, tangent / scale);
+                prediction.bend = largest(prediction.bend, bend / scale);
+                coordinates[*slot] += tangent + bend;
+            }
         }
         // The inputs are exactly the drive's, not the sum of differences.
         coordinates[n..].copy_from_slice(inputs);
@@ -128,34 +98,32 @@ impl Predictor {
     /// Coefficients of the block's unknowns, given those of all coordinates from outside.
     fn block_series(
         &mut self,
-        mechanism: &Mechanism,
+        size: f64,
         block: &Block,
         buffers: &mut BlockBuffers,
         count: usize,
         order: usize,
     ) {
-        self.joints.clear();
-        self.joints
-            .extend(buffers.workspace.twists().iter().map(|joint| {
-                let mut series = JointSeries::default();
-                series.own[0] = Twist::of(joint);
-                series
-            }));
-        self.arguments.clear();
-        self.arguments
-            .resize(block.plan.arguments.len(), [0.0; HIGHEST_ORDER + 1]);
+        self.groups
+            .resize(block.plan.groups.len(), GroupSeries::default());
+        let joints = buffers.workspace.joints().iter().zip(&block.plan.groups);
+        for (series, (joints, planned)) in self.groups.iter_mut().zip(joints) {
+            series.own[0] = joints.twists(planned);
+            series.bend = Twists::default();
+        }
         for k in 0..order {
             let outside = &self.series[k * count..(k + 1) * count];
             buffers.workspace.drift_along(&block.plan, outside);
             if k > 0 {
-                self.add_bends(&block.plan, &mut buffers.workspace.drift, mechanism.size, k);
+                let drift = buffers.workspace.drift.as_flattened_mut();
+                self.add_bends(&block.plan, drift, size, k);
             }
             buffers.solve_drift();
-            for (unknown, step) in block.unknowns.iter().zip(&buffers.step) {
-                self.series[k * count + *unknown] = mechanism.scale_of(*unknown) * step;
+            let coefficients = &mut self.series[k * count..(k + 1) * count];
+            for (unknown, change) in buffers.changes(block) {
+                coefficients[unknown] = change;
             }
-            let coefficients = &self.series[k * count..(k + 1) * count];
-            take_rates(&mut self.arguments, &block.plan, coefficients, k + 1);
+            take_rates(&mut self.rates, &block.plan, coefficients, k + 1);
         }
     }
 
@@ -163,20 +131,19 @@ impl Predictor {
     fn add_bends(&mut self, plan: &BlockPlan, drift: &mut [f64], size: f64, k: usize) {
         let share = 1.0 / (k + 1) as f64;
         for item in &plan.loops {
-            let (mut link, mut sum) = (Twist::default(), Twist::default());
-            let range = item.joints.clone();
-            for (joint, series) in plan.joints[range.clone()]
-                .iter()
-                .zip(&mut self.joints[range])
-            {
-                let rates = &self.arguments[joint.argument];
+            let (mut link, mut sum) = ([0.0; 6], Twists::default());
+            let range = item.groups.clone();
+            let groups = plan.groups[range.clone()].iter();
+            for (planned, series) in groups.zip(&mut self.groups[range]) {
+                let rates = &self.rates[..];
                 match k {
-                    1 => series.advance::<1>(rates, &mut link, &mut sum),
-                    2 => series.advance::<2>(rates, &mut link, &mut sum),
-                    _ => series.advance::<3>(rates, &mut link, &mut sum),
+                    1 => series.advance::<1>(planned, rates, &mut link),
+                    2 => series.advance::<2>(planned, rates, &mut link),
+                    _ => series.advance::<3>(planned, rates, &mut link),
                 }
+                sum.add_scaled(&series.bend, f64x4::ONE);
             }
-            let (turn, shift) = (sum.angular * share, sum.linear * share);
+            let (turn, shift) = (sum.angular.total() * share, sum.linear.total() * share);
             let six = residual_of(turn, shift, size);
             for (row, component) in drift[item.row..].iter_mut().zip(&item.components) {
                 *row += six[*component];
@@ -185,44 +152,42 @@ impl Predictor {
     }
 }
 
-impl JointSeries {
-    /// Coefficient `K` of the joint's twist, from the coefficients up to `K` of its argument. `link` is coefficient
-    /// `K - 1` of the twist of the link before, then of the one after; to `sum` goes what the twist's change
-    /// contributes to coefficient `K` of the loop's whole twist.
-    #[inline]
+impl GroupSeries {
+    /// Coefficient `K` of the joints' twists, from coefficient `K - 1` of the arguments' `rates` and those before. `link` is
+    /// coefficient `K - 1` of the twist of the link before, then of the one after.
+    #[inline(always)]
     fn advance<const K: usize>(
         &mut self,
-        argument: &[f64; HIGHEST_ORDER + 1],
-        link: &mut Twist,
-        sum: &mut Twist,
+        planned: &PlannedGroup,
+        rates: &[f64],
+        link: &mut [f64; 6],
     ) {
-        let rate = |i: usize| i as f64 * argument[i];
-        self.before[K - 1] = *link;
-        let mut next = Twist::default();
+        self.rates[K - 1] = planned.arguments.map(|a| rates[a]);
+        let rate = |order: usize| f64x4::new(self.rates[order - 1]);
+        let mut made = self.bend;
+        made.add_scaled(&self.own[0], rate(K));
+        self.before[K - 1] = made.sums_before(link);
+        let mut next = Twists::default();
         for i in 0..K {
-            link.add(&self.own[i], rate(K - i));
-            next.add(&self.before[i].bracket(&self.own[K - 1 - i]), 1.0);
+            next.add_bracket(&self.before[i], &self.own[K - 1 - i]);
         }
-        self.own[K] = Twist::default();
-        self.own[K].add(&next, 1.0 / K as f64);
+        self.own[K] = next.scaled(f64x4::splat(1.0 / K as f64));
+        let mut bend = Twists::default();
         for i in 1..=K {
-            sum.add(&self.own[i], rate(K + 1 - i));
+            bend.add_scaled(&self.own[i], rate(K + 1 - i));
         }
+        self.bend = bend;
     }
 }
 
-/// Coefficient `order` of the arguments' values from that of all coordinates.
-fn take_rates(
-    arguments: &mut [[f64; HIGHEST_ORDER + 1]],
-    plan: &BlockPlan,
-    coefficients: &[f64],
-    order: usize,
-) {
-    for (argument, planned) in arguments.iter_mut().zip(&plan.arguments) {
-        let shares = plan.shares[planned.shares.clone()].iter();
-        let terms = shares.map(|share| share.coefficient * coefficients[share.slot]);
-        argument[order] = terms.sum();
+/// Coefficient `order - 1` of the arguments' rates from coefficient `order` of all coordinates.
+fn take_rates(rates: &mut Vec<f64>, plan: &BlockPlan, coefficients: &[f64], order: usize) {
+    rates.clear();
+    rates.resize(plan.arguments.len(), 0.0);
+    for term in &plan.terms {
+        rates[term.argument] += term.coefficient * coefficients[term.slot];
     }
+    rates.iter_mut().for_each(|rate| *rate *= order as f64);
 }
 
 /// The larger magnitude; what is no number wins.

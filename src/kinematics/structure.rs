@@ -259,7 +259,7 @@ fn live_equations(
             workspace.evaluate(mechanism, &all, probe, Want::Drift(&rates));
             for (k, live) in live.iter_mut().enumerate() {
                 let row = (0..all.unknowns.len()).map(|j| workspace.jacobian[j * 6 + k].abs());
-                let largest = row.fold(workspace.drift[k].abs(), f64::max);
+                let largest = row.fold(workspace.drift.as_flattened()[k].abs(), f64::max);
                 *live |= largest > EMPTY || largest.is_nan();
             }
             constant.copy_from_slice(&workspace.residual);

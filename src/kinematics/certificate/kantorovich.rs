@@ -100,7 +100,7 @@ impl Kantorovich {
             self.columns.row_mut(row).copy_from_slice(columns);
         }
         match inverse {
-            Some(inverse) => self.inverse.copy(inverse),
+            Some(inverse) => self.inverse.copy_transposed(inverse, n, n),
             None => self.invert(system, n)?,
         }
         self.weigh(system, basis, earlier);
@@ -141,10 +141,10 @@ impl Kantorovich {
                 }
             }
         }
-        let sign = self
+        let pivots = self
             .elimination
             .invert_matrix(&self.matrix, &mut self.inverse);
-        sign.map(|_| ()).ok_or(Reason::Singular)
+        pivots.map(|_| ()).ok_or(Reason::Singular)
     }
 
     /// Residuals, weights of the rows, and what the forms change by.
