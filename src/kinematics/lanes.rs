@@ -32,14 +32,13 @@ pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
     total(sums.to_array())
 }
 
-/// The sum of |a| b for positive b.
+/// `target += factor · |row|`.
 #[inline]
-pub fn dot_of_sizes(a: &[Lanes], b: &[Lanes]) -> f64 {
-    let mut sums = f64x4::ZERO;
-    for (a, b) in a.iter().zip(b) {
-        sums += f64x4::new(*a).abs() * f64x4::new(*b);
+pub fn add_scaled_sizes(target: &mut [Lanes], factor: f64, row: &[Lanes]) {
+    let factor = f64x4::splat(factor);
+    for (t, r) in target.iter_mut().zip(row) {
+        *t = (f64x4::new(*t) + factor * f64x4::new(*r).abs()).to_array();
     }
-    total(sums.to_array())
 }
 
 /// Adds the squares of a row.

@@ -1,9 +1,9 @@
-//! The Newton-Kantorovich test of one square system.
+//! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
 
 use super::super::elimination::Elimination;
-use super::super::lanes::{LaneMatrix, Lanes, combine, dot, dot_of_sizes, groups};
+use super::super::lanes::{LaneMatrix, Lanes, add_scaled, add_scaled_sizes, combine, groups};
 use super::chain::U;
-use super::system::{BlockSystem, Row};
+use super::system::BlockSystem;
 use super::{BALL, Reason};
 
 /// What is proved of the unknowns of earlier blocks, in radians and sizes.
@@ -38,51 +38,52 @@ impl Earlier {
 /// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
 const GROW: f64 = 1.0 + 1e-12;
 
-/// Bounds for one unknown.
-#[derive(Clone, Copy, Debug, Default)]
+/// Numbers of all unknowns, or of all rows, in whole groups.
+#[derive(Clone, Debug, Default)]
 struct Constants {
-    /// The Newton step.
-    newton: f64,
+    /// The Newton step; of rows the residual at the earlier blocks' Newton steps.
+    newton: Vec<Lanes>,
     /// The part of eta that is not the step.
-    rest: f64,
-    q: f64,
-    k: f64,
+    rest: Vec<Lanes>,
+    q: Vec<Lanes>,
+    k: Vec<Lanes>,
 }
 
 impl Constants {
-    fn eta(&self) -> f64 {
-        (self.newton.abs() + self.rest) * GROW
+    fn reset(&mut self, count: usize) {
+        for list in [&mut self.newton, &mut self.rest, &mut self.q, &mut self.k] {
+            list.clear();
+            list.resize(groups(count), [0.0; 4]);
+        }
     }
 }
-
-/// Weights of a row in the sums over |R|: for the rest of eta, for q, for K; the fourth is not used.
-type RowWeights = Lanes;
 
 /// Buffers of the test.
 #[derive(Clone, Debug, Default)]
 pub struct Kantorovich {
     matrix: LaneMatrix,
-    /// R: any matrix serves the proof; how good it is is measured.
+    /// R with one row an equation: any matrix serves the proof; how good it is is measured.
     inverse: LaneMatrix,
     elimination: Elimination,
-    /// Rows of the basis by forms.
+    /// Derivatives of the rows of the basis, one form after the other.
     columns: LaneMatrix,
-    /// Residuals at the earlier blocks' Newton steps.
-    residuals: Vec<f64>,
-    weights: Vec<RowWeights>,
-    /// Per form: step and drift by earlier blocks, own rate.
-    stepped: Vec<Lanes>,
+    /// Residuals and weights of the rows: residual, and weights for the rest of eta, for q, for K.
+    rows: Constants,
+    unknowns: Constants,
+    /// Sizes of the rows' rates by the forms: by what the forms drift, and by their own rates.
     drifts: Vec<Lanes>,
     own_rates: Vec<Lanes>,
+    /// R times the column of a form.
     product: Vec<Lanes>,
-    identity: Vec<f64>,
-    before: Vec<f64>,
-    constants: Vec<Constants>,
+    /// R times the Jacobian less the identity, column by column.
+    identity: LaneMatrix,
+    /// R times the derivative by unknowns of earlier blocks.
+    before: LaneMatrix,
 }
 
 impl Kantorovich {
     /// Proves a block on its rows `basis` and notes its bounds; returns its radius of uniqueness and its error bound,
-    /// in radians and sizes.
+    /// in radians and sizes. The inverse has one row an equation.
     pub fn prove(
         &mut self,
         system: &BlockSystem,
@@ -94,51 +95,61 @@ impl Kantorovich {
         if n == 0 {
             return Ok((f64::INFINITY, 0.0));
         }
-        self.columns.reset(n, system.forms.len());
-        for (row, from) in basis.iter().enumerate() {
-            let columns = system.columns.row(*from);
-            self.columns.row_mut(row).copy_from_slice(columns);
-        }
+        self.take_columns(system, basis);
         match inverse {
-            Some(inverse) => self.inverse.copy_transposed(inverse, n, n),
+            Some(inverse) => self.inverse.copy(inverse),
             None => self.invert(system, n)?,
         }
         self.weigh(system, basis, earlier);
-        self.constants.clear();
-        let (mut eta, mut q, mut k) = (0.0, 0.0, 0.0);
+        self.bound_unknowns(n, system, earlier);
+        let Constants { newton, rest, q, k } = &self.unknowns;
+        let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..n]);
+        let (mut eta, mut most_q, mut most_k) = (0.0, 0.0, 0.0);
         for i in 0..n {
-            let constants = self.constants_of(i, n, system, earlier);
-            eta = worse(eta, constants.eta());
-            q = worse(q, constants.q);
-            k = worse(k, constants.k);
-            self.constants.push(constants);
+            eta = worse(eta, (newton[i].abs() + rest[i] * GROW) * GROW);
+            most_q = worse(most_q, q[i] * GROW);
+            most_k = worse(most_k, k[i] * GROW);
         }
-        let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 8.0 * U) - 2.0 * k * eta;
-        if !(q < 1.0 && discriminant > 0.0) {
+        let discriminant =
+            (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
+        if !(most_q < 1.0 && discriminant > 0.0) {
             return Err(Reason::Singular);
         }
-        let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
-        let radius = ((1.0 - q) / k).min(BALL);
+        let error = 2.0 * eta / (1.0 - most_q + discriminant.sqrt()) * GROW;
+        let radius = ((1.0 - most_q) / most_k).min(BALL);
         if !(error <= BALL && error < radius) {
             return Err(Reason::Singular);
         }
-        for (c, unknown) in self.constants.iter().zip(&system.unknowns) {
-            let rest = (c.rest + c.q * error + 0.5 * c.k * error * error) * GROW;
-            earlier.note(*unknown, c.newton, rest);
+        for (i, unknown) in system.unknowns.iter().enumerate() {
+            let (q, k) = (q[i] * GROW, k[i] * GROW);
+            let rest = (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW;
+            earlier.note(*unknown, newton[i], rest);
         }
         Ok((radius, error))
     }
 
+    /// The derivatives of the rows of the basis.
+    fn take_columns(&mut self, system: &BlockSystem, basis: &[usize]) {
+        if basis.len() == system.rows.len() {
+            self.columns.copy(&system.columns);
+            return;
+        }
+        self.columns.reset(system.forms.len(), basis.len());
+        for (from, to) in system.columns.rows().zip(self.columns.rows_mut()) {
+            let to = to.as_flattened_mut();
+            for (to, row) in to.iter_mut().zip(basis) {
+                *to = from.as_flattened()[*row];
+            }
+        }
+    }
+
     /// Inverts the Jacobian of the basis by the block's unknowns.
     fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
+        // The transposed matrix has the transposed inverse.
         self.matrix.reset(n, n);
-        for row in 0..n {
-            let out = self.matrix.row_mut(row).as_flattened_mut();
-            let values = self.columns.row(row).as_flattened();
-            for (form, value) in system.forms.iter().zip(values) {
-                for (column, rate) in &form.own {
-                    out[*column] += value * rate;
-                }
+        for (form, values) in system.forms.iter().zip(self.columns.rows()) {
+            for (column, rate) in &form.own {
+                add_scaled(self.matrix.row_mut(*column), *rate, values);
             }
         }
         let pivots = self
@@ -147,94 +158,81 @@ impl Kantorovich {
         pivots.map(|_| ()).ok_or(Reason::Singular)
     }
 
-    /// Residuals, weights of the rows, and what the forms change by.
+    /// Residuals and weights of the rows.
     fn weigh(&mut self, system: &BlockSystem, basis: &[usize], earlier: &Earlier) {
-        let forms = &system.forms;
-        for list in [&mut self.stepped, &mut self.drifts, &mut self.own_rates] {
+        let n = basis.len();
+        self.rows.reset(n);
+        for list in [&mut self.drifts, &mut self.own_rates] {
             list.clear();
-            list.resize(groups(forms.len()), [0.0; 4]);
+            list.resize(groups(n), [0.0; 4]);
         }
-        for (f, form) in forms.iter().enumerate() {
+        for (f, (form, column)) in system.forms.iter().zip(self.columns.rows()).enumerate() {
             let (mut step, mut drift) = (0.0, system.open[f]);
             for (place, rate) in &form.before {
                 let unknown = system.before[*place];
                 step += rate * earlier.step[unknown];
                 drift += rate.abs() * (earlier.step[unknown].abs() + earlier.rest[unknown]);
             }
-            self.stepped[f / 4][f % 4] = step;
-            self.drifts[f / 4][f % 4] = drift;
-            self.own_rates[f / 4][f % 4] = form.own_rate;
+            if step != 0.0 {
+                add_scaled(&mut self.rows.newton, -step, column);
+            }
+            add_scaled_sizes(&mut self.drifts, drift, column);
+            add_scaled_sizes(&mut self.own_rates, form.own_rate, column);
         }
         let drift = earlier.largest;
-        let sums = (2 * basis.len() + forms.len() + 8) as f64 * U;
-        self.residuals.clear();
-        self.weights.clear();
+        let sums = (2 * n + system.forms.len() + 8) as f64 * U;
+        let (residuals, rests) = (&mut self.rows.newton, &mut self.rows.rest);
+        let [residuals, rests, qs, ks] = [residuals, rests, &mut self.rows.q, &mut self.rows.k]
+            .map(|list| list.as_flattened_mut());
+        let (drifts, own_rates) = (self.drifts.as_flattened(), self.own_rates.as_flattened());
         for (k, index) in basis.iter().enumerate() {
-            let row: &Row = &system.rows[*index];
-            let columns = self.columns.row(k);
-            let rounding = sums * (row.residual.abs() + dot_of_sizes(columns, &self.drifts));
-            self.residuals
-                .push(row.residual - dot(columns, &self.stepped));
-            self.weights.push([
-                row.open
-                    + rounding
-                    + row.column_error * drift
-                    + 0.5 * row.second_all * drift * drift,
-                row.column_error
-                    + sums * dot_of_sizes(columns, &self.own_rates)
-                    + row.second_all * drift,
-                row.second,
-                0.0,
-            ]);
+            let row = &system.rows[*index];
+            let rounding = sums * (row.residual.abs() + drifts[k]);
+            residuals[k] += row.residual;
+            rests[k] = row.open
+                + rounding
+                + row.column_error * drift
+                + 0.5 * row.second_all * drift * drift;
+            qs[k] = row.column_error + sums * own_rates[k] + row.second_all * drift;
+            ks[k] = row.second;
         }
     }
 
-    /// Constants of unknown `i`.
-    fn constants_of(
-        &mut self,
-        i: usize,
-        n: usize,
-        system: &BlockSystem,
-        earlier: &Earlier,
-    ) -> Constants {
-        let inverse = &self.inverse.row(i).as_flattened()[..n];
-        let mut newton = 0.0;
-        let mut weighted = [0.0; 4];
-        self.product.clear();
-        self.product.resize(groups(system.forms.len()), [0.0; 4]);
-        for (k, r) in inverse.iter().enumerate() {
-            newton += r * self.residuals[k];
-            for (sum, weight) in weighted.iter_mut().zip(&self.weights[k]) {
-                *sum += r.abs() * weight;
-            }
+    /// Constants of all unknowns, before they are grown.
+    fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &Earlier) {
+        self.unknowns.reset(n);
+        let Constants { newton, rest, q, k } = &mut self.unknowns;
+        let by_rows = [&self.rows.newton, &self.rows.rest, &self.rows.q, &self.rows.k];
+        let [residuals, rests, qs, ks] = by_rows.map(|list| list.as_flattened());
+        combine(newton, &residuals[..n], self.inverse.groups());
+        for (row, inverse) in self.inverse.rows().enumerate() {
+            add_scaled_sizes(rest, rests[row], inverse);
+            add_scaled_sizes(q, qs[row], inverse);
+            add_scaled_sizes(k, ks[row], inverse);
         }
-        combine(&mut self.product, inverse, self.columns.groups());
-        self.identity.clear();
-        self.identity.resize(n, 0.0);
-        self.before.clear();
-        self.before.resize(system.before.len(), 0.0);
-        let mut rest = 0.0;
-        for (f, form) in system.forms.iter().enumerate() {
-            let product = self.product[f / 4][f % 4];
-            rest += product.abs() * system.open[f];
+        self.identity.reset(n, n);
+        for i in 0..n {
+            *self.identity.at_mut(i, i) = -1.0;
+        }
+        self.before.reset(system.before.len(), n);
+        self.product.resize(groups(n), [0.0; 4]);
+        let forms = system.forms.iter().zip(&system.open);
+        for ((form, open), column) in forms.zip(self.columns.rows()) {
+            let column = &column.as_flattened()[..n];
+            combine(&mut self.product, column, self.inverse.groups());
+            add_scaled_sizes(rest, *open, &self.product);
             for (column, rate) in &form.own {
-                self.identity[*column] += product * rate;
+                add_scaled(self.identity.row_mut(*column), *rate, &self.product);
             }
             for (place, rate) in &form.before {
-                self.before[*place] += product * rate;
+                add_scaled(self.before.row_mut(*place), *rate, &self.product);
             }
         }
-        let known = self.before.iter().zip(&system.before);
-        rest += known
-            .map(|(c, slot)| c.abs() * earlier.rest[*slot])
-            .sum::<f64>();
-        self.identity[i] -= 1.0;
-        let identity: f64 = self.identity.iter().map(|s| s.abs()).sum();
-        Constants {
-            newton,
-            rest: (rest + weighted[0]) * GROW,
-            q: (identity + weighted[1]) * GROW,
-            k: weighted[2] * GROW,
+        for (rates, slot) in self.before.rows().zip(&system.before) {
+            add_scaled_sizes(rest, earlier.rest[*slot], rates);
+        }
+        for column in self.identity.rows() {
+            add_scaled_sizes(q, 1.0, column);
         }
     }
 }

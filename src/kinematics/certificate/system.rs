@@ -77,7 +77,7 @@ pub struct BlockSystem {
     equations: Vec<EquationRow>,
     /// At the last pose.
     pub rows: Vec<Row>,
-    /// Derivative of every row by every form.
+    /// Derivative of every row by every form, one form after the other.
     pub columns: LaneMatrix,
     /// How far each form is open, as what it is used for.
     pub open: Vec<f64>,
@@ -150,7 +150,7 @@ impl BlockSystem {
         coordinates: &[f64],
         arguments: &[ArgumentDouble],
     ) -> Result<(), Reason> {
-        self.columns.reset(self.rows.len(), self.forms.len());
+        self.columns.reset(self.forms.len(), self.rows.len());
         self.open.fill(0.0);
         let of_block = self.forms[..self.forms.len() - self.equations.len()].iter();
         self.arguments.clear();
@@ -205,8 +205,9 @@ impl BlockSystem {
         }
         for joint in &item.joints {
             let column = item.column(joint);
-            for (k, component) in components.iter().enumerate() {
-                *self.columns.at_mut(row + k, joint.argument) += column[*component];
+            let target = &mut self.columns.row_mut(joint.argument).as_flattened_mut()[row..];
+            for (entry, component) in target.iter_mut().zip(components) {
+                *entry += column[*component];
             }
         }
         Ok(row + components.len())
@@ -218,7 +219,7 @@ impl BlockSystem {
             let scale = equation.scale;
             let (value, open) = affine_value(&equation.affine, coordinates);
             let residual = value.hi * scale;
-            *self.columns.at_mut(row + k, first + k) = scale;
+            *self.columns.at_mut(first + k, row + k) = scale;
             self.rows[row + k] = Row {
                 residual,
                 open: (open + value.lo.abs()) * scale + 4.0 * U * residual.abs(),
