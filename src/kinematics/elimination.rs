@@ -62,28 +62,20 @@ impl Elimination {
     fn invert_rows(&mut self, n: usize, ratio: f64, inverse: &mut LaneMatrix) -> Option<Pivots> {
         self.order.clear();
         self.order.extend(0..n);
+        inverse.reshape(n, n);
         let order = &mut self.order[..];
         // The usual sizes by themselves, so that the pivot's row stays in registers.
         let pivots = match self.matrix.stride() {
-            1 => invert_fixed::<1>(self.matrix.fixed_rows(), ratio, order),
-            2 => invert_fixed::<2>(self.matrix.fixed_rows(), ratio, order),
-            3 => invert_fixed::<3>(self.matrix.fixed_rows(), ratio, order),
-            4 => invert_fixed::<4>(self.matrix.fixed_rows(), ratio, order),
-            _ => self.invert_any(n, ratio),
+            1 => invert_fixed::<1>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
+            2 => invert_fixed::<2>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
+            3 => invert_fixed::<3>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
+            4 => invert_fixed::<4>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
+            _ => self.invert_any(n, ratio, inverse),
         }?;
-        inverse.reshape(n, n);
-        let stride = inverse.stride().max(1);
-        for (row, target) in self.matrix.rows().zip(inverse.rows_mut()) {
-            target[stride - 1] = [0.0; 4];
-            let target = target.as_flattened_mut();
-            for (value, column) in row.as_flattened().iter().zip(&self.order) {
-                target[*column] = *value;
-            }
-        }
         Some(pivots)
     }
 
-    fn invert_any(&mut self, n: usize, ratio: f64) -> Option<Pivots> {
+    fn invert_any(&mut self, n: usize, ratio: f64, inverse: &mut LaneMatrix) -> Option<Pivots> {
         let mut pivots = Pivots::NONE;
         for k in 0..n {
             let (place, value) = self.largest_below(k);
@@ -101,6 +93,12 @@ impl Elimination {
             clear_column(above, &self.pivot_row, k);
             clear_column(&mut rest[self.pivot_row.len()..], &self.pivot_row, k);
         }
+        for (row, target) in self.matrix.rows().zip(inverse.rows_mut()) {
+            target.fill([0.0; 4]);
+            for (value, column) in row.as_flattened().iter().zip(&self.order) {
+                target.as_flattened_mut()[*column] = *value;
+            }
+        }
         Some(pivots)
     }
 
@@ -117,26 +115,30 @@ impl Elimination {
     }
 }
 
-/// Gauss and Jordan in place on rows of `G` groups; `order` says which column of the inverse each column became.
+/// Gauss and Jordan on rows of `G` groups, at most four; `order` counts from zero on.
 fn invert_fixed<const G: usize>(
     rows: &mut [[Lanes; G]],
     ratio: f64,
     order: &mut [usize],
+    inverse: &mut [[Lanes; G]],
 ) -> Option<Pivots> {
     let mut pivots = Pivots::NONE;
     for k in 0..rows.len() {
         let (group, lane) = (k / 4 % G, k % 4);
-        let (mut place, mut value) = (k, rows[k][group][lane]);
-        for (i, row) in rows.iter().enumerate().skip(k + 1) {
-            let entry = row[group][lane];
-            if entry.abs() > value.abs() {
-                (place, value) = (i, entry);
-            }
+        let (mut place, mut largest) = (k, rows[k][group][lane].abs());
+        for i in k + 1..rows.len() {
+            let size = rows[i][group][lane].abs();
+            (place, largest) = if size > largest {
+                (i, size)
+            } else {
+                (place, largest)
+            };
         }
+        let value = rows[place][group][lane];
         if !pivots.take(value, place != k, ratio) {
             return None;
         }
-        rows.swap(k, place);
+        exchange(rows, k, place);
         order.swap(k, place);
         let reciprocal = 1.0 / value;
         let (above, rest) = rows.split_at_mut(k);
@@ -155,7 +157,26 @@ fn invert_fixed<const G: usize>(
             }
         }
     }
+    // The exchanged rows are exchanged columns of the inverse.
+    for (row, target) in rows.iter().zip(inverse) {
+        let mut sorted = [0.0; 16];
+        for (value, column) in row.as_flattened().iter().zip(&*order) {
+            sorted[*column & 15] = *value;
+        }
+        for (target, group) in target.iter_mut().zip(sorted.as_chunks::<4>().0) {
+            *target = *group;
+        }
+    }
     Some(pivots)
+}
+
+/// Exchanges row `k` with one below it, group by group.
+#[inline(always)]
+fn exchange<const G: usize>(rows: &mut [[Lanes; G]], k: usize, below: usize) {
+    let (upper, lower) = rows.split_at_mut(below);
+    if let (Some(a), Some(b)) = (upper.get_mut(k), lower.first_mut()) {
+        a.iter_mut().zip(b).for_each(|(a, b)| std::mem::swap(a, b));
+    }
 }
 
 /// Puts zero into every row's entry `lane` of group `K` and subtracts the pivot's row times what was there.

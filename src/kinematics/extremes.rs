@@ -8,7 +8,8 @@
 //! caller decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
 //! part in every direction, so that it cannot stay with a value that has been overtaken.
 
-use super::lanes::{LaneMatrix, Lanes, combine, dot, groups, scale};
+use super::lanes::{LaneMatrix, Lanes, combine, dot, groups, scale, total};
+use wide::f64x4;
 
 /// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much. An inverse of a
 /// pose right beside adds as much again: together a millionth.
@@ -133,17 +134,42 @@ impl PowerIteration {
     }
 
     fn multiply(&mut self, a: &LaneMatrix) {
-        self.inner.resize(a.stride(), [0.0; 4]);
-        combine(
-            &mut self.inner,
-            &self.vector.as_flattened()[..self.size],
-            a.groups(),
-        );
         self.image.clear();
         self.image.resize(groups(self.size), [0.0; 4]);
-        for (row, y) in a.rows().zip(self.image.as_flattened_mut()) {
-            *y = dot(row, &self.inner);
+        let vector = &self.vector.as_flattened()[..self.size];
+        let image = self.image.as_flattened_mut();
+        match a.stride() {
+            1 => multiply_fixed::<1>(a.groups(), vector, image),
+            2 => multiply_fixed::<2>(a.groups(), vector, image),
+            3 => multiply_fixed::<3>(a.groups(), vector, image),
+            4 => multiply_fixed::<4>(a.groups(), vector, image),
+            stride => {
+                self.inner.resize(stride, [0.0; 4]);
+                combine(&mut self.inner, vector, a.groups());
+                for (row, y) in a.rows().zip(image) {
+                    *y = dot(row, &self.inner);
+                }
+            }
         }
+    }
+}
+
+/// `image = A Aᵀ vector` for rows of `G` groups, so that the sums stay in registers.
+#[inline(always)]
+fn multiply_fixed<const G: usize>(rows: &[Lanes], vector: &[f64], image: &mut [f64]) {
+    let rows = rows.as_chunks::<G>().0;
+    let mut inner = [f64x4::ZERO; G];
+    for (row, factor) in rows.iter().zip(vector) {
+        for g in 0..G {
+            inner[g] += f64x4::new(row[g]) * f64x4::splat(*factor);
+        }
+    }
+    for (row, y) in rows.iter().zip(image) {
+        let mut sum = f64x4::ZERO;
+        for g in 0..G {
+            sum += f64x4::new(row[g]) * inner[g];
+        }
+        *y = total(sum.to_array());
     }
 }
 

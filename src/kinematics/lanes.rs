@@ -32,15 +32,6 @@ pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
     total(sums.to_array())
 }
 
-/// `target += factor · |row|`.
-#[inline]
-pub fn add_scaled_sizes(target: &mut [Lanes], factor: f64, row: &[Lanes]) {
-    let factor = f64x4::splat(factor);
-    for (t, r) in target.iter_mut().zip(row) {
-        *t = (f64x4::new(*t) + factor * f64x4::new(*r).abs()).to_array();
-    }
-}
-
 /// Adds the squares of a row.
 #[inline]
 pub fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {
@@ -161,6 +152,13 @@ impl LaneMatrix {
 
     /// Takes over a row-major matrix: the transpose of a column-major one.
     pub fn copy_rows(&mut self, a: &[f64], rows: usize, columns: usize) {
+        if columns % 4 == 0 {
+            self.reshape(rows, columns);
+            self.entries
+                .as_flattened_mut()
+                .copy_from_slice(&a[..rows * columns]);
+            return;
+        }
         self.reset(rows, columns);
         let stride = self.stride.max(1);
         let targets = self.entries.chunks_exact_mut(stride);

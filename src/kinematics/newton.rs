@@ -6,11 +6,12 @@
 use super::closure::{BlockWorkspace, Want};
 use super::elimination::Elimination;
 use super::extremes::Extremes;
-use super::lanes::{LaneMatrix, Lanes, combine, dot, groups};
+use super::lanes::{LaneMatrix, Lanes, add_scaled, combine, dot, groups, total};
 use super::qr::PivotedQr;
 use super::rank::{Conditioning, RANK_TOLERANCE, conditioning};
 use super::structure::{Block, Structure};
 use crate::model::mechanism::Mechanism;
+use wide::f64x4;
 
 /// Most iterations of one correction. From a predicted pose three suffice; a slow one means a bad prediction.
 const MAX_ITERATIONS: u32 = 12;
@@ -48,6 +49,9 @@ const ITERATED_RATIO: f64 = 1e-7;
 /// is at most this: singular values then differ by no more than this part of themselves, and no determinant changes its sign.
 const SAME_INVERSE: f64 = 5e-7;
 
+/// Refinements after which a solution by such an inverse is right to rounding.
+const REFINEMENTS: usize = 2;
+
 /// Buffers and factorisations, one per block. All iterations reuse them.
 #[derive(Clone, Debug)]
 pub struct Corrector {
@@ -78,6 +82,8 @@ pub(super) struct BlockBuffers {
     /// Inverse (of a tall matrix the pseudo-inverse) with one row an equation, so that a solution is a sum of rows.
     inverse: LaneMatrix,
     has_inverse: bool,
+    /// The factors are those of a pose beside.
+    beside: bool,
     /// The inverse comes from the elimination.
     eliminated: bool,
     /// The Jacobian that was factored.
@@ -92,6 +98,7 @@ pub(super) struct BlockBuffers {
     solution: Vec<f64>,
     /// Step of the block's unknowns, in whole groups.
     step: Vec<Lanes>,
+    rough: Vec<Lanes>,
 }
 
 /// What a correction did.
@@ -220,6 +227,7 @@ impl Corrector {
             buffers.linearise(mechanism, block, coordinates);
             buffers.workspace.drift_along(&block.plan, rates);
             buffers.solve_drift();
+            buffers.refine();
             for (unknown, change) in buffers.changes(block) {
                 rates[unknown] = change;
             }
@@ -256,6 +264,18 @@ impl Corrector {
     }
 }
 
+/// Sum of the squares of differences, four at a time.
+fn square_of_difference(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [f64x4::ZERO; 2];
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        let difference = f64x4::new(*a) - f64x4::new(*b);
+        sums[k % 2] += difference * difference;
+    }
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a - b) * (a - b));
+    total((sums[0] + sums[1]).to_array()) + rest.sum::<f64>()
+}
+
 impl Correction {
     fn failed(iterations: u32, first_step: f64) -> Self {
         Self {
@@ -287,6 +307,7 @@ impl BlockBuffers {
         self.evaluate(mechanism, block, coordinates);
         if self.stage < Stage::Factored && self.inverse_serves() {
             self.stage = Stage::Factored;
+            self.beside = true;
         }
         self.factor(block);
     }
@@ -297,8 +318,7 @@ impl BlockBuffers {
         if !self.has_inverse || self.factored.len() != jacobian.len() {
             return false;
         }
-        let changes = jacobian.iter().zip(&self.factored);
-        let change: f64 = changes.map(|(a, b)| (a - b) * (a - b)).sum();
+        let change = square_of_difference(jacobian, &self.factored);
         let size = dot(self.inverse.groups(), self.inverse.groups());
         change * size <= SAME_INVERSE * SAME_INVERSE
     }
@@ -311,6 +331,7 @@ impl BlockBuffers {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let jacobian = &self.workspace.jacobian;
         self.factored.clone_from(jacobian);
+        self.beside = false;
         let pivots = match rows == columns {
             true => self.elimination.invert(jacobian, rows, &mut self.inverse),
             false => None,
@@ -386,6 +407,28 @@ impl BlockBuffers {
         self.solve(self.has_inverse);
     }
 
+    /// Makes the last solution right to rounding where the inverse is of a pose beside.
+    fn refine(&mut self) {
+        if !self.beside {
+            return;
+        }
+        let rows = self.workspace.residual.len();
+        for _ in 0..REFINEMENTS {
+            self.right_side.clear();
+            self.right_side
+                .extend_from_slice(&self.workspace.drift.as_flattened()[..rows]);
+            let columns = self.workspace.jacobian.chunks_exact(rows.max(1));
+            for (column, step) in columns.zip(self.step.as_flattened()) {
+                for (left, entry) in self.right_side.iter_mut().zip(column) {
+                    *left += step * entry;
+                }
+            }
+            self.rough.clone_from(&self.step);
+            self.solve(true);
+            add_scaled(&mut self.step, 1.0, &self.rough);
+        }
+    }
+
     /// Solves J step = -right side, by the inverse or by the factors.
     fn solve(&mut self, by_inverse: bool) {
         if by_inverse {
@@ -405,5 +448,50 @@ impl BlockBuffers {
         for (s, value) in self.step.as_flattened_mut().iter_mut().zip(&self.solution) {
             *s = *value;
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::branch::BranchWatch;
+    use super::super::continuation::solve;
+    use super::super::predictor::{HIGHEST_ORDER, Predictor};
+    use super::super::sampling::even_times;
+    use super::*;
+    use crate::scene::{Overrides, builtin, load};
+
+    #[test]
+    fn an_inverse_of_a_pose_beside_gives_the_same_tangents_signs_and_singular_values() {
+        let source = builtin::find("gearshift").unwrap();
+        let mechanism = load(&source, &Overrides::default()).unwrap().mechanism;
+        let structure = Structure::new(&mechanism).unwrap();
+        let trajectory = solve(&mechanism, &even_times(&mechanism, 300)).unwrap();
+        let (n, first) = (mechanism.unknowns.len(), &trajectory.samples[0]);
+        let mut here = [&first.pose.as_ref().unwrap().unknowns[..], &first.inputs].concat();
+        let (mut shared, mut predictor) = (Corrector::new(&structure), Predictor::default());
+        let (mut watch, mut beside) = (BranchWatch::default(), 0);
+        for sample in &trajectory.samples[1..] {
+            let (m, s) = (&mechanism, &structure);
+            let order = HIGHEST_ORDER;
+            predictor.predict(m, s, &mut shared, &mut here, &sample.inputs, order);
+            assert!(shared.correct(m, s, &mut here, Pace::Brisk).converged);
+            let mut own = Corrector::new(&structure);
+            let state = watch.observe(m, s, &mut shared, &here);
+            let exact = BranchWatch::default().observe(m, s, &mut own, &here);
+            assert_eq!(state.signs, exact.signs);
+            assert!((state.sigma_min / exact.sigma_min - 1.0).abs() < 2e-6);
+            let rates_by = |corrector: &mut Corrector| {
+                let mut rates = vec![0.0; n + 2];
+                rates[n..].copy_from_slice(&[1.0, 0.01]);
+                corrector.tangent(m, s, &here, &mut rates);
+                rates
+            };
+            for (a, b) in rates_by(&mut shared).iter().zip(rates_by(&mut own)) {
+                assert!((a - b).abs() < 1e-14, "{a} {b}");
+            }
+            beside += shared.blocks.iter().filter(|b| b.beside).count();
+        }
+        assert!(beside > 300, "{beside}");
     }
 }

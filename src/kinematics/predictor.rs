@@ -155,14 +155,15 @@ impl Predictor {
 impl GroupSeries {
     /// Coefficient `K` of the joints' twists, from coefficient `K - 1` of the arguments' `rates` and those before. `link` is
     /// coefficient `K - 1` of the twist of the link before, then of the one after.
-    #[inline(always)]
+    #[inline(never)]
     fn advance<const K: usize>(
         &mut self,
         planned: &PlannedGroup,
         rates: &[f64],
         link: &mut [f64; 6],
     ) {
-        self.rates[K - 1] = planned.arguments.map(|a| rates[a]);
+        let [a, b, c, d] = planned.arguments;
+        self.rates[K - 1] = [rates[a], rates[b], rates[c], rates[d]];
         let rate = |order: usize| f64x4::new(self.rates[order - 1]);
         let mut made = self.bend;
         made.add_scaled(&self.own[0], rate(K));
@@ -185,9 +186,8 @@ fn take_rates(rates: &mut Vec<f64>, plan: &BlockPlan, coefficients: &[f64], orde
     rates.clear();
     rates.resize(plan.arguments.len(), 0.0);
     for term in &plan.terms {
-        rates[term.argument] += term.coefficient * coefficients[term.slot];
+        rates[term.argument] += order as f64 * term.coefficient * coefficients[term.slot];
     }
-    rates.iter_mut().for_each(|rate| *rate *= order as f64);
 }
 
 /// The larger magnitude; what is no number wins.

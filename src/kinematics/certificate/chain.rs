@@ -1,4 +1,4 @@
-//! A loop's product with 31 digits, its skew residual, and bounds of its derivatives.
+//! A loop's product with 23 digits, its skew residual, and bounds of its derivatives.
 //!
 //! The residual here is the skew part of the rotation and the translation over the size: unlike the rotation vector
 //! that Newton uses, it is a plain entry of a product, so that its second derivatives have simple bounds.
@@ -38,7 +38,7 @@ impl ArgumentDouble {
         let (value, open_length) = affine_value(form, coordinates);
         let (sin, cos) = sin_cos(value);
         Self {
-            value: Factor::new(value),
+            value: Factor::short(value),
             sin,
             cos,
             open_length,
@@ -50,7 +50,8 @@ impl ArgumentDouble {
 
 /// The value with 31 digits, and the effect of coefficients that are rounded decimals.
 pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (Double, f64) {
-    let rounded = |v: f64| if v.fract() == 0.0 { 0.0 } else { 2.0 * U };
+    // Numbers too large for the conversion count as rounded.
+    let rounded = |v: f64| if v as i64 as f64 == v { 0.0 } else { 2.0 * U };
     let mut open = rounded(form.constant) * form.constant.abs();
     let mut value = Double::from(form.constant);
     for &(slot, c) in &form.terms {
@@ -119,6 +120,11 @@ impl LoopPlan {
         plan
     }
 
+    /// Places of the joints' arguments.
+    pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
+        self.joints.iter().map(|joint| joint.argument)
+    }
+
     /// A joint after a fixed pose, which counts as behind the joint before.
     fn after(&mut self, fixed: Option<Pose>) -> PlannedJoint {
         let pose = fixed.unwrap_or(Pose::IDENTITY);
@@ -133,7 +139,7 @@ impl LoopPlan {
                 self.length_before = pose.translation.length();
             }
         }
-        let part = |v: f64| (v != 0.0).then(|| Factor::new(Double::from(v)));
+        let part = |v: f64| (v != 0.0).then(|| Factor::short(Double::from(v)));
         PlannedJoint {
             shift: pose.translation.to_array().map(part),
             turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
@@ -208,8 +214,8 @@ fn open_fixed(pose: &Pose) -> [f64; 2] {
     [FIXED_ROTATION + defect, FOLDED_TRANSLATION * length]
 }
 
-/// Rounding of one step of the walk: products of two f64 parts lose less.
-const LOST_IN_STEP: f64 = 1e-29;
+/// Rounding of one step of the walk (radians, sizes): six entries lose at most 11 × 2^-80 each, a shift no more of itself.
+const LOST_IN_STEP: f64 = 3e-23;
 
 impl LoopAtPose {
     /// Evaluates a loop. `play` is by how much an argument can change in the ball.
@@ -299,7 +305,7 @@ impl LoopAtPose {
             reach += planned.length_behind / size;
             joint.reach = reach * (1.0 + 1e-12);
             if joint.motion == Motion::Translation {
-                let length = arguments[joint.argument].value.hi.abs() + play(joint.argument);
+                let length = arguments[joint.argument].value.whole.abs() + play(joint.argument);
                 reach += length / size;
             }
         }

@@ -26,75 +26,84 @@ const QUARTER: usize = STEPS / 2;
 /// Rounds by its size.
 const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// A number whose leading part is also split in halves for exact products.
+/// Adding and taking away rounds numbers up to two to multiples of 2^-26. Products of two such numbers up to one, and
+/// sums of a few of them, are exact in f64.
+pub const GRID: f64 = 1.5 * (1u64 << 26) as f64;
+
+/// A number as a short leading part, whose products with others are exact, and the rest: about 79 bits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Factor {
-    /// Leading part.
-    pub hi: f64,
-    /// What is left.
-    pub lo: f64,
-    /// Upper half of `hi`.
+    /// Leading part, of at most 27 bits.
     pub upper: f64,
-    /// Lower half of `hi`.
+    /// What is left.
     pub lower: f64,
+    /// The number rounded to f64.
+    pub whole: f64,
 }
 
 impl Factor {
-    /// Splits.
+    /// Of a number up to one: the leading part is a multiple of 2^-26.
     #[inline]
-    pub const fn new(value: Double) -> Self {
+    pub const fn on_grid(value: Double) -> Self {
+        let upper = (value.hi + GRID) - GRID;
+        Self {
+            upper,
+            lower: (value.hi - upper) + value.lo,
+            whole: value.hi,
+        }
+    }
+
+    /// Of any number: the leading part has 26 bits.
+    #[inline]
+    pub const fn short(value: Double) -> Self {
         let (upper, lower) = split(value.hi);
         Self {
-            hi: value.hi,
-            lo: value.lo,
             upper,
-            lower,
+            lower: lower + value.lo,
+            whole: value.hi,
         }
     }
 
     /// The number itself.
     #[inline]
     pub const fn value(&self) -> Double {
-        Double {
-            hi: self.hi,
-            lo: self.lo,
-        }
+        Double::ordered(self.upper, self.lower)
     }
 
     /// Its negative for a negative `sign`.
     #[inline]
     pub fn signed(&self, sign: f64) -> Self {
         Self {
-            hi: sign * self.hi,
-            lo: sign * self.lo,
             upper: sign * self.upper,
             lower: sign * self.lower,
+            whole: sign * self.whole,
         }
     }
 
-    /// The product of the leading parts, exactly.
+    /// What the exact product of the leading parts leaves out, with an error of 2^-78.
     #[inline]
-    fn leading(&self, b: &Self) -> Double {
-        let hi = self.hi * b.hi;
-        let lo = ((self.upper * b.upper - hi) + self.upper * b.lower + self.lower * b.upper)
-            + self.lower * b.lower;
-        Double { hi, lo }
+    fn beside(&self, b: &Self) -> f64 {
+        self.upper * b.lower + self.lower * b.whole
     }
 
-    /// `a b + c d` with an error of about 2^-102 (|a b| + |c d|).
+    /// `a b + c d` of numbers on the grid, with an error of 2^-76.
     #[inline]
-    fn two_products(a: &Self, b: &Self, c: &Self, d: &Self) -> Double {
-        let (p, q) = (a.leading(b), c.leading(d));
-        let cross = (a.hi * b.lo + a.lo * b.hi) + (c.hi * d.lo + c.lo * d.hi);
-        let sum = Double::sum(p.hi, q.hi);
-        Double::ordered(sum.hi, sum.lo + (p.lo + q.lo + cross))
+    fn two_products(a: &Self, b: &Self, c: &Self, d: &Self) -> Self {
+        let exact = a.upper * b.upper + c.upper * d.upper;
+        let upper = (exact + GRID) - GRID;
+        let lower = (exact - upper) + (a.beside(b) + c.beside(d));
+        Self {
+            upper,
+            lower,
+            whole: upper + lower,
+        }
     }
 }
 
 static TABLE: [(Factor, Factor); QUARTER] = table();
 
 const fn table() -> [(Factor, Factor); QUARTER] {
-    let blank = Factor::new(Double { hi: 0.0, lo: 0.0 });
+    let blank = Factor::on_grid(Double { hi: 0.0, lo: 0.0 });
     let mut table = [(blank, blank); QUARTER];
     let mut k = 0;
     while k < QUARTER {
@@ -104,7 +113,7 @@ const fn table() -> [(Factor, Factor); QUARTER] {
             Double::product(count, PI[1] / STEPS as f64),
         );
         let (sin, cos) = series(a.plus(b));
-        table[k] = (Factor::new(sin), Factor::new(cos));
+        table[k] = (Factor::on_grid(sin), Factor::on_grid(cos));
         k += 1;
     }
     table
@@ -145,7 +154,7 @@ const fn quotient(a: Double, divisor: f64) -> Double {
 pub fn sin_cos(angle: Double) -> (Factor, Factor) {
     let reducible = angle.hi.abs() <= LARGEST_ANGLE;
     if !reducible {
-        let none = Factor::new(Double::from(f64::NAN));
+        let none = Factor::on_grid(Double::from(f64::NAN));
         return (none, none);
     }
     // Adding and taking away three halves of 2^52 rounds what is below 2^51.
@@ -157,8 +166,8 @@ pub fn sin_cos(angle: Double) -> (Factor, Factor) {
     let place = count as i64;
     let (table_sin, table_cos) = &TABLE[(place & (QUARTER as i64 - 1)) as usize];
     let minus = sin.signed(-1.0);
-    let whole_sin = Factor::new(Factor::two_products(table_sin, &cos, table_cos, &sin));
-    let whole_cos = Factor::new(Factor::two_products(table_cos, &cos, table_sin, &minus));
+    let whole_sin = Factor::two_products(table_sin, &cos, table_cos, &sin);
+    let whole_cos = Factor::two_products(table_cos, &cos, table_sin, &minus);
     match (place >> QUARTER.trailing_zeros()) & 3 {
         0 => (whole_sin, whole_cos),
         1 => (whole_cos, whole_sin.signed(-1.0)),
@@ -177,7 +186,7 @@ fn near_zero(rest: Double) -> (Factor, Factor) {
     let cosine = q * q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q / 40_320.0));
     let half = Double::ordered(1.0, -0.5 * q);
     let cos = Double::ordered(half.hi, half.lo + (cosine - 0.5 * square.lo));
-    (Factor::new(sin), Factor::new(cos))
+    (Factor::on_grid(sin), Factor::on_grid(cos))
 }
 
 #[cfg(test)]
@@ -209,9 +218,9 @@ mod tests {
             let error = difference(far_sin, exact_sin).max(difference(far_cos, exact_cos));
             assert!(error <= FUNCTION_ERROR + 1e-27, "{}: {error:e}", far.hi);
             let (sin, cos) = libm::sincos(far.hi);
-            assert!((far_sin.hi - sin).abs() < 1e-12 && (far_cos.hi - cos).abs() < 1e-12);
+            assert!((far_sin.whole - sin).abs() < 1e-12 && (far_cos.whole - cos).abs() < 1e-12);
         }
-        assert!(sin_cos(Double::from(1e13)).0.hi.is_nan());
+        assert!(sin_cos(Double::from(1e13)).0.whole.is_nan());
     }
 
     #[test]

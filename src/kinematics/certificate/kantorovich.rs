@@ -1,10 +1,11 @@
 //! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
 
 use super::super::elimination::Elimination;
-use super::super::lanes::{LaneMatrix, Lanes, add_scaled, add_scaled_sizes, combine, groups};
+use super::super::lanes::{LaneMatrix, Lanes, add_scaled, groups};
 use super::chain::U;
 use super::system::BlockSystem;
 use super::{BALL, Reason};
+use wide::f64x4;
 
 /// What is proved of the unknowns of earlier blocks, in radians and sizes.
 #[derive(Clone, Debug, Default)]
@@ -58,6 +59,39 @@ impl Constants {
     }
 }
 
+/// What a form changes by.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    /// Less the Newton steps of earlier blocks.
+    step: f64,
+    /// Largest change within what is known of it.
+    drift: f64,
+    /// Largest rate by the block's unknowns.
+    own_rate: f64,
+}
+
+/// Runs a step that is compiled for one to four groups at a time, so that sums stay in registers, over all groups.
+macro_rules! in_blocks {
+    ($groups:expr, |$count:ident, $first:ident| $step:expr) => {{
+        let (mut $first, groups) = (0, $groups);
+        macro_rules! run {
+            ($n:literal) => {{
+                const $count: usize = $n;
+                $step;
+                $first += $n;
+            }};
+        }
+        while $first < groups {
+            match groups - $first {
+                1 => run!(1),
+                2 => run!(2),
+                3 => run!(3),
+                _ => run!(4),
+            }
+        }
+    }};
+}
+
 /// Buffers of the test.
 #[derive(Clone, Debug, Default)]
 pub struct Kantorovich {
@@ -70,11 +104,7 @@ pub struct Kantorovich {
     /// Residuals and weights of the rows: residual, and weights for the rest of eta, for q, for K.
     rows: Constants,
     unknowns: Constants,
-    /// Sizes of the rows' rates by the forms: by what the forms drift, and by their own rates.
-    drifts: Vec<Lanes>,
-    own_rates: Vec<Lanes>,
-    /// R times the column of a form.
-    product: Vec<Lanes>,
+    changes: Vec<Change>,
     /// R times the Jacobian less the identity, column by column.
     identity: LaneMatrix,
     /// R times the derivative by unknowns of earlier blocks.
@@ -110,8 +140,7 @@ impl Kantorovich {
             most_q = worse(most_q, q[i] * GROW);
             most_k = worse(most_k, k[i] * GROW);
         }
-        let discriminant =
-            (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
+        let discriminant = (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
         if !(most_q < 1.0 && discriminant > 0.0) {
             return Err(Reason::Singular);
         }
@@ -162,78 +191,161 @@ impl Kantorovich {
     fn weigh(&mut self, system: &BlockSystem, basis: &[usize], earlier: &Earlier) {
         let n = basis.len();
         self.rows.reset(n);
-        for list in [&mut self.drifts, &mut self.own_rates] {
-            list.clear();
-            list.resize(groups(n), [0.0; 4]);
-        }
-        for (f, (form, column)) in system.forms.iter().zip(self.columns.rows()).enumerate() {
-            let (mut step, mut drift) = (0.0, system.open[f]);
+        self.changes.clear();
+        for (form, open) in system.forms.iter().zip(&system.open) {
+            let mut change = Change {
+                step: 0.0,
+                drift: *open,
+                own_rate: form.own_rate,
+            };
             for (place, rate) in &form.before {
                 let unknown = system.before[*place];
-                step += rate * earlier.step[unknown];
-                drift += rate.abs() * (earlier.step[unknown].abs() + earlier.rest[unknown]);
+                let (step, rest) = (earlier.step[unknown], earlier.rest[unknown]);
+                change.step -= rate * step;
+                change.drift += rate.abs() * (step.abs() + rest);
             }
-            if step != 0.0 {
-                add_scaled(&mut self.rows.newton, -step, column);
-            }
-            add_scaled_sizes(&mut self.drifts, drift, column);
-            add_scaled_sizes(&mut self.own_rates, form.own_rate, column);
+            self.changes.push(change);
         }
+        in_blocks!(groups(n), |G, first| self.sum_forms::<G>(first));
         let drift = earlier.largest;
         let sums = (2 * n + system.forms.len() + 8) as f64 * U;
-        let (residuals, rests) = (&mut self.rows.newton, &mut self.rows.rest);
-        let [residuals, rests, qs, ks] = [residuals, rests, &mut self.rows.q, &mut self.rows.k]
-            .map(|list| list.as_flattened_mut());
-        let (drifts, own_rates) = (self.drifts.as_flattened(), self.own_rates.as_flattened());
-        for (k, index) in basis.iter().enumerate() {
+        let Constants { newton, rest, q, k } = &mut self.rows;
+        let [residuals, rests, qs, ks] = [newton, rest, q, k].map(|l| l.as_flattened_mut());
+        for (i, index) in basis.iter().enumerate() {
             let row = &system.rows[*index];
-            let rounding = sums * (row.residual.abs() + drifts[k]);
-            residuals[k] += row.residual;
-            rests[k] = row.open
-                + rounding
+            // Until here the sums of what the forms drift, and of their own rates.
+            let (drifts, own_rates) = (rests[i], qs[i]);
+            residuals[i] += row.residual;
+            rests[i] = row.open
+                + sums * (row.residual.abs() + drifts)
                 + row.column_error * drift
                 + 0.5 * row.second_all * drift * drift;
-            qs[k] = row.column_error + sums * own_rates[k] + row.second_all * drift;
-            ks[k] = row.second;
+            qs[i] = row.column_error + sums * own_rates + row.second_all * drift;
+            ks[i] = row.second;
         }
+    }
+
+    /// What the forms change in `G` groups of rows: residuals, sums over sizes by drifts and by own rates.
+    #[inline(always)]
+    fn sum_forms<const G: usize>(&mut self, first: usize) {
+        let mut sums = [[f64x4::ZERO; G]; 3];
+        for (change, column) in self.changes.iter().zip(self.columns.rows()) {
+            let column = part::<G>(column, first);
+            for g in 0..G {
+                let size = column[g].abs();
+                sums[0][g] += column[g] * f64x4::splat(change.step);
+                sums[1][g] += size * f64x4::splat(change.drift);
+                sums[2][g] += size * f64x4::splat(change.own_rate);
+            }
+        }
+        let rows = &mut self.rows;
+        put(&mut rows.newton, first, sums[0]);
+        put(&mut rows.rest, first, sums[1]);
+        put(&mut rows.q, first, sums[2]);
     }
 
     /// Constants of all unknowns, before they are grown.
     fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &Earlier) {
         self.unknowns.reset(n);
-        let Constants { newton, rest, q, k } = &mut self.unknowns;
-        let by_rows = [&self.rows.newton, &self.rows.rest, &self.rows.q, &self.rows.k];
-        let [residuals, rests, qs, ks] = by_rows.map(|list| list.as_flattened());
-        combine(newton, &residuals[..n], self.inverse.groups());
-        for (row, inverse) in self.inverse.rows().enumerate() {
-            add_scaled_sizes(rest, rests[row], inverse);
-            add_scaled_sizes(q, qs[row], inverse);
-            add_scaled_sizes(k, ks[row], inverse);
-        }
         self.identity.reset(n, n);
         for i in 0..n {
             *self.identity.at_mut(i, i) = -1.0;
         }
         self.before.reset(system.before.len(), n);
-        self.product.resize(groups(n), [0.0; 4]);
+        in_blocks!(groups(n), |G, first| self
+            .bound_some::<G>(n, first, system, earlier));
+    }
+
+    /// Constants of `G` groups of unknowns.
+    #[inline(always)]
+    fn bound_some<const G: usize>(
+        &mut self,
+        n: usize,
+        first: usize,
+        system: &BlockSystem,
+        earlier: &Earlier,
+    ) {
+        let rows = &self.rows;
+        let weights = [&rows.newton, &rows.rest, &rows.q, &rows.k].map(|l| &l.as_flattened()[..n]);
+        let [mut newton, mut rest, mut q, mut k] = [[f64x4::ZERO; G]; 4];
+        for (i, row) in self.inverse.rows().enumerate().take(n) {
+            let row = part::<G>(row, first);
+            let [residual, for_rest, for_q, for_k] = weights.map(|list| f64x4::splat(list[i]));
+            for g in 0..G {
+                let size = row[g].abs();
+                newton[g] += row[g] * residual;
+                rest[g] += size * for_rest;
+                q[g] += size * for_q;
+                k[g] += size * for_k;
+            }
+        }
         let forms = system.forms.iter().zip(&system.open);
         for ((form, open), column) in forms.zip(self.columns.rows()) {
-            let column = &column.as_flattened()[..n];
-            combine(&mut self.product, column, self.inverse.groups());
-            add_scaled_sizes(rest, *open, &self.product);
+            // Where a basis leaves rows out, it is all that is left that counts.
+            let rows = if n == system.rows.len() {
+                form.rows.clone()
+            } else {
+                0..n
+            };
+            let column = &column.as_flattened()[rows.clone()];
+            let mut product = [f64x4::ZERO; G];
+            for (row, value) in self.inverse.rows().skip(rows.start).zip(column) {
+                let row = part::<G>(row, first);
+                for g in 0..G {
+                    product[g] += row[g] * f64x4::splat(*value);
+                }
+            }
+            add_sizes(&mut rest, &product, *open);
             for (column, rate) in &form.own {
-                add_scaled(self.identity.row_mut(*column), *rate, &self.product);
+                add_part(self.identity.row_mut(*column), first, &product, *rate);
             }
             for (place, rate) in &form.before {
-                add_scaled(self.before.row_mut(*place), *rate, &self.product);
+                add_part(self.before.row_mut(*place), first, &product, *rate);
             }
         }
         for (rates, slot) in self.before.rows().zip(&system.before) {
-            add_scaled_sizes(rest, earlier.rest[*slot], rates);
+            add_sizes(&mut rest, &part::<G>(rates, first), earlier.rest[*slot]);
         }
         for column in self.identity.rows() {
-            add_scaled_sizes(q, 1.0, column);
+            add_sizes(&mut q, &part::<G>(column, first), 1.0);
         }
+        put(&mut self.unknowns.newton, first, newton);
+        put(&mut self.unknowns.rest, first, rest);
+        put(&mut self.unknowns.q, first, q);
+        put(&mut self.unknowns.k, first, k);
+    }
+}
+
+/// `G` groups of a row.
+#[inline(always)]
+fn part<const G: usize>(row: &[Lanes], first: usize) -> [f64x4; G] {
+    let mut groups = [f64x4::ZERO; G];
+    for (group, lanes) in groups.iter_mut().zip(&row[first..first + G]) {
+        *group = f64x4::new(*lanes);
+    }
+    groups
+}
+
+#[inline(always)]
+fn put<const G: usize>(row: &mut [Lanes], first: usize, groups: [f64x4; G]) {
+    for (lanes, group) in row[first..first + G].iter_mut().zip(groups) {
+        *lanes = group.to_array();
+    }
+}
+
+/// Adds a multiple of groups to those of a row.
+#[inline(always)]
+fn add_part<const G: usize>(row: &mut [Lanes], first: usize, add: &[f64x4; G], factor: f64) {
+    for (lanes, group) in row[first..first + G].iter_mut().zip(add) {
+        *lanes = (f64x4::new(*lanes) + *group * f64x4::splat(factor)).to_array();
+    }
+}
+
+/// `sums += factor · |groups|`.
+#[inline(always)]
+fn add_sizes<const G: usize>(sums: &mut [f64x4; G], groups: &[f64x4; G], factor: f64) {
+    for (sum, group) in sums.iter_mut().zip(groups) {
+        *sum += group.abs() * f64x4::splat(factor);
     }
 }
 

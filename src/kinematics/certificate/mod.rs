@@ -8,7 +8,7 @@
 //! error bound r = 2 eta / (1 - q + sqrt D),    uniqueness (1-q)/K,    if q < 1, D > 0, r <= BALL
 //! ```
 //!
-//! Rounding is part of eta and q. F is evaluated with 31 digits, sine and cosine with 20 (`circle`), so that no function
+//! Rounding is part of eta and q. F is evaluated with 23 digits, sine and cosine with 20 (`circle`), so that no function
 //! of the platform is trusted; dimensions that are no whole numbers are taken as known to one unit in the last place.
 //! The inputs are taken as exactly the numbers of the sample. The skew part of the loop's rotation also vanishes at a
 //! half-turn; a positive trace rules it out.

@@ -8,6 +8,7 @@ use super::{BALL, Forms, Reason};
 use crate::model::chain::Motion;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
+use std::ops::Range;
 
 /// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.
 const COLUMN_ROUNDING: f64 = 64.0 * U;
@@ -44,6 +45,17 @@ pub struct FormUse {
     pub own_rate: f64,
     /// Largest change by all unknowns.
     pub rate: f64,
+    /// Rows outside which nothing depends on it.
+    pub rows: Range<usize>,
+}
+
+impl FormUse {
+    fn reaches(&mut self, rows: Range<usize>) {
+        self.rows = match self.rows.is_empty() {
+            true => rows,
+            false => self.rows.start.min(rows.start)..self.rows.end.max(rows.end),
+        };
+    }
 }
 
 /// An equation of the block.
@@ -112,9 +124,27 @@ impl BlockSystem {
             let scale = mechanism.weight_of(*index);
             system.equations.push(EquationRow { affine, scale });
         }
+        system.note_rows();
         system.rows = vec![Row::default(); block.rows()];
         system.open = vec![0.0; system.forms.len()];
         system
+    }
+
+    /// Notes which rows depend on each form.
+    fn note_rows(&mut self) {
+        let first = self.forms.len() - self.equations.len();
+        let mut row = 0;
+        for item in &self.loops {
+            let end = row + item.components.len();
+            for argument in item.plan.arguments() {
+                self.forms[argument].reaches(row..end);
+            }
+            row = end;
+        }
+        for form in &mut self.forms[first..] {
+            form.reaches(row..row + 1);
+            row += 1;
+        }
     }
 
     fn add_form(&mut self, mechanism: &Mechanism, block: &Block, forms: &Forms, index: usize) {
@@ -140,6 +170,7 @@ impl BlockSystem {
             rate: sum(&own) + sum(&before),
             own,
             before,
+            rows: 0..0,
         });
     }
 
