@@ -146,8 +146,11 @@ fn invert_fixed<const G: usize>(
             break;
         };
         own[group][lane] = 1.0;
-        let pivot = own.map(|part| f64x4::new(part) * f64x4::splat(reciprocal));
-        *own = pivot.map(f64x4::to_array);
+        let mut pivot = [f64x4::ZERO; G];
+        for (pivot, part) in pivot.iter_mut().zip(own) {
+            *pivot = f64x4::new(*part) * f64x4::splat(reciprocal);
+            *part = pivot.to_array();
+        }
         for part in [above, below] {
             match group {
                 0 => clear_fixed::<G, 0>(part, &pivot, lane),

@@ -32,6 +32,18 @@ pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
     total(sums.to_array())
 }
 
+/// Sum of the squares of differences, four at a time.
+pub fn square_of_difference(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [f64x4::ZERO; 2];
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        let difference = f64x4::new(*a) - f64x4::new(*b);
+        sums[k % 2] += difference * difference;
+    }
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a - b) * (a - b));
+    total((sums[0] + sums[1]).to_array()) + rest.sum::<f64>()
+}
+
 /// Adds the squares of a row.
 #[inline]
 pub fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {

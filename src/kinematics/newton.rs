@@ -6,12 +6,11 @@
 use super::closure::{BlockWorkspace, Want};
 use super::elimination::Elimination;
 use super::extremes::Extremes;
-use super::lanes::{LaneMatrix, Lanes, add_scaled, combine, dot, groups, total};
+use super::lanes::{LaneMatrix, Lanes, add_scaled, combine, dot, groups, square_of_difference};
 use super::qr::PivotedQr;
 use super::rank::{Conditioning, RANK_TOLERANCE, conditioning};
 use super::structure::{Block, Structure};
 use crate::model::mechanism::Mechanism;
-use wide::f64x4;
 
 /// Most iterations of one correction. From a predicted pose three suffice; a slow one means a bad prediction.
 const MAX_ITERATIONS: u32 = 12;
@@ -262,18 +261,6 @@ impl Corrector {
             each(index, &buffers.workspace.jacobian, values, buffers.sign);
         }
     }
-}
-
-/// Sum of the squares of differences, four at a time.
-fn square_of_difference(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let mut sums = [f64x4::ZERO; 2];
-    for (k, (a, b)) in a.iter().zip(b).enumerate() {
-        let difference = f64x4::new(*a) - f64x4::new(*b);
-        sums[k % 2] += difference * difference;
-    }
-    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a - b) * (a - b));
-    total((sums[0] + sums[1]).to_array()) + rest.sum::<f64>()
 }
 
 impl Correction {

@@ -18,7 +18,7 @@ impl Vectors {
     /// Four times the same vector.
     #[inline]
     pub fn splat(v: DVec3) -> Self {
-        Self(v.to_array().map(f64x4::splat))
+        Self([f64x4::splat(v.x), f64x4::splat(v.y), f64x4::splat(v.z)])
     }
 
     /// From the numbers of four lanes.
@@ -82,7 +82,8 @@ impl Mul<f64x4> for Vectors {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factors: f64x4) -> Self {
-        Self(self.0.map(|v| v * factors))
+        let [x, y, z] = self.0;
+        Self([x * factors, y * factors, z * factors])
     }
 }
 
@@ -180,7 +181,14 @@ impl JointGroup {
         let turn = axis.mapped(log_from_spin) * turns;
         let shift = (axis.cross(&arms) * turns + axis * slides) * f64x4::splat(per_size);
         let ([a, b, c], [d, e, f]) = (turn.0, shift.0);
-        [a, b, c, d, e, f].map(f64x4::to_array)
+        [
+            a.to_array(),
+            b.to_array(),
+            c.to_array(),
+            d.to_array(),
+            e.to_array(),
+            f.to_array(),
+        ]
     }
 }
 

@@ -171,7 +171,7 @@ mod tests {
             .map(|k| ((k * 7 % 3) as usize, 2.9 * f64::from(k * k % 17) - 20.0))
             .collect();
         let mut product = Product::identity();
-        let mut pass = |product: &mut Product, (axis, value): (usize, f64), back: bool| {
+        let pass = |product: &mut Product, (axis, value): (usize, f64), back: bool| {
             let sign = if back { -1.0 } else { 1.0 };
             let (sin, cos) = sin_cos(Double::from(value));
             let length = Factor::short(Double::from(sign * 0.1 * value));
