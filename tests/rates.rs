@@ -7,8 +7,12 @@ mod program;
 mod reference;
 
 use mechanim::diag::Source;
+use mechanim::kinematics::branch::BranchWatch;
 use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::newton::{Corrector, Pace};
+use mechanim::kinematics::predictor::{HIGHEST_ORDER, Predictor};
 use mechanim::kinematics::rates::{By, RateColumns, add_derivatives, rates};
+use mechanim::kinematics::sampling::even_times;
 use mechanim::kinematics::structure::Structure;
 use mechanim::kinematics::taylor::Series;
 use mechanim::kinematics::trajectory::ClosedPose;
@@ -387,4 +391,41 @@ fn a_mechanism_without_inputs_has_rates_of_zero() {
     for name in ["d(a)/dt", "d2(b)/dt2"] {
         assert_eq!(document["samples"][0][name].as_f64(), Some(0.0), "{name}");
     }
+}
+
+/// The inverse of a Newton step serves the pose it leads to; what is made with it is that of the pose itself.
+#[test]
+fn tangents_signs_and_singular_values_by_a_shared_inverse_are_those_of_the_pose() {
+    let mechanism = builtin_scene("gearshift", &[]);
+    let structure = Structure::new(&mechanism).unwrap();
+    let trajectory = solve(&mechanism, &even_times(&mechanism, 300)).unwrap();
+    let (n, first) = (mechanism.unknowns.len(), &trajectory.samples[0]);
+    let mut here = [&first.pose.as_ref().unwrap().unknowns[..], &first.inputs].concat();
+    let (mut shared, mut predictor) = (Corrector::new(&structure), Predictor::default());
+    let (mut watch, mut beside) = (BranchWatch::default(), 0);
+    for sample in &trajectory.samples[1..] {
+        let (m, s) = (&mechanism, &structure);
+        let order = HIGHEST_ORDER;
+        predictor.predict(m, s, &mut shared, &mut here, &sample.inputs, order);
+        assert!(shared.correct(m, s, &mut here, Pace::Brisk).converged);
+        let mut own = Corrector::new(&structure);
+        let state = watch.observe(m, s, &mut shared, &here);
+        let exact = BranchWatch::default().observe(m, s, &mut own, &here);
+        assert_eq!(state.signs, exact.signs);
+        assert!((state.sigma_min / exact.sigma_min - 1.0).abs() < 2e-6);
+        let tangent = |corrector: &mut Corrector| {
+            let mut rates = vec![0.0; n + 2];
+            rates[n..].copy_from_slice(&[1.0, 0.01]);
+            corrector.tangent(m, s, &here, &mut rates);
+            rates
+        };
+        for (a, b) in tangent(&mut shared).iter().zip(tangent(&mut own)) {
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+        let entry = |corrector: &Corrector, block| corrector.inverse(block).unwrap().at(0, 0);
+        beside += (0..2)
+            .filter(|b| entry(&shared, *b) != entry(&own, *b))
+            .count();
+    }
+    assert!(beside > 300, "{beside}");
 }

@@ -126,8 +126,8 @@ fn invert_fixed<const G: usize>(
     for k in 0..rows.len() {
         let (group, lane) = (k / 4 % G, k % 4);
         let (mut place, mut largest) = (k, rows[k][group][lane].abs());
-        for i in k + 1..rows.len() {
-            let size = rows[i][group][lane].abs();
+        for (i, row) in (k + 1..).zip(&rows[k + 1..]) {
+            let size = row[group][lane].abs();
             (place, largest) = if size > largest {
                 (i, size)
             } else {
@@ -204,8 +204,9 @@ fn clear_fixed<const G: usize, const K: usize>(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     #[test]

@@ -164,7 +164,7 @@ impl LaneMatrix {
 
     /// Takes over a row-major matrix: the transpose of a column-major one.
     pub fn copy_rows(&mut self, a: &[f64], rows: usize, columns: usize) {
-        if columns % 4 == 0 {
+        if columns.is_multiple_of(4) {
             self.reshape(rows, columns);
             self.entries
                 .as_flattened_mut()
