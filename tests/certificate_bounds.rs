@@ -1,6 +1,7 @@
 //! The certified bound of every pose against its true error, known to 19 digits: more than a thousand poses.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::certificate::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
 use mechanim::kinematics::certificate::circle::sin_cos;
@@ -154,6 +155,44 @@ fn bounds_are_never_below_the_true_error_and_close_to_it() {
         assert!(worst <= 4.5e-16 * mechanism.size, "{name}: {worst:e}");
         assert!(ratio > tight, "{name}: {ratio}");
     }
+}
+
+/// Six four-bars, the last of which drives the first: one block of 18 unknowns, more than fit into four groups.
+fn ring() -> Mechanism {
+    let mut text = String::from("duration = 1\n[inputs]\nphi = \"1.9 + t/10\"\n[loops]\n");
+    for k in 1..=6 {
+        let driven_by = if k == 1 {
+            "phi - y6".to_owned()
+        } else {
+            format!("y{}", k - 1)
+        };
+        text += &format!(
+            "L{k} = \"Rz({driven_by}) Tx(40) Rz(a{k}) Tx(100) Rz(b{k}) inv(Tx(90) Rz(y{k}) Tx(70))\"\n"
+        );
+    }
+    text += "[guess]\n";
+    for k in 1..=6 {
+        text += &format!("y{k} = 1.3\n");
+    }
+    let name = "a ring of four-bars".into();
+    let scene = load(&Source { name, text }, &Overrides::default());
+    scene.unwrap().mechanism
+}
+
+#[test]
+fn bounds_of_a_large_block_hold() {
+    let mechanism = ring();
+    let structure = Structure::new(&mechanism).unwrap();
+    assert_eq!(structure.blocks.len(), 1);
+    assert_eq!(structure.blocks[0].unknowns.len(), 18);
+    let mut refined = Refined::new(&mechanism);
+    let mut ratio = 0.0_f64;
+    for (bound, coordinates) in poses(&mechanism, 60) {
+        let error = refined.true_error(&coordinates) * mechanism.size;
+        assert!(error <= bound && bound < 1e-11, "{error:e} {bound:e}");
+        ratio = ratio.max(error / bound);
+    }
+    assert!(ratio > 0.3, "{ratio}");
 }
 
 /// The root by Heron's method from that of f64.
