@@ -48,34 +48,48 @@ impl Elimination {
     /// Inverts a square column-major matrix into `inverse`, which is written column by column as well; `None` where it is
     /// nearly singular or holds no numbers.
     pub fn invert(&mut self, a: &[f64], n: usize, inverse: &mut LaneMatrix) -> Option<Pivots> {
-        // The transposed inverse is the inverse of the transposed.
-        self.matrix.copy_rows(a, n, n);
-        self.invert_rows(n, SMALLEST_RATIO, inverse)
+        self.matrix.copy_columns(a, n, n);
+        self.invert_rows(n, SMALLEST_RATIO, inverse, true)
     }
 
     /// The same for a matrix in rows, however small its pivots; the inverse is in rows too.
     pub fn invert_matrix(&mut self, a: &LaneMatrix, inverse: &mut LaneMatrix) -> Option<Pivots> {
         self.matrix.copy(a);
-        self.invert_rows(a.rows().len(), 0.0, inverse)
+        self.invert_rows(a.rows().len(), 0.0, inverse, false)
     }
 
-    fn invert_rows(&mut self, n: usize, ratio: f64, inverse: &mut LaneMatrix) -> Option<Pivots> {
+    fn invert_rows(
+        &mut self,
+        n: usize,
+        ratio: f64,
+        inverse: &mut LaneMatrix,
+        transposed: bool,
+    ) -> Option<Pivots> {
         self.order.clear();
         self.order.extend(0..n);
-        inverse.reshape(n, n);
         let order = &mut self.order[..];
         // The usual sizes by themselves, so that the pivot's row stays in registers.
         let pivots = match self.matrix.stride() {
-            1 => invert_fixed::<1>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
-            2 => invert_fixed::<2>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
-            3 => invert_fixed::<3>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
-            4 => invert_fixed::<4>(self.matrix.fixed_rows(), ratio, order, inverse.fixed_rows()),
-            _ => self.invert_any(n, ratio, inverse),
+            1 => invert_fixed::<1>(self.matrix.fixed_rows(), ratio, order),
+            2 => invert_fixed::<2>(self.matrix.fixed_rows(), ratio, order),
+            3 => invert_fixed::<3>(self.matrix.fixed_rows(), ratio, order),
+            4 => invert_fixed::<4>(self.matrix.fixed_rows(), ratio, order),
+            _ => self.invert_any(n, ratio),
         }?;
+        // The exchanged rows are exchanged columns of the inverse.
+        inverse.reset(n, n);
+        let width = 4 * inverse.stride();
+        let (down, along) = if transposed { (1, width) } else { (width, 1) };
+        let target = inverse.groups_mut().as_flattened_mut();
+        for (k, row) in self.matrix.rows().enumerate() {
+            for (value, column) in row.as_flattened().iter().zip(&self.order) {
+                target[k * down + column * along] = *value;
+            }
+        }
         Some(pivots)
     }
 
-    fn invert_any(&mut self, n: usize, ratio: f64, inverse: &mut LaneMatrix) -> Option<Pivots> {
+    fn invert_any(&mut self, n: usize, ratio: f64) -> Option<Pivots> {
         let mut pivots = Pivots::NONE;
         for k in 0..n {
             let (place, value) = self.largest_below(k);
@@ -93,12 +107,6 @@ impl Elimination {
             clear_column(above, &self.pivot_row, k);
             clear_column(&mut rest[self.pivot_row.len()..], &self.pivot_row, k);
         }
-        for (row, target) in self.matrix.rows().zip(inverse.rows_mut()) {
-            target.fill([0.0; 4]);
-            for (value, column) in row.as_flattened().iter().zip(&self.order) {
-                target.as_flattened_mut()[*column] = *value;
-            }
-        }
         Some(pivots)
     }
 
@@ -115,12 +123,11 @@ impl Elimination {
     }
 }
 
-/// Gauss and Jordan on rows of `G` groups, at most four; `order` counts from zero on.
+/// Gauss and Jordan in place on rows of `G` groups; `order` says which column of the inverse each column became.
 fn invert_fixed<const G: usize>(
     rows: &mut [[Lanes; G]],
     ratio: f64,
     order: &mut [usize],
-    inverse: &mut [[Lanes; G]],
 ) -> Option<Pivots> {
     let mut pivots = Pivots::NONE;
     for k in 0..rows.len() {
@@ -158,16 +165,6 @@ fn invert_fixed<const G: usize>(
                 2 => clear_fixed::<G, 2>(part, &pivot, lane),
                 _ => clear_fixed::<G, 3>(part, &pivot, lane),
             }
-        }
-    }
-    // The exchanged rows are exchanged columns of the inverse.
-    for (row, target) in rows.iter().zip(inverse) {
-        let mut sorted = [0.0; 16];
-        for (value, column) in row.as_flattened().iter().zip(&*order) {
-            sorted[*column & 15] = *value;
-        }
-        for (target, group) in target.iter_mut().zip(sorted.as_chunks::<4>().0) {
-            *target = *group;
         }
     }
     Some(pivots)

@@ -227,6 +227,12 @@ impl LaneMatrix {
         &self.entries
     }
 
+    /// The same to change.
+    #[inline]
+    pub fn groups_mut(&mut self) -> &mut [Lanes] {
+        &mut self.entries
+    }
+
     /// The rows up to `row`, and those from it on.
     #[inline]
     pub fn split_at_row(&mut self, row: usize) -> (&mut [Lanes], &mut [Lanes]) {
