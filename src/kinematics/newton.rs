@@ -226,7 +226,7 @@ impl Corrector {
             buffers.linearise(mechanism, block, coordinates);
             buffers.workspace.drift_along(&block.plan, rates);
             buffers.solve_drift();
-            buffers.refine();
+            buffers.refine(REFINEMENTS);
             for (unknown, change) in buffers.changes(block) {
                 rates[unknown] = change;
             }
@@ -394,13 +394,13 @@ impl BlockBuffers {
         self.solve(self.has_inverse);
     }
 
-    /// Makes the last solution right to rounding where the inverse is of a pose beside.
-    fn refine(&mut self) {
+    /// Refines the last solution for the drift where the inverse is of a pose beside.
+    pub(super) fn refine(&mut self, times: usize) {
         if !self.beside {
             return;
         }
         let rows = self.workspace.residual.len();
-        for _ in 0..REFINEMENTS {
+        for _ in 0..times {
             self.right_side.clear();
             self.right_side
                 .extend_from_slice(&self.workspace.drift.as_flattened()[..rows]);

@@ -119,6 +119,10 @@ impl Predictor {
                 self.add_bends(&block.plan, drift, size, k);
             }
             buffers.solve_drift();
+            // Coefficients of higher orders are too small to gain.
+            if k < 2 {
+                buffers.refine(1);
+            }
             let coefficients = &mut self.series[k * count..(k + 1) * count];
             for (unknown, change) in buffers.changes(block) {
                 coefficients[unknown] = change;
