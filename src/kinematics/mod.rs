@@ -35,3 +35,5 @@ pub mod spin;
 pub mod structure;
 pub mod taylor;
 pub mod trajectory;
+pub mod twofold;
+pub mod variation;

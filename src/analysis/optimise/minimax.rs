@@ -1,9 +1,11 @@
-//! The least largest of many smooth functions under smooth limits: linear programmes of the linearised functions within
-//! a trust region (Madsen and Schjær-Jacobsen, Math. Programming 14, 1978; limits by an elastic variable as in Fletcher,
-//! Practical Methods of Optimization, 2nd ed., chapter 12).
+//! The least largest of many smooth functions under smooth limits: quadratic programmes of the linearised functions within
+//! a trust region, bent by what the gradients of the last steps say of the curvature (Madsen and Schjær-Jacobsen, Math.
+//! Programming 14, 1978, without curvature; Powell's damped BFGS of the Lagrangian; limits by an elastic variable and
+//! second-order correction as in Fletcher, Practical Methods of Optimization, 2nd ed., chapters 12 and 14).
 
+use super::quadratic::Programme;
 use super::{Bounds, Ended, Minimum};
-use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
+use nalgebra::{DMatrix, DVector};
 
 /// Values at a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +55,7 @@ pub struct Search {
 /// Weight of the worst limit beside the largest peak, in first values of the peaks.
 const WEIGHT: f64 = 100.0;
 
-/// A step is taken when it gains this share of what the linear programme promised.
+/// A step is taken when it gains this share of what was promised.
 const TAKEN: f64 = 0.01;
 
 /// Above this share the region grows, below the second it shrinks.
@@ -63,6 +65,16 @@ const POOR: f64 = 0.25;
 /// Factors of the radius.
 const GROW: f64 = 2.0;
 const SHRINK: f64 = 0.4;
+
+/// Least share of the known curvature that an update leaves along its step (Powell).
+const DAMPED: f64 = 0.2;
+
+/// Curvature given to directions without any, as a share of what would matter within the region: it keeps programmes
+/// solvable and decides nothing.
+const STIFFNESS: f64 = 1e-9;
+
+/// Least unit of a programme, as a share of the largest change within the region.
+const LEAST_UNIT: f64 = 1e-6;
 
 /// Searches from `start`; `scales` are typical sizes of the variables, limits are of order one.
 pub fn minimise(
@@ -85,7 +97,8 @@ pub fn minimise(
     let Some((mut heights, mut slopes)) = landscape.slopes(&x) else {
         return result;
     };
-    let weight = WEIGHT * largest(&heights.peaks).abs().max(f64::MIN_POSITIVE);
+    let weight = WEIGHT * unit(merit(&heights, 0.0), &slopes, scales, search.radius);
+    let mut curvature = Curvature::none(x.len());
     let mut radius = search.radius;
     let mut accepted = 0;
     result.ended = loop {
@@ -98,35 +111,49 @@ pub fn minimise(
         result.iterations += 1;
         let place = Place {
             x: &x,
-            heights: &heights,
             slopes: &slopes,
+            curvature: &curvature,
             scales,
             bounds,
             weight,
+            unit: unit(merit(&heights, weight), &slopes, scales, radius),
         };
         let here = merit(&heights, weight);
-        let Some((next, promised)) = place.step(radius) else {
+        let Some(step) = place.step(&heights, radius) else {
             radius *= SHRINK;
             continue;
         };
-        let promise = here - promised;
+        let promise = here - step.merit;
         if promise <= search.tolerance * here.abs() {
             break Ended::Converged;
         }
         result.evaluations += 1;
-        let gained = match landscape.heights(&next) {
-            Some(there) => (here - merit(&there, weight)) / promise,
+        let gain = |there: &Option<Heights>| match there {
+            Some(there) => (here - merit(there, weight)) / promise,
             None => f64::NEG_INFINITY,
         };
+        let there = landscape.heights(&step.x);
+        let (mut next, mut gained) = (step.x.clone(), gain(&there));
+        if let Some(there) = there.filter(|_| gained < GOOD)
+            && let Some(other) = place.step(&place.bent(&next, &there), radius)
+        {
+            result.evaluations += 1;
+            let corrected = gain(&landscape.heights(&other.x));
+            if corrected > gained {
+                (next, gained) = (other.x, corrected);
+            }
+        }
         if gained > TAKEN {
             result.gradients += 1;
-            match landscape.slopes(&next) {
-                Some(found) => (heights, slopes) = found,
-                None => {
-                    radius *= SHRINK;
-                    continue;
-                }
-            }
+            let Some((new_heights, new_slopes)) = landscape.slopes(&next) else {
+                radius *= SHRINK;
+                continue;
+            };
+            let moved: Vec<f64> = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]).collect();
+            let turn = |slopes: &Slopes| step.pull(slopes, scales);
+            let change = turn(&new_slopes) - turn(&slopes);
+            curvature.learn(&DVector::from_vec(moved), change);
+            (heights, slopes) = (new_heights, new_slopes);
             x = next;
             accepted += 1;
             if !landscape.progress(accepted, &x, largest(&heights.peaks)) {
@@ -152,56 +179,237 @@ fn merit(heights: &Heights, weight: f64) -> f64 {
     largest(&heights.peaks) + weight * largest(&heights.limits).max(0.0)
 }
 
+/// What a programme's values are measured in: the merit, but no less than a part of what can change within the region.
+fn unit(merit: f64, slopes: &Slopes, scales: &[f64], radius: f64) -> f64 {
+    let reaches = slopes.peaks.iter().map(|row| reach(row, scales, radius));
+    let floor = LEAST_UNIT * reaches.fold(0.0, f64::max);
+    merit.abs().max(floor).max(f64::MIN_POSITIVE)
+}
+
+/// The largest change of a linearised function within the region.
+fn reach(row: &[f64], scales: &[f64], radius: f64) -> f64 {
+    radius
+        * row
+            .iter()
+            .zip(scales)
+            .map(|(d, s)| (d * s).abs())
+            .sum::<f64>()
+}
+
+/// Second derivatives of the Lagrangian in scaled variables, as far as the steps have shown them.
+struct Curvature {
+    matrix: DMatrix<f64>,
+    is_known: bool,
+}
+
+impl Curvature {
+    fn none(count: usize) -> Self {
+        Self {
+            matrix: DMatrix::zeros(count, count),
+            is_known: false,
+        }
+    }
+
+    /// Damped BFGS update by a step and the change of the Lagrangian's gradient.
+    fn learn(&mut self, step: &DVector<f64>, change: DVector<f64>) {
+        let along = step.dot(&change);
+        let square = step.norm_squared();
+        if square == 0.0 || !along.is_finite() {
+            return;
+        }
+        if !self.is_known {
+            if along <= 0.0 {
+                return;
+            }
+            self.matrix = DMatrix::identity(step.len(), step.len()) * (along / square);
+            self.is_known = true;
+        }
+        let bent = &self.matrix * step;
+        let old = step.dot(&bent);
+        let change = if along >= DAMPED * old {
+            change
+        } else {
+            let share = (1.0 - DAMPED) * old / (old - along);
+            change * share + &bent * (1.0 - share)
+        };
+        let along = step.dot(&change);
+        if along > 0.0 && old > 0.0 {
+            self.matrix += &change * change.transpose() / along;
+            self.matrix -= &bent * bent.transpose() / old;
+        }
+    }
+}
+
 /// A point with its linearisation.
 struct Place<'a> {
     x: &'a [f64],
-    heights: &'a Heights,
     slopes: &'a Slopes,
+    curvature: &'a Curvature,
     scales: &'a [f64],
     bounds: &'a Bounds,
     weight: f64,
+    /// Merit of the point: programmes are in shares of it.
+    unit: f64,
+}
+
+/// The best point of a programme.
+struct Step {
+    x: Vec<f64>,
+    /// What the programme says of its merit.
+    merit: f64,
+    /// How much each peak and limit holds it there, as (index, multiplier).
+    peaks: Vec<(usize, f64)>,
+    limits: Vec<(usize, f64)>,
+}
+
+impl Step {
+    /// Gradient of the Lagrangian in scaled variables.
+    fn pull(&self, slopes: &Slopes, scales: &[f64]) -> DVector<f64> {
+        let mut sum = DVector::zeros(scales.len());
+        let held = |list: &[(usize, f64)], rows: &[Vec<f64>], sum: &mut DVector<f64>| {
+            for (index, multiplier) in list {
+                for (k, d) in rows[*index].iter().enumerate() {
+                    sum[k] += multiplier * d * scales[k];
+                }
+            }
+        };
+        held(&self.peaks, &slopes.peaks, &mut sum);
+        held(&self.limits, &slopes.limits, &mut sum);
+        sum
+    }
 }
 
 impl Place<'_> {
-    /// The best point of the linearised functions within the region, and their merit there.
-    fn step(&self, radius: f64) -> Option<(Vec<f64>, f64)> {
-        let mut problem = Problem::new(OptimizationDirection::Minimize);
-        // The programme is in scaled variables and in shares of the first merit, so that all its numbers are moderate.
-        let unit = merit(self.heights, self.weight)
-            .abs()
-            .max(f64::MIN_POSITIVE);
-        let top = problem.add_var(1.0, (f64::NEG_INFINITY, f64::INFINITY));
-        let excess = problem.add_var(self.weight / unit, (0.0, f64::INFINITY));
-        let moves: Vec<_> = (0..self.x.len())
-            .map(|k| {
-                let room = |bound: f64| (bound - self.x[k]) / self.scales[k];
-                let low = room(self.bounds.lower[k]).max(-radius).min(0.0);
-                let high = room(self.bounds.upper[k]).min(radius).max(0.0);
-                problem.add_var(0.0, (low, high))
-            })
-            .collect();
-        let mut add = |value: f64, row: &[f64], unit: f64, under| {
-            let terms = moves.iter().zip(row).zip(self.scales);
-            let mut terms: Vec<_> = terms.map(|((m, d), s)| (*m, d * s / unit)).collect();
-            terms.push((under, -1.0));
-            problem.add_constraint(terms, ComparisonOp::Le, -value / unit);
+    /// Values at `there` less what the slopes say of the way to it: what the linearised functions should start from to be
+    /// right at `there` (second-order correction).
+    fn bent(&self, next: &[f64], there: &Heights) -> Heights {
+        let less = |values: &[f64], slopes: &[Vec<f64>]| -> Vec<f64> {
+            let pairs = values.iter().zip(slopes);
+            pairs.map(|(v, row)| v - self.along(next, row)).collect()
         };
-        for (value, row) in self.heights.peaks.iter().zip(&self.slopes.peaks) {
-            add(*value, row, unit, top);
+        Heights {
+            peaks: less(&there.peaks, &self.slopes.peaks),
+            limits: less(&there.limits, &self.slopes.limits),
         }
-        for (value, row) in self.heights.limits.iter().zip(&self.slopes.limits) {
-            add(*value, row, 1.0, excess);
-        }
-        let SolveOutcome::Solution(solution) = problem.solve().ok()? else {
-            return None;
+    }
+
+    fn along(&self, next: &[f64], row: &[f64]) -> f64 {
+        let moves = next.iter().zip(self.x).zip(row);
+        moves.map(|((to, from), d)| (to - from) * d).sum()
+    }
+
+    /// Rows that can matter within the region: peaks that can become the largest, limits that can be missed.
+    fn relevant(&self, heights: &Heights, radius: f64) -> [Vec<usize>; 2] {
+        let lowest =
+            |k: usize| heights.peaks[k] - reach(&self.slopes.peaks[k], self.scales, radius);
+        let floor = (0..heights.peaks.len())
+            .map(lowest)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let can_reach = |values: &[f64], rows: &[Vec<f64>], level: f64| -> Vec<usize> {
+            (0..values.len())
+                .filter(|k| values[*k] + reach(&rows[*k], self.scales, radius) >= level)
+                .collect()
         };
-        let mut next: Vec<f64> = (0..self.x.len())
-            .map(|k| self.x[k] + self.scales[k] * solution[moves[k]])
+        [
+            can_reach(&heights.peaks, &self.slopes.peaks, floor),
+            can_reach(&heights.limits, &self.slopes.limits, 0.0),
+        ]
+    }
+
+    /// The best point within the region of the functions with these values here, linearised and bent.
+    ///
+    /// The programme's variables are the moves in radii, the largest peak in units, and the worst missed limit in units of
+    /// its cost.
+    fn step(&self, heights: &Heights, radius: f64) -> Option<Step> {
+        let n = self.x.len();
+        let [peaks, limits] = self.relevant(heights, radius);
+        let count = peaks.len() + limits.len() + 1 + 2 * n;
+        let (top, excess) = (n, n + 1);
+        let limit_unit = self.unit / self.weight;
+        let mut rows = DMatrix::zeros(count, n + 2);
+        let mut ends = DVector::zeros(count);
+        let mut row = 0;
+        let listed = peaks
+            .iter()
+            .map(|k| (heights.peaks[*k], &self.slopes.peaks[*k], self.unit, top));
+        let listed = listed.chain(limits.iter().map(|k| {
+            (
+                heights.limits[*k],
+                &self.slopes.limits[*k],
+                limit_unit,
+                excess,
+            )
+        }));
+        for (value, slope, unit, under) in listed {
+            for k in 0..n {
+                rows[(row, k)] = slope[k] * self.scales[k] * radius / unit;
+            }
+            rows[(row, under)] = -1.0;
+            ends[row] = -value / unit;
+            row += 1;
+        }
+        rows[(row, excess)] = -1.0;
+        row += 1;
+        for k in 0..n {
+            let room = |bound: f64| (bound - self.x[k]) / (self.scales[k] * radius);
+            rows[(row, k)] = 1.0;
+            ends[row] = room(self.bounds.upper[k]).clamp(0.0, 1.0);
+            rows[(row + 1, k)] = -1.0;
+            ends[row + 1] = (-room(self.bounds.lower[k])).clamp(0.0, 1.0);
+            row += 2;
+        }
+        let mut bend = DMatrix::zeros(n + 2, n + 2);
+        let known = &self.curvature.matrix * (radius * radius / self.unit);
+        bend.view_mut((0, 0), (n, n)).copy_from(&known);
+        for k in 0..n + 2 {
+            bend[(k, k)] += STIFFNESS;
+        }
+        let mut cost = DVector::zeros(n + 2);
+        (cost[top], cost[excess]) = (1.0, 1.0);
+        let mut start = DVector::zeros(n + 2);
+        start[top] = largest(&heights.peaks) / self.unit + 0.1;
+        start[excess] = largest(&heights.limits).max(0.0) / limit_unit + 0.1;
+        let programme = Programme {
+            bend,
+            cost,
+            rows,
+            ends,
+        };
+        let answer = programme.solve(start)?;
+        let mut next: Vec<f64> = (0..n)
+            .map(|k| self.x[k] + self.scales[k] * radius * answer.point[k].clamp(-1.0, 1.0))
             .collect();
         self.bounds.clamp(&mut next);
-        let promised = solution[top] * unit + self.weight * solution[excess];
-        next.iter()
-            .all(|v| v.is_finite())
-            .then_some((next, promised))
+        let held = |list: &[usize], first: usize, unit: f64| -> Vec<(usize, f64)> {
+            let pairs = list.iter().enumerate();
+            pairs
+                .map(|(k, index)| (*index, answer.multipliers[first + k] * self.unit / unit))
+                .collect()
+        };
+        let (held_peaks, held_limits) = (
+            held(&peaks, 0, self.unit),
+            held(&limits, peaks.len(), limit_unit),
+        );
+        let moves = answer.point.rows(0, n);
+        let bending = 0.5 * moves.dot(&(known * moves)) * self.unit;
+        Some(Step {
+            merit: self.foreseen(heights, &next) + bending,
+            x: next,
+            peaks: held_peaks,
+            limits: held_limits,
+        })
+    }
+
+    /// Merit of the linearised functions.
+    fn foreseen(&self, heights: &Heights, next: &[f64]) -> f64 {
+        let moved = |values: &[f64], rows: &[Vec<f64>]| -> Vec<f64> {
+            let pairs = values.iter().zip(rows);
+            pairs.map(|(v, row)| v + self.along(next, row)).collect()
+        };
+        let there = Heights {
+            peaks: moved(&heights.peaks, &self.slopes.peaks),
+            limits: moved(&heights.limits, &self.slopes.limits),
+        };
+        merit(&there, self.weight)
     }
 }

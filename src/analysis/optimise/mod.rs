@@ -6,6 +6,7 @@ pub mod constraints;
 pub mod evolution;
 pub mod minimax;
 pub mod nelder_mead;
+pub mod quadratic;
 
 /// A function to be made small.
 pub trait Objective {

@@ -1,5 +1,7 @@
 //! Standard functions with known minima.
 
+#![allow(clippy::panic)]
+
 use super::constraints::{self, Constrained};
 use super::*;
 
@@ -293,4 +295,131 @@ fn minimax_finds_the_line_of_equal_errors() {
         (found.value - 0.2).abs() < 1e-9 && (found.x[0] - 0.8).abs() < 1e-9,
         "{found:?}"
     );
+}
+
+/// A few smooth functions without limits, with their gradients by central differences of the same formulas.
+struct Few<F>(F);
+
+impl<F: Fn(&[f64]) -> Vec<f64>> minimax::Landscape for Few<F> {
+    fn heights(&mut self, x: &[f64]) -> Option<minimax::Heights> {
+        Some(minimax::Heights {
+            peaks: (self.0)(x),
+            limits: Vec::new(),
+        })
+    }
+    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::Heights, minimax::Slopes)> {
+        let heights = self.heights(x)?;
+        let mut peaks = vec![vec![0.0; x.len()]; heights.peaks.len()];
+        for k in 0..x.len() {
+            let at = |h: f64| {
+                let mut moved = x.to_vec();
+                moved[k] += h;
+                (self.0)(&moved)
+            };
+            let (ahead, behind) = (at(1e-5), at(-1e-5));
+            for (row, (a, b)) in peaks.iter_mut().zip(ahead.iter().zip(&behind)) {
+                row[k] = (a - b) / 2e-5;
+            }
+        }
+        let limits = Vec::new();
+        Some((heights, minimax::Slopes { peaks, limits }))
+    }
+}
+
+/// Problems of Charalambous and Conn, and of Rosen and Suzuki, with their published optima; two of them have fewer
+/// functions at the top than variables, so that only curvature leads to the end.
+#[test]
+fn minimax_solves_the_standard_problems() {
+    type Functions = fn(&[f64]) -> Vec<f64>;
+    let cb2: Functions = |x| {
+        vec![
+            x[0].powi(2) + x[1].powi(4),
+            (2.0 - x[0]).powi(2) + (2.0 - x[1]).powi(2),
+            2.0 * (x[1] - x[0]).exp(),
+        ]
+    };
+    let cb3: Functions = |x| {
+        vec![
+            x[0].powi(4) + x[1].powi(2),
+            (2.0 - x[0]).powi(2) + (2.0 - x[1]).powi(2),
+            2.0 * (x[1] - x[0]).exp(),
+        ]
+    };
+    let rosen_suzuki: Functions = |x| {
+        let [a, b, c, d] = [x[0], x[1], x[2], x[3]];
+        let f = a * a + b * b + 2.0 * c * c + d * d - 5.0 * a - 5.0 * b - 21.0 * c + 7.0 * d;
+        let limits = [
+            a * a + b * b + c * c + d * d + a - b + c - d - 8.0,
+            a * a + 2.0 * b * b + c * c + 2.0 * d * d - a - d - 10.0,
+            2.0 * a * a + b * b + c * c + 2.0 * a - b - d - 5.0,
+        ];
+        let with = limits.map(|g| f + 10.0 * g);
+        std::iter::once(f).chain(with).collect()
+    };
+    let cases: [(Functions, &[f64], f64, &[f64]); 3] = [
+        (cb2, &[1.0, -0.1], 1.952_224_5, &[1.139_038, 0.899_560]),
+        (cb3, &[2.0, 2.0], 2.0, &[1.0, 1.0]),
+        (rosen_suzuki, &[0.0; 4], -44.0, &[0.0, 1.0, 2.0, -1.0]),
+    ];
+    let search = minimax::Search {
+        radius: 0.5,
+        smallest_radius: 1e-10,
+        tolerance: 1e-12,
+        iterations: 100,
+    };
+    for (functions, start, value, place) in cases {
+        let n = start.len();
+        let (scales, bounds) = (vec![1.0; n], Bounds::none(n));
+        let found = minimax::minimise(&mut Few(functions), start, &scales, &bounds, search);
+        assert!((found.value - value).abs() < 1e-6, "{found:?} {value}");
+        near(&found.x, place, 2e-4);
+        assert!(found.evaluations < 60, "{found:?}");
+    }
+}
+
+/// What makes a point the minimum of a convex programme: it keeps the rows, and its gradient is what the rows that hold
+/// it push against.
+#[test]
+fn quadratic_programmes_meet_the_conditions_of_their_minimum() {
+    use crate::analysis::random::Random;
+    use nalgebra::{DMatrix, DVector};
+    for item in 0..30 {
+        let mut random = Random::new(5, 0, item);
+        let (n, count) = (3 + item as usize % 10, 40);
+        let factor = DMatrix::from_fn(n, n, |_, _| random.symmetric());
+        // A third of them linear, a third of low rank.
+        let bend = match item % 3 {
+            0 => DMatrix::zeros(n, n),
+            1 => factor.columns(0, 2) * factor.columns(0, 2).transpose(),
+            _ => &factor * factor.transpose(),
+        };
+        let mut rows = DMatrix::from_fn(count, n, |_, _| random.symmetric());
+        let mut ends = DVector::from_fn(count, |_, _| 0.2 + random.unit());
+        for k in 0..2 * n {
+            rows.row_mut(k).fill(0.0);
+            rows[(k, k / 2)] = if k % 2 == 0 { 1.0 } else { -1.0 };
+            ends[k] = 1.0;
+        }
+        let programme = quadratic::Programme {
+            cost: DVector::from_fn(n, |_, _| random.symmetric()),
+            bend,
+            rows,
+            ends,
+        };
+        let found = programme.solve(DVector::zeros(n));
+        let found = found.unwrap_or_else(|| panic!("programme {item} is not solved"));
+        let slack = &programme.ends - &programme.rows * &found.point;
+        let gradient = &programme.bend * &found.point
+            + &programme.cost
+            + programme.rows.tr_mul(&found.multipliers);
+        assert!(
+            slack.min() > -1e-8 && found.multipliers.min() >= 0.0,
+            "{item}"
+        );
+        assert!(gradient.amax() < 1e-8, "{item}: {gradient}");
+        assert!(
+            slack.component_mul(&found.multipliers).amax() < 1e-8,
+            "{item}"
+        );
+    }
 }

@@ -5,6 +5,7 @@ mod gradient;
 mod measure;
 pub mod optimum;
 mod peaks;
+mod rows;
 mod search;
 mod slopes;
 mod stand;

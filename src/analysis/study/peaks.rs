@@ -1,59 +1,30 @@
 //! A study whose objective is the largest value along a track, pose by pose: what a minimax search works on.
 
+use super::rows::{Listed, Rows, listed, nearness};
 use super::{Evaluator, Family, FamilyError, Refusals, Rejection, Stand, Watch};
 use crate::analysis::optimise::minimax::{Heights, Landscape, Slopes};
-use crate::model::expression::Expression;
-use crate::model::measure::{Measure, MeasureSource, Taking};
+
+/// Found poses may be nearer to a singular one than those of the file's values, but not nearer than this share: a search
+/// that is let go farther ends where its mechanism is about to fall apart.
+const SHARE_OF_SIGMA: f64 = 0.1;
+
+/// Where the smallest singular value is beyond this many times the least, a step need not look at it.
+const SLOPES_BELOW: f64 = 4.0;
 
 /// A family whose objective is the largest value or magnitude along a track.
 pub struct Peaks<'f, 'w> {
     evaluator: Evaluator<'f>,
     base: Stand,
     base_merit: f64,
-    peaks: Vec<Rows<'f>>,
-    limits: Vec<Rows<'f>>,
+    /// Poses with a smaller singular value are refused.
+    least_sigma: f64,
+    /// Those of the objective, then those of the limits that are asked pose by pose.
+    rows: Vec<Rows<'f>>,
     /// Limits of measures that are one number, as (measure, factor, shift).
     singles: Vec<(usize, f64, f64)>,
     /// Candidates that were refused.
     pub refusals: Refusals,
     watch: Box<Watch<'w>>,
-}
-
-/// The same formula at several poses: `factor · formula + shift`.
-struct Rows<'a> {
-    formula: &'a Expression,
-    per: Option<usize>,
-    poses: std::ops::Range<usize>,
-    factor: f64,
-    shift: f64,
-}
-
-/// The rows of a measure that is the largest or smallest value of a row of poses, once for each sign it looks at.
-fn rows_of<'f>(family: &'f Family, measure: &'f Measure) -> Vec<Rows<'f>> {
-    let MeasureSource::Over {
-        track,
-        of,
-        per,
-        taking,
-        ..
-    } = &measure.source
-    else {
-        return Vec::new();
-    };
-    let signs: &[f64] = match taking {
-        Taking::Max => &[1.0],
-        Taking::Min => &[-1.0],
-        Taking::Largest => &[1.0, -1.0],
-        _ => &[],
-    };
-    let rows = signs.iter().map(|sign| Rows {
-        formula: &of[0],
-        per: *per,
-        poses: family.poses_of(*track),
-        factor: *sign,
-        shift: 0.0,
-    });
-    rows.collect()
 }
 
 impl<'f, 'w> Peaks<'f, 'w> {
@@ -69,39 +40,34 @@ impl<'f, 'w> Peaks<'f, 'w> {
     ) -> Result<Self, FamilyError> {
         let measures = &family.mechanism.measures;
         let objective = family.study.objective.map(|index| &measures[index]);
-        let peaks = objective.map(|m| rows_of(family, m)).unwrap_or_default();
-        let is_least = peaks.len() == 1 && peaks[0].factor < 0.0;
-        if peaks.is_empty() || is_least {
+        let peaks = objective.and_then(|m| Rows::of(family, m));
+        let Some(peaks) = peaks.filter(|rows| rows.signs[0] > 0.0) else {
             let message =
                 "minimax needs an objective that takes \"max\" or \"largest\" over a track";
             return Err(FamilyError::Lacks(message.to_owned()));
-        }
-        let (mut limits, mut singles) = (Vec::new(), Vec::new());
+        };
+        let (mut rows, mut singles) = (vec![peaks], Vec::new());
         for (index, measure) in measures.iter().enumerate() {
             for (bound, sign) in [(measure.max, 1.0), (measure.min, -1.0)] {
                 let Some(bound) = bound else { continue };
                 let size = if bound == 0.0 { 1.0 } else { bound.abs() };
-                let mut rows = rows_of(family, measure);
+                let shift = -sign * bound / size;
                 // Only the side that the extreme is on can be asked pose by pose.
-                let fits =
-                    rows.len() == 2 && sign > 0.0 || rows.len() == 1 && rows[0].factor == sign;
-                if !fits {
-                    singles.push((index, sign / size, -sign * bound / size));
-                    continue;
+                match Rows::of(family, measure).filter(|rows| rows.signs[0] == sign) {
+                    Some(own) => rows.push(own.scaled(1.0 / size, shift)),
+                    None => singles.push((index, sign / size, shift)),
                 }
-                for row in &mut rows {
-                    (row.factor, row.shift) = (row.factor / size, -sign * bound / size);
-                }
-                limits.append(&mut rows);
             }
         }
         let base = evaluator.settled(start);
+        let here = nearness(family, &base.poses, 1.0, 0.0).values.into_iter();
+        let least_sigma = SHARE_OF_SIGMA * (1.0 - here.fold(0.0, f64::max));
         Ok(Self {
+            least_sigma,
             evaluator,
             base,
             base_merit: f64::INFINITY,
-            peaks,
-            limits,
+            rows,
             singles,
             refusals: Refusals::default(),
             watch,
@@ -123,51 +89,27 @@ impl<'f, 'w> Peaks<'f, 'w> {
         x: &[f64],
         with_slopes: bool,
     ) -> Result<(Heights, Slopes), Rejection> {
-        let stand = match with_slopes {
-            true => self.evaluator.reach(&self.base, x)?,
-            false => self.evaluator.approach(&self.base, x)?,
+        let stand = if with_slopes {
+            self.evaluator.reach(&self.base, x)?
+        } else {
+            self.evaluator.approach(&self.base, x)?
         };
-        let shown = self.evaluator.shown(&stand);
-        let mut scratch = Vec::new();
-        let mut values = |list: &[Rows]| -> Vec<f64> {
-            let mut all = Vec::new();
-            for rows in list {
-                let poses = shown[rows.poses.clone()].iter();
-                all.extend(poses.map(|s| {
-                    rows.factor * s.value(rows.formula, rows.per, &mut scratch) + rows.shift
-                }));
-            }
-            all
-        };
+        let family = self.evaluator.family();
+        let mut lists = listed(family, &self.rows, &stand.poses, with_slopes).into_iter();
+        let Listed { values, slopes } = lists.next().unwrap_or_default();
         let mut heights = Heights {
-            peaks: values(&self.peaks),
-            limits: values(&self.limits),
-        };
-        let mut slopes = Slopes {
-            peaks: Vec::new(),
+            peaks: values,
             limits: Vec::new(),
         };
-        if with_slopes {
-            let changes = self.evaluator.changes(&stand, &shown)?;
-            let gather = |list: &[Rows]| -> Vec<Vec<f64>> {
-                let mut all = Vec::new();
-                for rows in list {
-                    all.extend(rows.poses.clone().map(|pose| {
-                        let mut row = vec![0.0; x.len()];
-                        changes[pose].add(
-                            rows.formula,
-                            rows.per,
-                            &shown[pose],
-                            rows.factor,
-                            &mut row,
-                        );
-                        row
-                    }));
-                }
-                all
-            };
-            slopes.peaks = gather(&self.peaks);
-            slopes.limits = gather(&self.limits);
+        let mut slopes = Slopes {
+            peaks: slopes,
+            limits: Vec::new(),
+        };
+        let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
+        let regular = nearness(family, &stand.poses, self.least_sigma, near);
+        for mut list in lists.chain([regular]) {
+            heights.limits.append(&mut list.values);
+            slopes.limits.append(&mut list.slopes);
         }
         if !self.singles.is_empty() {
             self.add_singles(&stand, with_slopes, &mut heights, &mut slopes)?;

@@ -1,0 +1,146 @@
+//! Convex quadratic programmes of a few variables under many inequalities: min ½ zᵀQz + cᵀz, Gz ≤ g, by Mehrotra's
+//! predictor-corrector interior-point method (Nocedal and Wright, Numerical Optimization, 2nd ed., 16.6). A linear
+//! programme is one with Q = 0.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A programme; its numbers should be of order one.
+#[derive(Clone, Debug)]
+pub struct Programme {
+    /// Q, symmetric and positive semidefinite.
+    pub bend: DMatrix<f64>,
+    /// c
+    pub cost: DVector<f64>,
+    /// G; every variable must be bounded by its rows where Q does not bend.
+    pub rows: DMatrix<f64>,
+    /// g
+    pub ends: DVector<f64>,
+}
+
+/// Its answer.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// z
+    pub point: DVector<f64>,
+    /// A multiplier for every row, none negative.
+    pub multipliers: DVector<f64>,
+}
+
+/// Mean product of slack and multiplier, and largest residual, at which a point is good enough.
+const GAP: f64 = 1e-11;
+const RESIDUAL: f64 = 1e-9;
+
+/// What a programme that got stuck may be off and still be used.
+const USABLE: f64 = 1e-5;
+
+const MOST_ITERATIONS: usize = 60;
+
+/// Share of the way to the boundary.
+const INSIDE: f64 = 0.995;
+
+/// A point with its slacks and multipliers.
+struct Iterate {
+    z: DVector<f64>,
+    slack: DVector<f64>,
+    multipliers: DVector<f64>,
+}
+
+/// Right sides of the Newton system: of the gradient, of the rows, of the products.
+struct Residuals {
+    dual: DVector<f64>,
+    primal: DVector<f64>,
+}
+
+impl Programme {
+    /// Solves from the point `start`; `None` where the numbers run away.
+    pub fn solve(&self, start: DVector<f64>) -> Option<Answer> {
+        let rows = self.ends.len();
+        let gap = &self.ends - &self.rows * &start;
+        let mut here = Iterate {
+            slack: gap.map(|s| s.max(0.1)),
+            multipliers: DVector::from_element(rows, 1.0 / (rows as f64).max(1.0)),
+            z: start,
+        };
+        for _ in 0..MOST_ITERATIONS {
+            let residuals = self.residuals(&here);
+            if here.gap() < GAP && residuals.largest() < RESIDUAL {
+                break;
+            }
+            let next = self.step(&here, &residuals)?;
+            if !next.z.iter().all(|v| v.is_finite()) {
+                return None;
+            }
+            here = next;
+        }
+        let usable = here.gap() < USABLE && self.residuals(&here).largest() < USABLE;
+        usable.then_some(Answer {
+            point: here.z,
+            multipliers: here.multipliers,
+        })
+    }
+
+    fn residuals(&self, here: &Iterate) -> Residuals {
+        let dual = &self.bend * &here.z + &self.cost + self.rows.tr_mul(&here.multipliers);
+        Residuals {
+            dual,
+            primal: &self.rows * &here.z + &here.slack - &self.ends,
+        }
+    }
+
+    fn step(&self, here: &Iterate, residuals: &Residuals) -> Option<Iterate> {
+        let count = here.slack.len();
+        let weights = here.multipliers.component_div(&here.slack);
+        let mut weighted = self.rows.clone();
+        for (k, mut row) in weighted.row_iter_mut().enumerate() {
+            row *= weights[k];
+        }
+        let normal = (&self.bend + self.rows.tr_mul(&weighted)).cholesky()?;
+        // Direction for the products s λ to become `wanted`.
+        let direction = |wanted: &DVector<f64>| {
+            let products = wanted - here.slack.component_mul(&here.multipliers);
+            let shift = (here.multipliers.component_mul(&residuals.primal) + products)
+                .component_div(&here.slack);
+            let dz = normal.solve(&(-&residuals.dual - self.rows.tr_mul(&shift)));
+            let ds = -&residuals.primal - &self.rows * &dz;
+            let dl = (wanted
+                - here.slack.component_mul(&here.multipliers)
+                - here.multipliers.component_mul(&ds))
+            .component_div(&here.slack);
+            (dz, ds, dl)
+        };
+        let (_, ds, dl) = direction(&DVector::zeros(count));
+        let (along_slack, along_multipliers) =
+            (room(&here.slack, &ds), room(&here.multipliers, &dl));
+        let affine = (&here.slack + &ds * along_slack)
+            .dot(&(&here.multipliers + &dl * along_multipliers))
+            / count as f64;
+        let centring = (affine / here.gap()).powi(3) * here.gap();
+        let (dz, ds, dl) = direction(&ds.zip_map(&dl, |s, l| centring - s * l));
+        let length = room(&here.slack, &ds).min(room(&here.multipliers, &dl));
+        let length = (INSIDE * length).min(1.0);
+        Some(Iterate {
+            z: &here.z + dz * length,
+            slack: &here.slack + ds * length,
+            multipliers: &here.multipliers + dl * length,
+        })
+    }
+}
+
+impl Iterate {
+    fn gap(&self) -> f64 {
+        self.slack.dot(&self.multipliers) / (self.slack.len() as f64).max(1.0)
+    }
+}
+
+impl Residuals {
+    fn largest(&self) -> f64 {
+        self.dual.amax().max(self.primal.amax())
+    }
+}
+
+/// How far along `change` all `values` stay positive; what makes a whole step at most.
+fn room(values: &DVector<f64>, change: &DVector<f64>) -> f64 {
+    let pairs = values.iter().zip(change.iter());
+    let limits = pairs.filter(|(_, d)| **d < 0.0).map(|(v, d)| -v / d);
+    limits.fold(1.0 / INSIDE, f64::min).min(1.0 / INSIDE)
+}

@@ -1,0 +1,347 @@
+//! A formula pose by pose: its values along a track, or its derivatives by an input, and how these change with the
+//! variables. The poses are shared among threads; the numbers do not depend on how many there are.
+
+use super::Family;
+use crate::kinematics::twofold::{Twofold, evaluate};
+use crate::kinematics::variation::Variation;
+use crate::model::expression::Expression;
+use crate::model::measure::{Measure, MeasureSource, Taking};
+use std::ops::Range;
+
+/// Poses for which a thread of its own pays.
+const LEAST_PORTION: usize = 64;
+
+/// The same formula at several poses, as `sign · factor · formula + shift` for every sign.
+pub(super) struct Rows<'a> {
+    formula: &'a Expression,
+    per: Option<usize>,
+    poses: Range<usize>,
+    /// Which sides of the formula are looked at.
+    pub signs: &'static [f64],
+    factor: f64,
+    shift: f64,
+    /// How many slots a pose must have for the formula.
+    reach: usize,
+    /// The formula depends on coordinates and outputs of coordinates only.
+    is_free_of_traces: bool,
+}
+
+/// Values of rows, and their derivatives by the variables if asked for; sign after sign, pose after pose.
+#[derive(Default)]
+pub(super) struct Listed {
+    pub values: Vec<f64>,
+    pub slopes: Vec<Vec<f64>>,
+}
+
+impl<'f> Rows<'f> {
+    /// The rows of a measure that is the largest or smallest value of a row of poses.
+    pub fn of(family: &'f Family, measure: &'f Measure) -> Option<Self> {
+        let MeasureSource::Over {
+            track,
+            of,
+            per,
+            taking,
+            ..
+        } = &measure.source
+        else {
+            return None;
+        };
+        let signs: &[f64] = match taking {
+            Taking::Max => &[1.0],
+            Taking::Min => &[-1.0],
+            Taking::Largest => &[1.0, -1.0],
+            _ => return None,
+        };
+        let (reach, is_free_of_traces) = needs(family, &of[0]);
+        Some(Self {
+            formula: &of[0],
+            per: *per,
+            poses: family.poses_of(*track),
+            signs,
+            factor: 1.0,
+            shift: 0.0,
+            reach,
+            is_free_of_traces,
+        })
+    }
+
+    /// The rows times `factor`, and then more by `shift`.
+    pub fn scaled(self, factor: f64, shift: f64) -> Self {
+        Self {
+            factor: self.factor * factor,
+            shift: self.shift * factor + shift,
+            ..self
+        }
+    }
+}
+
+/// The number of slots that must be known for a formula, and whether no trace is among those that count.
+fn needs(family: &Family, formula: &Expression) -> (usize, bool) {
+    let mechanism = &family.mechanism;
+    let coordinates = mechanism.coordinate_count();
+    let base = coordinates + 3 * mechanism.traces.len();
+    let mut slots = formula.slots();
+    let reach = slots.last().map_or(0, |last| last + 1);
+    let mut free = true;
+    while let Some(slot) = slots.pop() {
+        if slot >= base {
+            slots.extend(mechanism.outputs[slot - base].expression.slots());
+        } else if slot >= coordinates {
+            free = false;
+        }
+    }
+    (reach, free)
+}
+
+/// What is asked at a pose.
+#[derive(Clone, Copy)]
+enum Question<'a> {
+    Formula(&'a Rows<'a>),
+    /// The smallest singular value.
+    Regularity,
+}
+
+/// Evaluates formulas at poses; one for each thread.
+struct Reader<'f> {
+    family: &'f Family,
+    variation: Variation<'f>,
+    numbers: Vec<f64>,
+    gradient: Vec<f64>,
+    values: Vec<f64>,
+    adjoints: Vec<f64>,
+    twofold: Vec<Twofold>,
+    rest: Vec<f64>,
+    along: Vec<f64>,
+    rates: Vec<f64>,
+}
+
+impl<'f> Reader<'f> {
+    fn new(family: &'f Family) -> Self {
+        Self {
+            family,
+            variation: Variation::new(&family.mechanism, &family.structure),
+            numbers: Vec::new(),
+            gradient: Vec::new(),
+            values: Vec::new(),
+            adjoints: Vec::new(),
+            twofold: Vec::new(),
+            rest: vec![0.0; family.mechanism.coordinate_count()],
+            along: Vec::new(),
+            rates: Vec::new(),
+        }
+    }
+
+    /// The value of what is asked, and its derivatives if asked for.
+    fn answer(
+        &mut self,
+        question: Question,
+        pose: &[f64],
+        with_slope: impl Fn(f64) -> bool,
+    ) -> (f64, Vec<f64>) {
+        match question {
+            Question::Formula(rows) => {
+                let value = self.value(rows, pose);
+                let slope = with_slope(value).then(|| self.slope(rows, pose));
+                (value, slope.unwrap_or_default())
+            }
+            Question::Regularity => {
+                let value = self.variation.regularity(pose);
+                let slope = with_slope(value).then(|| self.regularity_slope(pose));
+                (value, slope.unwrap_or_default())
+            }
+        }
+    }
+
+    fn regularity_slope(&mut self, pose: &[f64]) -> Vec<f64> {
+        let first = self.family.own_inputs();
+        (0..self.family.study.variables.len())
+            .map(|k| {
+                self.variation.tangent(pose, first + k, &mut self.rates);
+                self.variation.regularity_rate(pose, &self.rates)
+            })
+            .collect()
+    }
+
+    /// The formula of `rows` at a pose.
+    fn value(&mut self, rows: &Rows, pose: &[f64]) -> f64 {
+        if let Some(input) = rows.per {
+            self.variation.tangent(pose, input, &mut self.along);
+            let slots = self
+                .variation
+                .slots(pose, &self.along, &self.rest, rows.reach);
+            return evaluate(rows.formula, slots, &mut self.twofold).first;
+        }
+        if rows.is_free_of_traces {
+            self.fill_numbers(rows, pose);
+            return rows.formula.value_with(&self.numbers, &mut self.values);
+        }
+        let slots = self
+            .variation
+            .slots(pose, &self.rest, &self.rest, rows.reach);
+        evaluate(rows.formula, slots, &mut self.twofold).value
+    }
+
+    /// Its derivatives by the variables.
+    fn slope(&mut self, rows: &Rows, pose: &[f64]) -> Vec<f64> {
+        let variables = self.family.study.variables.len();
+        let first = self.family.own_inputs();
+        if rows.per.is_none() && rows.is_free_of_traces {
+            self.fill_gradient(rows, pose);
+            let count = pose.len();
+            return (0..variables)
+                .map(|k| {
+                    self.variation.tangent(pose, first + k, &mut self.rates);
+                    let pairs = self.gradient[..count].iter().zip(&self.rates);
+                    pairs.map(|(g, r)| g * r).sum()
+                })
+                .collect();
+        }
+        match rows.per {
+            Some(input) => self.variation.tangent(pose, input, &mut self.along),
+            None => self.along.clone_from(&self.rest),
+        }
+        (0..variables)
+            .map(|k| {
+                self.variation.tangent(pose, first + k, &mut self.rates);
+                let slots = self
+                    .variation
+                    .slots(pose, &self.along, &self.rates, rows.reach);
+                let value = evaluate(rows.formula, slots, &mut self.twofold);
+                if rows.per.is_some() {
+                    value.mixed
+                } else {
+                    value.second
+                }
+            })
+            .collect()
+    }
+
+    /// Coordinates and outputs; no traces.
+    fn fill_numbers(&mut self, rows: &Rows, pose: &[f64]) {
+        let mechanism = &self.family.mechanism;
+        self.numbers.clear();
+        self.numbers.extend_from_slice(pose);
+        if rows.reach <= pose.len() {
+            return;
+        }
+        let base = pose.len() + 3 * mechanism.traces.len();
+        self.numbers.resize(base, 0.0);
+        for output in mechanism.outputs.iter().take(rows.reach - base) {
+            let value = output
+                .expression
+                .value_with(&self.numbers, &mut self.values);
+            self.numbers.push(value);
+        }
+    }
+
+    /// Derivatives of the formula by the coordinates, backwards through the outputs.
+    fn fill_gradient(&mut self, rows: &Rows, pose: &[f64]) {
+        self.fill_numbers(rows, pose);
+        let (numbers, gradient) = (&self.numbers, &mut self.gradient);
+        let (values, adjoints) = (&mut self.values, &mut self.adjoints);
+        gradient.clear();
+        gradient.resize(numbers.len(), 0.0);
+        rows.formula
+            .add_gradient(numbers, 1.0, gradient, values, adjoints);
+        let mechanism = &self.family.mechanism;
+        let base = pose.len() + 3 * mechanism.traces.len();
+        for slot in (base..numbers.len()).rev() {
+            let adjoint = gradient[slot];
+            if adjoint != 0.0 {
+                let formula = &mechanism.outputs[slot - base].expression;
+                formula.add_gradient(numbers, adjoint, gradient, values, adjoints);
+            }
+        }
+    }
+}
+
+/// Values of all rows at the poses of a stand, list by list.
+pub(super) fn listed(
+    family: &Family,
+    rows: &[Rows],
+    poses: &[Vec<f64>],
+    with_slopes: bool,
+) -> Vec<Listed> {
+    let jobs: Vec<(Question, usize)> = rows
+        .iter()
+        .flat_map(|r| {
+            r.poses
+                .clone()
+                .map(move |pose| (Question::Formula(r), pose))
+        })
+        .collect();
+    let mut found = answers(family, &jobs, poses, &|_| with_slopes).into_iter();
+    rows.iter()
+        .map(|r| sided(r, found.by_ref().take(r.poses.len()).collect()))
+        .collect()
+}
+
+/// How near to singular poses the poses of a stand are, as `1 - σ/least`: not positive where the smallest singular value
+/// is at least `least`. Slopes only where it is below `slopes_below` times that, else zeros.
+pub(super) fn nearness(
+    family: &Family,
+    poses: &[Vec<f64>],
+    least: f64,
+    slopes_below: f64,
+) -> Listed {
+    let jobs: Vec<_> = (0..poses.len())
+        .map(|k| (Question::Regularity, k))
+        .collect();
+    let mut listed = Listed::default();
+    let is_near = |sigma: f64| sigma < slopes_below * least;
+    for (sigma, mut slope) in answers(family, &jobs, poses, &is_near) {
+        listed.values.push(1.0 - sigma / least);
+        slope.iter_mut().for_each(|d| *d /= -least);
+        slope.resize(family.study.variables.len(), 0.0);
+        listed.slopes.push(slope);
+    }
+    listed
+}
+
+fn answers(
+    family: &Family,
+    jobs: &[(Question, usize)],
+    poses: &[Vec<f64>],
+    with_slope: &(dyn Fn(f64) -> bool + Sync),
+) -> Vec<(f64, Vec<f64>)> {
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let portion = jobs.len().div_ceil(workers).max(LEAST_PORTION);
+    let work = |jobs: &[(Question, usize)]| -> Vec<(f64, Vec<f64>)> {
+        let mut reader = Reader::new(family);
+        let answers = jobs
+            .iter()
+            .map(|(q, k)| reader.answer(*q, &poses[*k], with_slope));
+        answers.collect()
+    };
+    if jobs.len() <= portion {
+        return work(jobs);
+    }
+    let mut found: Vec<(f64, Vec<f64>)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = jobs
+            .chunks(portion)
+            .map(|jobs| scope.spawn(|| work(jobs)))
+            .collect();
+        let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
+        results.flatten().collect()
+    });
+    // A thread that failed leaves its poses without numbers.
+    found.resize(jobs.len(), (f64::NAN, Vec::new()));
+    found
+}
+
+/// Every sign's side of the values of some rows.
+fn sided(rows: &Rows, found: Vec<(f64, Vec<f64>)>) -> Listed {
+    let mut listed = Listed::default();
+    for sign in rows.signs {
+        let factor = sign * rows.factor;
+        for (value, slope) in &found {
+            listed.values.push(factor * value + rows.shift);
+            if !slope.is_empty() {
+                listed
+                    .slopes
+                    .push(slope.iter().map(|d| factor * d).collect());
+            }
+        }
+    }
+    listed
+}
