@@ -8,5 +8,6 @@ pub mod random;
 pub mod reference;
 pub mod routes;
 pub mod study;
+pub mod synthesis;
 pub mod tolerance;
 pub mod work_precision;

@@ -2,7 +2,7 @@
 
 use super::file_args::{DiffArgs, EncodeArgs, FileArgs, SnapshotArgs};
 use super::plot_args::{AccuracyArgs, PlotArgs};
-use super::study_args::{OptimiseArgs, SensitivityArgs, ToleranceArgs};
+use super::study_args::{OptimiseArgs, SensitivityArgs, SynthesiseArgs, ToleranceArgs};
 use super::view_args::ViewArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -52,6 +52,8 @@ pub enum Command {
     Tolerance(ToleranceArgs),
     /// Change dimensions so that the study's objective becomes least.
     Optimise(OptimiseArgs),
+    /// Find dimensions from many starts, prove the best, and compare scenes of one task.
+    Synthesise(SynthesiseArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.
@@ -293,7 +295,7 @@ pub const MAX_SIDE: u32 = 16_384;
 /// Most pixels of a picture: 8K video has 33 million.
 pub const MAX_PIXELS: u64 = 64_000_000;
 
-fn assignment(text: &str) -> Result<(String, String), String> {
+pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().to_owned(), value.trim().to_owned()))

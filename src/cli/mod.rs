@@ -38,6 +38,8 @@ mod snapshot;
 mod solve;
 mod study;
 pub mod study_args;
+mod synthesis_report;
+mod synthesise;
 mod term;
 mod tolerance;
 mod tolerance_picture;
@@ -98,6 +100,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Sensitivity(args) => sensitivity::run(&args, &term),
         Command::Tolerance(args) => tolerance::run(&args, &term),
         Command::Optimise(args) => optimise::run(&args, &term),
+        Command::Synthesise(args) => synthesise::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),

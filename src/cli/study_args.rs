@@ -137,6 +137,44 @@ pub struct OptimiseArgs {
     pub json: Option<PathBuf>,
 }
 
+/// `mechanim synthesise`
+#[derive(Debug, Args)]
+pub struct SynthesiseArgs {
+    /// Built-in scenes or scene files with a study that minimises the largest of many values; several make one report.
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::args::assignment)]
+    pub parameters: Vec<(String, String)>,
+    /// Number of starts: the scene's own values, then random ones of the whole ranges and near the best.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = starts)]
+    pub starts: usize,
+    /// Where random numbers start.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Most iterations from one start; the best is polished with three times as many.
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = iterations)]
+    pub iterations: usize,
+    /// End every scene's search after so many seconds, with the best so far.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time: Option<f64>,
+    /// Leave the scene's own values out: random starts only.
+    #[arg(long)]
+    pub blind: bool,
+    /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Write the scene with the best values (of one scene), or all of them into a folder.
+    #[arg(long, short, value_name = "FILE.toml|FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Write the report as JSON; `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the ladder as CSV: a row for every scene and measure or variable.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
 /// Methods of `mechanim optimise`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MethodArg {
@@ -168,6 +206,10 @@ fn pieces(text: &str) -> Result<usize, String> {
 
 fn paths(text: &str) -> Result<usize, String> {
     whole(text, 1, 20_000)
+}
+
+fn starts(text: &str) -> Result<usize, String> {
+    whole(text, 1, 100_000)
 }
 
 fn iterations(text: &str) -> Result<usize, String> {

@@ -39,6 +39,8 @@ pub enum Taking {
     Mean,
     /// The sum of the absolute values' powers, to the inverse of the power.
     Norm,
+    /// The share of the way on which the values are positive, straight lines between the poses.
+    Positive,
     /// Distance from the first to the last point of a path in the plane.
     Chord,
     /// Signed distance from the chord of that point of a path which is farthest from it, positive to the left of the way.
@@ -47,7 +49,7 @@ pub enum Taking {
 
 impl Taking {
     /// Names in scene files.
-    pub const NAMES: [(&'static str, Self); 12] = [
+    pub const NAMES: [(&'static str, Self); 13] = [
         ("first", Self::First),
         ("last", Self::Last),
         ("change", Self::Change),
@@ -58,6 +60,7 @@ impl Taking {
         ("sum", Self::Sum),
         ("mean", Self::Mean),
         ("norm", Self::Norm),
+        ("positive", Self::Positive),
         ("chord", Self::Chord),
         ("bow", Self::Bow),
     ];

@@ -26,4 +26,10 @@ pub struct Study {
     pub variables: Vec<Variable>,
     /// Index of the measure that is to be made small.
     pub objective: Option<usize>,
+    /// What the study asks of measures beside their own limits: index, smallest and largest value.
+    pub limits: Vec<(usize, [Option<f64>; 2])>,
+    /// What a source prints of measures, by their indices, in internal units.
+    pub printed: Vec<(usize, f64)>,
+    /// One line about what is studied.
+    pub note: Option<String>,
 }

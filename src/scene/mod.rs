@@ -8,6 +8,7 @@ pub mod contacts;
 pub mod edit;
 pub mod file;
 pub mod formula;
+pub mod guesses;
 pub mod measures;
 pub mod plots;
 pub mod reader;

@@ -10,6 +10,12 @@ pub struct StudyFile {
     pub variables: Vec<(Spanned<String>, VariableFile)>,
     /// `minimise`: the name of a measure
     pub minimise: Option<Spanned<String>>,
+    /// `[study.limits]`: `min` and `max` of measures
+    pub limits: Vec<(Spanned<String>, [Option<FormulaText>; 2])>,
+    /// `[study.printed]`: what the source prints of measures
+    pub printed: Vec<(Spanned<String>, FormulaText)>,
+    /// `note`: one line about what is studied
+    pub note: Option<String>,
 }
 
 /// One entry of `[study.variables]`.
@@ -43,8 +49,26 @@ pub fn study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
         };
         variables.push((name, variable));
     }
+    let mut limits = Vec::new();
+    for (name, value, span) in r.named("limits") {
+        let Some(table) = value.as_table() else {
+            let message = format!("the limit of `{}` must be a table", name.value);
+            let hint = "for example { max = 60 }";
+            r.diagnostics
+                .push(Diagnostic::error(message).at(span).hint(hint));
+            continue;
+        };
+        let place = format!("limit of `{}`", name.value);
+        let ends = read_table(table, text, span, place, r.diagnostics, |v| {
+            [v.formula("min"), v.formula("max")]
+        });
+        limits.push((name, ends));
+    }
     StudyFile {
         variables,
+        limits,
         minimise: r.string("minimise"),
+        printed: r.named_formulas("printed"),
+        note: r.string("note").map(|s| s.value),
     }
 }

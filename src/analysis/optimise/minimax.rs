@@ -6,6 +6,7 @@
 use super::quadratic::Programme;
 use super::{Bounds, Ended, Minimum};
 use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
 
 /// Values at a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,9 +34,34 @@ pub trait Landscape {
     /// Values and derivatives at `x`; `None` where `x` is refused.
     fn slopes(&mut self, x: &[f64]) -> Option<(Heights, Slopes)>;
 
+    /// A limit that refused `x`, if it is one that has a value and slopes beyond its edge only.
+    fn edge(&mut self, _x: &[f64]) -> Option<Edge> {
+        None
+    }
+
     /// Called after every accepted step; `false` ends the search.
     fn progress(&mut self, _iteration: usize, _x: &[f64], _value: f64) -> bool {
         true
+    }
+}
+
+/// A refused point: how far beyond a limit it is, and how that changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// The point.
+    pub x: Vec<f64>,
+    /// Positive: how much is missed there.
+    pub value: f64,
+    /// Its derivatives.
+    pub slope: Vec<f64>,
+}
+
+impl Edge {
+    /// What the edge allows at `x`, seen from the refused point; a point that was accepted keeps it.
+    fn at(&self, x: &[f64]) -> f64 {
+        let moves = x.iter().zip(&self.x).zip(&self.slope);
+        let value: f64 = moves.map(|((to, from), d)| (to - from) * d).sum();
+        (self.value + value).min(0.0)
     }
 }
 
@@ -73,6 +99,9 @@ const DAMPED: f64 = 0.2;
 /// solvable and decides nothing.
 const STIFFNESS: f64 = 1e-9;
 
+/// Edges that are remembered.
+const MOST_EDGES: usize = 24;
+
 /// Least unit of a programme, as a share of the largest change within the region.
 const LEAST_UNIT: f64 = 1e-6;
 
@@ -101,6 +130,7 @@ pub fn minimise(
     let mut curvature = Curvature::none(x.len());
     let mut radius = search.radius;
     let mut accepted = 0;
+    let mut edges: VecDeque<Edge> = VecDeque::new();
     result.ended = loop {
         if result.iterations >= search.iterations {
             break Ended::OutOfBudget;
@@ -111,6 +141,7 @@ pub fn minimise(
         result.iterations += 1;
         let place = Place {
             x: &x,
+            edges: &edges,
             slopes: &slopes,
             curvature: &curvature,
             scales,
@@ -146,6 +177,10 @@ pub fn minimise(
         if gained > TAKEN {
             result.gradients += 1;
             let Some((new_heights, new_slopes)) = landscape.slopes(&next) else {
+                edges.extend(landscape.edge(&next));
+                if edges.len() > MOST_EDGES {
+                    edges.pop_front();
+                }
                 radius *= SHRINK;
                 continue;
             };
@@ -244,6 +279,7 @@ impl Curvature {
 struct Place<'a> {
     x: &'a [f64],
     slopes: &'a Slopes,
+    edges: &'a VecDeque<Edge>,
     curvature: &'a Curvature,
     scales: &'a [f64],
     bounds: &'a Bounds,
@@ -323,7 +359,7 @@ impl Place<'_> {
     fn step(&self, heights: &Heights, radius: f64) -> Option<Step> {
         let n = self.x.len();
         let [peaks, limits] = self.relevant(heights, radius);
-        let count = peaks.len() + limits.len() + 1 + 2 * n;
+        let count = peaks.len() + limits.len() + self.edges.len() + 1 + 2 * n;
         let (top, excess) = (n, n + 1);
         let limit_unit = self.unit / self.weight;
         let mut rows = DMatrix::zeros(count, n + 2);
@@ -340,6 +376,9 @@ impl Place<'_> {
                 excess,
             )
         }));
+        let edges = self.edges.iter();
+        let listed =
+            listed.chain(edges.map(|edge| (edge.at(self.x), &edge.slope, limit_unit, excess)));
         for (value, slope, unit, under) in listed {
             for k in 0..n {
                 rows[(row, k)] = slope[k] * self.scales[k] * radius / unit;

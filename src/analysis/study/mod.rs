@@ -17,6 +17,8 @@ use crate::kinematics::measures::poses_of;
 use crate::kinematics::sampling::even_times;
 use crate::kinematics::structure::{Structure, StructureError};
 use crate::kinematics::trajectory::Sample;
+use crate::model::drive::Drive;
+use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
 use crate::model::study::Study;
@@ -24,7 +26,7 @@ use crate::scene::{Overrides, load};
 use glam::DVec3;
 pub use gradient::Gradients;
 pub use measure::Measured;
-pub use peaks::Peaks;
+pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, Search, Watch};
 pub use stand::{Evaluator, Rejection, Stand};
 
@@ -120,6 +122,11 @@ impl Family {
         mechanism.size = nominal.mechanism.size;
         let structure = Structure::new(&mechanism)?;
         let study = scene.study.unwrap_or_default();
+        for (index, [min, max]) in &study.limits {
+            let measure = &mut mechanism.measures[*index];
+            measure.min = min.or(measure.min);
+            measure.max = max.or(measure.max);
+        }
         if mechanism.measures.is_empty() {
             let message = "the scene has no `[measures]`: a study asks what becomes of them";
             return Err(FamilyError::Lacks(message.to_owned()));
@@ -145,6 +152,31 @@ impl Family {
     /// The file's values of the variables.
     pub fn start(&self) -> Vec<f64> {
         self.study.variables.iter().map(|v| v.start).collect()
+    }
+
+    /// The same family with other values as its own; bodies stay as in the file.
+    pub fn with_start(&self, values: &[f64]) -> Self {
+        let mut family = self.clone();
+        let first = self.own_inputs();
+        for (k, value) in values.iter().enumerate() {
+            family.mechanism.drives[first + k] = Drive::Formula(Expression::constant(*value));
+            family.study.variables[k].start = *value;
+            for track in &mut family.mechanism.tracks {
+                (track.from[first + k], track.to[first + k]) = (*value, *value);
+            }
+        }
+        family
+    }
+
+    /// The same family with so many steps on its tracks for each of its own.
+    pub fn with_finer_tracks(&self, times: usize) -> Self {
+        let mut family = self.clone();
+        let tracks = family.mechanism.tracks.iter_mut();
+        for (track, count) in tracks.zip(&mut family.counts) {
+            *count = times * (*count - 1) + 1;
+            track.samples = *count;
+        }
+        family
     }
 
     /// Every pose of every track with the file's values, followed from the start of the drive.

@@ -2,7 +2,8 @@
 
 use super::rows::{Listed, Rows, listed, nearness};
 use super::{Evaluator, Family, FamilyError, Refusals, Rejection, Stand, Watch};
-use crate::analysis::optimise::minimax::{Heights, Landscape, Slopes};
+use crate::analysis::optimise::Bounds;
+use crate::analysis::optimise::minimax::{Edge, Heights, Landscape, Slopes};
 
 /// Found poses may be nearer to a singular one than those of the file's values, but not nearer than this share: a search
 /// that is let go farther ends where its mechanism is about to fall apart.
@@ -16,6 +17,7 @@ pub struct Peaks<'f, 'w> {
     evaluator: Evaluator<'f>,
     base: Stand,
     base_merit: f64,
+    excess: f64,
     /// Poses with a smaller singular value are refused.
     least_sigma: f64,
     /// Those of the objective, then those of the limits that are asked pose by pose.
@@ -24,8 +26,18 @@ pub struct Peaks<'f, 'w> {
     singles: Vec<(usize, f64, f64)>,
     /// Candidates that were refused.
     pub refusals: Refusals,
+    /// Candidates that were refused by the guard.
+    pub guarded: usize,
     watch: Box<Watch<'w>>,
+    guard: Option<Box<Guard<'w>>>,
 }
+
+/// Called with a stand that a search is about to build on: how far it is beyond what is allowed, as a number of order one;
+/// zero or less lets it pass.
+pub type Guard<'w> = dyn FnMut(&Stand) -> f64 + 'w;
+
+/// Step of the differences that show how a guard's answer changes, as a share of the variables' ranges.
+const GUARD_STEP: f64 = 1e-7;
 
 impl<'f, 'w> Peaks<'f, 'w> {
     /// Prepares the search from the `start` stand of `evaluator`.
@@ -67,16 +79,64 @@ impl<'f, 'w> Peaks<'f, 'w> {
             evaluator,
             base,
             base_merit: f64::INFINITY,
+            excess: f64::INFINITY,
             rows,
             singles,
             refusals: Refusals::default(),
+            guarded: 0,
             watch,
+            guard: None,
         })
+    }
+
+    /// The same with a guard.
+    pub fn guarded_by(self, guard: Box<Guard<'w>>) -> Self {
+        Self {
+            guard: Some(guard),
+            ..self
+        }
+    }
+
+    /// The same where the smallest singular value may fall to `least` and no further.
+    pub fn with_least_sigma(self, least: f64) -> Self {
+        Self {
+            least_sigma: least,
+            ..self
+        }
+    }
+
+    /// The box of the variables.
+    pub fn bounds(&self) -> Bounds {
+        let variables = &self.evaluator.family().study.variables;
+        Bounds {
+            lower: variables.iter().map(|v| v.lower).collect(),
+            upper: variables.iter().map(|v| v.upper).collect(),
+        }
+    }
+
+    /// The largest missed limit, as a share of it, at the point that slopes were asked for last; zero if none is missed.
+    pub fn excess(&self) -> f64 {
+        self.excess
+    }
+
+    /// Unknowns at the start of the drive at that point, where a track has this pose.
+    pub fn unknowns_at_start(&self) -> Option<Vec<f64>> {
+        let family = self.evaluator.family();
+        let (n, own) = (family.mechanism.unknowns.len(), family.own_inputs());
+        let start = &family.mechanism.inputs_at(0.0)[..own];
+        let mut poses = self.base.poses.iter();
+        let pose = poses.find(|pose| &pose[n..n + own] == start)?;
+        Some(pose[..n].to_vec())
+    }
+
+    /// The smallest singular value that is let pass.
+    pub fn least_sigma(&self) -> f64 {
+        self.least_sigma
     }
 
     fn look(&mut self, x: &[f64], with_slopes: bool) -> Option<(Heights, Slopes)> {
         match self.look_or_refuse(x, with_slopes) {
-            Ok(found) => Some(found),
+            Ok(found) => found,
             Err(rejection) => {
                 self.refusals.count_one(&rejection);
                 None
@@ -88,12 +148,19 @@ impl<'f, 'w> Peaks<'f, 'w> {
         &mut self,
         x: &[f64],
         with_slopes: bool,
-    ) -> Result<(Heights, Slopes), Rejection> {
+    ) -> Result<Option<(Heights, Slopes)>, Rejection> {
         let stand = if with_slopes {
             self.evaluator.reach(&self.base, x)?
         } else {
             self.evaluator.approach(&self.base, x)?
         };
+        if with_slopes
+            && let Some(guard) = &mut self.guard
+            && guard(&stand) > 0.0
+        {
+            self.guarded += 1;
+            return Ok(None);
+        }
         let family = self.evaluator.family();
         let mut lists = listed(family, &self.rows, &stand.poses, with_slopes).into_iter();
         let Listed { values, slopes } = lists.next().unwrap_or_default();
@@ -120,12 +187,16 @@ impl<'f, 'w> Peaks<'f, 'w> {
         }
         let largest = |list: &[f64]| list.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // Slopes are asked for at accepted points only; those are what candidates come from.
-        let merit = largest(&heights.peaks) + largest(&heights.limits).max(0.0);
+        let excess = largest(&heights.limits).max(0.0);
+        if with_slopes {
+            self.excess = excess;
+        }
+        let merit = largest(&heights.peaks) + excess;
         if with_slopes || merit < self.base_merit {
             self.base_merit = merit;
             self.base = self.evaluator.settled(stand);
         }
-        Ok((heights, slopes))
+        Ok(Some((heights, slopes)))
     }
 
     /// Limits of measures that are one number.
@@ -161,6 +232,41 @@ impl Landscape for Peaks<'_, '_> {
 
     fn slopes(&mut self, x: &[f64]) -> Option<(Heights, Slopes)> {
         self.look(x, true)
+    }
+
+    /// By differences: a guard knows no derivatives, and none at all on the side that it lets pass.
+    fn edge(&mut self, x: &[f64]) -> Option<Edge> {
+        let stand = self.evaluator.reach(&self.base, x).ok()?;
+        let guard = self.guard.as_mut()?;
+        let value = guard(&stand);
+        if value <= 0.0 {
+            return None;
+        }
+        let mut slope = vec![0.0; x.len()];
+        let variables = self.evaluator.family().study.variables.iter();
+        let steps: Vec<f64> = variables
+            .map(|v| GUARD_STEP * (v.upper - v.lower))
+            .collect();
+        for (k, step) in steps.into_iter().enumerate() {
+            // Towards the side where there still is something to see.
+            let there = [step, -step].map(|h| {
+                let mut moved = x.to_vec();
+                moved[k] += h;
+                let stand = self.evaluator.approach(&stand, &moved);
+                (h, stand.map_or(0.0, |stand| guard(&stand)))
+            });
+            let (h, other) = if there[0].1 >= there[1].1 {
+                there[0]
+            } else {
+                there[1]
+            };
+            slope[k] = (other - value) / h;
+        }
+        Some(Edge {
+            x: x.to_vec(),
+            value,
+            slope,
+        })
     }
 
     fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {

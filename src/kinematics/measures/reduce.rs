@@ -38,6 +38,7 @@ pub fn reduce(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced
         Taking::Sum => weighted(first, 1.0),
         Taking::Mean => weighted(first, 1.0 / first.len() as f64),
         Taking::Norm => norm(first, power),
+        Taking::Positive => positive(first),
         Taking::Chord => chord(first, second),
         Taking::Bow => bow(first, second),
     })
@@ -83,6 +84,30 @@ fn norm(values: &[f64], power: f64) -> Reduced {
     Reduced {
         value: largest * root,
         weights: vec![values.iter().map(weight).collect()],
+    }
+}
+
+/// The share of the polyline through the values that is above zero.
+fn positive(values: &[f64]) -> Reduced {
+    let mut weights = vec![0.0; values.len()];
+    let share = 1.0 / (values.len().max(2) - 1) as f64;
+    let mut value = 0.0;
+    for (k, pair) in values.windows(2).enumerate() {
+        let (a, b) = (pair[0], pair[1]);
+        let fall = a - b;
+        if (a > 0.0) == (b > 0.0) {
+            value += if a > 0.0 { share } else { a * 0.0 + b * 0.0 };
+        } else {
+            // The part above zero is a/(a - b) where the line falls, b/(b - a) where it rises.
+            let sign = if a > 0.0 { share } else { -share };
+            value += sign * if a > 0.0 { a } else { b } / fall;
+            weights[k] -= sign * b / (fall * fall);
+            weights[k + 1] += sign * a / (fall * fall);
+        }
+    }
+    Reduced {
+        value,
+        weights: vec![weights],
     }
 }
 
@@ -184,6 +209,7 @@ mod tests {
             8.0,
             2.0,
             26.0_f64.sqrt(),
+            1.0,
             5.0,
             -19.0 / 5.0,
         ];
@@ -192,6 +218,10 @@ mod tests {
             assert!((found - expected).abs() < 1e-15 * 8.0, "{name}: {found}");
         }
         assert!(reduce(Taking::Mean, 2.0, &[Vec::new()]).is_none());
+        let crossing = [1.0, -1.0, -3.0, 1.0, 1.0];
+        let share = value(Taking::Positive, 2.0, &[crossing.to_vec()]);
+        assert!((share - (0.5 + 0.25 + 1.0) / 4.0).abs() < 1e-15, "{share}");
+        assert!(value(Taking::Positive, 2.0, &[vec![-1.0, f64::NAN]]).is_nan());
         assert!(value(Taking::Max, 2.0, &[vec![1.0, f64::NAN, 2.0]]).is_nan());
         assert!(value(Taking::Norm, 4.0, &[vec![1.0, f64::NAN]]).is_nan());
     }

@@ -37,9 +37,14 @@ pub fn resolve(
     };
     let variables = resolver.variables(study, varied);
     let objective = resolver.objective(study, file, measures);
+    let printed = resolver.printed(study, file, measures);
+    let limits = resolver.limits(study, file, measures);
     Some(Study {
         variables,
         objective,
+        limits,
+        printed,
+        note: study.note.clone(),
     })
 }
 
@@ -56,7 +61,50 @@ impl Resolver<'_, '_> {
         file: &SceneFile,
         measures: &[Measure],
     ) -> Option<usize> {
-        let wanted = study.minimise.as_ref()?;
+        self.measure(study.minimise.as_ref()?, file, measures)
+    }
+
+    fn limits(
+        &mut self,
+        study: &StudyFile,
+        file: &SceneFile,
+        measures: &[Measure],
+    ) -> Vec<(usize, [Option<f64>; 2])> {
+        let mut list = Vec::new();
+        for (name, ends) in &study.limits {
+            let Some(index) = self.measure(name, file, measures) else {
+                continue;
+            };
+            let kind = measures[index].kind;
+            let mut value = |text: &Option<FormulaText>| self.value(text.as_ref()?, kind);
+            list.push((index, [value(&ends[0]), value(&ends[1])]));
+        }
+        list
+    }
+
+    fn printed(
+        &mut self,
+        study: &StudyFile,
+        file: &SceneFile,
+        measures: &[Measure],
+    ) -> Vec<(usize, f64)> {
+        let mut list = Vec::new();
+        for (name, text) in &study.printed {
+            if let Some(index) = self.measure(name, file, measures)
+                && let Some(value) = self.value(text, measures[index].kind)
+            {
+                list.push((index, value));
+            }
+        }
+        list
+    }
+
+    fn measure(
+        &mut self,
+        wanted: &Spanned<String>,
+        file: &SceneFile,
+        measures: &[Measure],
+    ) -> Option<usize> {
         let found = measures.iter().position(|m| m.name == wanted.value);
         let declared = file.measures.iter().any(|m| m.name.value == wanted.value);
         if found.is_none() && !declared {

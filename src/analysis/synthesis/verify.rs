@@ -1,0 +1,142 @@
+//! Proof of a synthesis: the scene is read again with the found values, and its whole drive is followed in fine steps by
+//! the motion solver, which knows nothing of the search. Poses are certified, the tracks are measured four times as finely,
+//! the drive must close, and the bodies are checked against each other.
+
+use super::FINER;
+use crate::analysis::observer::{distance, positions};
+use crate::analysis::study::FamilyError;
+use crate::clearance::check::{ClearanceReport, Judgement, check};
+use crate::diag::Source;
+use crate::kinematics::certificate::Certificate;
+use crate::kinematics::continuation::solve;
+use crate::kinematics::measures::measures;
+use crate::kinematics::sampling::is_cyclic;
+use crate::model::mechanism::Mechanism;
+use crate::scene::{Overrides, load};
+
+/// Steps of the drive: a quarter of a degree of a full turn.
+const STEPS: usize = 1440;
+
+/// Samples of the drive at which distances of bodies are listed; between them they are bounded.
+const CLEARANCE_SAMPLES: usize = 361;
+
+/// Relative nearness of a distance and its bound.
+const CLEARANCE_TOLERANCE: f64 = 1e-3;
+
+/// A cyclic drive has closed when everything is back within this, in mechanism sizes.
+const CLOSED: f64 = 1e-9;
+
+/// What was found out.
+#[derive(Clone, Debug)]
+pub struct Proof {
+    /// Poses that were followed, and how many of them are missing.
+    pub poses: usize,
+    /// Poses that do not exist.
+    pub missing: usize,
+    /// Poses without a certificate.
+    pub unproved: usize,
+    /// Largest certified error of a coordinate.
+    pub error_bound: f64,
+    /// Determinant signs along the way are the same everywhere.
+    pub one_branch: bool,
+    /// How far bodies and traces are from where they began after a cyclic drive, in the scene's unit.
+    pub open: Option<f64>,
+    /// Whether that is rounding.
+    pub closed: bool,
+    /// Measures of the finer tracks; `None` where one has no value.
+    pub measures: Vec<Option<f64>>,
+    /// Bodies that are meant to touch and do more or less than that, by name.
+    pub cutting: Vec<[String; 2]>,
+    /// Other bodies that meet: the drawing does not fit the found dimensions.
+    pub meeting: Vec<[String; 2]>,
+    /// Pairs that were looked at.
+    pub pairs: usize,
+}
+
+impl Proof {
+    /// Everything but the drawing.
+    pub fn holds(&self) -> bool {
+        let moves = self.missing == 0 && self.unproved == 0 && self.one_branch;
+        moves && self.closed && self.cutting.is_empty() && self.measures.iter().all(Option::is_some)
+    }
+}
+
+/// Follows the scene with the given overrides.
+///
+/// # Errors
+/// A scene that cannot be read with these values, or has no motion.
+pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
+    let mut scene = load(source, overrides).map_err(Box::new)?;
+    for track in &mut scene.mechanism.tracks {
+        track.samples = FINER * (track.samples - 1) + 1;
+    }
+    let mechanism = &scene.mechanism;
+    let times: Vec<f64> = (0..=STEPS)
+        .map(|k| mechanism.duration * k as f64 / STEPS as f64)
+        .collect();
+    let trajectory = solve(mechanism, &times)?;
+    let mut proof = Proof {
+        poses: trajectory.samples.len(),
+        missing: trajectory.missing(),
+        unproved: 0,
+        error_bound: 0.0,
+        one_branch: true,
+        open: None,
+        closed: true,
+        measures: measures(mechanism, &trajectory)?,
+        cutting: Vec::new(),
+        meeting: Vec::new(),
+        pairs: 0,
+    };
+    let mut branch: Option<&str> = None;
+    for pose in trajectory.poses() {
+        match pose.certificate {
+            Certificate::Certified { error_bound, .. } => {
+                proof.error_bound = proof.error_bound.max(error_bound);
+            }
+            Certificate::Refused { .. } => proof.unproved += 1,
+        }
+        proof.one_branch &= *branch.get_or_insert(&pose.branch) == pose.branch;
+    }
+    let ends = [trajectory.samples.first(), trajectory.samples.last()];
+    if let [Some(first), Some(last)] = ends
+        && is_cyclic(mechanism)
+    {
+        let at = |sample: &crate::kinematics::trajectory::Sample| {
+            let pose = sample.pose.as_ref()?;
+            Some(places(mechanism, &pose.unknowns, &sample.inputs))
+        };
+        let open = at(first).zip(at(last)).map(|(a, b)| distance(&a, &b));
+        proof.closed = open.is_some_and(|d| d <= CLOSED * mechanism.size);
+        proof.open = open;
+    }
+    if let Some(rules) = &scene.clearance {
+        let times: Vec<f64> = (0..CLEARANCE_SAMPLES)
+            .map(|k| mechanism.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)
+            .collect();
+        let report = check(mechanism, rules, &times, CLEARANCE_TOLERANCE, &|_, _| {})?;
+        proof.note(mechanism, &rules.touching, &report);
+    }
+    Ok(proof)
+}
+
+/// Where bodies and traces are, and the unknowns' directions.
+fn places(mechanism: &Mechanism, unknowns: &[f64], inputs: &[f64]) -> Vec<f64> {
+    positions(mechanism, &[unknowns, inputs].concat())
+}
+
+impl Proof {
+    fn note(&mut self, mechanism: &Mechanism, touching: &[[usize; 2]], report: &ClearanceReport) {
+        self.pairs = report.judged.len();
+        for pair in &report.judged {
+            if pair.judgement != Judgement::Passed {
+                let names = pair.pair.map(|k| mechanism.bodies[k].name.clone());
+                if touching.contains(&pair.pair) {
+                    self.cutting.push(names);
+                } else {
+                    self.meeting.push(names);
+                }
+            }
+        }
+    }
+}
