@@ -12,9 +12,8 @@ use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::prove;
 use crate::analysis::synthesis::{Listener, Plan, Start, Synthesis, synthesise};
-use crate::diag::Source;
-use crate::scene::guesses::with_guess;
-use crate::scene::{Overrides, with_parameters};
+use crate::scene::Overrides;
+use crate::scene::edit::with_values;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -61,7 +60,8 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         out.flush()?;
     }
     if stopped {
-        return Err(Failure::Stopped);
+        let kept = "the best so far was reported and written as asked";
+        return Err(Failure::Stopped(kept.to_owned()));
     }
     Ok(if found.iter().all(Found::holds) {
         Outcome::Done
@@ -167,13 +167,13 @@ fn written(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String)
             })
             .collect(),
     };
-    let internal = || Failure::Internal("the scene's text cannot be edited".to_owned());
-    let text = with_parameters(&opened.source, &parameters).ok_or_else(internal)?;
-    let source = Source {
-        text,
-        ..opened.source.clone()
-    };
-    let text = with_guess(&source, &guess).ok_or_else(internal)?;
+    let text = with_values(&opened.source, &parameters, &guess);
+    let text = text.ok_or_else(|| {
+        Failure::usage(
+            "the scene's text cannot be given start values",
+            vec!["write them as a section of their own: [guess]".to_owned()],
+        )
+    })?;
     let overrides = Overrides {
         parameters,
         guess,

@@ -8,7 +8,6 @@ pub mod contacts;
 pub mod edit;
 pub mod file;
 pub mod formula;
-pub mod guesses;
 pub mod measures;
 pub mod plots;
 pub mod reader;
