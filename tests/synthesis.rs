@@ -44,7 +44,8 @@ fn two_spheres_reach_the_known_optimum_and_are_proved() {
     let report: Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
     let found = &report["scenes"][0];
     let value = found["value"].as_f64().unwrap();
-    assert!((value - 0.026732).abs() < 2e-6, "{value}");
+    // A little more than that, since the pressure angle is kept between the samples, too.
+    assert!((value - 0.026732).abs() < 5e-6, "{value}");
     assert_eq!(found["measures"]["deviation"]["printed"], 0.03384);
     // Measured four times as finely as the search looked.
     let steepest = found["measures"]["steepest"]["found"].as_f64().unwrap();

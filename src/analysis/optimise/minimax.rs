@@ -3,6 +3,7 @@
 //! Programming 14, 1978, without curvature; Powell's damped BFGS of the Lagrangian; limits by an elastic variable and
 //! second-order correction as in Fletcher, Practical Methods of Optimization, 2nd ed., chapters 12 and 14).
 
+use super::curvature::Curvature;
 use super::quadratic::Programme;
 use super::{Bounds, Ended, Minimum};
 use nalgebra::{DMatrix, DVector};
@@ -91,9 +92,6 @@ const POOR: f64 = 0.25;
 /// Factors of the radius.
 const GROW: f64 = 2.0;
 const SHRINK: f64 = 0.4;
-
-/// Least share of the known curvature that an update leaves along its step (Powell).
-const DAMPED: f64 = 0.2;
 
 /// Curvature given to directions without any, as a share of what would matter within the region: it keeps programmes
 /// solvable and decides nothing.
@@ -229,50 +227,6 @@ fn reach(row: &[f64], scales: &[f64], radius: f64) -> f64 {
             .zip(scales)
             .map(|(d, s)| (d * s).abs())
             .sum::<f64>()
-}
-
-/// Second derivatives of the Lagrangian in scaled variables, as far as the steps have shown them.
-struct Curvature {
-    matrix: DMatrix<f64>,
-    is_known: bool,
-}
-
-impl Curvature {
-    fn none(count: usize) -> Self {
-        Self {
-            matrix: DMatrix::zeros(count, count),
-            is_known: false,
-        }
-    }
-
-    /// Damped BFGS update by a step and the change of the Lagrangian's gradient.
-    fn learn(&mut self, step: &DVector<f64>, change: DVector<f64>) {
-        let along = step.dot(&change);
-        let square = step.norm_squared();
-        if square == 0.0 || !along.is_finite() {
-            return;
-        }
-        if !self.is_known {
-            if along <= 0.0 {
-                return;
-            }
-            self.matrix = DMatrix::identity(step.len(), step.len()) * (along / square);
-            self.is_known = true;
-        }
-        let bent = &self.matrix * step;
-        let old = step.dot(&bent);
-        let change = if along >= DAMPED * old {
-            change
-        } else {
-            let share = (1.0 - DAMPED) * old / (old - along);
-            change * share + &bent * (1.0 - share)
-        };
-        let along = step.dot(&change);
-        if along > 0.0 && old > 0.0 {
-            self.matrix += &change * change.transpose() / along;
-            self.matrix -= &bent * bent.transpose() / old;
-        }
-    }
 }
 
 /// A point with its linearisation.

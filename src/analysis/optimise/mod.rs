@@ -3,6 +3,7 @@
 
 pub mod bfgs;
 pub mod constraints;
+mod curvature;
 pub mod evolution;
 pub mod minimax;
 pub mod nelder_mead;
