@@ -112,11 +112,10 @@ fn a_drive_that_turns_back_on_a_dead_point_takes_the_motion_with_it() {
 }
 
 #[test]
-fn feasible_inputs_are_found_from_far() {
+fn feasible_inputs_are_found_from_far_and_from_links_in_line() {
     for start in [500.0, 20_000.0, -500.0] {
         let mechanism = written(&format!(
-            "[inputs]\nh = {start}\n[loops]\nA = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n\
-             [guess]\nphi = 0.2\n"
+            "[inputs]\nh = {start}\n[loops]\nA = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n"
         ));
         let found = feasible_inputs(&mechanism);
         let stretches = &found[0].stretches;

@@ -49,7 +49,7 @@ const ITERATED_RATIO: f64 = 1e-7;
 const SAME_INVERSE: f64 = 5e-7;
 
 /// Refinements after which a solution by such an inverse is right to rounding.
-const REFINEMENTS: usize = 2;
+pub(super) const REFINEMENTS: usize = 2;
 
 /// Buffers and factorisations, one per block. All iterations reuse them.
 #[derive(Clone, Debug)]
@@ -179,7 +179,10 @@ impl Corrector {
             // Where two poses almost meet, what the floor hides is worth its square root: a patient correction goes on
             // as long as the residual falls.
             let falls = pace == Pace::Patient && left <= 0.5 * last_residual;
-            if done || (at_floor && !falls && iterations > 0) {
+            // The floor itself is noise, and would let the count of iterations depend on it: a brisk correction ends by its
+            // last step alone.
+            let rests = pace == Pace::Patient && at_floor && !falls && iterations > 0;
+            if done || rests {
                 break;
             }
             last_residual = left;

@@ -4,7 +4,8 @@
 //! Along two tangents of the motion the loop's product is I + st C to the mixed order, and C is skew: its three entries
 //! are the mixed derivative of the rotation vector, which the unknowns' own mixed derivative must cancel.
 
-use super::newton::Corrector;
+use super::lanes::groups;
+use super::newton::{Corrector, REFINEMENTS};
 use super::structure::{Block, Structure};
 use super::twofold::{Twofold, evaluate};
 use crate::math::Pose;
@@ -115,10 +116,14 @@ impl<'m> Variation<'m> {
     fn solve_block(&mut self, index: usize, block: &Block) {
         self.fill_bend(block);
         let buffers = &mut self.corrector.blocks[index];
-        buffers.workspace.drift.clone_from(&self.bend);
+        let drift = &mut buffers.workspace.drift;
+        drift.clear();
+        drift.resize(groups(self.bend.len()), [0.0; 4]);
+        drift.as_flattened_mut()[..self.bend.len()].copy_from_slice(&self.bend);
         buffers.solve_drift();
-        for (unknown, step) in block.unknowns.iter().zip(&buffers.step) {
-            self.slots[*unknown].mixed = self.mechanism.scale_of(*unknown) * step;
+        buffers.refine(REFINEMENTS);
+        for (unknown, change) in buffers.changes(block) {
+            self.slots[unknown].mixed = change;
         }
     }
 
@@ -186,9 +191,9 @@ impl<'m> Variation<'m> {
         let mut last = 0.0;
         for _ in 0..MAX_TURNS {
             let left: Vec<f64> = (0..rows)
-                .map(|i| (0..columns).map(|j| right[j] * inverse.at(j, i)).sum())
+                .map(|i| (0..columns).map(|j| right[j] * inverse.at(i, j)).sum())
                 .collect();
-            let product = |j: usize| (0..rows).map(|i| inverse.at(j, i) * left[i]).sum::<f64>();
+            let product = |j: usize| (0..rows).map(|i| inverse.at(i, j) * left[i]).sum::<f64>();
             let next: Vec<f64> = (0..columns).map(product).collect();
             let growth = next.iter().map(|v| v * v).sum::<f64>().sqrt();
             right = next.into_iter().map(|v| v / growth).collect();

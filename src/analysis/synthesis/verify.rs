@@ -91,7 +91,8 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     let mut branch: Option<&str> = None;
     for pose in trajectory.poses() {
         match pose.certificate {
-            Certificate::Certified { error_bound, .. } => {
+            Certificate::Certified { error_bound, .. }
+            | Certificate::Locked { error_bound, .. } => {
                 proof.error_bound = proof.error_bound.max(error_bound);
             }
             Certificate::Refused { .. } => proof.unproved += 1,

@@ -4,7 +4,7 @@
 //! as its beginning is. What can be followed back past the beginning of the gap is another assembly, which the motion
 //! cannot reach; taking it up would be a jump.
 
-use super::super::assembly::{NotClosed, shake, smallest_gap};
+use super::super::assembly::{Assembled, NotClosed, shake, smallest_gap};
 use super::super::newton::Pace;
 use super::super::trajectory::{EventKind, Gap, Instant, Lack};
 use super::{Follower, Stand, Stop};
@@ -76,16 +76,10 @@ impl Follower<'_> {
         }
     }
 
-    /// After a gap: assembles again from the last pose, without searching.
-    pub(super) fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
-        let Ok(inputs) = self.inputs(time) else {
-            return Err(None);
-        };
-        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
-        let start = [unknowns, &inputs].concat();
-        let found = self.assembled(&start, false).or_else(|gap| {
-            // From links in line no correction leaves the line.
-            let mut beside = start.clone();
+    /// Assembles from `start`, and from beside it where that fails: from links in line no correction leaves the line.
+    pub(super) fn assembled_from_beside(&mut self, start: &[f64]) -> Result<Assembled, NotClosed> {
+        self.assembled(start, false).or_else(|gap| {
+            let mut beside = start.to_vec();
             shake(
                 self.mechanism,
                 self.trajectory.samples.len(),
@@ -93,8 +87,17 @@ impl Follower<'_> {
                 &mut beside,
             );
             self.assembled(&beside, false).map_err(|_| gap)
-        });
-        match found {
+        })
+    }
+
+    /// After a gap: assembles again from the last pose, without searching.
+    pub(super) fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
+        let Ok(inputs) = self.inputs(time) else {
+            return Err(None);
+        };
+        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
+        let start = [unknowns, &inputs].concat();
+        match self.assembled_from_beside(&start) {
             Ok(found) => {
                 self.iterations += found.iterations;
                 let stand = self.stand(time, found.coordinates);

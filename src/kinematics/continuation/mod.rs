@@ -215,7 +215,11 @@ impl<'m> Follower<'m> {
         let start = [self.mechanism.guess.clone(), inputs].concat();
         // Perturbed starts are worth their time once, not at every sample of a range without poses.
         let persist = self.trajectory.samples.is_empty();
-        match self.assembled(&start, persist) {
+        let found = match persist {
+            true => self.assembled(&start, true),
+            false => self.assembled_from_beside(&start),
+        };
+        match found {
             Ok(found) => {
                 self.iterations += found.iterations;
                 if found.start > 0 {
