@@ -7,4 +7,4 @@ pub mod picture;
 pub use crate::compare::film::Allowed;
 pub use golden::{EXACT, Update, Verdict, judge};
 pub use manifest::{MANIFEST, Manifest};
-pub use picture::{DrawError, draw};
+pub use picture::{DrawError, Open, draw, draw_with};

@@ -1,4 +1,4 @@
-//! A picture of the list, drawn by the built-in renderer: the same bytes on every machine.
+//! A picture of the list, drawn by the built-in renderer (the same bytes on every machine) or by another one.
 
 use super::manifest::{Instant, Picture};
 use crate::diag::{SceneError, Source};
@@ -8,7 +8,8 @@ use crate::kinematics::structure::StructureError;
 use crate::kinematics::trajectory::Trajectory;
 use crate::render::cpu::CpuRenderer;
 use crate::render::overlay::Overlay;
-use crate::render::{RenderError, Renderer};
+
+use crate::render::{RenderError, Renderer, Stage};
 use crate::scene::{Overrides, Scene, builtin, load};
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
@@ -43,10 +44,21 @@ pub enum DrawError {
     Render(#[from] RenderError),
 }
 
-/// Draws `picture`; scenes that are files are looked for in `folder`. Where no pose exists the picture says so.
+/// Opens a renderer of a stage.
+pub type Open<'a> = &'a dyn Fn(Arc<Stage>) -> Result<Box<dyn Renderer>, RenderError>;
+
+/// Draws `picture` with the built-in renderer; scenes that are files are looked for in `folder`. Where no pose exists the
+/// picture says so.
 ///
 /// Errors: a scene that cannot be read or has mistakes, an instant outside its motion, a size that cannot be drawn.
 pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
+    draw_with(picture, folder, &|stage| {
+        Ok(Box::new(CpuRenderer::new(stage)?))
+    })
+}
+
+/// The same with renderers that `open` opens, one for each view. Errors: likewise, and those of `open`.
+pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaImage, DrawError> {
     let scene = scene(picture, folder)?;
     let (times, index) = times(&scene, picture.instant)?;
     let trajectory = solve(&scene.mechanism, &times)?;
@@ -56,15 +68,15 @@ pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
     };
     let whole = Staging::new(&scene, &trajectory, options);
     if scene.view.four {
-        return four(&scene, &trajectory, &whole, index);
+        return four(&scene, &trajectory, &whole, index, open);
     }
-    one(&whole, index)
+    one(&whole, index, open)
 }
 
 /// One view.
-fn one(staging: &Staging, index: usize) -> Result<RgbaImage, DrawError> {
+fn one(staging: &Staging, index: usize, open: Open) -> Result<RgbaImage, DrawError> {
     let stage = &staging.stage;
-    let mut renderer = CpuRenderer::new(Arc::clone(stage))?;
+    let mut renderer = open(Arc::clone(stage))?;
     let frame = staging.frame(index);
     let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
     renderer.draw(&frame, &mut image)?;
@@ -78,6 +90,7 @@ fn four(
     trajectory: &Trajectory,
     whole: &Staging,
     index: usize,
+    open: Open,
 ) -> Result<RgbaImage, DrawError> {
     let stage = &whole.stage;
     let options = PictureOptions {
@@ -87,7 +100,7 @@ fn four(
     let scenes = panes::scenes(scene);
     let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
     for ([x, y], pane) in panes::stagings(&scenes, trajectory, options, &Marks::default()) {
-        let view = one(&pane, index)?;
+        let view = one(&pane, index, open)?;
         image::imageops::replace(&mut image, &view, x.into(), y.into());
     }
     let frame = panes::over(scene, whole, index);

@@ -342,64 +342,6 @@ impl LoopAtPose {
         [turned * turned, translation]
     }
 
-    /// Bounds of the third derivative of rotation and translation rows, twice along a direction in which argument `a`
-    /// changes by at most `one(a)` and once along one in which it changes by `two(a)`.
-    pub fn third_derivatives(
-        &self,
-        one: impl Fn(usize) -> f64,
-        two: impl Fn(usize) -> f64,
-    ) -> [f64; 2] {
-        let (mut p, mut q, mut translation) = (0.0, 0.0, 0.0);
-        for joint in &self.joints {
-            let (alpha, beta) = (one(joint.argument), two(joint.argument));
-            match joint.motion {
-                Motion::Rotation => {
-                    let before = p * p * q;
-                    p += alpha;
-                    q += beta;
-                    translation += joint.reach * (p * p * q - before).max(0.0) * (1.0 + 1e-12);
-                }
-                Motion::Translation => {
-                    translation += (p * p * beta + 2.0 * p * q * alpha) / self.size;
-                }
-            }
-        }
-        [p * p * q, translation]
-    }
-
-    /// Rates of the columns of all joints when the arguments move at `rate(a)`. Taken at a closed pose, whose rotation
-    /// is the identity.
-    pub fn column_rates(&self, rate: impl Fn(usize) -> f64) -> Vec<[f64; 6]> {
-        // Velocity field of the frame reached so far: v(p) = shift + spin x p.
-        let (mut spin, mut shift) = (DVec3::ZERO, DVec3::ZERO);
-        let mut here = Vec::with_capacity(self.joints.len());
-        for joint in &self.joints {
-            here.push((spin, shift + spin.cross(joint.origin)));
-            let twist = joint.axis * rate(joint.argument);
-            match joint.motion {
-                Motion::Translation => shift += twist,
-                Motion::Rotation => {
-                    spin += twist;
-                    shift -= twist.cross(joint.origin);
-                }
-            }
-        }
-        let end = shift + spin.cross(self.translation);
-        let of = |(joint, (turning, moving)): (&Joint, (DVec3, DVec3))| {
-            let axis_rate = turning.cross(joint.axis);
-            let (turn, go) = match joint.motion {
-                Motion::Translation => (DVec3::ZERO, axis_rate),
-                Motion::Rotation => (
-                    axis_rate - spin.cross(joint.axis) * 0.5,
-                    axis_rate.cross(self.translation - joint.origin)
-                        + joint.axis.cross(end - moving),
-                ),
-            };
-            super::super::closure::residual_of(turn, go, self.size)
-        };
-        self.joints.iter().zip(here).map(of).collect()
-    }
-
     /// Bounds of the first derivative of rotation and translation rows, likewise; by how much the rotation can turn
     /// is the first.
     pub fn first_derivatives(&self, rate: impl Fn(usize) -> f64) -> [f64; 2] {
