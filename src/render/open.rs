@@ -29,6 +29,7 @@ impl RendererChoice {
 }
 
 /// Most renderers on one adapter: one draws, one reads back, one is being prepared.
+#[cfg(feature = "gpu")]
 const FRAMES_IN_FLIGHT: usize = 3;
 
 /// Opens renderers of a stage: `workers` (at least one) of the built-in kind, or as many on an adapter, up to three.
