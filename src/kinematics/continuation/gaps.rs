@@ -86,7 +86,8 @@ impl Follower<'_> {
                 ASIDE,
                 &mut beside,
             );
-            self.assembled(&beside, false).map_err(|_| gap)
+            let found = self.assembled(&beside, false).map_err(|_| gap)?;
+            Ok(Assembled { start: 1, ..found })
         })
     }
 
