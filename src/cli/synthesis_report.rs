@@ -132,11 +132,11 @@ fn start_row(index: usize, start: &Start, is_polish: bool, unit: f64) -> Vec<Str
         (index + 1).to_string()
     };
     let origin = if is_polish {
-        "best"
+        "best".to_owned()
     } else {
-        start.origin.word()
+        start.origin.words()
     };
-    let mut row = vec![number, origin.to_owned()];
+    let mut row = vec![number, origin];
     match &start.minimum {
         Some(minimum) => row.extend([
             six(start.first * unit),
@@ -317,7 +317,7 @@ fn scene_document(found: &Found) -> Value {
         .iter()
         .map(|start| {
             json!({
-                "from": start.origin.word(),
+                "from": start.origin.words(),
                 "first": start.first * unit,
                 "found": start.minimum.as_ref().map(|m| m.value * unit),
                 "evaluations": start.minimum.as_ref().map_or(0, |m| m.evaluations + m.gradients),

@@ -126,7 +126,7 @@ fn one<'a>(
     };
     let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
     let done = |index: usize, start: &Start| {
-        let from = start.origin.word();
+        let from = start.origin.words();
         let (first, last) = (six(start.first * unit), six(start.value() * unit));
         term.note(&format!("  start {}, {from}: {first} to {last}", index + 1));
     };

@@ -2,12 +2,14 @@
 //! proved by an independent motion. Starts are searched in batches of a fixed size, so that what a start finds does not
 //! depend on the number of threads.
 
+mod basins;
 mod starts;
 pub mod touching;
 pub mod verify;
 
 use crate::analysis::optimise::{Ended, Minimum, minimax};
 use crate::analysis::study::{Evaluator, Family, FamilyError, Peaks, Refusals, Search};
+use basins::Basins;
 use starts::begin;
 pub use starts::{Origin, Rejected};
 use std::sync::Mutex;
@@ -83,6 +85,21 @@ pub struct Start {
 }
 
 impl Start {
+    /// A start without a minimum.
+    fn none(origin: Origin) -> Self {
+        Self {
+            origin,
+            first: f64::NAN,
+            minimum: None,
+            rejected: Rejected::default(),
+            refusals: Refusals::default(),
+            interpenetrating: 0,
+            seconds: 0.0,
+            unknowns: None,
+            excess: f64::INFINITY,
+        }
+    }
+
     /// The objective found; infinite where there is none, or where limits are not kept.
     pub fn value(&self) -> f64 {
         let kept = self.minimum.as_ref().filter(|_| self.excess <= KEPT);
@@ -180,7 +197,7 @@ pub fn synthesise(
     let mut starts: Vec<Start> = Vec::with_capacity(plan.starts + 1);
     while starts.len() < plan.starts && (starts.is_empty() || run.goes_on()) {
         let batch = BATCH.min(plan.starts - starts.len());
-        let found = run.batch(starts.len(), batch, best_of(&starts));
+        let found = run.batch(batch, &starts);
         starts.extend(found);
     }
     let searched = starts.len();
@@ -277,17 +294,26 @@ impl Run<'_> {
         in_time && (self.listener.goes_on)()
     }
 
-    /// Starts `first` and further ones, shared among the threads.
-    fn batch(&self, first: usize, count: usize, best: Option<&Start>) -> Vec<Start> {
+    /// The next `count` starts, shared among the threads; all of them know of the starts `before` them only.
+    fn batch(&self, count: usize, before: &[Start]) -> Vec<Start> {
+        let first = before.len();
+        let mut basins = Basins::new(before, &self.sizes);
+        let origins: Vec<Origin> = (first..first + count)
+            .map(|index| match basins.next(index) {
+                _ if index == 0 && !self.plan.blind => Origin::Scene,
+                Some(near) => Origin::Near(near),
+                None => Origin::Random,
+            })
+            .collect();
         let next = AtomicUsize::new(0);
         let found: Mutex<Vec<(usize, Start)>> = Mutex::new(Vec::new());
         let work = || {
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= count {
+                let Some(origin) = origins.get(index) else {
                     return;
-                }
-                let start = self.start(first + index, best);
+                };
+                let start = self.start(*origin, (first + index) as u64, before);
                 (self.listener.done)(first + index, &start);
                 let mut found = found.lock().unwrap_or_else(|e| e.into_inner());
                 found.push((index, start));
@@ -301,17 +327,6 @@ impl Run<'_> {
         let mut found = found.into_inner().unwrap_or_else(|e| e.into_inner());
         found.sort_by_key(|(index, _)| *index);
         found.into_iter().map(|(_, start)| start).collect()
-    }
-
-    fn start(&self, index: usize, best: Option<&Start>) -> Start {
-        let origin = match best {
-            _ if index == 0 && !self.plan.blind => Origin::Scene,
-            Some(_) if index.is_multiple_of(2) => Origin::Near,
-            _ => Origin::Random,
-        };
-        let from = best.and_then(|b| b.minimum.as_ref()).map(|m| m.x.clone());
-        let from = from.unwrap_or_default();
-        self.search(origin, index as u64, &from, RADIUS, self.plan.iterations)
     }
 
     /// The best start's search taken up again with more iterations.
@@ -329,62 +344,33 @@ impl Run<'_> {
         };
         let stand = Evaluator::new(&family).nominal(nominal.poses);
         let begun = starts::Begun { family, stand };
-        let mut start = self.descend(Origin::Near, begun, RADIUS, iterations);
+        let mut start = self.descend(best.origin, begun, iterations);
         start.seconds = clock.elapsed().as_secs_f64();
         start
     }
 
-    fn search(
-        &self,
-        origin: Origin,
-        item: u64,
-        best: &[f64],
-        radius: f64,
-        iterations: usize,
-    ) -> Start {
+    fn start(&self, origin: Origin, item: u64, before: &[Start]) -> Start {
         let clock = Instant::now();
         let ended = || !self.goes_on();
+        let near = match origin {
+            Origin::Near(index) => before[index].minimum.as_ref().map_or(&[][..], |m| &m.x),
+            _ => &[],
+        };
         let drawn = (origin, self.plan.seed, item);
-        let (begun, rejected) = begin(self.family, self.touching, drawn, best, &self.sizes, &ended);
+        let (begun, rejected) = begin(self.family, self.touching, drawn, near, &self.sizes, &ended);
         let mut start = match begun {
-            Some(begun) => self.descend(origin, begun, radius, iterations),
-            None => Start {
-                origin,
-                first: f64::NAN,
-                minimum: None,
-                rejected,
-                refusals: Refusals::default(),
-                interpenetrating: 0,
-                seconds: 0.0,
-                unknowns: None,
-                excess: f64::INFINITY,
-            },
+            Some(begun) => self.descend(origin, begun, self.plan.iterations),
+            None => Start::none(origin),
         };
         start.rejected = rejected;
         start.seconds = clock.elapsed().as_secs_f64();
         start
     }
 
-    fn descend(
-        &self,
-        origin: Origin,
-        begun: starts::Begun,
-        radius: f64,
-        iterations: usize,
-    ) -> Start {
+    fn descend(&self, origin: Origin, begun: starts::Begun, iterations: usize) -> Start {
         let family = &begun.family;
         let watch = |_: usize, _: &[f64], _: f64| self.goes_on();
-        let blank = Start {
-            origin,
-            first: f64::NAN,
-            minimum: None,
-            rejected: Rejected::default(),
-            refusals: Refusals::default(),
-            interpenetrating: 0,
-            seconds: 0.0,
-            unknowns: None,
-            excess: f64::INFINITY,
-        };
+        let blank = Start::none(origin);
         let evaluator = Evaluator::new(family);
         let first = evaluator.measure(&begun.stand).ok().and_then(|m| {
             let objective = family.study.objective?;
@@ -402,7 +388,7 @@ impl Run<'_> {
             .guarded_by(Box::new(guard));
         let bounds = peaks.bounds();
         let search = minimax::Search {
-            radius,
+            radius: RADIUS,
             smallest_radius: SMALLEST_RADIUS,
             tolerance: PROMISE,
             iterations,

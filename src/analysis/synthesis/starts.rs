@@ -1,4 +1,4 @@
-//! Where searches start: the scene's own values, random ones of the whole box, random ones near the best so far. Random
+//! Where searches start: the scene's own values, random ones of the whole box, random ones near a minimum. Random
 //! numbers depend on seed, start and draw only. What does not assemble, does not turn or interpenetrates is drawn anew.
 
 use super::touching::Touching;
@@ -9,8 +9,10 @@ use crate::kinematics::continuation::solve_unproved;
 /// Most draws for one start.
 const MOST_DRAWS: usize = 400;
 
-/// How far a start near the best lies from it, as a share of the variables' sizes.
-const NEARNESS: f64 = 0.25;
+/// How far a start near a minimum lies from it, as a share of the variables' sizes: drawn between these, every order of
+/// magnitude as often, because nobody knows beforehand how wide a basin is.
+const NEAREST: f64 = 0.03;
+const FARTHEST: f64 = 0.5;
 
 /// Where a search started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,17 +21,17 @@ pub enum Origin {
     Scene,
     /// A random point of the box.
     Random,
-    /// A random point near the best so far.
-    Near,
+    /// A random point near the minimum of this start.
+    Near(usize),
 }
 
 impl Origin {
     /// In words.
-    pub const fn word(self) -> &'static str {
+    pub fn words(self) -> String {
         match self {
-            Self::Scene => "scene",
-            Self::Random => "random",
-            Self::Near => "near best",
+            Self::Scene => "scene".to_owned(),
+            Self::Random => "random".to_owned(),
+            Self::Near(index) => format!("near {}", index + 1),
         }
     }
 }
@@ -67,12 +69,12 @@ pub struct Begun {
     pub stand: Stand,
 }
 
-/// Draws a start until one moves; `size` are typical sizes of the variables. `ended` is asked before every draw.
+/// Draws a start until one moves; `near` is the minimum that it is near to, `sizes` are typical sizes of the variables. `ended` is asked before every draw.
 pub fn begin(
     family: &Family,
     touching: Touching,
     (origin, seed, item): (Origin, u64, u64),
-    best: &[f64],
+    near: &[f64],
     sizes: &[f64],
     ended: &dyn Fn() -> bool,
 ) -> (Option<Begun>, Rejected) {
@@ -87,13 +89,14 @@ pub fn begin(
             break;
         }
         let mut random = Random::new(seed, item, draw as u64);
+        let reach = NEAREST * libm::pow(FARTHEST / NEAREST, random.unit());
         let variables = family.study.variables.iter().enumerate();
         let values: Vec<f64> = variables
             .map(|(k, v)| match origin {
                 Origin::Scene => v.start,
                 Origin::Random => v.lower + random.unit() * (v.upper - v.lower),
-                Origin::Near => {
-                    let moved = best[k] + NEARNESS * sizes[k] * random.normal();
+                Origin::Near(_) => {
+                    let moved = near[k] + reach * sizes[k] * random.normal();
                     moved.clamp(v.lower, v.upper)
                 }
             })
