@@ -137,6 +137,17 @@ pub struct OptimiseArgs {
     pub json: Option<PathBuf>,
 }
 
+/// Where searches start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum StartsFrom {
+    /// The scene's own values and random ones.
+    Everywhere,
+    /// The scene's own values only.
+    Scene,
+    /// Random values only.
+    Random,
+}
+
 /// `mechanim synthesise`
 #[derive(Debug, Args)]
 pub struct SynthesiseArgs {
@@ -146,21 +157,22 @@ pub struct SynthesiseArgs {
     /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::args::assignment)]
     pub parameters: Vec<(String, String)>,
-    /// Number of starts: the scene's own values, then random ones of the whole ranges and near the best.
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = starts)]
+    /// Number of starts: the scene's own values, then in turn near the minima found and random ones of the whole ranges.
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = starts)]
     pub starts: usize,
     /// Where random numbers start.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Most iterations from one start; the best is polished with three times as many.
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = iterations)]
+    /// Most iterations from one start; the best are polished with ten times as many.
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = iterations)]
     pub iterations: usize,
     /// End every scene's search after so many seconds, with the best so far.
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time: Option<f64>,
-    /// Leave the scene's own values out: random starts only.
-    #[arg(long)]
-    pub blind: bool,
+    /// Where searches start, besides near the minima found: everywhere, from the scene's own values only, or from random
+    /// values only.
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
+    pub from: StartsFrom,
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,

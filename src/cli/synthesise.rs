@@ -3,7 +3,7 @@
 use super::args::SceneArgs;
 use super::outcome::{Failure, Outcome};
 use super::study::{Opened, open, six};
-use super::study_args::{SynthesiseArgs, VaryArgs};
+use super::study_args::{StartsFrom, SynthesiseArgs, VaryArgs};
 use super::synthesis_report::{Found, document, ladder, rows, text};
 use super::term::Term;
 use super::tolerance::cores;
@@ -11,7 +11,7 @@ use super::{CANCEL, report};
 use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::prove;
-use crate::analysis::synthesis::{Listener, Plan, Start, Synthesis, synthesise};
+use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::io::Write;
@@ -115,7 +115,11 @@ fn one<'a>(
         seed: args.seed,
         iterations: args.iterations,
         limit: args.time.map(Duration::from_secs_f64),
-        blind: args.blind,
+        from: match args.from {
+            StartsFrom::Everywhere => From::Everywhere,
+            StartsFrom::Scene => From::Scene,
+            StartsFrom::Random => From::Random,
+        },
         threads: args.threads.unwrap_or_else(cores),
     };
     let parameters = |x: &[f64]| opened.parameters(x);

@@ -10,7 +10,7 @@ const MOST: usize = 6;
 const SAME_PLACE: f64 = 0.1;
 
 /// ... or where their values differ by less than this share: mirror images, and valleys without an end.
-const SAME_VALUE: f64 = 0.02;
+const SAME_VALUE: f64 = 0.1;
 
 /// By how many tries a basin is put behind the next better one.
 const TRIES_A_RANK: usize = 2;
@@ -51,17 +51,18 @@ impl Basins {
         Self { list }
     }
 
-    /// The start near whose minimum start `index` is to begin, which counts as a try; `None` where it is to begin anywhere,
-    /// as every other one does.
-    pub fn next(&mut self, index: usize) -> Option<usize> {
-        if index % 2 == 1 {
-            return None;
-        }
+    /// The start near whose minimum another one is to begin, which counts as a try.
+    pub fn next(&mut self) -> Option<usize> {
         let ranked = self.list.iter_mut().enumerate();
         let (_, (start, tries)) =
             ranked.min_by_key(|(rank, (_, tries))| tries + TRIES_A_RANK * rank)?;
         *tries += 1;
         Some(*start)
+    }
+
+    /// The best start of each of the best `count` basins.
+    pub fn best(&self, count: usize) -> impl Iterator<Item = usize> + '_ {
+        self.list.iter().take(count).map(|(start, _)| *start)
     }
 }
 

@@ -1,0 +1,116 @@
+//! The end of a synthesis: the best few minima are searched on with more patience, and limits that the best misses between
+//! the samples are drawn in.
+
+use super::basins::Basins;
+use super::searches::{Phase, Run};
+use super::starts::Begun;
+use super::{FINER, Start};
+use crate::analysis::study::{Evaluator, Family};
+use std::time::Instant;
+
+/// Basins whose best minimum is polished.
+const FINALISTS: usize = 4;
+
+/// A finalist is searched on with this many times the iterations of a start.
+const PATIENCE: usize = 10;
+
+/// How often limits that are missed between the samples are drawn in.
+const ROUNDS: usize = 4;
+
+/// By how many times of what it is missed by a limit is drawn in.
+const DRAWN_IN: f64 = 1.5;
+
+/// Polishes the best of `starts` and appends what it finds; the best of all that keeps its limits between the samples,
+/// or, where none does, at them.
+pub fn finish(run: &Run, starts: &mut Vec<Start>) -> Option<Start> {
+    let finalists: Vec<Start> = Basins::new(starts, &run.sizes)
+        .best(FINALISTS)
+        .map(|k| starts[k].clone())
+        .collect();
+    if run.goes_on(Phase::Polishing) {
+        let polished = run.shared(starts.len(), finalists.len(), &|k| {
+            polish(run, run.family, &finalists[k], Phase::Polishing)
+        });
+        starts.extend(polished);
+    }
+    let mut order: Vec<Start> = starts
+        .iter()
+        .filter(|s| s.value().is_finite())
+        .cloned()
+        .collect();
+    order.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    order.truncate(FINALISTS);
+    let kept = order.iter().find_map(|start| drawn_in(run, start, starts));
+    kept.or_else(|| order.first().cloned())
+        .or_else(|| starts.iter().find(|s| s.minimum.is_some()).cloned())
+}
+
+/// The start with its limits kept between the samples; `None` where that cannot be reached.
+fn drawn_in(run: &Run, start: &Start, starts: &mut Vec<Start>) -> Option<Start> {
+    let (mut family, mut best) = (run.family.clone(), start.clone());
+    for _ in 0..ROUNDS {
+        if !tighten(&mut family, run.family, &best)? {
+            return Some(best);
+        }
+        if !run.goes_on(Phase::DrawingIn) {
+            return None;
+        }
+        best = polish(run, &family, &best, Phase::DrawingIn);
+        (run.listener.done)(starts.len(), &best);
+        starts.push(best.clone());
+    }
+    (!tighten(&mut family, run.family, &best)?).then_some(best)
+}
+
+/// A start's search taken up again with more iterations, under the limits of `family`.
+fn polish(run: &Run, family: &Family, start: &Start, phase: Phase) -> Start {
+    let clock = Instant::now();
+    let Some(family) = standing(family, start) else {
+        return start.clone();
+    };
+    let Ok(nominal) = family.nominal() else {
+        return start.clone();
+    };
+    let stand = Evaluator::new(&family).nominal(nominal.poses);
+    let begun = Begun { family, stand };
+    let how = (phase, PATIENCE * run.plan.iterations);
+    let mut polished = run.descend(start.origin, begun, how);
+    polished.seconds = clock.elapsed().as_secs_f64();
+    polished
+}
+
+/// The family at found values; the scene's start values choose the assembly, but those of the found one do better.
+fn standing(family: &Family, found: &Start) -> Option<Family> {
+    let mut family = family.with_start(&found.minimum.as_ref()?.x);
+    if let Some(unknowns) = &found.unknowns {
+        family.mechanism.guess.clone_from(unknowns);
+    }
+    Some(family)
+}
+
+/// Draws the limits of `family` that a found mechanism misses between the samples in, by what it misses those of
+/// `asked`; whether there were any. `None` where that cannot be said.
+fn tighten(family: &mut Family, asked: &Family, found: &Start) -> Option<bool> {
+    let fine = standing(asked, found)?.with_finer_tracks(FINER);
+    let mut evaluator = Evaluator::new(&fine);
+    let stand = evaluator.nominal(fine.nominal().ok()?.poses);
+    let measures = evaluator.measure(&stand).ok()?.measures;
+    let limits = &asked.study.limits;
+    let mut missed = false;
+    for (index, [min, max]) in limits {
+        let (value, measure) = (measures[*index], &mut family.mechanism.measures[*index]);
+        if let (Some(max), Some(present)) = (max, &mut measure.max)
+            && value > *max
+        {
+            *present -= DRAWN_IN * (value - max);
+            missed = true;
+        }
+        if let (Some(min), Some(present)) = (min, &mut measure.min)
+            && value < *min
+        {
+            *present += DRAWN_IN * (min - value);
+            missed = true;
+        }
+    }
+    Some(missed)
+}

@@ -1,0 +1,183 @@
+//! Searches from many starts, in batches of a fixed size: what a start finds does not depend on the number of threads.
+
+use super::basins::Basins;
+use super::starts::{Begun, begin};
+use super::touching::Touching;
+use super::{From, Listener, Origin, Plan, Start};
+use crate::analysis::optimise::minimax;
+use crate::analysis::study::{Evaluator, Family, Peaks, Stand};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Starts that are searched without knowing of each other.
+const BATCH: usize = 4;
+
+/// First radius of the trust region, as a share of the variables: with 0.02 narrow valleys take many steps more.
+const RADIUS: f64 = 0.1;
+
+/// Radius at which a search is over.
+const SMALLEST_RADIUS: f64 = 1e-8;
+
+/// A search is over when a step promises less than this share.
+const PROMISE: f64 = 1e-9;
+
+/// Share of the time that is for searching; the rest is for polishing.
+const SEARCHING: f64 = 0.75;
+
+/// What a search is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// One start among many.
+    Searching,
+    /// More patience with one of the best.
+    Polishing,
+    /// Limits kept between the samples, too: short, and needed for any result.
+    DrawingIn,
+}
+
+/// Everything that the searches share.
+pub struct Run<'r> {
+    pub family: &'r Family,
+    pub touching: Touching<'r>,
+    pub plan: Plan,
+    pub listener: &'r Listener<'r>,
+    pub begun: Instant,
+    pub least_sigma: f64,
+    pub sizes: Vec<f64>,
+}
+
+impl Run<'_> {
+    /// Whether a phase has time, and nobody told it to stop.
+    pub fn goes_on(&self, phase: Phase) -> bool {
+        let share = match phase {
+            Phase::Searching => SEARCHING,
+            Phase::Polishing => 1.0,
+            Phase::DrawingIn => f64::INFINITY,
+        };
+        let limit = self.plan.limit.map_or(f64::INFINITY, |l| l.as_secs_f64());
+        self.begun.elapsed().as_secs_f64() < share * limit && (self.listener.goes_on)()
+    }
+
+    /// The next starts, `most` of them at most; all of them know of the starts `before` them only.
+    pub fn batch(&self, before: &[Start], most: usize) -> Vec<Start> {
+        let first = before.len();
+        let mut basins = Basins::new(before, &self.sizes);
+        let origins: Vec<Origin> = (first..first + most.min(BATCH))
+            .map_while(|index| self.origin(index, &mut basins))
+            .collect();
+        self.shared(first, origins.len(), &|index| {
+            self.start(origins[index], (first + index) as u64, before)
+        })
+    }
+
+    /// Where start `index` is to begin; `None` where that has to wait for a minimum.
+    fn origin(&self, index: usize, basins: &mut Basins) -> Option<Origin> {
+        let from = self.plan.from;
+        if index == 0 && from != From::Random {
+            return Some(Origin::Scene);
+        }
+        // Every other start is a random one.
+        let may_be_near = from == From::Scene || index.is_multiple_of(2);
+        match may_be_near.then(|| basins.next()).flatten() {
+            Some(near) => Some(Origin::Near(near)),
+            None if from == From::Scene => None,
+            None => Some(Origin::Random),
+        }
+    }
+
+    /// Work on `count` starts from number `first` on, shared among the threads.
+    pub fn shared(
+        &self,
+        first: usize,
+        count: usize,
+        one: &(dyn Fn(usize) -> Start + Sync),
+    ) -> Vec<Start> {
+        let next = AtomicUsize::new(0);
+        let found: Mutex<Vec<(usize, Start)>> = Mutex::new(Vec::new());
+        let work = || {
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= count {
+                    return;
+                }
+                let start = one(index);
+                (self.listener.done)(first + index, &start);
+                let mut found = found.lock().unwrap_or_else(|e| e.into_inner());
+                found.push((index, start));
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..self.plan.threads.clamp(1, count.max(1)) {
+                scope.spawn(work);
+            }
+        });
+        let mut found = found.into_inner().unwrap_or_else(|e| e.into_inner());
+        found.sort_by_key(|(index, _)| *index);
+        found.into_iter().map(|(_, start)| start).collect()
+    }
+
+    fn start(&self, origin: Origin, item: u64, before: &[Start]) -> Start {
+        let clock = Instant::now();
+        let ended = || !self.goes_on(Phase::Searching);
+        let near = match origin {
+            Origin::Near(index) => before[index].minimum.as_ref().map_or(&[][..], |m| &m.x),
+            _ => &[],
+        };
+        let drawn = (origin, self.plan.seed, item);
+        let (begun, rejected) = begin(self.family, self.touching, drawn, near, &self.sizes, &ended);
+        let mut start = match begun {
+            Some(begun) => {
+                let how = (Phase::Searching, self.plan.iterations);
+                self.descend(origin, begun, how)
+            }
+            None => Start::none(origin),
+        };
+        start.rejected = rejected;
+        start.seconds = clock.elapsed().as_secs_f64();
+        start
+    }
+
+    /// The minimum that is reached from where `begun` stands.
+    pub fn descend(
+        &self,
+        origin: Origin,
+        begun: Begun,
+        (phase, iterations): (Phase, usize),
+    ) -> Start {
+        let family = &begun.family;
+        let watch = |_: usize, _: &[f64], _: f64| self.goes_on(phase);
+        let blank = Start::none(origin);
+        let evaluator = Evaluator::new(family);
+        let first = evaluator.measure(&begun.stand).ok().and_then(|m| {
+            let objective = family.study.objective?;
+            m.measures.get(objective).copied()
+        });
+        let Some(first) = first else { return blank };
+        let Ok(peaks) = Peaks::new(family, evaluator, begun.stand, Box::new(watch)) else {
+            return blank;
+        };
+        let guard = |stand: &Stand| self.touching.depth(family, &stand.values, &stand.poses);
+        let mut peaks = peaks
+            .with_least_sigma(self.least_sigma)
+            .guarded_by(Box::new(guard));
+        let bounds = peaks.bounds();
+        let search = minimax::Search {
+            radius: RADIUS,
+            smallest_radius: SMALLEST_RADIUS,
+            tolerance: PROMISE,
+            iterations,
+        };
+        let minimum = minimax::minimise(&mut peaks, &family.start(), &self.sizes, &bounds, search);
+        let found = minimum.value.is_finite();
+        Start {
+            first,
+            refusals: peaks.refusals,
+            interpenetrating: peaks.guarded,
+            unknowns: peaks.unknowns_at_start(),
+            excess: peaks.excess(),
+            minimum: found.then_some(minimum),
+            ..blank
+        }
+    }
+}
