@@ -5,9 +5,11 @@
 //! each of them exactly. Nothing round is replaced by facets.
 
 use super::mesh::MeshTree;
+use super::point::square_to;
 use crate::math::Pose;
 use crate::model::shape::{Shape, Solid};
 use glam::DVec3;
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 /// All points within `radius` of the core. Lengths in the scene's unit.
@@ -101,6 +103,11 @@ impl Frustum {
 }
 
 impl Circle {
+    /// The unit vector of its plane nearest to `n`; zero along its axis.
+    pub fn outward(&self, n: DVec3) -> DVec3 {
+        square_to(self.axis, n)
+    }
+
     /// Two unit vectors in its plane, perpendicular to each other.
     pub fn directions(&self) -> [DVec3; 2] {
         let frame = Pose::from_z_axis(self.axis).rotation;
@@ -237,11 +244,62 @@ impl Core {
                 let signs = DVec3::new(sign(local.x), sign(local.y), sign(local.z));
                 Some(b.from_box.transform_point(b.half * signs))
             }
-            Self::Frustum(f) => {
-                let across = (n - f.axis * n.dot(f.axis)).normalize_or_zero();
-                of(&f.rims().map(|rim| rim.center + across * rim.radius))
-            }
+            Self::Frustum(f) => of(&f.rims().map(|rim| rim.center + rim.outward(n) * rim.radius)),
             Self::Circle(_) | Self::HalfSpace(_) | Self::Mesh(..) => None,
+        }
+    }
+}
+
+impl Core {
+    /// Which of two cores comes first: an order without meaning, so that a pair can be taken the same way round always.
+    pub fn order(&self, other: &Self) -> Ordering {
+        let by_kind = self.kind().cmp(&other.kind());
+        by_kind.then_with(|| {
+            let pairs = self.numbers().into_iter().zip(other.numbers());
+            let orders = pairs.map(|(mine, theirs)| mine.total_cmp(&theirs));
+            orders.fold(Ordering::Equal, Ordering::then)
+        })
+    }
+
+    fn kind(&self) -> u8 {
+        match self {
+            Self::Point(_) => 0,
+            Self::Segment(_) => 1,
+            Self::Circle(_) => 2,
+            Self::Box(_) => 3,
+            Self::Frustum(_) => 4,
+            Self::Triangle(_) => 5,
+            Self::HalfSpace(_) => 6,
+            Self::Mesh(..) => 7,
+        }
+    }
+
+    /// The numbers that tell it from others of its kind; of meshes, where they are.
+    fn numbers(&self) -> [f64; 12] {
+        let three = |rows: [DVec3; 4]| {
+            let mut all = [0.0; 12];
+            for (to, row) in all.chunks_exact_mut(3).zip(rows) {
+                to.copy_from_slice(&row.to_array());
+            }
+            all
+        };
+        let zero = DVec3::ZERO;
+        let of_pose = |p: &Pose, last| {
+            let axes = [p.rotation.x_axis, p.rotation.y_axis];
+            three([p.translation, axes[0], axes[1], last])
+        };
+        match self {
+            Self::Point(p) => three([*p, zero, zero, zero]),
+            Self::Segment([a, b]) => three([*a, *b, zero, zero]),
+            Self::Circle(c) => three([c.center, c.axis, DVec3::splat(c.radius), zero]),
+            Self::Box(b) => of_pose(&b.from_box, b.half),
+            Self::Frustum(f) => {
+                let sizes = DVec3::new(f.length, f.radii[0], f.radii[1]);
+                three([f.from, f.axis, sizes, zero])
+            }
+            Self::Triangle([a, b, c]) => three([*a, *b, *c, zero]),
+            Self::HalfSpace(h) => three([h.point, h.normal, zero, zero]),
+            Self::Mesh(tree, pose) => of_pose(pose, DVec3::splat(tree.len() as f64)),
         }
     }
 }

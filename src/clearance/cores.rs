@@ -5,7 +5,7 @@
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
 use super::core::{BOX_EDGES, Circle, Core, Frustum};
-use super::point::{PointHit, on_segment, point_to};
+use super::point::{PointHit, point_to, to_segment};
 use super::search::{Spot, least_convex, least_on_circle};
 use crate::math::sin_cos;
 use glam::DVec3;
@@ -75,27 +75,17 @@ fn of_point(a: &Core, point: DVec3) -> CorePair {
     point_to(a, point).map_or(CorePair::FAR, |hit| CorePair::onto_first(point, hit))
 }
 
+/// Segments whose lines pass by each other as near as this, in their lengths, and are not as parallel as this ...
+const CROSSED: f64 = 1e-6;
+
 /// Nearest points of two segments, parallel ones included.
 pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
     let mut best = CorePair::FAR;
-    let mut take = |p: DVec3, q: DVec3| {
-        let span = q - p;
-        let distance = span.length();
-        best.take(CorePair {
-            distance,
-            points: [p, q],
-            normal: if distance > 0.0 {
-                span / distance
-            } else {
-                DVec3::ZERO
-            },
-        });
-    };
     for p in *a {
-        take(p, on_segment(b, p));
+        best.take(CorePair::onto_first(p, to_segment(b, p)).swapped());
     }
     for q in *b {
-        take(on_segment(a, q), q);
+        best.take(CorePair::onto_first(q, to_segment(a, q)));
     }
     // Inside both: only where the lines are not parallel, and then the cross product says it without cancellation.
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
@@ -104,7 +94,18 @@ pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
     let s = w.cross(v).dot(across) / size;
     let t = w.cross(u).dot(across) / size;
     if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-        take(a[0] + u * s, b[0] + v * t);
+        // The foot, since of almost parallel lines the crossing is known along them but roughly.
+        let on_first = a[0] + u * s;
+        let mut crossing = CorePair::onto_first(on_first, to_segment(b, on_first)).swapped();
+        let extent = u.length() * v.length();
+        let is_near = crossing.distance <= CROSSED * (u.length() + v.length());
+        if is_near && size > (CROSSED * extent).powi(2) {
+            // ... have the common normal of both, since the way itself is mostly rounding.
+            let span = crossing.points[1] - crossing.points[0];
+            crossing.normal = across * (span.dot(across).signum() / size.sqrt());
+            crossing.distance = span.dot(crossing.normal);
+        }
+        best.take(crossing);
     }
     best
 }
@@ -270,6 +271,5 @@ fn sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
 
 /// The straight line of a frustum's side whose normal is nearest to `n`.
 fn ruling(f: &Frustum, n: DVec3) -> [DVec3; 2] {
-    let outward = (n - f.axis * n.dot(f.axis)).normalize_or_zero();
-    f.rims().map(|rim| rim.center + outward * rim.radius)
+    f.rims().map(|rim| rim.center + rim.outward(n) * rim.radius)
 }

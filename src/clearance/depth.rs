@@ -4,39 +4,37 @@
 //! of these. It is taken at the flat faces of the Minkowski difference (normals of faces, cross products of edges), or
 //! where one solid's edge or the straight side of a cylinder or cone meets a rim or corner of the other: then n runs along
 //! a circle of directions, which is searched as a whole. Only two rims are left, which meet on a surface that is curved
-//! both ways: there the search starts from many directions. So depths are as exact as distances unless both solids are
-//! cylinders or cones; of those a translation that is found always parts the cores, and in tests with random pairs none
-//! was a millionth too long.
+//! both ways: its point nearest to the origin is a least distance of the two circles, and all of these are tried.
 
-use super::core::{Core, Frustum};
-use super::cores::CorePair;
-use super::search::{Spot, least_on_circle};
-use crate::math::sin_cos;
+use super::core::{Circle, Core, Frustum};
+use super::cores::{CorePair, nearest};
+use super::point::to_circle;
+use super::search::{Spot, least_on_circle, minima_on_circle};
+use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
-/// Directions spread evenly over half a sphere from which two rims are searched.
-const SPREAD: usize = 60;
-
-/// How many of the best of them are followed.
-const FOLLOWED: usize = 5;
-
-/// Cosine of the angle within which two starts come to the same end.
-const SAME_START: f64 = 0.93;
-
-/// Most steps down from a start.
-const STEPS: usize = 60;
-
-/// Slopes below this part of the extent are none: the way is then off by its square.
-const FLAT: f64 = 1e-9;
-
-/// The golden angle, radians: turns that never meet again.
-const GOLDEN: f64 = 2.399_963_229_728_653;
+/// Cores as far apart as this, in their size, are apart in spite of rounding.
+const SEEN_APART: f64 = 1e-10;
 
 /// A direction and the way along it.
 #[derive(Clone, Copy)]
 struct Exit {
     way: f64,
     n: DVec3,
+}
+
+impl Exit {
+    /// Both ways along a direction of any length, if one is shorter.
+    fn take(&mut self, a: &Core, b: &Core, n: DVec3) {
+        if let Some(n) = n.try_normalize() {
+            for n in [n, -n] {
+                let found = exit(a, b, n);
+                if found.way < self.way {
+                    *self = found;
+                }
+            }
+        }
+    }
 }
 
 /// Directions n = (u cos φ + v sin φ) cos β + w sin β.
@@ -110,16 +108,7 @@ pub fn overlap(a: &Core, b: &Core, near: CorePair) -> CorePair {
         way: f64::INFINITY,
         n: DVec3::Z,
     };
-    let mut take = |n: DVec3| {
-        if let Some(n) = n.try_normalize() {
-            for n in [n, -n] {
-                let found = exit(a, b, n);
-                if found.way < best.way {
-                    best = found;
-                }
-            }
-        }
-    };
+    let mut take = |n: DVec3| best.take(a, b, n);
     let (first, second) = (edges(a), edges(b));
     faces(a).into_iter().for_each(&mut take);
     faces(b).into_iter().for_each(&mut take);
@@ -141,16 +130,30 @@ pub fn overlap(a: &Core, b: &Core, near: CorePair) -> CorePair {
             }
         }
     }
-    if let (Core::Frustum(_), Core::Frustum(_)) = (a, b) {
-        for n in rims(a, b) {
-            take(n);
+    if let (Core::Frustum(f), Core::Frustum(g)) = (a, b) {
+        for rim in f.rims() {
+            for other in g.rims() {
+                for n in rims(&rim, &other, best.way) {
+                    best.take(a, b, n);
+                }
+            }
         }
     }
+    let way = best.way.max(0.0);
     CorePair {
-        distance: -best.way.max(0.0),
-        points: near.points,
+        distance: -way,
+        points: touching(a, b, best.n * way, best.n).unwrap_or(near.points),
         normal: best.n,
     }
+}
+
+/// Where two cores would touch that are parted by the translation `way` along `n`, seen from where they are: the second
+/// one is taken as far again along `n`, which changes nothing about which points are nearest.
+fn touching(a: &Core, b: &Core, way: DVec3, n: DVec3) -> Option<[DVec3; 2]> {
+    let least = SEEN_APART * a.bounds().1.max(b.bounds().1);
+    let farther = way + n * way.length().max(least);
+    let parted = nearest(a, &b.moved(&Pose::from_translation(farther)));
+    (parted.distance > 0.0).then(|| [parted.points[0], parted.points[1] - farther])
 }
 
 /// The best direction of a ring.
@@ -169,58 +172,19 @@ fn along(a: &Core, b: &Core, ring: &Ring) -> DVec3 {
     at(sin_cos(best.at))
 }
 
-/// Directions in which two rims may part.
-fn rims(a: &Core, b: &Core) -> Vec<DVec3> {
-    let spread = (0..SPREAD).flat_map(|k| {
-        // Half a sphere, since both signs are tried.
-        let z = (k as f64 + 0.5) / SPREAD as f64;
-        let (sin, cos) = sin_cos(GOLDEN * k as f64);
-        let across = (1.0 - z * z).sqrt();
-        let n = DVec3::new(across * cos, across * sin, z);
-        [exit(a, b, n), exit(a, b, -n)]
+/// Directions in which two rims may part by less than `limit`: where their circles are nearest to each other, locally.
+/// There the Minkowski difference has a point of its rounded surface that is nearest to where the second core stands.
+fn rims(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
+    let [x, y] = of_second.directions().map(|d| d * of_second.radius);
+    let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.center + x * cos + y * sin);
+    let minima = minima_on_circle(of_second.radius, limit, |angle, (sin, cos)| {
+        let hit = at((sin, cos));
+        Spot {
+            at: angle,
+            value: hit.distance,
+            slope: hit.normal.dot(y * cos - x * sin),
+        }
     });
-    let mut tried: Vec<Exit> = spread.collect();
-    tried.sort_by(|p, q| p.way.total_cmp(&q.way));
-    let mut starts: Vec<Exit> = Vec::new();
-    for t in tried {
-        if starts.len() < FOLLOWED && starts.iter().all(|s| s.n.dot(t.n) < SAME_START) {
-            starts.push(t);
-        }
-    }
-    starts.into_iter().map(|t| follow(a, b, t)).collect()
-}
-
-/// Down the slope from a start, with steps that the change of the slope tells.
-fn follow(a: &Core, b: &Core, start: Exit) -> DVec3 {
-    let mut here = start;
-    let Some(mut x) = farthest(a, b, here.n) else {
-        return here.n;
-    };
-    let slope_at = |n: DVec3, x: DVec3| x - n * n.dot(x);
-    let mut slope = slope_at(here.n, x);
-    let mut step = 0.5 / x.length().max(f64::MIN_POSITIVE);
-    for _ in 0..STEPS {
-        if slope.length() <= FLAT * x.length() {
-            break;
-        }
-        let next = exit(a, b, (here.n - slope * step).normalize_or(here.n));
-        if next.way >= here.way {
-            step *= 0.3;
-            continue;
-        }
-        let Some(farther) = farthest(a, b, next.n) else {
-            break;
-        };
-        x = farther;
-        let (moved, turned) = (next.n - here.n, slope_at(next.n, x) - slope);
-        let bent = moved.dot(turned);
-        step = if bent > 0.0 {
-            moved.length_squared() / bent
-        } else {
-            2.0 * step
-        };
-        slope += turned;
-        here = next;
-    }
-    here.n
+    let direction = |spot: Spot| at(sin_cos(spot.at)).normal;
+    minima.into_iter().map(direction).collect()
 }

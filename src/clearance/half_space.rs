@@ -1,6 +1,6 @@
 //! Half-spaces: how far any core lies from one, or how deep in it. Closed forms.
 
-use super::core::{Core, HalfSpace};
+use super::core::{Circle, Core, HalfSpace};
 use super::cores::CorePair;
 use super::point::PointHit;
 use glam::DVec3;
@@ -59,17 +59,14 @@ fn lowest(core: &Core, n: DVec3) -> DVec3 {
         let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
         points.iter().copied().reduce(lower).unwrap_or_default()
     };
-    let of_rim = |center: DVec3, axis: DVec3, radius: f64| {
-        let across = n - axis * n.dot(axis);
-        center - across.normalize_or_zero() * radius
-    };
+    let of_rim = |rim: &Circle| rim.center - rim.outward(n) * rim.radius;
     match core {
         Core::Point(p) => *p,
         Core::Segment(ends) => of(ends),
         Core::Triangle(corners) => of(corners),
-        Core::Circle(c) => of_rim(c.center, c.axis, c.radius),
+        Core::Circle(c) => of_rim(c),
         Core::Box(block) => of(&block.corners()),
-        Core::Frustum(f) => of(&f.rims().map(|r| of_rim(r.center, r.axis, r.radius))),
+        Core::Frustum(f) => of(&f.rims().map(|rim| of_rim(&rim))),
         Core::Mesh(tree, pose) => pose.transform_point(tree.lowest(pose.rotation.transpose() * n)),
         Core::HalfSpace(half) => half.point,
     }

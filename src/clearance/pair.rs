@@ -13,20 +13,40 @@ use super::mesh;
 use super::point::point_to;
 use super::search::{Spot, least, least_on_circle};
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// Where two elements are nearest, or deepest in each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proximity {
     /// Signed distance in the scene's unit.
     pub distance: f64,
-    /// The point of each element's surface.
+    /// The point of each element's surface. Where a torus is deepest below an edge of what two sides of a solid are
+    /// equally far from, its own point lies within the tube.
     pub points: [DVec3; 2],
     /// Unit vector from the first element to the second; zero where it is not known.
     pub normal: DVec3,
 }
 
-/// Signed distance of two elements in one frame.
+impl Proximity {
+    /// Seen from the other element.
+    fn swapped(self) -> Self {
+        Self {
+            distance: self.distance,
+            points: [self.points[1], self.points[0]],
+            normal: -self.normal,
+        }
+    }
+}
+
+/// Signed distance of two elements in one frame. Which of them comes first changes no bit of it.
 pub fn distance(a: &Element, b: &Element) -> Proximity {
+    if a.core.order(&b.core) == Ordering::Greater {
+        return in_order(b, a).swapped();
+    }
+    in_order(a, b)
+}
+
+fn in_order(a: &Element, b: &Element) -> Proximity {
     let cores = match (&a.core, &b.core) {
         (Core::HalfSpace(half), other) => half_space::nearest(half, other),
         (other, Core::HalfSpace(half)) => half_space::nearest(half, other).swapped(),
@@ -34,7 +54,7 @@ pub fn distance(a: &Element, b: &Element) -> Proximity {
         (other, Core::Mesh(tree, pose)) => mesh::nearest(tree, pose, other).swapped(),
         (first, second) => signed(first, second),
     };
-    let distance = cores.distance - a.radius - b.radius;
+    let distance = cores.distance - (a.radius + b.radius);
     let is_mesh = |e: &Element| matches!(e.core, Core::Mesh(..));
     let is_flat = |e: &Element| matches!(e.core, Core::HalfSpace(_));
     Proximity {

@@ -37,7 +37,7 @@ impl PointHit {
 pub fn point_to(core: &Core, point: DVec3) -> Option<PointHit> {
     Some(match core {
         Core::Point(p) => PointHit::outside(point, *p),
-        Core::Segment(ends) => PointHit::outside(point, on_segment(ends, point)),
+        Core::Segment(ends) => to_segment(ends, point),
         Core::Circle(circle) => to_circle(circle, point),
         Core::Box(block) => to_box(block, point),
         Core::Frustum(frustum) => to_frustum(frustum, point),
@@ -47,15 +47,40 @@ pub fn point_to(core: &Core, point: DVec3) -> Option<PointHit> {
     })
 }
 
-/// Nearest point of a segment.
-pub fn on_segment(ends: &[DVec3; 2], point: DVec3) -> DVec3 {
+/// Distance from a segment. Next to its line the way there is mostly rounding, but square to it all the same.
+pub fn to_segment(ends: &[DVec3; 2], point: DVec3) -> PointHit {
+    let share = share_along(ends, point);
+    let span = ends[1] - ends[0];
+    let hit = PointHit::outside(point, ends[0] + span * share);
+    if share <= 0.0 || share >= 1.0 {
+        return hit;
+    }
+    PointHit {
+        normal: square_to(span.normalize_or_zero(), hit.normal),
+        ..hit
+    }
+}
+
+/// The unit vector square to `axis` that is nearest to `v`; zero along the axis.
+pub fn square_to(axis: DVec3, v: DVec3) -> DVec3 {
+    // Twice: next to the axis the first remainder is mostly rounding.
+    let across = (v - axis * v.dot(axis)).normalize_or_zero();
+    (across - axis * across.dot(axis)).normalize_or_zero()
+}
+
+/// Where the nearest point of a segment lies, as a part of it.
+fn share_along(ends: &[DVec3; 2], point: DVec3) -> f64 {
     let span = ends[1] - ends[0];
     let length_squared = span.length_squared();
     if length_squared == 0.0 {
-        return ends[0];
+        return 0.0;
     }
-    let t = ((point - ends[0]).dot(span) / length_squared).clamp(0.0, 1.0);
-    ends[0] + span * t
+    ((point - ends[0]).dot(span) / length_squared).clamp(0.0, 1.0)
+}
+
+/// Nearest point of a segment.
+pub fn on_segment(ends: &[DVec3; 2], point: DVec3) -> DVec3 {
+    ends[0] + (ends[1] - ends[0]) * share_along(ends, point)
 }
 
 /// Distance from a circle.
@@ -64,11 +89,10 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
     let height = offset.dot(circle.axis);
     let across = offset - circle.axis * height;
     let rho = across.length();
-    let outward = if rho > 0.0 {
-        across / rho
-    } else {
+    let outward = match square_to(circle.axis, across) {
         // All points of the circle are as near: any will do.
-        circle.directions()[0]
+        DVec3::ZERO => circle.directions()[0],
+        outward => outward,
     };
     let nearest = circle.center + outward * circle.radius;
     // Lengths are far from overflow: a root is faster than `hypot` and as exact.
@@ -118,10 +142,9 @@ fn to_frustum(frustum: &Frustum, point: DVec3) -> PointHit {
     let height = offset.dot(frustum.axis);
     let across = offset - frustum.axis * height;
     let rho = across.length();
-    let outward = if rho > 0.0 {
-        across / rho
-    } else {
-        Pose::from_z_axis(frustum.axis).rotation.x_axis
+    let outward = match square_to(frustum.axis, across) {
+        DVec3::ZERO => Pose::from_z_axis(frustum.axis).rotation.x_axis,
+        outward => outward,
     };
     let (distance, nearest, normal) = to_profile(frustum, DVec2::new(rho, height));
     let space = |v: DVec2| outward * v.x + frustum.axis * v.y;

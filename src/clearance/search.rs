@@ -36,6 +36,9 @@ const PIECES: usize = 16;
 /// Parts into which pieces are halved that could hide a smaller value.
 const FINEST: usize = 128;
 
+/// How often a piece is halved in which a minimum is looked for that is not the least.
+const HALVINGS: usize = 7;
+
 /// Least spot of a convex function on [low, high].
 pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
     let (a, b) = (f(low), f(high));
@@ -57,6 +60,51 @@ pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> Spot) -> Sp
     let grid = grid();
     let at = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid[k]);
     least_of(steepest, at, |angle| f(angle, sin_cos(angle)))
+}
+
+/// All minima below `limit` of a function of an angle over a whole turn whose slope never exceeds `steepest`, but those
+/// that share 1/16384 of the turn with a maximum. The function is given the angle's sine and cosine too.
+pub fn minima_on_circle(
+    steepest: f64,
+    limit: f64,
+    f: impl Fn(f64, (f64, f64)) -> Spot,
+) -> Vec<Spot> {
+    let spot = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid()[k]);
+    let spots: Vec<Spot> = (0..=FINEST).map(spot).collect();
+    let mut pieces: Vec<[Spot; 2]> = spots.windows(2).map(|two| [two[0], two[1]]).collect();
+    let f = |angle: f64| f(angle, sin_cos(angle));
+    let hides = |[a, b]: &[Spot; 2]| {
+        let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
+        lowest < limit
+    };
+    pieces.retain(hides);
+    for _ in 0..HALVINGS {
+        let halves = pieces.into_iter().flat_map(|[a, b]| {
+            let middle = f(0.5 * (a.at + b.at));
+            [[a, middle], [middle, b]]
+        });
+        pieces = halves.filter(hides).collect();
+    }
+    let dips = pieces
+        .into_iter()
+        .filter(|[a, b]| a.slope <= 0.0 && b.slope > 0.0);
+    dips.map(|[a, b]| foot(a, b, &f)).collect()
+}
+
+/// The place between a falling and a rising spot where the slope vanishes. By bisection: next to a least value of zero the
+/// values are rounding long before the slopes are.
+fn foot(mut a: Spot, mut b: Spot, f: &impl Fn(f64) -> Spot) -> Spot {
+    loop {
+        let spot = f(0.5 * (a.at + b.at));
+        if spot.at <= a.at || spot.at >= b.at {
+            return spot;
+        }
+        if spot.slope <= 0.0 {
+            a = spot;
+        } else {
+            b = spot;
+        }
+    }
 }
 
 /// Least spot of any function on [low, high] whose slope never exceeds `steepest`; as exact as
