@@ -214,3 +214,35 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
     let none = pieces(&family, &stand, &tolerances, batch, &raised, &|_| {});
     assert_eq!((none.made, none.failed, none.values.len()), (0, 0, 0));
 }
+
+/// A four-bar whose crank can turn until the coupler is shorter than 40: then it cannot pass the far side, though all four
+/// samples of the track still close on their branch.
+#[test]
+fn a_motion_that_breaks_between_the_samples_is_torn() {
+    use mechanim::analysis::study::Rejection;
+    use mechanim::diag::Source;
+    let text = "units = { length = \"mm\", angle = \"deg\" }\nduration = 4\n[parameters]\nb = 60\n[inputs]\n\
+                phi = \"45 + 360*t/4\"\n[loops]\n\
+                A = \"Rz(phi) Tx(20) Rz(mu) Tx(b) Rz(nu) Tx(-50) Rz(-theta) Tx(-70)\"\n[guess]\ntheta = 86\n\
+                [tracks]\nturn = { samples = 4, inputs = { phi = [45, 315] } }\n[measures]\n\
+                swing = { track = \"turn\", of = \"theta\", take = \"range\" }\n[study]\nminimise = \"swing\"\n\
+                [study.variables]\nb = { range = [30, 80] }\n";
+    let source = Source {
+        name: "four-bar".to_owned(),
+        text: text.to_owned(),
+    };
+    let family =
+        Family::load(&source, &Overrides::default(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    assert_eq!(evaluator.whole(&stand), Ok(()));
+    for b in [75.0, 50.0, 42.0, 40.5, 39.5, 38.0, 36.0] {
+        let reached = evaluator.reach(&stand, &[b]).unwrap();
+        let torn = Rejection::Torn {
+            track: "turn".to_owned(),
+            pose: 3,
+        };
+        let wanted = if b > 40.0 { Ok(()) } else { Err(torn) };
+        assert_eq!(evaluator.whole(&reached), wanted, "{b}");
+    }
+}

@@ -246,12 +246,13 @@ impl Report<'_> {
             six(minimum.value * unit),
         );
         text.push_str(&format!(
-            "  {}: {} iterations, {} evaluations ({} refused: {} not reached, {} without a value), {:.2} s\n\n",
+            "  {}: {} iterations, {} evaluations ({} refused: {} not reached, {} torn, {} without a value), {:.2} s\n\n",
             ended(minimum.ended),
             minimum.iterations,
             minimum.evaluations,
             self.optimum.refusals.count(),
             self.optimum.refusals.not_reached,
+            self.optimum.refusals.torn,
             self.optimum.refusals.no_value,
             self.seconds
         ));
@@ -326,7 +327,8 @@ impl Report<'_> {
             "ended": ended(minimum.ended),
             "iterations": minimum.iterations,
             "evaluations": minimum.evaluations,
-            "refused": { "not_reached": self.optimum.refusals.not_reached, "no_value": self.optimum.refusals.no_value },
+            "refused": { "not_reached": self.optimum.refusals.not_reached, "torn": self.optimum.refusals.torn,
+                         "no_value": self.optimum.refusals.no_value },
             "variables": variables.collect::<Vec<_>>(),
             "verified": verified,
             "clearance": self.clearances.as_ref().map(|c| json!({

@@ -114,7 +114,7 @@ impl Opened {
     pub fn refused(&self, evaluator: &Evaluator, stand: &Stand, refusal: &Rejection) -> Failure {
         let why = match refusal {
             Rejection::NoValue(name) => evaluator.why(stand, name),
-            Rejection::NotReached { .. } => String::new(),
+            Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
         };
         let message = format!("at the file's own values: {refusal}{why}");
         Failure::usage(message, Vec::new())

@@ -9,6 +9,7 @@ mod rows;
 mod search;
 mod slopes;
 mod stand;
+mod tears;
 
 use crate::diag::{SceneError, Source};
 use crate::kinematics::certificate::Certificate;

@@ -154,6 +154,9 @@ impl<'f, 'w> Peaks<'f, 'w> {
         } else {
             self.evaluator.approach(&self.base, x)?
         };
+        if with_slopes {
+            self.evaluator.whole(&stand)?;
+        }
         if with_slopes
             && let Some(guard) = &mut self.guard
             && guard(&stand) > 0.0

@@ -9,6 +9,8 @@ use crate::analysis::optimise::{Bounds, Objective};
 pub struct Refusals {
     /// A pose could not be reached: no assembly, or a singular pose on the way.
     pub not_reached: usize,
+    /// A singular pose had passed between two samples.
+    pub torn: usize,
     /// A measure had no value.
     pub no_value: usize,
 }
@@ -18,13 +20,14 @@ impl Refusals {
     pub(super) fn count_one(&mut self, rejection: &Rejection) {
         match rejection {
             Rejection::NotReached { .. } => self.not_reached += 1,
+            Rejection::Torn { .. } => self.torn += 1,
             Rejection::NoValue(_) => self.no_value += 1,
         }
     }
 
     /// All of them.
     pub fn count(&self) -> usize {
-        self.not_reached + self.no_value
+        self.not_reached + self.torn + self.no_value
     }
 }
 
@@ -59,7 +62,7 @@ impl<'f, 'w> Search<'f, 'w> {
         let measures = measured.map_err(|refusal| {
             let why = match &refusal {
                 Rejection::NoValue(name) => evaluator.why(&base, name),
-                Rejection::NotReached { .. } => String::new(),
+                Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
             };
             FamilyError::Lacks(format!("at the file's own values: {refusal}{why}"))
         })?;

@@ -6,13 +6,13 @@ use crate::kinematics::branch::BranchWatch;
 use crate::kinematics::newton::{Corrector, Pace};
 
 /// Largest correction of a prediction, in scaled unknowns; a larger one could have reached another branch.
-const MAX_CORRECTION: f64 = 0.05;
+pub(super) const MAX_CORRECTION: f64 = 0.05;
 
 /// A correction may be this fraction of the predicted change.
-const CORRECTION_OF_STEP: f64 = 0.25;
+pub(super) const CORRECTION_OF_STEP: f64 = 0.25;
 
 /// Floor of the above, for changes that are next to nothing.
-const CORRECTION_FLOOR: f64 = 1e-9;
+pub(super) const CORRECTION_FLOOR: f64 = 1e-9;
 
 /// Smallest share of the way that is tried before a candidate is given up.
 const SMALLEST_SHARE: f64 = 1.0 / 256.0;
@@ -59,6 +59,14 @@ pub enum Rejection {
         /// Number of the pose, from 1.
         pose: usize,
     },
+    /// A singular pose has passed between two samples: they are on different branches.
+    #[error("pose {pose} of track `{track}` is no longer on the branch of the one before it")]
+    Torn {
+        /// Name of the track.
+        track: String,
+        /// Number of the second pose, from 1.
+        pose: usize,
+    },
     /// A measure has no value.
     #[error("`{0}` has no value")]
     NoValue(String),
@@ -68,7 +76,7 @@ pub enum Rejection {
 #[derive(Clone, Debug)]
 pub struct Evaluator<'f> {
     pub(super) family: &'f Family,
-    corrector: Corrector,
+    pub(super) corrector: Corrector,
     watch: BranchWatch,
 }
 

@@ -10,7 +10,7 @@ const MOST: usize = 6;
 const SAME_PLACE: f64 = 0.1;
 
 /// ... or where their values differ by less than this share: mirror images, and valleys without an end.
-const SAME_VALUE: f64 = 0.1;
+const SAME_VALUE: f64 = 0.02;
 
 /// By how many tries a basin is put behind the next better one.
 const TRIES_A_RANK: usize = 2;
@@ -74,4 +74,72 @@ fn is_same(a: &Start, b: &Start, sizes: &[f64]) -> bool {
     let apart = places.map(|((x, y), size)| ((x - y) / size).abs());
     let (near, far) = (a.value().abs(), b.value().abs());
     apart.fold(0.0, f64::max) < SAME_PLACE || (near - far).abs() <= SAME_VALUE * near.max(far)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::analysis::optimise::{Ended, Minimum};
+
+    fn start(origin: Origin, value: f64, x: [f64; 2]) -> Start {
+        let minimum = Minimum {
+            x: x.to_vec(),
+            value,
+            iterations: 1,
+            evaluations: 1,
+            gradients: 1,
+            ended: Ended::Converged,
+        };
+        Start {
+            minimum: Some(minimum),
+            excess: 0.0,
+            ..Start::none(origin)
+        }
+    }
+
+    #[test]
+    fn the_same_minimum_found_twice_is_one_basin() {
+        let broken = Start {
+            excess: 0.1,
+            ..start(Origin::Random, 0.1, [9.0, 9.0])
+        };
+        let starts = [
+            start(Origin::Scene, 5.0, [0.0, 0.0]),
+            // Its mirror image: elsewhere, of the same value.
+            start(Origin::Random, 5.01, [-40.0, 0.0]),
+            start(Origin::Random, 3.0, [10.0, 0.0]),
+            // On the way to that one, not there yet.
+            start(Origin::Random, 4.0, [10.4, 0.0]),
+            Start::none(Origin::Random),
+            broken,
+        ];
+        let basins = Basins::new(&starts, &[10.0, 10.0]);
+        assert_eq!(basins.best(9).collect::<Vec<_>>(), [2, 0]);
+    }
+
+    #[test]
+    fn better_basins_are_tried_first_and_more_often_but_not_only() {
+        let mut starts = vec![
+            start(Origin::Random, 1.0, [0.0, 0.0]),
+            start(Origin::Random, 2.0, [50.0, 0.0]),
+            start(Origin::Random, 3.0, [0.0, 50.0]),
+        ];
+        let mut tried = Vec::new();
+        for _ in 0..12 {
+            let base = Basins::new(&starts, &[10.0, 10.0]).next().unwrap();
+            tried.push(base);
+            // Every try falls back to the minimum that it began near.
+            let minimum = starts[base].minimum.clone();
+            starts.push(Start {
+                minimum,
+                excess: 0.0,
+                ..Start::none(Origin::Near(base))
+            });
+        }
+        assert_eq!(tried[..4], [0, 0, 0, 1]);
+        let of = |k| tried.iter().filter(|base| **base == k).count();
+        assert_eq!([of(0), of(1), of(2)], [6, 4, 2]);
+        assert_eq!(Basins::new(&[], &[]).next(), None);
+    }
 }

@@ -128,6 +128,11 @@ fn assemble(
         rejected.interpenetrating += 1;
         return None;
     }
-    let stand = Evaluator::new(&family).nominal(nominal.poses);
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(nominal.poses);
+    if evaluator.whole(&stand).is_err() {
+        rejected.not_moving += 1;
+        return None;
+    }
     Some(Begun { family, stand })
 }

@@ -1,0 +1,75 @@
+//! Whether neighbouring poses of a track still belong to one motion. Each pose follows the variables by itself; where a
+//! singular pose passes between two samples of a track, they end up on different branches, and no sample shows it.
+
+use super::stand::{
+    CORRECTION_FLOOR, CORRECTION_OF_STEP, Evaluator, MAX_CORRECTION, Rejection, Stand,
+};
+use crate::kinematics::newton::Pace;
+
+/// Numbers of equal parts in which the way from a pose to the next is followed, until one is fine enough.
+const PARTS: [usize; 4] = [1, 4, 16, 64];
+
+/// A pose that was followed to is the next one within this, in scaled unknowns.
+const SAME: f64 = 1e-7;
+
+impl Evaluator<'_> {
+    /// Checks that every track is one motion from its first pose to its last.
+    ///
+    /// # Errors
+    /// The pose that the one before it does not lead to.
+    pub fn whole(&mut self, stand: &Stand) -> Result<(), Rejection> {
+        for (track, range) in self.family.rows() {
+            for (from, pair) in stand.poses[range].windows(2).enumerate() {
+                if !self.leads_to(&pair[0], &pair[1]) {
+                    let pose = from + 2;
+                    return Err(Rejection::Torn { track, pose });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn scaled<'s>(&'s self, change: impl Fn(usize) -> f64 + 's) -> f64 {
+        let mechanism = &self.family.mechanism;
+        let unknowns = 0..mechanism.unknowns.len();
+        let moves = unknowns.map(|k| (change(k) / mechanism.scale_of(k)).abs());
+        moves.fold(0.0, f64::max)
+    }
+
+    fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.scaled(|k| b[k] - a[k])
+    }
+
+    fn leads_to(&mut self, from: &[f64], to: &[f64]) -> bool {
+        let ends = PARTS.iter().find_map(|parts| self.follow(from, to, *parts));
+        ends.is_some_and(|end| self.apart(&end, to) < SAME)
+    }
+
+    /// Where the motion from one pose is at the inputs of another; `None` where so many parts are too few.
+    fn follow(&mut self, from: &[f64], to: &[f64], parts: usize) -> Option<Vec<f64>> {
+        let family = self.family;
+        let (mechanism, structure) = (&family.mechanism, &family.structure);
+        let n = mechanism.unknowns.len();
+        let mut pose = from.to_vec();
+        let mut rates = vec![0.0; pose.len()];
+        for part in 1..=parts {
+            let share = part as f64 / parts as f64;
+            for k in n..pose.len() {
+                rates[k] = from[k] + (to[k] - from[k]) * share - pose[k];
+            }
+            self.corrector
+                .tangent(mechanism, structure, &pose, &mut rates);
+            let mut next: Vec<f64> = pose.iter().zip(&rates).map(|(x, d)| x + d).collect();
+            let length = self.scaled(|k| rates[k]);
+            let correction = self
+                .corrector
+                .correct(mechanism, structure, &mut next, Pace::Brisk);
+            let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
+            if !correction.converged || correction.first_step > allowed {
+                return None;
+            }
+            pose = next;
+        }
+        Some(pose)
+    }
+}
