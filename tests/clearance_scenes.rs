@@ -1,7 +1,7 @@
 //! Every built-in scene passes its own check, and bodies in contact stay in contact.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use mechanim::clearance::check::{ClearanceReport, Judgement, check};
+use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement, check};
 use mechanim::diag::Source;
 use mechanim::kinematics::sampling::even_times;
 use mechanim::scene::{Overrides, Scene, builtin, load};
@@ -49,7 +49,49 @@ fn surfaces_in_contact_neither_part_nor_cut() {
         let off = found.distances.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
         assert!(off < 1e-10, "{name}: {off:e}");
         assert_eq!(found.judgement, Judgement::Passed, "{name}");
+        // Between the samples, as near as is asked.
+        let allowed = BETWEEN_SAMPLES * scene.mechanism.size;
+        assert!(found.least.is_certified, "{name}");
+        assert!(found.least.bound >= -allowed, "{name}: {found:?}");
+        assert!(found.farthest.unwrap() <= allowed, "{name}: {found:?}");
     }
+}
+
+const BOUNCING: &str = r#"
+title = "A ball that bounces between the samples"
+units = { length = "mm", angle = "rad" }
+duration = 1
+[inputs]
+away = "HEIGHT * (1 - cos(10 * pi * t))"
+[[bodies]]
+name = "floor"
+shapes = [{ sphere = { radius = 1 } }]
+[[bodies]]
+name = "ball"
+frame = "Tx(2) Tx(away)"
+shapes = [{ sphere = { radius = 1 } }]
+[clearance]
+minimum = 0
+touching = [{ pair = ["floor", "ball"] }]
+"#;
+
+/// Five times a second it touches, and it is sampled then only.
+#[test]
+fn bodies_that_part_between_the_samples_are_not_in_contact() {
+    for height in ["0.1", "-0.1", "0.001"] {
+        let scene = open(&BOUNCING.replace("HEIGHT", height));
+        let report = report(&scene, 5);
+        let pair = &report.judged[0];
+        assert!(pair.distances.iter().all(|d| d.abs() < 1e-12), "{pair:?}");
+        assert_eq!(pair.judgement, Judgement::Failed, "{height}");
+        let height: f64 = height.parse().unwrap();
+        let found = pair.least.distance / (2.0 * height);
+        assert!(found > 0.01 && found <= 1.0 + 1e-9, "{height}: {pair:?}");
+        assert!(pair.least.time % 0.2 > 1e-3, "{height}: {pair:?}");
+    }
+    let scene = open(&BOUNCING.replace("HEIGHT", "1e-6"));
+    let pair = &report(&scene, 5).judged[0];
+    assert_eq!(pair.judgement, Judgement::Passed, "{pair:?}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The whole check: every pair of bodies, judged, excluded by rule or by the scene, and in what order to report them.
 
 use super::bodies::Hull;
+pub use super::contact::BETWEEN_SAMPLES;
 use super::core::Core;
 use super::mesh::Enclosure;
 use super::motion::Motion;
@@ -14,7 +15,8 @@ use crate::model::mechanism::Mechanism;
 /// Most instants at which an excluded pair is looked at: it is reported, not judged.
 const LOOKS_AT_EXCLUDED: usize = 24;
 
-/// Bodies that are meant to touch may be this far apart or in each other, in mechanism sizes: far more than rounding.
+/// Bodies that are meant to touch may be this far apart or in each other at the sampled times, in mechanism sizes: far more
+/// than rounding.
 const CONTACT: f64 = 1e-10;
 
 /// How a pair was judged.
@@ -193,30 +195,39 @@ fn look_at_excluded(
     })
 }
 
-/// A pair that must touch all the time: judged at the sampled times, with what is proved between them. What is reported
-/// is where it is farthest from touching.
+/// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
+/// reported is where it is farthest from touching.
 fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
+    let size = motion.mechanism.size;
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
     sweep.sampled(motion, &samples, &mut distances)?;
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
     let mut least = sweep.sampled(motion, &samples[worst..=worst], &mut Vec::new())?;
-    let (low, high, is_certified) = sweep.contact_over(motion);
-    (least.bound, least.is_certified) = (low.min(least.distance), is_certified);
-    let farthest = Some(high.max(least.distance));
-    let holds = least.distance.abs() <= CONTACT * motion.mechanism.size;
+    let contact = sweep.contact_over(motion, BETWEEN_SAMPLES * size);
+    let mut judgement = if least.distance.abs() > CONTACT * size {
+        Judgement::Failed
+    } else if contact.is_within(BETWEEN_SAMPLES * size) {
+        Judgement::Passed
+    } else {
+        Judgement::Undecided
+    };
+    if let (Judgement::Undecided, Some((stretch, s))) = (&judgement, contact.broken)
+        && let Some(instant) = motion.pose_at(stretch, s)
+        && let Some(between) = sweep.sampled(motion, &[instant], &mut Vec::new())
+    {
+        (least, judgement) = (between, Judgement::Failed);
+    }
+    least.bound = contact.low.min(least.distance);
+    least.is_certified = contact.is_certified;
     Some(PairReport {
         pair: sweep.bodies(),
         minimum: 0.0,
+        farthest: Some(contact.high.max(least.distance)),
         least,
-        judgement: if holds {
-            Judgement::Passed
-        } else {
-            Judgement::Failed
-        },
+        judgement,
         distances,
-        farthest,
     })
 }
 

@@ -7,28 +7,77 @@ use super::pair::distance;
 use super::relative::RelativeMove;
 use super::sweep::{POSE_SLACK, PairSweep};
 
-/// Pieces of a stretch at which bodies in contact are looked at.
-const CONTACT_PIECES: u32 = 16;
+/// How far from touching two bodies in contact may be between the samples by what is proved there, in mechanism sizes.
+///
+/// The proof of solids that slide along each other is only near to the first power of the time looked at: this is what
+/// a few thousand looks can reach, and still no more than a joint's usual play. At the samples they are known to rounding.
+pub const BETWEEN_SAMPLES: f64 = 1e-4;
+
+/// Pieces of a stretch at which bodies in contact are looked at first.
+const PIECES: u32 = 16;
+
+/// How often a piece is halved whose bounds are not near enough.
+const HALVINGS: u32 = 6;
+
+/// Most pieces looked at for one pair; bounds are as near as they are by then.
+const MOST_LOOKS: usize = 100_000;
+
+/// What is known of two bodies in contact between the samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// The distance never is below this.
+    pub low: f64,
+    /// It never is above this.
+    pub high: f64,
+    /// Both are proved, not estimated.
+    pub is_certified: bool,
+    /// A stretch, and a place of it at which the bodies are farther from touching than `allowed`.
+    pub broken: Option<(usize, f64)>,
+}
+
+impl Contact {
+    /// Whether the distance is proved to stay within `allowed` of zero.
+    pub fn is_within(&self, allowed: f64) -> bool {
+        self.low >= -allowed && self.high <= allowed
+    }
+}
 
 impl PairSweep<'_> {
-    /// Between which distances two bodies provably stay that touch at the samples: of their nearest points at many
-    /// instants, how far apart or how deep they can come until the next. The third says whether that is proved.
-    pub fn contact_over(&self, motion: &Motion) -> (f64, f64, bool) {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        let half = 1.0 / f64::from(CONTACT_PIECES);
-        let pieces = (0..CONTACT_PIECES).map(|k| -1.0 + (2.0 * f64::from(k) + 1.0) * half);
-        let pieces: Vec<f64> = pieces.collect();
-        let mut is_certified = motion.gaps.is_empty() && motion.roots > 0;
-        for stretch in &motion.stretches[..motion.roots] {
-            is_certified &= stretch.is_certified;
-            for s in &pieces {
-                let moved = self.chain.around(&stretch.arguments, *s, half);
+    /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
+    /// far apart or how deep they can come until the next. Pieces of time are halved until that is within `allowed`.
+    pub fn contact_over(&self, motion: &Motion, allowed: f64) -> Contact {
+        let slack = POSE_SLACK * motion.mechanism.size;
+        let mut contact = Contact {
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            is_certified: motion.gaps.is_empty() && motion.roots > 0,
+            broken: None,
+        };
+        let half = 1.0 / f64::from(PIECES);
+        let mut looks = 0;
+        for (index, stretch) in motion.stretches[..motion.roots].iter().enumerate() {
+            contact.is_certified &= stretch.is_certified;
+            let first = (0..PIECES).map(|k| (-1.0 + (2.0 * f64::from(k) + 1.0) * half, half, 0));
+            let mut open: Vec<(f64, f64, u32)> = first.collect();
+            while let Some((s, half, depth)) = open.pop() {
+                looks += 1;
+                let moved = self.chain.around(&stretch.arguments, s, half);
                 let [below, above] = self.contact_around(&moved);
-                (low, high) = (low.min(below), high.max(above));
+                let [low, high] = [below - slack, above + slack];
+                if low > allowed || high < -allowed {
+                    contact.broken = Some((index, s));
+                }
+                let is_near = low >= -allowed && high <= allowed;
+                if is_near || depth >= HALVINGS || looks >= MOST_LOOKS || contact.broken.is_some() {
+                    contact.low = contact.low.min(low);
+                    contact.high = contact.high.max(high);
+                } else {
+                    let half = 0.5 * half;
+                    open.extend([s - half, s + half].map(|s| (s, half, depth + 1)));
+                }
             }
         }
-        let slack = POSE_SLACK * motion.mechanism.size;
-        (low - slack, high + slack, is_certified)
+        contact
     }
 
     /// Bounds of the distance of the nearest elements during a move.

@@ -148,9 +148,14 @@ impl Progress {
     }
 
     fn rate(&self, done: usize, total: usize) -> String {
-        let rate = done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
+        let seconds = self.start.elapsed().as_secs_f64();
+        if done == 0 {
+            return format!("{seconds:.0} s by now");
+        }
+        let rate = done as f64 / seconds.max(1e-9);
         format!(
-            "{rate:.0} a second, {:.0} s left",
+            "{rate:.*} a second, {:.0} s left",
+            usize::from(rate < 10.0),
             (total - done) as f64 / rate.max(1e-9)
         )
     }
