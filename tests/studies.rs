@@ -244,5 +244,21 @@ fn a_motion_that_breaks_between_the_samples_is_torn() {
         };
         let wanted = if b > 40.0 { Ok(()) } else { Err(torn) };
         assert_eq!(evaluator.whole(&reached), wanted, "{b}");
+        let motion = family.with_start(&[b]).whole_motion();
+        assert_eq!(motion.is_some(), b > 40.0, "{b}");
+    }
+}
+
+/// Joints pass through their locked angles, where coordinates leap and bodies do not: that is no tear.
+#[test]
+fn a_motion_through_locked_angles_is_whole() {
+    for name in ["sphere-sphere", "sphere-torus", "torus-torus"] {
+        let family =
+            Family::load(&builtin::find(name).unwrap(), &Overrides::default(), &[]).unwrap();
+        let mut evaluator = Evaluator::new(&family);
+        let stand = evaluator.nominal(family.nominal().unwrap().poses);
+        assert_eq!(evaluator.whole(&stand), Ok(()), "{name}");
+        let poses = family.clone().assembled().unwrap().whole_motion().unwrap();
+        assert_eq!(poses.len(), stand.poses.len(), "{name}");
     }
 }

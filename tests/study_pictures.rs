@@ -258,4 +258,9 @@ fn ctrl_c_keeps_the_best_so_far() {
     let run = interrupted(&w, &[&pieces[..], &plain].concat()).exits(130);
     assert!(run.text().contains("Digest"));
     run.says(&["interrupted; the report is that of the first"]);
+    let search = ["synthesise", "sphere-sphere", "--out", "found.toml"];
+    let run = interrupted(&w, &search).exits(130);
+    assert!(run.text().contains("stopped"));
+    run.says(&["the best so far was reported and written as asked"]);
+    w.run(&["solve", "found.toml", "--samples", "9"]).exits(0);
 }

@@ -163,7 +163,7 @@ pub struct SynthesiseArgs {
     /// Where random numbers start.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Most iterations from one start; the best are polished with ten times as many.
+    /// Most iterations from one start; the best are polished with forty times as many.
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = iterations)]
     pub iterations: usize,
     /// End every scene's search after so many seconds, with the best so far.

@@ -28,6 +28,8 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         opened.push(open(scene, &vary, false, term)?);
     }
     let targets = targets(args)?;
+    // The best so far is worth waiting for.
+    super::SAVES.store(true, Ordering::Relaxed);
     let mut found = Vec::new();
     for ((opened, scene), name) in opened.iter().zip(&scenes).zip(&args.scenes) {
         if CANCEL.load(Ordering::Relaxed) {

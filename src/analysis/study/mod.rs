@@ -13,8 +13,8 @@ mod tears;
 
 use crate::diag::{SceneError, Source};
 use crate::kinematics::certificate::Certificate;
-use crate::kinematics::continuation::solve;
-use crate::kinematics::measures::poses_of;
+use crate::kinematics::continuation::{solve, solve_whole};
+use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::sampling::even_times;
 use crate::kinematics::structure::{Structure, StructureError};
 use crate::kinematics::trajectory::Sample;
@@ -197,6 +197,35 @@ impl Family {
             self.add_samples(row, &samples, &mut nominal)?;
         }
         Ok(nominal)
+    }
+
+    /// The same family with the pose at the start of its drive as start values; `None` where there is none.
+    pub fn assembled(mut self) -> Option<Self> {
+        let start = solve_whole(&self.mechanism, &self.structure, &[0.0])?;
+        self.mechanism.guess = start.samples.into_iter().next()?.pose?.unknowns;
+        Some(self)
+    }
+
+    /// The poses of [`nominal`](Self::nominal) without certificates; `None` as soon as a motion has a gap.
+    pub fn whole_motion(&self) -> Option<Vec<Vec<f64>>> {
+        let mut poses = Vec::new();
+        for row in 0..self.counts.len() {
+            let (samples, skipped) = match self.mechanism.tracks.get(row) {
+                Some(track) => {
+                    let (moved, times) = driven_along(&self.mechanism, track);
+                    (solve_whole(&moved, &self.structure, &times)?.samples, 1)
+                }
+                None => {
+                    let times = even_times(&self.mechanism, DRIVE_SAMPLES);
+                    let motion = solve_whole(&self.mechanism, &self.structure, &times)?;
+                    (motion.samples, 0)
+                }
+            };
+            for sample in samples.into_iter().skip(skipped) {
+                poses.push([sample.pose?.unknowns, sample.inputs].concat());
+            }
+        }
+        Some(poses)
     }
 
     fn add_samples(

@@ -4,12 +4,17 @@
 use super::stand::{
     CORRECTION_FLOOR, CORRECTION_OF_STEP, Evaluator, MAX_CORRECTION, Rejection, Stand,
 };
+use crate::analysis::observer::{distance, positions};
+use crate::kinematics::continuation::solve_whole;
 use crate::kinematics::newton::Pace;
+use crate::kinematics::trajectory::EventKind;
+use crate::model::drive::{Drive, Ease};
+use crate::model::mechanism::Mechanism;
 
-/// Numbers of equal parts in which the way from a pose to the next is followed, until one is fine enough.
-const PARTS: [usize; 4] = [1, 4, 16, 64];
+/// Numbers of equal parts in which the way from a pose to the next is tried with nothing but Newton steps.
+const PARTS: [usize; 2] = [1, 4];
 
-/// A pose that was followed to is the next one within this, in scaled unknowns.
+/// A pose that was followed to is the next one within this, in scaled unknowns, or in mechanism sizes.
 const SAME: f64 = 1e-7;
 
 impl Evaluator<'_> {
@@ -42,7 +47,33 @@ impl Evaluator<'_> {
 
     fn leads_to(&mut self, from: &[f64], to: &[f64]) -> bool {
         let ends = PARTS.iter().find_map(|parts| self.follow(from, to, *parts));
-        ends.is_some_and(|end| self.apart(&end, to) < SAME)
+        ends.is_some_and(|end| self.apart(&end, to) < SAME) || self.moves_to(from, to)
+    }
+
+    /// The same by a motion with all its care: through locked joints, past change points.
+    fn moves_to(&self, from: &[f64], to: &[f64]) -> bool {
+        let mechanism = &self.family.mechanism;
+        let n = mechanism.unknowns.len();
+        let ends = from[n..].iter().zip(&to[n..]);
+        let moved = Mechanism {
+            drives: ends.map(|(from, to)| straight(*from, *to)).collect(),
+            duration: 1.0,
+            guess: from[..n].to_vec(),
+            ..mechanism.clone()
+        };
+        let Some(motion) = solve_whole(&moved, &self.family.structure, &[0.0, 1.0]) else {
+            return false;
+        };
+        let mut events = motion.events.iter();
+        if events.any(|e| e.kind == EventKind::OtherStart) {
+            return false;
+        }
+        let Some(end) = motion.poses().last() else {
+            return false;
+        };
+        let end = [end.unknowns.as_slice(), &to[n..]].concat();
+        let off = distance(&positions(mechanism, &end), &positions(mechanism, to));
+        off < SAME * mechanism.size
     }
 
     /// Where the motion from one pose is at the inputs of another; `None` where so many parts are too few.
@@ -71,5 +102,13 @@ impl Evaluator<'_> {
             pose = next;
         }
         Some(pose)
+    }
+}
+
+fn straight(from: f64, to: f64) -> Drive {
+    Drive::Keys {
+        times: vec![0.0, 1.0],
+        values: vec![from, to],
+        ease: Ease::Linear,
     }
 }

@@ -12,7 +12,7 @@ use std::time::Instant;
 const FINALISTS: usize = 4;
 
 /// A finalist is searched on with this many times the iterations of a start.
-const PATIENCE: usize = 10;
+const PATIENCE: usize = 40;
 
 /// How often limits that are missed between the samples are drawn in.
 const ROUNDS: usize = 4;

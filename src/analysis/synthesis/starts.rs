@@ -4,10 +4,12 @@
 use super::touching::Touching;
 use crate::analysis::random::Random;
 use crate::analysis::study::{Evaluator, Family, Stand};
-use crate::kinematics::continuation::solve_unproved;
 
 /// Most draws for one start.
 const MOST_DRAWS: usize = 400;
+
+/// A random start is the best of so many draws that move: looking costs little beside searching.
+const CANDIDATES: usize = 8;
 
 /// How far a start near a minimum lies from it, as a share of the variables' sizes: drawn between these, every order of
 /// magnitude as often, because nobody knows beforehand how wide a basin is.
@@ -69,6 +71,16 @@ pub struct Begun {
     pub stand: Stand,
 }
 
+impl Begun {
+    /// The objective there; infinite where it has no value.
+    fn value(&self) -> f64 {
+        let measured = Evaluator::new(&self.family).measure(&self.stand).ok();
+        let objective = self.family.study.objective;
+        let value = measured.and_then(|m| m.measures.get(objective?).copied());
+        value.filter(|v| v.is_finite()).unwrap_or(f64::INFINITY)
+    }
+}
+
 /// Draws a start until one moves; `near` is the minimum that it is near to, `sizes` are typical sizes of the variables. `ended` is asked before every draw.
 pub fn begin(
     family: &Family,
@@ -79,33 +91,48 @@ pub fn begin(
     ended: &dyn Fn() -> bool,
 ) -> (Option<Begun>, Rejected) {
     let mut rejected = Rejected::default();
-    let draws = if origin == Origin::Scene {
-        1
-    } else {
-        MOST_DRAWS
+    let mut best: Option<(f64, Begun)> = None;
+    let (mut wanted, draws) = match origin {
+        Origin::Scene => (1, 1),
+        Origin::Near(_) => (1, MOST_DRAWS),
+        Origin::Random => (CANDIDATES, MOST_DRAWS),
     };
     for draw in 0..draws {
-        if ended() {
+        if wanted == 0 || ended() {
             break;
         }
-        let mut random = Random::new(seed, item, draw as u64);
-        let reach = NEAREST * libm::pow(FARTHEST / NEAREST, random.unit());
-        let variables = family.study.variables.iter().enumerate();
-        let values: Vec<f64> = variables
-            .map(|(k, v)| match origin {
-                Origin::Scene => v.start,
-                Origin::Random => v.lower + random.unit() * (v.upper - v.lower),
-                Origin::Near(_) => {
-                    let moved = near[k] + reach * sizes[k] * random.normal();
-                    moved.clamp(v.lower, v.upper)
-                }
-            })
-            .collect();
-        if let Some(begun) = assemble(family, touching, &values, &mut rejected) {
-            return (Some(begun), rejected);
+        let random = Random::new(seed, item, draw as u64);
+        let values = drawn(family, origin, random, near, sizes);
+        let Some(begun) = assemble(family, touching, &values, &mut rejected) else {
+            continue;
+        };
+        wanted -= 1;
+        let value = begun.value();
+        if best.as_ref().is_none_or(|(least, _)| value < *least) {
+            best = Some((value, begun));
         }
     }
-    (None, rejected)
+    (best.map(|(_, begun)| begun), rejected)
+}
+
+fn drawn(
+    family: &Family,
+    origin: Origin,
+    mut random: Random,
+    near: &[f64],
+    sizes: &[f64],
+) -> Vec<f64> {
+    let reach = NEAREST * libm::pow(FARTHEST / NEAREST, random.unit());
+    let variables = family.study.variables.iter().enumerate();
+    let values = variables.map(|(k, v)| match origin {
+        Origin::Scene => v.start,
+        Origin::Random => v.lower + random.unit() * (v.upper - v.lower),
+        Origin::Near(_) => {
+            let moved = near[k] + reach * sizes[k] * random.normal();
+            moved.clamp(v.lower, v.upper)
+        }
+    });
+    values.collect()
 }
 
 fn assemble(
@@ -114,25 +141,18 @@ fn assemble(
     values: &[f64],
     rejected: &mut Rejected,
 ) -> Option<Begun> {
-    let family = family.with_start(values);
-    let start = solve_unproved(&family.mechanism, &[0.0]).ok()?;
-    if start.missing() > 0 {
+    let Some(family) = family.with_start(values).assembled() else {
         rejected.not_assembled += 1;
         return None;
-    }
-    let Ok(nominal) = family.nominal() else {
+    };
+    let Some(poses) = family.whole_motion() else {
         rejected.not_moving += 1;
         return None;
     };
-    if touching.depth(&family, values, &nominal.poses) > 0.0 {
+    if touching.depth(&family, values, &poses) > 0.0 {
         rejected.interpenetrating += 1;
         return None;
     }
-    let mut evaluator = Evaluator::new(&family);
-    let stand = evaluator.nominal(nominal.poses);
-    if evaluator.whole(&stand).is_err() {
-        rejected.not_moving += 1;
-        return None;
-    }
+    let stand = Evaluator::new(&family).nominal(poses);
     Some(Begun { family, stand })
 }

@@ -71,6 +71,22 @@ pub fn solve_unproved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory
     solve_until(mechanism, times, false, &|| false)
 }
 
+/// The motion of a mechanism whose structure is known, without certificates, if it has no gap; ends at the first one.
+pub fn solve_whole(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    times: &[f64],
+) -> Option<Trajectory> {
+    let mut follower = Follower::new(mechanism, structure);
+    follower.certifier = None;
+    follower.ends_at_gap = true;
+    let motion = follower.run(times);
+    let mut ends = motion.events.iter();
+    let broken = ends.any(|e| matches!(e.kind, EventKind::MotionEnds));
+    let all = motion.samples.len() == times.len() && motion.missing() == 0;
+    (all && !broken).then_some(motion)
+}
+
 /// A regular or singular pose on the way, with what is needed to go on from it.
 #[derive(Clone, Debug)]
 struct Stand {
@@ -91,6 +107,8 @@ struct Follower<'m> {
     mechanism: &'m Mechanism,
     structure: &'m Structure,
     cancelled: &'m dyn Fn() -> bool,
+    /// Nobody asks what comes behind a gap.
+    ends_at_gap: bool,
     corrector: Corrector,
     predictor: Predictor,
     watch: BranchWatch,
@@ -125,6 +143,7 @@ impl<'m> Follower<'m> {
             mechanism,
             structure,
             cancelled: &|| false,
+            ends_at_gap: false,
             corrector: Corrector::new(structure),
             predictor: Predictor::default(),
             watch: BranchWatch::default(),
@@ -171,6 +190,9 @@ impl<'m> Follower<'m> {
                 }
                 Err(last) => {
                     self.record_missing(time);
+                    if self.ends_at_gap {
+                        break;
+                    }
                     lost = true;
                     stand = last.or(stand);
                 }
@@ -292,6 +314,9 @@ impl<'m> Follower<'m> {
                             return Ok(beyond);
                         }
                         self.event(stand.time, EventKind::MotionEnds);
+                        if self.ends_at_gap {
+                            return Err(Some(stand));
+                        }
                         self.open_gap(Some(stand.time));
                         // The drive may be feasible again before the next sample.
                         return self.resume(stand, time);

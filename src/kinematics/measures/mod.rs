@@ -110,6 +110,15 @@ pub fn along(
 /// # Errors
 /// Only where the mechanism itself is ill-posed.
 pub fn poses_of(mechanism: &Mechanism, track: &Track) -> Result<Vec<Sample>, StructureError> {
+    let (moved, times) = driven_along(mechanism, track);
+    let mut samples = solve(&moved, &times)?.samples;
+    samples.remove(0);
+    Ok(samples)
+}
+
+/// The mechanism with a drive that leads from where its own begins to the start of a track and along it, and the times:
+/// that of the beginning, then those of the track's samples.
+pub fn driven_along(mechanism: &Mechanism, track: &Track) -> (Mechanism, Vec<f64>) {
     let start = mechanism.inputs_at(0.0);
     let count = track.samples;
     let times: Vec<f64> = (0..=count).map(|k| k as f64).collect();
@@ -127,7 +136,5 @@ pub fn poses_of(mechanism: &Mechanism, track: &Track) -> Result<Vec<Sample>, Str
         duration: count as f64,
         ..mechanism.clone()
     };
-    let mut samples = solve(&moved, &times)?.samples;
-    samples.remove(0);
-    Ok(samples)
+    (moved, times)
 }

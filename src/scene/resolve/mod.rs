@@ -241,8 +241,8 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
 /// Shares of the drive at which driven lengths are looked at.
 const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// The mechanism's own length: the longest fixed offset between two joints of its chains, else its longest
-/// length parameter or driven length, else the largest lead of a screw, else one.
+/// The mechanism's own length: the longest fixed offset between two joints of its loops, else its longest length
+/// parameter, driven length or constant of a chain, else the largest lead of a screw, else one.
 fn size(mechanism: &Mechanism, names: &Names) -> f64 {
     use crate::model::chain::Step;
     let fixed = mechanism
@@ -266,13 +266,33 @@ fn size(mechanism: &Mechanism, names: &Names) -> f64 {
     let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
     let inputs = driven
         .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * mechanism.duration).abs()));
-    let finite = parameters.chain(inputs).filter(|v| v.is_finite());
+    let known = parameters.chain(inputs).chain(constants(mechanism));
+    let finite = known.filter(|v| v.is_finite());
     let longest = finite.fold(0.0, f64::max);
     if longest > 0.0 {
         return longest;
     }
     let longest = leads(mechanism).fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 1.0 }
+}
+
+/// Lengths that stand in chains as numbers: fixed offsets of bodies, and what is added to a moving one.
+fn constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
+    use crate::model::chain::{Argument, Motion, Step};
+    let loops = mechanism.loops.iter().map(|l| &l.chain);
+    let chains = loops.chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
+    chains.flat_map(|c| &c.steps).map(|step| match step {
+        Step::Fixed(pose) => pose.translation.length(),
+        Step::Joint {
+            motion: Motion::Translation,
+            argument,
+            ..
+        } => match &mechanism.arguments[*argument] {
+            Argument::Affine(affine) => affine.constant.abs(),
+            Argument::Formula(_) => 0.0,
+        },
+        Step::Joint { .. } => 0.0,
+    })
 }
 
 /// Advance per turn of all translations that follow an angle.
@@ -298,4 +318,37 @@ fn leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
     terms
         .filter(move |(slot, _)| kind_of(*slot) == Some(Kind::Angle))
         .map(|(_, factor)| factor.abs() * std::f64::consts::TAU)
+}
+
+#[cfg(test)]
+#[allow(clippy::panic)]
+mod tests {
+    use crate::diag::Source;
+    use crate::scene::{Overrides, load};
+
+    /// Tolerances are relative to the size: it must not depend on how a length is written.
+    #[test]
+    fn the_size_is_known_however_lengths_are_written() {
+        let drive = "[inputs]\nx = \"0.001*t\"\n";
+        let body = |chain: &str| format!("{drive}[[bodies]]\nname = \"a\"\nframe = \"{chain}\"\n");
+        let cases = [
+            (body("Tx(2 + x)"), 2.0),
+            (body("Tx(2) Tx(x)"), 2.0),
+            (body("Tx(x) Ty(-3)"), 3.0),
+            (format!("[parameters]\na = 5\n{}", body("Tx(a + x)")), 5.0),
+            (
+                format!("{drive}[loops]\nA = \"Tx(x) Tx(4) Tx(-y)\"\n[guess]\ny = 4\n"),
+                4.0,
+            ),
+        ];
+        for (text, wanted) in cases {
+            let source = Source {
+                name: "size".to_owned(),
+                text: text.clone(),
+            };
+            let scene =
+                load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
+            assert!((scene.mechanism.size - wanted).abs() < 1e-12, "{text}");
+        }
+    }
 }
