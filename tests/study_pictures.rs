@@ -262,5 +262,13 @@ fn ctrl_c_keeps_the_best_so_far() {
     let run = interrupted(&w, &search).exits(130);
     assert!(run.text().contains("stopped"));
     run.says(&["the best so far was reported and written as asked"]);
-    w.run(&["solve", "found.toml", "--samples", "9"]).exits(0);
+    w.run(&[
+        "solve",
+        "found.toml",
+        "--samples",
+        "9",
+        "--out",
+        "motion.csv",
+    ])
+    .exits(0);
 }

@@ -141,7 +141,10 @@ fn one<'a>(
         done: &done,
         goes_on: &goes_on,
     };
-    let synthesis = synthesise(&opened.family, touching, plan, &listener)?;
+    let synthesis = match synthesise(&opened.family, touching, plan, &listener) {
+        Err(_) if CANCEL.load(Ordering::Relaxed) => return Err(Failure::Interrupted),
+        found => found?,
+    };
     let (overrides, scene) = written(opened, &synthesis)?;
     let proof = prove(&opened.source, &overrides);
     let own = own_measures(opened)?;

@@ -98,7 +98,8 @@ pub fn begin(
         Origin::Random => (CANDIDATES, MOST_DRAWS),
     };
     for draw in 0..draws {
-        if wanted == 0 || ended() {
+        // Something to begin with is looked at in any case.
+        if wanted == 0 || (draw > 0 && ended()) {
             break;
         }
         let random = Random::new(seed, item, draw as u64);

@@ -329,13 +329,13 @@ mod tests {
     /// Tolerances are relative to the size: it must not depend on how a length is written.
     #[test]
     fn the_size_is_known_however_lengths_are_written() {
-        let drive = "[inputs]\nx = \"0.001*t\"\n";
+        let drive = "duration = 1\n[inputs]\nx = \"0.001*t\"\n";
         let body = |chain: &str| format!("{drive}[[bodies]]\nname = \"a\"\nframe = \"{chain}\"\n");
         let cases = [
             (body("Tx(2 + x)"), 2.0),
             (body("Tx(2) Tx(x)"), 2.0),
             (body("Tx(x) Ty(-3)"), 3.0),
-            (format!("[parameters]\na = 5\n{}", body("Tx(a + x)")), 5.0),
+            (body("Tx(a + x)") + "[parameters]\na = 5\n", 5.0),
             (
                 format!("{drive}[loops]\nA = \"Tx(x) Tx(4) Tx(-y)\"\n[guess]\ny = 4\n"),
                 4.0,
