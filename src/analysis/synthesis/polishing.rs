@@ -14,6 +14,9 @@ const FINALISTS: usize = 4;
 /// A finalist is searched on with this many times the iterations of a start.
 const PATIENCE: usize = 40;
 
+/// Drawing a limit in moves a minimum a little, and is waited for: that takes no more than this many times.
+const PATIENCE_DRAWING_IN: usize = 4;
+
 /// How often limits that are missed between the samples are drawn in.
 const ROUNDS: usize = 4;
 
@@ -73,7 +76,11 @@ fn polish(run: &Run, family: &Family, start: &Start, phase: Phase) -> Start {
     };
     let stand = Evaluator::new(&family).nominal(nominal.poses);
     let begun = Begun { family, stand };
-    let how = (phase, PATIENCE * run.plan.iterations);
+    let patience = match phase {
+        Phase::DrawingIn => PATIENCE_DRAWING_IN,
+        Phase::Searching | Phase::Polishing => PATIENCE,
+    };
+    let how = (phase, patience * run.plan.iterations);
     let mut polished = run.descend(start.origin, begun, how);
     polished.seconds = clock.elapsed().as_secs_f64();
     polished

@@ -81,7 +81,8 @@ impl Begun {
     }
 }
 
-/// Draws a start until one moves; `near` is the minimum that it is near to, `sizes` are typical sizes of the variables. `ended` is asked before every draw.
+/// Draws a start until one moves, of random ones until several do; `near` is the minimum that it is near to, `sizes` are
+/// typical sizes of the variables. `ended` is asked before every draw but the first.
 pub fn begin(
     family: &Family,
     touching: Touching,
