@@ -7,7 +7,8 @@ use mechanim::clearance::core::{Element, elements};
 use mechanim::clearance::pair::{distance, is_inside};
 use mechanim::diag::Source;
 use mechanim::geometry::mesh_of;
-use mechanim::kinematics::sampling::even_times;
+use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::sampling::{even_times, knots};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};
 use mechanim::scene::{Overrides, load};
@@ -177,7 +178,8 @@ fn the_ground_is_kept_clear_over_the_motion() {
         load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let times = even_times(&scene.mechanism, 30);
     let rules = scene.clearance.as_ref().unwrap();
-    let report = check(&scene.mechanism, rules, &times, 1e-3, &|_, _| {}).unwrap();
+    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
+    let report = check(&scene.mechanism, rules, &trajectory, 1e-3, &|_, _| {}).unwrap();
     let pair = &report.judged[0];
     assert_eq!(pair.judgement, Judgement::Passed);
     // The end of the pendulum is lowest where tan a = -1/100, at the height -sqrt(100² + 1²) - 4.

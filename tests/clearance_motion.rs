@@ -6,7 +6,7 @@ use mechanim::clearance::bodies::{Hull, nearest};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use mechanim::diag::Source;
 use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::{even_times, frame_times};
+use mechanim::kinematics::sampling::{even_times, frame_times, knots};
 use mechanim::kinematics::trajectory::{ClosedPose, Trajectory};
 use mechanim::scene::{Overrides, Scene, load};
 
@@ -29,23 +29,32 @@ fn data(name: &str) -> String {
 fn report(scene: &Scene, samples: usize, tolerance: f64) -> ClearanceReport {
     let times = even_times(&scene.mechanism, samples);
     let rules = scene.clearance.as_ref().expect("a [clearance] section");
-    check(&scene.mechanism, rules, &times, tolerance, &|_, _| {}).unwrap()
+    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
+    check(&scene.mechanism, rules, &trajectory, tolerance, &|_, _| {}).unwrap()
 }
 
 fn names(scene: &Scene, p: &PairReport) -> [String; 2] {
     p.pair.map(|k| scene.mechanism.bodies[k].name.clone())
 }
 
-/// Least and largest distance of two bodies over all poses.
-fn dense(scene: &Scene, pair: [usize; 2], trajectory: &Trajectory) -> [f64; 2] {
+/// Distance of two bodies at every pose.
+fn distances(
+    scene: &Scene,
+    pair: [usize; 2],
+    trajectory: &Trajectory,
+) -> impl Iterator<Item = f64> {
     let hulls = pair.map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
-    let at = |pose: &ClosedPose| {
+    let at = move |pose: &ClosedPose| {
         let a_from_b = pose.bodies[pair[0]].inverse() * pose.bodies[pair[1]];
         let found = nearest(&hulls[0], &hulls[1], &a_from_b).unwrap();
         found.proximity.distance
     };
-    let all = trajectory.poses().map(at);
-    all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
+    trajectory.poses().map(at)
+}
+
+/// Least and largest distance of two bodies over all poses.
+fn dense(scene: &Scene, pair: [usize; 2], trajectory: &Trajectory) -> [f64; 2] {
+    distances(scene, pair, trajectory).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
         [low.min(d), high.max(d)]
     })
 }
@@ -121,7 +130,8 @@ fn joints_stay_within_their_bounds() {
     let scene = open(&builtin("gearshift"));
     let mechanism = &scene.mechanism;
     let structure = Structure::new(mechanism).unwrap();
-    let mut motion = Motion::new(mechanism, &structure, &even_times(mechanism, 120)).unwrap();
+    let times = knots(mechanism, &even_times(mechanism, 120));
+    let mut motion = Motion::new(mechanism, &structure, &solve(mechanism, &times).unwrap());
     let (mut proved, mut closest) = (0, 0.0_f64);
     for root in (0..motion.roots).step_by(7) {
         let halves = motion.halves(root).unwrap();
@@ -250,6 +260,37 @@ fn neighbours_of_the_gearshift() {
             "shaft - cardan arm: revolute joint",
         ]
     );
+}
+
+/// What is left out from one pose to the next changes nothing: not the distances of judged pairs at any sample, not the least
+/// of those at which excluded pairs, which overlap, are looked at.
+#[test]
+fn distances_are_those_of_every_pose_alone() {
+    for (name, samples) in [("gearshift", 24), ("seven-r", 24), ("dyads", 12)] {
+        let scene = open(&builtin(name));
+        let times = knots(&scene.mechanism, &even_times(&scene.mechanism, samples));
+        assert!(times.len() >= samples);
+        let trajectory = solve(&scene.mechanism, &times).unwrap();
+        let rules = scene.clearance.as_ref().unwrap();
+        let report = check(&scene.mechanism, rules, &trajectory, 1.0, &|_, _| {}).unwrap();
+        let rounding = 1e-12 * scene.mechanism.size;
+        for p in &report.judged {
+            let alone: Vec<f64> = distances(&scene, p.pair, &trajectory).collect();
+            assert_eq!(alone.len(), p.distances.len());
+            let pairs = alone.iter().zip(&p.distances);
+            let off = pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+            assert!(off < rounding, "{name} {:?}: {off:e}", p.pair);
+        }
+        for p in &report.excluded {
+            let stride = times.len().div_ceil(24);
+            let looked = distances(&scene, p.pair, &trajectory).step_by(stride);
+            let off = looked.fold(f64::INFINITY, f64::min) - p.least.distance;
+            // Poses that bring less than this are left out.
+            let allowed = 1e-10 * scene.mechanism.size + rounding;
+            assert!(off.abs() <= allowed, "{name} {:?}: {off:e}", p.pair);
+        }
+        assert!(report.excluded.iter().any(|p| p.least.distance < -1.0));
+    }
 }
 
 /// What is changed in a scene, and the pair that must fail then.
@@ -388,7 +429,8 @@ fn frames_and_ends_of_the_drive_are_all_sampled() {
     let scene = open(&builtin("slider-crank"));
     let times = frame_times(&scene.mechanism, scene.view.fps);
     let rules = scene.clearance.as_ref().unwrap();
-    let report = check(&scene.mechanism, rules, &times, 1.0, &|_, _| {}).unwrap();
+    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
+    let report = check(&scene.mechanism, rules, &trajectory, 1.0, &|_, _| {}).unwrap();
     assert_eq!(report.times.first(), Some(&0.0));
     assert_eq!(report.times.last(), Some(&scene.mechanism.duration));
 }

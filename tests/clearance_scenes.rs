@@ -3,7 +3,8 @@
 
 use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement, check};
 use mechanim::diag::Source;
-use mechanim::kinematics::sampling::even_times;
+use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::sampling::{even_times, knots};
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use std::process::Command;
 
@@ -18,7 +19,8 @@ fn open(text: &str) -> Scene {
 fn report(scene: &Scene, samples: usize) -> ClearanceReport {
     let times = even_times(&scene.mechanism, samples);
     let rules = scene.clearance.as_ref().expect("a [clearance] section");
-    check(&scene.mechanism, rules, &times, 1e-2, &|_, _| {}).unwrap()
+    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
+    check(&scene.mechanism, rules, &trajectory, 1e-2, &|_, _| {}).unwrap()
 }
 
 #[test]

@@ -65,6 +65,15 @@ pub fn apart(a: &Element, b: &Element) -> f64 {
     lowest
 }
 
+/// Lower bound of the signed distance of two elements in one frame: of what parts them along `n`, unit, from the first to
+/// the second. No depth is larger than the way that parts two elements, in whatever direction.
+pub fn parted(a: &Element, b: &Element, n: DVec3) -> f64 {
+    match (a.core.support(n), b.core.support(-n)) {
+        (Some(reach), Some(back)) => -(reach + back) - a.radius - b.radius,
+        _ => f64::NEG_INFINITY,
+    }
+}
+
 /// The nearest elements of two hulls.
 pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<BodyProximity> {
     let placed: Vec<Element> = b.elements.iter().map(|e| e.moved(a_from_b)).collect();

@@ -9,6 +9,7 @@ use super::neighbours::Neighbours;
 use super::sweep::{Least, PairSweep};
 use crate::kinematics::structure::Structure;
 use crate::kinematics::structure::StructureError;
+use crate::kinematics::trajectory::Trajectory;
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 
@@ -96,23 +97,24 @@ impl ClearanceReport {
     }
 }
 
-/// Checks the clearances of a mechanism over its drive, sampled at `times` (and wherever an input bends).
+/// Checks the clearances of a mechanism over a motion of certified poses: what lies between them is looked at, too, what
+/// lies before and after them is not.
 ///
 /// # Errors
 /// Only where the mechanism itself is ill-posed.
 pub fn check(
     mechanism: &Mechanism,
     rules: &ClearanceRules,
-    times: &[f64],
+    trajectory: &Trajectory,
     tolerance: f64,
     progress: &dyn Fn(usize, usize),
 ) -> Result<ClearanceReport, StructureError> {
     let count = mechanism.bodies.len();
     let all = count * count.saturating_sub(1) / 2;
-    // Following the motion and sorting the triangles of meshes may take a while.
+    // Proving the motion and sorting the triangles of meshes may take a while.
     progress(0, all);
     let structure = Structure::new(mechanism)?;
-    let mut motion = Motion::new(mechanism, &structure, times)?;
+    let mut motion = Motion::new(mechanism, &structure, trajectory);
     let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
     let neighbours = Neighbours::new(mechanism);
     let mut report = ClearanceReport {
@@ -184,7 +186,7 @@ fn look_at_excluded(
 ) -> Option<PairReport> {
     let stride = motion.samples.len().div_ceil(LOOKS_AT_EXCLUDED).max(1);
     let instants: Vec<usize> = motion.samples.iter().copied().step_by(stride).collect();
-    let least = sweep.sampled(motion, &instants, &mut Vec::new())?;
+    let least = sweep.sampled(motion, &instants, None)?;
     Some(PairReport {
         pair: sweep.bodies(),
         minimum,
@@ -201,10 +203,10 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
     let size = motion.mechanism.size;
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
-    sweep.sampled(motion, &samples, &mut distances)?;
+    sweep.sampled(motion, &samples, Some(&mut distances))?;
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
-    let mut least = sweep.sampled(motion, &samples[worst..=worst], &mut Vec::new())?;
+    let mut least = sweep.sampled(motion, &samples[worst..=worst], None)?;
     let contact = sweep.contact_over(motion, BETWEEN_SAMPLES * size);
     let mut judgement = if least.distance.abs() > CONTACT * size {
         Judgement::Failed
@@ -215,7 +217,7 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
     };
     if let (Judgement::Undecided, Some((stretch, s))) = (&judgement, contact.broken)
         && let Some(instant) = motion.pose_at(stretch, s)
-        && let Some(between) = sweep.sampled(motion, &[instant], &mut Vec::new())
+        && let Some(between) = sweep.sampled(motion, &[instant], None)
     {
         (least, judgement) = (between, Judgement::Failed);
     }
@@ -253,7 +255,7 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
     if sweep.is_endless() && least.bound == f64::NEG_INFINITY {
         // Two half-spaces that turn as seen from each other: any turn makes them overlap somewhere, even one of rounding.
         let samples = motion.samples.clone();
-        least = sweep.sampled(motion, &samples, &mut Vec::new())?;
+        least = sweep.sampled(motion, &samples, None)?;
     }
     // The distance is known to within its distance from the bound, which is as small as was asked.
     let judgement = if least.distance < minimum {

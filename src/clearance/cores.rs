@@ -6,9 +6,10 @@
 
 use super::core::{BOX_EDGES, Circle, Core, Frustum};
 use super::point::{PointHit, point_to, to_segment};
-use super::search::{Spot, least_convex, least_on_circle};
+use super::search::{Spot, least_convex, least_near, least_on_circle};
 use crate::math::sin_cos;
 use glam::DVec3;
+use std::f64::consts::{FRAC_PI_8, TAU};
 
 /// The nearest points found of two cores.
 #[derive(Clone, Copy, Debug)]
@@ -153,12 +154,69 @@ fn of_circle(a: &Core, circle: &Circle) -> CorePair {
     if circle.radius <= 0.0 {
         return of_point(a, circle.center);
     }
+    if is_coaxial(a, circle) {
+        return of_point(a, circle.center + circle.directions()[0] * circle.radius);
+    }
+    if let Some(found) = of_disc(a, circle) {
+        return found;
+    }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
     let point = |(sin, cos): (f64, f64)| circle.center + x * cos + y * sin;
     let best = least_on_circle(circle.radius, |angle, (sin, cos)| {
         spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
     of_point(a, point(sin_cos(best.at)))
+}
+
+/// Whether a core turns into itself about a circle's axis, to rounding: all points of the circle are as near then.
+fn is_coaxial(a: &Core, circle: &Circle) -> bool {
+    let (on_axis, axis) = match a {
+        Core::Circle(other) => (other.center, other.axis),
+        Core::Frustum(frustum) => (frustum.from, frustum.axis),
+        _ => return false,
+    };
+    let offset = circle.center - on_axis;
+    let aside = offset.cross(axis).length() + circle.radius * circle.axis.cross(axis).length();
+    aside <= LEAST * (circle.radius + offset.length())
+}
+
+/// A value is the least if it provably could fall by no more than this, relative to the lengths it is made of: rounding.
+const LEAST: f64 = 2.0 * f64::EPSILON;
+
+/// First step along a circle is at least this part of a turn.
+const SMALLEST_STEP: f64 = 1e-6;
+
+/// Nearest points of a convex core and a disc if they lie on its circle, where one provably is nearest.
+///
+/// The signed distance f of a convex core is convex, so that no point x of the disc is nearer than f(p) + n · (x - p) with the
+/// normal n at a point p of the circle. If n has λ inwards and s along the circle of radius r, that is no less than
+/// f(p) - r (√(λ² + s²) - λ).
+fn of_disc(a: &Core, circle: &Circle) -> Option<CorePair> {
+    if matches!(a, Core::Circle(_)) {
+        return None;
+    }
+    let (radius, [x, y]) = (circle.radius, circle.directions());
+    let angle_of = |v: DVec3| libm::atan2(v.dot(y), v.dot(x));
+    let at = |angle: f64| {
+        let (sin, cos) = sin_cos(angle);
+        (x * cos + y * sin, y * cos - x * sin)
+    };
+    let start = angle_of(-point_to(a, circle.center)?.normal);
+    // Of a small core the nearest point hardly moves.
+    let ahead = point_to(a, circle.center + at(start).0 * radius)?.nearest - circle.center;
+    let turn = (angle_of(ahead) - start).abs();
+    let step = (2.0 * turn.min(TAU - turn)).clamp(TAU * SMALLEST_STEP, FRAC_PI_8);
+    let best = least_near(start, step, |angle| {
+        let (outward, along) = at(angle);
+        spot(a, angle, circle.center + outward * radius, along * radius)
+    })?;
+    let (outward, along) = at(best.at);
+    let point = circle.center + outward * radius;
+    let hit = point_to(a, point)?;
+    let (inwards, aside) = (-hit.normal.dot(outward), hit.normal.dot(along));
+    let falls = radius * aside * aside / (libm::hypot(inwards, aside) + inwards);
+    let is_least = inwards > 0.0 && falls <= LEAST * (radius + hit.distance.abs());
+    is_least.then(|| CorePair::onto_first(point, hit))
 }
 
 /// Corners of a polyhedral core, how many there are, and which of them its edges join.

@@ -5,14 +5,12 @@
 //! its bound is an estimate, and is said to be.
 
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
-use crate::kinematics::continuation::solve;
 use crate::kinematics::forward::body_poses;
 use crate::kinematics::newton::{Corrector, Pace};
-use crate::kinematics::structure::{Structure, StructureError};
-use crate::kinematics::trajectory::Sample;
+use crate::kinematics::structure::Structure;
+use crate::kinematics::trajectory::{Sample, Trajectory};
 use crate::math::Pose;
 use crate::model::chain::ArgumentValue;
-use crate::model::drive::Drive;
 use crate::model::mechanism::Mechanism;
 
 /// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
@@ -20,9 +18,6 @@ const FLOOR: f64 = 1.0 / 1024.0;
 
 /// Most stretches of one motion; bounds are as good as they are by then.
 const MAX_STRETCHES: usize = 60_000;
-
-/// Times nearer than this (relative to the duration) are one.
-const SAME_TIME: f64 = 1e-12;
 
 /// An estimated motion may differ from the parabola by this times what the parabola differs from a line ...
 const ESTIMATE_FACTOR: f64 = 2.0;
@@ -87,37 +82,14 @@ pub struct Motion<'m> {
     pub gaps: Vec<[f64; 2]>,
 }
 
-/// The given times, the ends of the drive, and every key of an input, ascending.
-fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
-    let last = mechanism.duration;
-    let breaks = |drive: &'_ Drive| match drive {
-        Drive::Keys { times, .. } => times.clone(),
-        Drive::Formula(_) => Vec::new(),
-    };
-    let breaks = mechanism.drives.iter().flat_map(breaks);
-    let mut all: Vec<f64> = times
-        .iter()
-        .copied()
-        .chain(breaks)
-        .chain([0.0, last])
-        .collect();
-    all.retain(|t| (0.0..=last).contains(t));
-    all.sort_by(f64::total_cmp);
-    all.dedup_by(|b, a| *b - *a <= SAME_TIME * last);
-    all
-}
-
 impl<'m> Motion<'m> {
-    /// Solves the motion at the given times and covers it with stretches.
-    ///
-    /// # Errors
-    /// Only where the mechanism itself is ill-posed; gaps are in `gaps`.
+    /// Covers a motion with stretches. Poses without a certificate are not as near to the motion as its tubes ask for,
+    /// which then take much longer to prove.
     pub fn new(
         mechanism: &'m Mechanism,
         structure: &'m Structure,
-        times: &[f64],
-    ) -> Result<Self, StructureError> {
-        let trajectory = solve(mechanism, &knots(mechanism, times))?;
+        trajectory: &Trajectory,
+    ) -> Self {
         let mut motion = Self {
             mechanism,
             structure,
@@ -156,7 +128,7 @@ impl<'m> Motion<'m> {
             last = here;
         }
         motion.roots = motion.stretches.len();
-        Ok(motion)
+        motion
     }
 
     /// Covers the interval between two samples, `places` in the list of samples.

@@ -2,7 +2,7 @@
 //! bound of the slope.
 
 use crate::math::sin_cos;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::OnceLock;
 
 /// A place with the function's value and slope.
@@ -49,6 +49,36 @@ pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
         return b;
     }
     valley(a, b, &f)
+}
+
+/// How much farther than where the slope seems to vanish is looked for the other side of a minimum.
+const BEYOND: f64 = 1.5;
+
+/// The minimum that a function of an angle falls to from `start`, looked for in steps that begin with `step`; `None` if a
+/// quarter of a turn does not lead to it.
+pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> Spot) -> Option<Spot> {
+    let mut here = f(start);
+    let direction = -here.slope.signum();
+    let mut step = step;
+    while here.slope != 0.0 {
+        let next = f(here.at + direction * step);
+        if next.slope * direction >= 0.0 {
+            let [a, b] = if direction > 0.0 {
+                [here, next]
+            } else {
+                [next, here]
+            };
+            return Some(valley(a, b, &f));
+        }
+        let vanishes = next.slope * (next.at - here.at) / (here.slope - next.slope);
+        step = (BEYOND * vanishes.abs()).clamp(step, 8.0 * step);
+        here = next;
+        let is_near = (here.at - start).abs() + step <= FRAC_PI_2;
+        if !is_near {
+            return None;
+        }
+    }
+    Some(here)
 }
 
 /// Least spot of any function of an angle over a whole turn whose slope never exceeds `steepest`. The function is given the

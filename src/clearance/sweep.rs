@@ -133,12 +133,13 @@ impl<'a> PairSweep<'a> {
         self.chain.pose(&motion.instants[instant].arguments)
     }
 
-    /// The least distance of the given poses, without a bound; fills `distances` with all of them.
+    /// The least distance of the given poses, without a bound; fills `distances` with all of them, and
+    /// is quicker if they are not asked for.
     pub fn sampled(
         &self,
         motion: &mut Motion,
         instants: &[usize],
-        distances: &mut Vec<f64>,
+        distances: Option<&mut Vec<f64>>,
     ) -> Option<Least> {
         let best = self.best_of(motion, instants, distances)?;
         let bound = best.found.proximity.distance;
@@ -149,18 +150,24 @@ impl<'a> PairSweep<'a> {
         &self,
         motion: &Motion,
         instants: &[usize],
-        distances: &mut Vec<f64>,
+        mut distances: Option<&mut Vec<f64>>,
     ) -> Option<Best> {
         let mut best: Option<Best> = None;
         let mut track = Track::new(self.hulls);
         for &instant in instants {
-            let found = track.at(&self.relative(motion, instant))?;
+            let least = best.as_ref().map(|b| b.found.proximity.distance);
+            let limit = match (&distances, least) {
+                (None, Some(least)) => least - POSE_SLACK * motion.mechanism.size,
+                _ => f64::INFINITY,
+            };
+            let Some(found) = track.at(&self.relative(motion, instant), limit) else {
+                continue;
+            };
             let distance = found.proximity.distance;
-            distances.push(distance);
-            if best
-                .as_ref()
-                .is_none_or(|b| distance < b.found.proximity.distance)
-            {
+            if let Some(list) = &mut distances {
+                list.push(distance);
+            }
+            if least.is_none_or(|least| distance < least) {
                 let moment = Moment::Instant(instant);
                 best = Some(Best { found, moment });
             }
@@ -192,7 +199,7 @@ impl<'a> PairSweep<'a> {
     /// The least distance over the whole motion with its bound; fills `distances` with those of the samples.
     pub fn least_over(&self, motion: &mut Motion, distances: &mut Vec<f64>) -> Option<Least> {
         let samples = motion.samples.clone();
-        let mut best = self.best_of(motion, &samples, distances)?;
+        let mut best = self.best_of(motion, &samples, Some(distances))?;
         let mut bound = best.found.proximity.distance;
         let (mut is_certified, mut is_refined) = (true, true);
         let value =

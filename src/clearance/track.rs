@@ -1,7 +1,7 @@
 //! Distances of two bodies at one pose after the other. From pose to pose no distance changes by more than the points
 //! move, so that most elements need not be looked at again.
 
-use super::bodies::{BodyProximity, Hull, apart};
+use super::bodies::{BodyProximity, Hull, apart, parted};
 use super::core::Element;
 use super::pair::distance;
 use crate::math::Pose;
@@ -18,6 +18,8 @@ pub struct Track<'a> {
     balls: Vec<(DVec3, f64)>,
     /// Lower bounds of the distances at the last pose, one row an element of the first body.
     lower: Vec<f64>,
+    /// From the first element to the second where they were nearest when they were looked at; zero if not known.
+    normals: Vec<DVec3>,
     last: Option<Pose>,
     nearest: usize,
 }
@@ -29,14 +31,15 @@ impl<'a> Track<'a> {
         Self {
             hulls,
             lower: vec![f64::NEG_INFINITY; hulls[0].elements.len() * balls.len()],
+            normals: vec![DVec3::ZERO; hulls[0].elements.len() * balls.len()],
             balls,
             last: None,
             nearest: 0,
         }
     }
 
-    /// The nearest elements at a pose.
-    pub fn at(&mut self, a_from_b: &Pose) -> Option<BodyProximity> {
+    /// The nearest elements at a pose, if they are nearer than `limit`.
+    pub fn at(&mut self, a_from_b: &Pose, limit: f64) -> Option<BodyProximity> {
         self.move_to(a_from_b);
         let columns = self.balls.len();
         let mut placed: Vec<Option<Element>> = vec![None; columns];
@@ -44,15 +47,18 @@ impl<'a> Track<'a> {
         let count = self.lower.len();
         let others = (0..count).filter(|k| *k != self.nearest);
         for k in std::iter::once(self.nearest).chain(others.collect::<Vec<_>>()) {
-            let limit = best.map_or(f64::INFINITY, |b| b.proximity.distance);
+            let limit = best.map_or(limit, |b| b.proximity.distance);
             if k >= count || self.lower[k] >= limit {
                 continue;
             }
             let (i, j) = (k / columns, k % columns);
             let first = &self.hulls[0].elements[i];
             let second = placed[j].get_or_insert_with(|| self.hulls[1].elements[j].moved(a_from_b));
-            if best.is_some() {
+            if limit < f64::INFINITY {
                 self.lower[k] = self.lower[k].max(apart(first, second));
+                if self.lower[k] < limit && self.normals[k] != DVec3::ZERO {
+                    self.lower[k] = self.lower[k].max(parted(first, second, self.normals[k]));
+                }
                 if self.lower[k] >= limit {
                     continue;
                 }
@@ -64,7 +70,8 @@ impl<'a> Track<'a> {
             } else {
                 f64::NEG_INFINITY
             };
-            if proximity.distance < limit || best.is_none() {
+            self.normals[k] = proximity.normal;
+            if proximity.distance < limit || limit == f64::INFINITY {
                 self.nearest = k;
                 best = Some(BodyProximity {
                     proximity,

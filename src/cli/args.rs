@@ -199,10 +199,12 @@ pub struct CheckArgs {
     /// Largest closure error that passes, relative to the mechanism's size.
     #[arg(long, value_name = "E", default_value_t = 1e-9)]
     pub closure: f64,
-    /// Number of samples, spread evenly over the motion; the scene's frames if absent.
+    /// Number of samples, spread evenly over the motion; the scene's frames if absent. Both ends of the drive and all keys
+    /// are sampled in any case.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
     /// What is proved: nothing, every pose, or also the motion between the samples, which then is part of the check.
+    /// Clearances rest on proved poses whatever is asked for.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
     /// Write the report as JSON to this file (`-` for standard output).

@@ -1,6 +1,6 @@
 //! `mechanim check`: do all loops close over the motion; is an offered pose a closed one.
 
-use super::args::CheckArgs;
+use super::args::{CertifyArg, CheckArgs};
 use super::certify::{self, MotionProof};
 use super::measured::{self, Measured};
 use super::outcome::{Failure, Outcome};
@@ -11,7 +11,7 @@ use crate::export::events::gaps;
 use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
-use crate::kinematics::sampling::{even_times, frame_times};
+use crate::kinematics::sampling::{even_times, frame_times, knots};
 use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
@@ -55,13 +55,18 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
         None => frame_times(mechanism, scene.view.fps),
     };
-    let trajectory = certify::motion(mechanism, &times, args.certify)?;
+    // Tubes, which clearances are bounded by, join certified poses.
+    let proof = match args.certify {
+        CertifyArg::None if scene.clearance.is_some() => CertifyArg::Pose,
+        asked => asked,
+    };
+    let trajectory = certify::motion(mechanism, &knots(mechanism, &times), proof)?;
     let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
     let measured = measured::take(mechanism, &trajectory)?;
     let motion = MotionProof::of(&trajectory, args.certify);
-    let clearances = clearance::run(args, scene, &times, term)?;
+    let clearances = clearance::run(args, scene, &trajectory, term)?;
     let fails = [
         worst > args.closure,
         !motion.as_ref().is_none_or(MotionProof::is_whole),

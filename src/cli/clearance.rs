@@ -11,6 +11,7 @@ use super::report;
 use super::term::Term;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
+use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::plot::clearance::chart;
 use crate::scene::Scene;
@@ -34,7 +35,7 @@ pub struct Part {
 pub fn run(
     args: &CheckArgs,
     scene: &Scene,
-    times: &[f64],
+    trajectory: &Trajectory,
     term: &Term,
 ) -> Result<Option<Part>, Failure> {
     let Some(rules) = &scene.clearance else {
@@ -55,9 +56,15 @@ pub fn run(
     };
     let mechanism = &scene.mechanism;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
-    let found = check(mechanism, rules, times, args.tolerance, &|done, all| {
-        progress.show(done, all);
-    });
+    let found = check(
+        mechanism,
+        rules,
+        trajectory,
+        args.tolerance,
+        &|done, all| {
+            progress.show(done, all);
+        },
+    );
     progress.end();
     let found = found?;
     for warning in &found.warnings {
@@ -73,7 +80,7 @@ pub fn run(
         plot(args, mechanism, &found, path)?;
     }
     if let Some(path) = &args.render {
-        super::clearance_picture::write(args, scene, times, &found, path, term)?;
+        super::clearance_picture::write(args, scene, trajectory, &found, path, term)?;
     }
     Ok(Some(Part {
         text: table(mechanism, &found, args.worst),

@@ -30,7 +30,7 @@ const COARSE: f64 = 1.0;
 pub fn write(
     args: &CheckArgs,
     scene: &Scene,
-    times: &[f64],
+    motion: &Trajectory,
     report: &ClearanceReport,
     path: &Path,
     term: &Term,
@@ -53,7 +53,7 @@ pub fn write(
     }
     let least = &worst.least;
     // All samples are solved: the camera holds the whole motion.
-    let mut all: Vec<f64> = times.to_vec();
+    let mut all: Vec<f64> = motion.samples.iter().map(|s| s.time).collect();
     let index = all.partition_point(|t| *t < least.time);
     if all.get(index) != Some(&least.time) {
         all.insert(index, least.time);
@@ -99,7 +99,7 @@ pub fn alarms(scene: &Scene, trajectory: &Trajectory) -> Result<Marks, Failure> 
         ));
     };
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
-    let report = check(&scene.mechanism, rules, &times, COARSE, &|_, _| {})?;
+    let report = check(&scene.mechanism, rules, trajectory, COARSE, &|_, _| {})?;
     let alarmed = times.iter().map(|time| report.offenders(*time)).collect();
     Ok(Marks {
         alarmed,

@@ -6,7 +6,8 @@ use super::study::{Opened, six};
 use crate::analysis::optimise::Minimum;
 use crate::analysis::study::Evaluator;
 use crate::clearance::check::check;
-use crate::kinematics::sampling::frame_times;
+use crate::kinematics::continuation::solve;
+use crate::kinematics::sampling::{frame_times, knots};
 use crate::scene::{Overrides, load};
 
 /// Nearness of the bound where the instants between the samples count only roughly.
@@ -38,7 +39,8 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
     };
     let mechanism = &scene.mechanism;
     let times = frame_times(mechanism, scene.view.fps);
-    let report = check(mechanism, rules, &times, COARSE, &|_, _| {})?;
+    let trajectory = solve(mechanism, &knots(mechanism, &times))?;
+    let report = check(mechanism, rules, &trajectory, COARSE, &|_, _| {})?;
     Ok(report.worst().map(|pair| {
         let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
         let (distance, unit) = (six(pair.least.distance), &mechanism.length_unit);

@@ -1,5 +1,6 @@
 //! At which times a drive is sampled. Times are computed from their index, never summed up.
 
+use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
@@ -8,6 +9,9 @@ pub const MAX_SAMPLES: usize = 1_000_000;
 
 /// Inputs that agree within this (relative to the size, or radians) count as the same pose.
 const SAME_INPUT: f64 = 1e-9;
+
+/// Times nearer than this (relative to the duration) are one.
+const SAME_TIME: f64 = 1e-12;
 
 /// Whether the drive ends where it began, angles up to whole turns: a loop of frames then needs no end frame.
 pub fn is_cyclic(mechanism: &Mechanism) -> bool {
@@ -56,4 +60,21 @@ pub fn even_times(mechanism: &Mechanism, count: usize) -> Vec<f64> {
     (0..count)
         .map(|k| mechanism.duration * (k as f64 / intervals as f64))
         .collect()
+}
+
+/// The given times with both ends of the drive and every key of an input, ascending: what has to be solved for a statement
+/// about the whole motion.
+pub fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
+    let last = mechanism.duration;
+    let keys = |drive: &Drive| match drive {
+        Drive::Keys { times, .. } => times.clone(),
+        Drive::Formula(_) => Vec::new(),
+    };
+    let keys = mechanism.drives.iter().flat_map(keys);
+    let given = times.iter().copied();
+    let mut all: Vec<f64> = given.chain(keys).chain([0.0, last]).collect();
+    all.retain(|t| (0.0..=last).contains(t));
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|b, a| *b - *a <= SAME_TIME * last);
+    all
 }

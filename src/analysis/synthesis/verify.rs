@@ -10,7 +10,7 @@ use crate::diag::Source;
 use crate::kinematics::certificate::Certificate;
 use crate::kinematics::continuation::solve;
 use crate::kinematics::measures::measures;
-use crate::kinematics::sampling::is_cyclic;
+use crate::kinematics::sampling::{is_cyclic, knots};
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};
 
@@ -115,7 +115,8 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
         let times: Vec<f64> = (0..CLEARANCE_SAMPLES)
             .map(|k| mechanism.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)
             .collect();
-        let report = check(mechanism, rules, &times, CLEARANCE_TOLERANCE, &|_, _| {})?;
+        let coarse = solve(mechanism, &knots(mechanism, &times))?;
+        let report = check(mechanism, rules, &coarse, CLEARANCE_TOLERANCE, &|_, _| {})?;
         proof.note(mechanism, &rules.touching, &report);
     }
     Ok(proof)
