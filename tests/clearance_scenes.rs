@@ -93,6 +93,94 @@ fn bodies_that_part_between_the_samples_are_not_in_contact() {
     }
 }
 
+/// One body that stands still, how the other one moves, and its shape. The size is that of the second body's way.
+const SLIDING: [[&str; 4]; 9] = [
+    [
+        "ball on a table",
+        "box = { center = [0, 0, -1], size = [40, 40, 2] }",
+        "Tx(5*sin(a)) Ty(3*cos(a)) Tz(1)",
+        "sphere = { radius = 1 }",
+    ],
+    [
+        "ball around a pin",
+        "cylinder = { from = [0, 0, -9], to = [0, 0, 9], radius = 2 }",
+        "Rz(a) Tx(3) Tz(2*sin(a))",
+        "sphere = { radius = 1 }",
+    ],
+    [
+        "rods that cross",
+        "capsule = { from = [-20, 0, 0], to = [20, 0, 0], radius = 1 }",
+        "Tx(5*sin(a)) Rz(0.7*cos(a)) Tz(2)",
+        "capsule = { from = [0, -9, 0], to = [0, 9, 0], radius = 1 }",
+    ],
+    [
+        "rod that rolls on a table",
+        "box = { center = [0, 0, -1], size = [60, 40, 2] }",
+        "Tx(x) Tz(1) Ry(a)",
+        "capsule = { from = [0, -5, 0], to = [0, 5, 0], radius = 1 }",
+    ],
+    [
+        "rod in a ring that is larger",
+        "torus = { ring = 12, tube = 11 }",
+        "Tz(sin(a)) Rz(a)",
+        "capsule = { from = [0, 0, -9], to = [0, 0, 9], radius = 1 }",
+    ],
+    [
+        "ring on a pin that is longer",
+        "cylinder = { from = [0, 0, -20], to = [0, 0, 20], radius = 2 }",
+        "Rz(a) Tz(5*sin(a)) Tx(1)",
+        "torus = { ring = 4, tube = 1 }",
+    ],
+    [
+        "ring that rolls on a table",
+        "box = { center = [0, 0, -1], size = [80, 80, 2] }",
+        "Tx(5*x) Tz(5) Ry(a) Rx(0.5*pi)",
+        "torus = { ring = 4, tube = 1 }",
+    ],
+    [
+        "disc that turns on a table",
+        "box = { center = [0, 0, -1], size = [40, 40, 2] }",
+        "Tx(3*sin(a)) Rz(a)",
+        "cylinder = { from = [0, 0, 0], to = [0, 0, 3], radius = 2 }",
+    ],
+    [
+        "ball in a bowl",
+        "torus = { ring = 9, tube = 4 }",
+        "Rz(a) Tx(9) Ry(0.4*sin(a) - 1.2) Tx(5)",
+        "sphere = { radius = 1 }",
+    ],
+];
+
+#[test]
+fn solids_that_slide_and_roll_stay_in_contact() {
+    for [name, still, frame, shape] in SLIDING {
+        let text = format!(
+            r#"
+title = "{name}"
+units = {{ length = "mm", angle = "rad" }}
+duration = 1
+[inputs]
+a = "2*pi*t"
+x = "2*pi*t"
+[[bodies]]
+name = "still"
+shapes = [{{ {still} }}]
+[[bodies]]
+name = "moving"
+frame = "{frame}"
+shapes = [{{ {shape} }}]
+[clearance]
+minimum = 0
+touching = [{{ pair = ["still", "moving"] }}]
+"#
+        );
+        let scene = open(&text);
+        let pair = &report(&scene, 60).judged[0];
+        assert_eq!(pair.judgement, Judgement::Passed, "{name}: {pair:?}");
+        assert!(pair.least.is_certified, "{name}: {pair:?}");
+    }
+}
+
 #[test]
 fn surfaces_of_another_size_are_not_in_contact() {
     let text = builtin::find("torus-torus").unwrap().text;

@@ -1,17 +1,17 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
 use super::bodies::apart;
-use super::gap::{above, below};
+use super::gap::{above, below_in_contact};
 use super::motion::Motion;
 use super::pair::distance;
-use super::relative::RelativeMove;
+use super::relative::{RelativeChain, RelativeMove};
 use super::sweep::{POSE_SLACK, PairSweep};
 
 /// How far from touching two bodies in contact may be between the samples by what is proved there, in mechanism sizes.
 ///
-/// The proof of solids that slide along each other is only near to the first power of the time looked at: this is what
-/// a few thousand looks can reach, and still no more than a joint's usual play. At the samples they are known to rounding.
-pub const BETWEEN_SAMPLES: f64 = 1e-4;
+/// The proof of solids that slide along each other is near to the second power of the time looked at: this is what
+/// a few thousand looks can reach. At the samples they are known to rounding.
+pub const BETWEEN_SAMPLES: f64 = 1e-6;
 
 /// Pieces of a stretch at which bodies in contact are looked at first.
 const PIECES: u32 = 16;
@@ -53,6 +53,10 @@ impl PairSweep<'_> {
             is_certified: motion.gaps.is_empty() && motion.roots > 0,
             broken: None,
         };
+        let [a, b] = self
+            .bodies
+            .map(|k| &motion.mechanism.bodies[k].world_from_body);
+        let back = RelativeChain::new(b, a);
         let half = 1.0 / f64::from(PIECES);
         let mut looks = 0;
         for (index, stretch) in motion.stretches[..motion.roots].iter().enumerate() {
@@ -62,7 +66,8 @@ impl PairSweep<'_> {
             while let Some((s, half, depth)) = open.pop() {
                 looks += 1;
                 let moved = self.chain.around(&stretch.arguments, s, half);
-                let [below, above] = self.contact_around(&moved);
+                let back = || back.around(&stretch.arguments, s, half);
+                let [below, above] = self.contact_around(&moved, back, slack - allowed);
                 let [low, high] = [below - slack, above + slack];
                 if low > allowed || high < -allowed {
                     contact.broken = Some((index, s));
@@ -80,8 +85,14 @@ impl PairSweep<'_> {
         contact
     }
 
-    /// Bounds of the distance of the nearest elements during a move.
-    fn contact_around(&self, moved: &RelativeMove) -> [f64; 2] {
+    /// Bounds of the distance of the nearest elements during a move, of which a lower one as high as `enough` need not be
+    /// higher. `back` is how the first body moves as seen from the second.
+    fn contact_around(
+        &self,
+        moved: &RelativeMove,
+        back: impl Fn() -> RelativeMove,
+        enough: f64,
+    ) -> [f64; 2] {
         let (mut low, mut high) = (f64::INFINITY, f64::INFINITY);
         let way = moved.distance(self.hulls[1].ball);
         for mine in &self.hulls[1].elements {
@@ -91,7 +102,14 @@ impl PairSweep<'_> {
                     continue;
                 }
                 let found = distance(first, &second);
-                low = low.min(below(first, &second, mine, &found, moved));
+                let mut least = below_in_contact(first, &second, mine, &found, moved);
+                if least < enough {
+                    // Of which body the points are followed matters: those of a solid lie anywhere on it.
+                    let back = back();
+                    let (a, b) = (mine, first.moved(&back.pose));
+                    least = least.max(below_in_contact(a, &b, first, &distance(a, &b), &back));
+                }
+                low = low.min(least);
                 high = high.min(above(first, &second, mine, &found, moved));
             }
         }

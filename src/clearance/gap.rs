@@ -1,7 +1,9 @@
 //! Bounds of the distance of two elements while one of them moves for a short time.
 
-use super::core::Element;
+use super::core::{Core, Element};
+use super::curved;
 use super::pair::Proximity;
+use super::point::point_to;
 use super::relative::RelativeMove;
 use glam::DVec3;
 
@@ -17,21 +19,34 @@ pub fn below(
     let plain = found.distance - moved.distance(ball);
     let n = found.normal;
     let apart = found.distance + a.radius + b.radius;
-    if apart <= 0.0 || n == DVec3::ZERO {
+    if n == DVec3::ZERO {
         return plain;
     }
     // The plane between them stands still, or turns as the line between the nearest points does.
-    let point = found.points[1] + n * b.radius;
-    let rate = moved.shift + moved.spin.cross(point);
-    let turn = (rate - n * n.dot(rate)) / apart;
-    let still = gap(a, b, found, moved, DVec3::ZERO);
-    let turning = || gap(a, b, found, moved, turn);
-    let Some(gap) = still.into_iter().chain(turning()).reduce(f64::max) else {
-        return plain;
+    let off = moved.deviation(ball);
+    let still = gap(a, b, found, moved, DVec3::ZERO).map(|gap| gap - off);
+    let turning = || {
+        let point = found.points[1] + n * b.radius;
+        let rate = moved.shift + moved.spin.cross(point);
+        let turn = (rate - n * n.dot(rate)) / apart;
+        let third = turn.length() * moved.bending(ball);
+        let length = (1.0 + turn.length_squared()).sqrt();
+        gap(a, b, found, moved, turn).map(|gap| gap - third - length * off)
     };
-    let third = turn.length() * moved.bending(ball);
-    let length = (1.0 + turn.length_squared()).sqrt();
-    plain.max(gap - third - length * moved.deviation(ball))
+    let turning = (apart > 0.0).then(turning).flatten();
+    still.into_iter().chain(turning).fold(plain, f64::max)
+}
+
+/// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
+pub fn below_in_contact(
+    a: &Element,
+    b: &Element,
+    mine: &Element,
+    found: &Proximity,
+    moved: &RelativeMove,
+) -> f64 {
+    let flat = below(a, b, mine, found, moved);
+    curved::below(a, b, mine, found, moved).map_or(flat, |low| flat.max(low))
 }
 
 /// Upper bound of the distance of two elements while the second one moves: that of the points that were nearest.
@@ -48,6 +63,15 @@ pub fn above(
     ];
     let rate = moved.shift + moved.spin.cross(to);
     let linear = (to - from + rate).length().max((to - from - rate).length());
+    // The distance from a convex core is convex on the way of a point.
+    let linear = match &a.core {
+        Core::Circle(_) => linear,
+        core => [to - rate, to + rate]
+            .map(|q| point_to(core, q).map_or(f64::INFINITY, |hit| hit.distance))
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max)
+            .min(linear),
+    };
     let ball = mine.bounds();
     linear + moved.bending(ball) + moved.deviation(ball) - a.radius - b.radius
 }
@@ -76,4 +100,141 @@ fn gap(a: &Element, b: &Element, found: &Proximity, moved: &RelativeMove, t: DVe
     };
     let ends = control(-1.0, 1.0)?.min(control(1.0, 1.0)?);
     Some(ends.min(control(0.0, -1.0)?).min(found.distance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::core::{Block, Circle, Frustum, HalfSpace};
+    use super::super::pair::distance;
+    use super::super::relative::RelativeChain;
+    use super::*;
+    use crate::kinematics::certificate::tube::Model;
+    use crate::math::Pose;
+    use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+    use glam::{DMat3, DQuat};
+
+    /// Numbers in -1..1 that are the same in every run.
+    struct Draws(u32);
+
+    impl Draws {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(self.0 >> 8) / f64::from(1_u32 << 23) - 1.0
+        }
+
+        fn vector(&mut self, size: f64) -> DVec3 {
+            DVec3::from_array(std::array::from_fn(|_| size * self.next()))
+        }
+
+        fn pose(&mut self, size: f64) -> Pose {
+            Pose {
+                rotation: DMat3::from_quat(DQuat::from_scaled_axis(self.vector(3.0))),
+                translation: self.vector(size),
+            }
+        }
+
+        fn element(&mut self, kind: usize) -> Element {
+            let size = 1.0 + 0.5 * self.next();
+            let (axis, center, from) = (DVec3::Z, DVec3::ZERO, DVec3::ZERO);
+            let core = match kind {
+                0 => Core::Point(from),
+                1 => Core::Segment([from, axis * size]),
+                2 | 3 => Core::Circle(Circle {
+                    center,
+                    axis,
+                    radius: if kind == 2 { size } else { 8.0 * size },
+                }),
+                4 => Core::Box(Block {
+                    from_box: Pose::IDENTITY,
+                    half: DVec3::new(size, 0.5, 0.2),
+                }),
+                5 => Core::Frustum(Frustum {
+                    from,
+                    axis,
+                    length: 2.0,
+                    radii: [size, 0.7],
+                }),
+                _ => Core::HalfSpace(HalfSpace {
+                    point: center,
+                    normal: axis,
+                }),
+            };
+            let radius = if kind < 4 { 0.3 } else { 0.0 };
+            let shape = 0;
+            let core = core.moved(&self.pose(1.5));
+            Element {
+                core,
+                radius,
+                shape,
+            }
+        }
+    }
+
+    fn joint(motion: Motion, axis: usize, argument: usize) -> Step {
+        Step::Joint {
+            motion,
+            axis,
+            argument,
+            sign: 1.0,
+        }
+    }
+
+    /// Every kind against every kind that moves, by three joints, far, near, in contact and deep.
+    #[test]
+    fn no_distance_during_a_move_is_beyond_its_bounds() {
+        let mut draws = Draws(7);
+        let mut near = [0, 0];
+        for round in 0..6000 {
+            let (kind, moving) = (round % 7, (round / 7) % 6);
+            let (a, mine) = (draws.element(kind), draws.element(moving));
+            let fixed = [0; 4].map(|_| Step::Fixed(draws.pose(1.0)));
+            let chain = Chain {
+                steps: vec![
+                    fixed[0],
+                    joint(Motion::Rotation, 2, 0),
+                    fixed[1],
+                    joint(Motion::Translation, 0, 1),
+                    fixed[2],
+                    joint(Motion::Rotation, 1, 2),
+                    fixed[3],
+                ],
+            };
+            let chain = RelativeChain::new(&Chain::default(), &chain);
+            let models = [0; 3].map(|_| {
+                let mut model = Model::constant(draws.next());
+                (model.c[1], model.c[2]) = (draws.next(), 0.3 * draws.next());
+                model
+            });
+            let (s, half) = (0.5 * draws.next(), [0.4, 0.1, 0.01][round % 3]);
+            let moved = chain.around(&models, s, half);
+            let b = mine.moved(&moved.pose);
+            let found = distance(&a, &b);
+            let (low, high) = (
+                below_in_contact(&a, &b, &mine, &found, &moved),
+                above(&a, &b, &mine, &found, &moved),
+            );
+            let plain = found.distance - moved.distance(mine.bounds());
+            assert!(low >= plain && low <= found.distance);
+            let of_curve = curved::below(&a, &b, &mine, &found, &moved);
+            let mut least = f64::INFINITY;
+            for step in -20..=20 {
+                let there = s + half * f64::from(step) / 20.0;
+                let values =
+                    models.map(|m| ArgumentValue::new(m.c[0] + there * (m.c[1] + there * m.c[2])));
+                let d = distance(&a, &mine.moved(&chain.pose(&values))).distance;
+                least = least.min(d);
+                assert!(
+                    low <= d + 1e-12,
+                    "{kind} {moving} {half}: {low} > {d}, {of_curve:?}"
+                );
+                assert!(high >= d - 1e-12, "{kind} {moving} {half}: {high} < {d}");
+            }
+            if let Some(of_curve) = of_curve.filter(|_| half == 0.01) {
+                let way = moved.distance(mine.bounds());
+                near[usize::from(least - of_curve < 4.0 * way * way)] += 1;
+            }
+        }
+        // What is lost goes with the square of the way, not with the way.
+        assert!(near[1] > 9 * near[0], "{near:?}");
+    }
 }

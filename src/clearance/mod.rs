@@ -7,6 +7,7 @@ pub mod check;
 mod contact;
 pub mod core;
 mod cores;
+mod curved;
 mod depth;
 mod gap;
 mod half_space;

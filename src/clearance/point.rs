@@ -109,6 +109,17 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
     }
 }
 
+/// Distance from the disc that a circle bounds, which has no inside.
+pub fn to_disc(circle: &Circle, point: DVec3) -> PointHit {
+    let offset = point - circle.center;
+    let height = offset.dot(circle.axis);
+    let across = offset - circle.axis * height;
+    if across.length_squared() >= circle.radius * circle.radius {
+        return to_circle(circle, point);
+    }
+    PointHit::outside(point, point - circle.axis * height)
+}
+
 fn to_box(block: &Block, point: DVec3) -> PointHit {
     let Pose {
         rotation,

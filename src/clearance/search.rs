@@ -144,8 +144,8 @@ pub fn least(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> Spot) -> Spo
     least_of(steepest, at, &f)
 }
 
-/// Sines and cosines of all places that halving comes to.
-fn grid() -> &'static [(f64, f64); FINEST + 1] {
+/// Sines and cosines of even parts of a turn, both ends included: of all places that halving comes to.
+pub fn grid() -> &'static [(f64, f64); FINEST + 1] {
     static GRID: OnceLock<[(f64, f64); FINEST + 1]> = OnceLock::new();
     GRID.get_or_init(|| std::array::from_fn(|k| sin_cos(TAU * (k as f64 / FINEST as f64))))
 }

@@ -55,7 +55,7 @@ pub struct Least {
 
 /// Two bodies over a motion.
 pub struct PairSweep<'a> {
-    bodies: [usize; 2],
+    pub(super) bodies: [usize; 2],
     pub(super) hulls: [&'a Hull; 2],
     pub(super) chain: RelativeChain,
     /// How the first body moves as seen from the second: for elements of the second one that have no end.

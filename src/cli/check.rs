@@ -56,11 +56,11 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         None => frame_times(mechanism, scene.view.fps),
     };
     // Tubes, which clearances are bounded by, join certified poses.
-    let proof = match args.certify {
+    let needed = match args.certify {
         CertifyArg::None if scene.clearance.is_some() => CertifyArg::Pose,
         asked => asked,
     };
-    let trajectory = certify::motion(mechanism, &knots(mechanism, &times), proof)?;
+    let trajectory = certify::motion(mechanism, &knots(mechanism, &times), needed)?;
     let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
@@ -83,7 +83,7 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
         .fold(f64::INFINITY, f64::min);
     let condition = trajectory.poses().map(|p| p.condition).fold(0.0, f64::max);
     let branches = branches(&trajectory);
-    let proof = Proof::of(&trajectory);
+    let proof = Proof::of(&trajectory, args.certify);
     let verdict = verdict(outcome);
     let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
     let lines: String = lines.collect();
@@ -149,7 +149,8 @@ struct Proof {
 }
 
 impl Proof {
-    fn of(trajectory: &Trajectory) -> Self {
+    /// Of the certificates that were `asked` for: clearances may have needed more.
+    fn of(trajectory: &Trajectory, asked: CertifyArg) -> Self {
         let mut proof = Self {
             poses: 0,
             error_bound: 0.0,
@@ -160,7 +161,13 @@ impl Proof {
         };
         for pose in trajectory.poses() {
             proof.poses += 1;
-            match pose.certificate {
+            let certificate = match asked {
+                CertifyArg::None => Certificate::Refused {
+                    reason: Reason::NotAsked,
+                },
+                _ => pose.certificate,
+            };
+            match certificate {
                 Certificate::Certified {
                     error_bound,
                     unique_radius,
@@ -169,7 +176,7 @@ impl Proof {
                     error_bound,
                     unique_radius,
                 } => {
-                    let is_locked = matches!(pose.certificate, Certificate::Locked { .. });
+                    let is_locked = matches!(certificate, Certificate::Locked { .. });
                     proof.locked += usize::from(is_locked);
                     proof.error_bound = proof.error_bound.max(error_bound);
                     proof.unique_radius = proof.unique_radius.min(unique_radius);

@@ -1,0 +1,166 @@
+//! Lower bound of the distance of a point, segment or circle that moves for a short time, to second order in the time.
+//!
+//! Unlike the planes of `gap` it needs to know nothing about how the point where two surfaces touch slides along both, and a
+//! torus may lie in the hole of another one.
+//!
+//! Let f be the distance from the core that stands still. On the way q + u X, -1 ≤ u ≤ 1, of a point the function
+//! f + K u² |X|²/2 is convex: for convex cores with K = 0; of a circle f bends down only inside of it, by no more than the
+//! inverse of the distance from its axis. So f is nowhere less on the way than 2 f(q) - f(q ± X) - K |X|², or than f(q) - K |X|².
+
+use super::core::{Circle, Core, Element};
+use super::pair::Proximity;
+use super::point::{PointHit, point_to, to_circle, to_disc};
+use super::relative::RelativeMove;
+use super::search::{Spot, grid, least, least_on_circle};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// What stands still, and how far f can bend down.
+struct Still<'a> {
+    core: &'a Core,
+    /// Of a circle the whole disc: f is convex then, and no larger.
+    is_filled: bool,
+    /// K.
+    bends: f64,
+}
+
+impl Still<'_> {
+    fn hit(&self, point: DVec3) -> Option<PointHit> {
+        match self.core {
+            Core::Circle(circle) if self.is_filled => Some(to_disc(circle, point)),
+            core => point_to(core, point),
+        }
+    }
+}
+
+/// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus that is `mine` in its own
+/// frame, moves; `None` for others.
+pub fn below(
+    a: &Element,
+    b: &Element,
+    mine: &Element,
+    found: &Proximity,
+    moved: &RelativeMove,
+) -> Option<f64> {
+    let ball = mine.bounds();
+    let way = moved.distance((ball.0, ball.1 - mine.radius));
+    let radii = a.radius + b.radius;
+    let apart = found.distance + radii;
+    let mut still = Still {
+        core: &a.core,
+        is_filled: false,
+        bends: 0.0,
+    };
+    match &a.core {
+        Core::Circle(circle) => {
+            let nearest = found.points[1] + found.normal * b.radius;
+            still.is_filled = off_axis(circle, nearest) >= circle.radius;
+            if !still.is_filled {
+                // Points that are farther off than this come no nearer than the nearest one is.
+                let near = nearest_to_axis(circle, &b.core, apart + 2.0 * way) - way;
+                if near <= 0.0 {
+                    return None;
+                }
+                still.bends = near.recip();
+            }
+        }
+        Core::Mesh(..) | Core::HalfSpace(_) => return None,
+        _ => {}
+    }
+    let lowest = match &b.core {
+        Core::Point(p) => of_point(&still, *p, moved)?,
+        Core::Segment(ends) => of_segment(&still, ends, moved),
+        Core::Circle(circle) if circle.radius > 0.0 => of_circle(&still, circle, moved),
+        _ => return None,
+    };
+    let lost = still.bends * way * way + moved.bending(ball) + moved.deviation(ball);
+    Some(lowest.min(apart) - lost - radii)
+}
+
+/// How far a point is from the axis of a circle.
+fn off_axis(circle: &Circle, point: DVec3) -> f64 {
+    let offset = point - circle.center;
+    offset.reject_from_normalized(circle.axis).length()
+}
+
+/// No point of a core that is nearer to a circle than `limit` is nearer than this to the circle's axis. Curves are cut.
+fn nearest_to_axis(circle: &Circle, core: &Core, limit: f64) -> f64 {
+    let look = |q: DVec3| [to_circle(circle, q).distance, off_axis(circle, q)];
+    let parts = (grid().len() - 1) as f64;
+    let (ends, arc): (Vec<[f64; 2]>, f64) = match core {
+        Core::Point(p) => return off_axis(circle, *p),
+        Core::Segment([from, to]) => {
+            let at = |k: usize| *from + (*to - *from) * (k as f64 / parts);
+            let ends = (0..grid().len()).map(|k| look(at(k))).collect();
+            (ends, from.distance(*to) / parts)
+        }
+        Core::Circle(moving) => {
+            let [x, y] = moving.directions().map(|d| d * moving.radius);
+            let at = |(sin, cos): &(f64, f64)| moving.center + x * *cos + y * *sin;
+            let ends = grid().iter().map(|place| look(at(place))).collect();
+            (ends, TAU * moving.radius / parts)
+        }
+        _ => return 0.0,
+    };
+    let near = ends.windows(2).filter_map(|pair| {
+        let [[f, first], [g, second]] = [pair[0], pair[1]];
+        (0.5 * (f + g - arc) < limit).then(|| 0.5 * (first + second - arc))
+    });
+    near.fold(f64::INFINITY, f64::min)
+}
+
+/// X of a point.
+fn rate(moved: &RelativeMove, point: DVec3) -> DVec3 {
+    moved.shift + moved.spin.cross(point)
+}
+
+fn of_point(still: &Still, q: DVec3, moved: &RelativeMove) -> Option<f64> {
+    let rate = rate(moved, q);
+    let [back, here, ahead] = [q - rate, q, q + rate].map(|q| still.hit(q));
+    Some(2.0 * here?.distance - back?.distance.max(ahead?.distance))
+}
+
+/// 2 f(q) - f(q ± X) at a point that moves along a core with the given tangent.
+fn spot(still: &Still, moved: &RelativeMove, sign: f64, at: f64, q: DVec3, tangent: DVec3) -> Spot {
+    let there = q + rate(moved, q) * sign;
+    let turned = tangent + moved.spin.cross(tangent) * sign;
+    let hits = [still.hit(q), still.hit(there)];
+    let [Some(here), Some(there)] = hits else {
+        return Spot::default();
+    };
+    Spot {
+        at,
+        value: 2.0 * here.distance - there.distance,
+        slope: 2.0 * here.normal.dot(tangent) - there.normal.dot(turned),
+    }
+}
+
+/// X changes along a core as fast as the spin takes its points: the slope of 2 f(q) - f(q ± X) for each unit of length.
+fn steepest(moved: &RelativeMove) -> f64 {
+    3.0 + moved.spin.length()
+}
+
+/// The least of 2 f(q) - f(q ± X) over the points q of a segment.
+fn of_segment(still: &Still, ends: &[DVec3; 2], moved: &RelativeMove) -> f64 {
+    let span = ends[1] - ends[0];
+    let steepest = span.length() * steepest(moved);
+    let towards = |sign: f64| {
+        let at = |t: f64| spot(still, moved, sign, t, ends[0] + span * t, span);
+        least(0.0, 1.0, steepest, at).value
+    };
+    towards(1.0).min(towards(-1.0))
+}
+
+/// The same over those of a circle.
+fn of_circle(still: &Still, circle: &Circle, moved: &RelativeMove) -> f64 {
+    let [x, y] = circle.directions().map(|d| d * circle.radius);
+    let steepest = circle.radius * steepest(moved);
+    let towards = |sign: f64| {
+        let at = |angle: f64, (sin, cos): (f64, f64)| {
+            let (q, tangent) = (circle.center + x * cos + y * sin, y * cos - x * sin);
+            spot(still, moved, sign, angle, q, tangent)
+        };
+        least_on_circle(steepest, at).value
+    };
+    towards(1.0).min(towards(-1.0))
+}
