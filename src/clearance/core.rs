@@ -256,8 +256,10 @@ impl Core {
         let by_kind = self.kind().cmp(&other.kind());
         by_kind.then_with(|| {
             let pairs = self.numbers().into_iter().zip(other.numbers());
-            let orders = pairs.map(|(mine, theirs)| mine.total_cmp(&theirs));
-            orders.fold(Ordering::Equal, Ordering::then)
+            let mut orders = pairs.map(|(mine, theirs)| mine.total_cmp(&theirs));
+            orders
+                .find(|order| order.is_ne())
+                .unwrap_or(Ordering::Equal)
         })
     }
 

@@ -5,7 +5,7 @@
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
 use super::core::{BOX_EDGES, Circle, Core, Frustum};
-use super::point::{PointHit, point_to, to_segment};
+use super::point::{PointHit, on_segment, point_to, to_segment};
 use super::search::{Spot, least_convex, least_near, least_on_circle};
 use crate::math::sin_cos;
 use glam::DVec3;
@@ -81,12 +81,14 @@ const CROSSED: f64 = 1e-6;
 
 /// Nearest points of two segments, parallel ones included.
 pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
-    let mut best = CorePair::FAR;
-    for p in *a {
-        best.take(CorePair::onto_first(p, to_segment(b, p)).swapped());
-    }
-    for q in *b {
-        best.take(CorePair::onto_first(q, to_segment(a, q)));
+    // Of the four ends only the nearest one needs a normal.
+    let ends = [(a[0], b), (a[1], b), (b[0], a), (b[1], a)];
+    let far = ends.map(|(end, other)| end.distance(on_segment(other, end)));
+    let k = (1..4).fold(0, |k, j| if far[j] < far[k] { j } else { k });
+    let (end, other) = ends[k];
+    let mut best = CorePair::onto_first(end, to_segment(other, end));
+    if k < 2 {
+        best = best.swapped();
     }
     // Inside both: only where the lines are not parallel, and then the cross product says it without cancellation.
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
@@ -97,9 +99,13 @@ pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
     if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
         // The foot, since of almost parallel lines the crossing is known along them but roughly.
         let on_first = a[0] + u * s;
+        let far = on_first.distance(on_segment(b, on_first));
+        let is_near = far <= CROSSED * (u.length() + v.length());
+        if !is_near && far >= best.distance {
+            return best;
+        }
         let mut crossing = CorePair::onto_first(on_first, to_segment(b, on_first)).swapped();
         let extent = u.length() * v.length();
-        let is_near = crossing.distance <= CROSSED * (u.length() + v.length());
         if is_near && size > (CROSSED * extent).powi(2) {
             // ... have the common normal of both, since the way itself is mostly rounding.
             let span = crossing.points[1] - crossing.points[0];
