@@ -178,6 +178,9 @@ touching = [{{ pair = ["still", "moving"] }}]
         let pair = &report(&scene, 60).judged[0];
         assert_eq!(pair.judgement, Judgement::Passed, "{name}: {pair:?}");
         assert!(pair.least.is_certified, "{name}: {pair:?}");
+        let allowed = BETWEEN_SAMPLES * scene.mechanism.size;
+        assert!(pair.least.bound >= -allowed, "{name}: {pair:?}");
+        assert!(pair.farthest.unwrap() <= allowed, "{name}: {pair:?}");
     }
 }
 

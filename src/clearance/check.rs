@@ -1,6 +1,7 @@
 //! The whole check: every pair of bodies, judged, excluded by rule or by the scene, and in what order to report them.
 
 use super::bodies::Hull;
+use super::contact::AT_LEAST;
 pub use super::contact::BETWEEN_SAMPLES;
 use super::core::Core;
 use super::mesh::Enclosure;
@@ -207,15 +208,15 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
     let mut least = sweep.sampled(motion, &samples[worst..=worst], None)?;
-    let contact = sweep.contact_over(motion, BETWEEN_SAMPLES * size);
+    let contact = sweep.contact_over(motion);
     let mut judgement = if least.distance.abs() > CONTACT * size {
         Judgement::Failed
-    } else if contact.is_within(BETWEEN_SAMPLES * size) {
+    } else if contact.is_within(AT_LEAST * size) {
         Judgement::Passed
     } else {
         Judgement::Undecided
     };
-    if let (Judgement::Undecided, Some((stretch, s))) = (&judgement, contact.broken)
+    if let Some((stretch, s)) = contact.broken.filter(|_| judgement != Judgement::Failed)
         && let Some(instant) = motion.pose_at(stretch, s)
         && let Some(between) = sweep.sampled(motion, &[instant], None)
     {

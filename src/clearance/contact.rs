@@ -7,17 +7,25 @@ use super::pair::distance;
 use super::relative::{RelativeChain, RelativeMove};
 use super::sweep::{POSE_SLACK, PairSweep};
 
-/// How far from touching two bodies in contact may be between the samples by what is proved there, in mechanism sizes.
+/// How near to touching two bodies in contact should be proved to stay between the samples, in mechanism sizes. At the samples
+/// they are known to rounding.
 ///
 /// The proof of solids that slide along each other is near to the second power of the time looked at: this is what
-/// a few thousand looks can reach. At the samples they are known to rounding.
+/// a few thousand looks reach. Bodies that provably are farther from touching are not in contact.
 pub const BETWEEN_SAMPLES: f64 = 1e-6;
+
+/// How near they must be proved to stay. Of meshes, and next to the axis of a torus, the proof is near to the first power of
+/// the time only; this is no more than a joint's usual play.
+pub const AT_LEAST: f64 = 1e-4;
 
 /// Pieces of a stretch at which bodies in contact are looked at first.
 const PIECES: u32 = 16;
 
 /// How often a piece is halved whose bounds are not near enough.
 const HALVINGS: u32 = 6;
+
+/// The same if they are as near as they must be.
+const MORE_HALVINGS: u32 = 4;
 
 /// Most pieces looked at for one pair; bounds are as near as they are by then.
 const MOST_LOOKS: usize = 100_000;
@@ -44,9 +52,10 @@ impl Contact {
 
 impl PairSweep<'_> {
     /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
-    /// far apart or how deep they can come until the next. Pieces of time are halved until that is within `allowed`.
-    pub fn contact_over(&self, motion: &Motion, allowed: f64) -> Contact {
-        let slack = POSE_SLACK * motion.mechanism.size;
+    /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
+    pub fn contact_over(&self, motion: &Motion) -> Contact {
+        let size = motion.mechanism.size;
+        let (allowed, slack) = (BETWEEN_SAMPLES * size, POSE_SLACK * size);
         let mut contact = Contact {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
@@ -72,8 +81,14 @@ impl PairSweep<'_> {
                 if low > allowed || high < -allowed {
                     contact.broken = Some((index, s));
                 }
-                let is_near = low >= -allowed && high <= allowed;
-                if is_near || depth >= HALVINGS || looks >= MOST_LOOKS || contact.broken.is_some() {
+                let is_within = |allowed: f64| low >= -allowed && high <= allowed;
+                let most = if is_within(AT_LEAST * size) {
+                    MORE_HALVINGS
+                } else {
+                    HALVINGS
+                };
+                let ends = looks >= MOST_LOOKS || contact.broken.is_some();
+                if is_within(allowed) || depth >= most || ends {
                     contact.low = contact.low.min(low);
                     contact.high = contact.high.max(high);
                 } else {

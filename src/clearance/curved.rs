@@ -104,7 +104,7 @@ fn nearest_to_axis(circle: &Circle, core: &Core, limit: f64) -> f64 {
     };
     let near = ends.windows(2).filter_map(|pair| {
         let [[f, first], [g, second]] = [pair[0], pair[1]];
-        (0.5 * (f + g - arc) < limit).then(|| 0.5 * (first + second - arc))
+        (0.5 * (f + g - arc) < limit).then_some(0.5 * (first + second - arc))
     });
     near.fold(f64::INFINITY, f64::min)
 }
