@@ -302,6 +302,36 @@ fn studies_start_from_other_assemblies_and_drives() {
     assert!((swing - alpha).abs() < 1e-9, "{swing} {alpha}");
 }
 
+/// A crank longer than its rod stops short of the square position and is feasible again behind it, on either branch: none of
+/// the samples falls into the gap, but no motion leads across it.
+#[test]
+fn a_track_with_a_gap_between_two_samples_is_no_motion() {
+    let w = Workspace::new();
+    let parted = CRANK
+        .replace("r = 40", "r = 80.02")
+        .replace("turn = 360", "turn = 1.5")
+        .replace("samples = 181", "samples = 60")
+        .replace("[0, 180]", "[1.5, 178.5]")
+        .replace("[20, 70]", "[20, 90]");
+    w.write("parted.toml", &parted);
+    for arguments in [
+        &["sensitivity", "parted.toml"][..],
+        &["tolerance", "parted.toml", "--tolerance", "0.1"],
+        &["optimise", "parted.toml", "--out", "found.toml"],
+    ] {
+        w.run(arguments)
+            .exits(4)
+            .says(&["track `back`", "no motion leads to pose 31"]);
+    }
+    let text = w.run(&["check", "parted.toml"]).exits(1).text();
+    assert!(text.contains("stroke           no value"), "{text}");
+    // A crank that is shorter than the rod goes round.
+    let short = parted.replace("r = 80.02", "r = 79.9");
+    w.write("short.toml", &short);
+    let found = json(&w, &["sensitivity", "short.toml", "--out", "-"]);
+    assert!(found["measures"]["stroke"].as_f64().unwrap() > 159.0);
+}
+
 #[test]
 fn mistakes_of_a_study_are_said_with_their_place() {
     let w = Workspace::new();

@@ -178,6 +178,16 @@ impl Trajectory {
         self.poses().map(|p| p.closure_error).fold(0.0, f64::max)
     }
 
+    /// The samples of one motion: behind its first end there are no poses, even where the drive is feasible again.
+    pub fn of_one_motion(mut self) -> Vec<Sample> {
+        let mut ends = self.events.iter();
+        if let Some(end) = ends.find(|e| matches!(e.kind, EventKind::MotionEnds)) {
+            let behind = self.samples.iter_mut().filter(|s| s.time > end.time);
+            behind.for_each(|s| s.pose = None);
+        }
+        self.samples
+    }
+
     /// All poses there are.
     pub fn poses(&self) -> impl Iterator<Item = &ClosedPose> {
         self.samples.iter().filter_map(|s| s.pose.as_ref())

@@ -97,7 +97,7 @@ impl Marks {
         let measure = self.measure.as_ref()?;
         Some(Label {
             text: measure.text.clone(),
-            anchor: Anchor::World((measure.points[0] + measure.points[1]) * 0.5),
+            anchor: Anchor::Beside((measure.points[0] + measure.points[1]) * 0.5),
             size: LABEL_SIZE * height,
             colour: LINE,
             plate: true,

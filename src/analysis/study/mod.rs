@@ -191,7 +191,7 @@ impl Family {
                 Some(track) => poses_of(&self.mechanism, track)?,
                 None => {
                     let times = even_times(&self.mechanism, DRIVE_SAMPLES);
-                    solve(&self.mechanism, &times)?.samples
+                    solve(&self.mechanism, &times)?.of_one_motion()
                 }
             };
             self.add_samples(row, &samples, &mut nominal)?;
@@ -238,10 +238,7 @@ impl Family {
             let Some(pose) = &sample.pose else {
                 return Err(FamilyError::Track {
                     track: self.row_name(row),
-                    message: format!(
-                        "the mechanism cannot be closed at pose {} with the file's values",
-                        k + 1
-                    ),
+                    message: format!("no motion leads to pose {} with the file's values", k + 1),
                 });
             };
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();

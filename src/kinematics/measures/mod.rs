@@ -105,13 +105,14 @@ pub fn along(
     Some(observed_slots(mechanism, &all, order))
 }
 
-/// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch.
+/// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples that it
+/// does not lead to have no pose.
 ///
 /// # Errors
 /// Only where the mechanism itself is ill-posed.
 pub fn poses_of(mechanism: &Mechanism, track: &Track) -> Result<Vec<Sample>, StructureError> {
     let (moved, times) = driven_along(mechanism, track);
-    let mut samples = solve(&moved, &times)?.samples;
+    let mut samples = solve(&moved, &times)?.of_one_motion();
     samples.remove(0);
     Ok(samples)
 }
