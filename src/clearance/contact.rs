@@ -1,9 +1,8 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
 use super::bodies::apart;
-use super::gap::{above, below_in_contact};
+use super::gap::Meeting;
 use super::motion::Motion;
-use super::pair::distance;
 use super::relative::{RelativeChain, RelativeMove};
 use super::sweep::{POSE_SLACK, PairSweep};
 
@@ -116,16 +115,16 @@ impl PairSweep<'_> {
                 if apart(first, &second) - way >= high.min(low) {
                     continue;
                 }
-                let found = distance(first, &second);
-                let mut least = below_in_contact(first, &second, mine, &found, moved);
+                let meeting = Meeting::new(first, &second, mine, moved);
+                let mut least = meeting.below_in_contact();
                 if least < enough {
                     // Of which body the points are followed matters: those of a solid lie anywhere on it.
                     let back = back();
-                    let (a, b) = (mine, first.moved(&back.pose));
-                    least = least.max(below_in_contact(a, &b, first, &distance(a, &b), &back));
+                    let b = first.moved(&back.pose);
+                    least = least.max(Meeting::new(mine, &b, first, &back).below_in_contact());
                 }
                 low = low.min(least);
-                high = high.min(above(first, &second, mine, &found, moved));
+                high = high.min(meeting.above());
             }
         }
         [low, high]

@@ -7,8 +7,8 @@
 //! f + K u² |X|²/2 is convex: for convex cores with K = 0; of a circle f bends down only inside of it, by no more than the
 //! inverse of the distance from its axis. So f is nowhere less on the way than 2 f(q) - f(q ± X) - K |X|², or than f(q) - K |X|².
 
-use super::core::{Circle, Core, Element};
-use super::pair::Proximity;
+use super::core::{Circle, Core};
+use super::gap::Meeting;
 use super::point::{PointHit, point_to, to_circle, to_disc};
 use super::relative::RelativeMove;
 use super::search::{Spot, grid, least, least_on_circle};
@@ -33,19 +33,14 @@ impl Still<'_> {
     }
 }
 
-/// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus that is `mine` in its own
-/// frame, moves; `None` for others.
-pub fn below(
-    a: &Element,
-    b: &Element,
-    mine: &Element,
-    found: &Proximity,
-    moved: &RelativeMove,
-) -> Option<f64> {
+/// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus, moves; `None` for others.
+pub fn below(meeting: &Meeting) -> Option<f64> {
+    let Meeting {
+        a, b, mine, moved, ..
+    } = *meeting;
     let ball = mine.bounds();
     let way = moved.distance((ball.0, ball.1 - mine.radius));
-    let radii = a.radius + b.radius;
-    let apart = found.distance + radii;
+    let apart = meeting.found.distance + meeting.radii();
     let mut still = Still {
         core: &a.core,
         is_filled: false,
@@ -53,8 +48,7 @@ pub fn below(
     };
     match &a.core {
         Core::Circle(circle) => {
-            let nearest = found.points[1] + found.normal * b.radius;
-            still.is_filled = off_axis(circle, nearest) >= circle.radius;
+            still.is_filled = off_axis(circle, meeting.core_points()[1]) >= circle.radius;
             if !still.is_filled {
                 // Points that are farther off than this come no nearer than the nearest one is.
                 let near = nearest_to_axis(circle, &b.core, apart + 2.0 * way) - way;
@@ -73,8 +67,8 @@ pub fn below(
         Core::Circle(circle) if circle.radius > 0.0 => of_circle(&still, circle, moved),
         _ => return None,
     };
-    let lost = still.bends * way * way + moved.bending(ball) + moved.deviation(ball);
-    Some(lowest.min(apart) - lost - radii)
+    let lost = still.bends * way * way + meeting.beyond_linear();
+    Some(lowest.min(apart) - lost - meeting.radii())
 }
 
 /// How far a point is from the axis of a circle.
@@ -109,20 +103,15 @@ fn nearest_to_axis(circle: &Circle, core: &Core, limit: f64) -> f64 {
     near.fold(f64::INFINITY, f64::min)
 }
 
-/// X of a point.
-fn rate(moved: &RelativeMove, point: DVec3) -> DVec3 {
-    moved.shift + moved.spin.cross(point)
-}
-
 fn of_point(still: &Still, q: DVec3, moved: &RelativeMove) -> Option<f64> {
-    let rate = rate(moved, q);
+    let rate = moved.rate(q);
     let [back, here, ahead] = [q - rate, q, q + rate].map(|q| still.hit(q));
     Some(2.0 * here?.distance - back?.distance.max(ahead?.distance))
 }
 
 /// 2 f(q) - f(q ± X) at a point that moves along a core with the given tangent.
 fn spot(still: &Still, moved: &RelativeMove, sign: f64, at: f64, q: DVec3, tangent: DVec3) -> Spot {
-    let there = q + rate(moved, q) * sign;
+    let there = q + moved.rate(q) * sign;
     let turned = tangent + moved.spin.cross(tangent) * sign;
     let hits = [still.hit(q), still.hit(there)];
     let [Some(here), Some(there)] = hits else {

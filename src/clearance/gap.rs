@@ -2,110 +2,134 @@
 
 use super::core::{Core, Element};
 use super::curved;
-use super::pair::Proximity;
+use super::pair::{Proximity, distance};
 use super::point::point_to;
 use super::relative::RelativeMove;
 use glam::DVec3;
 
-/// Lower bound of the distance of two elements while the second one moves; `mine` is that one in its own frame.
-pub fn below(
-    a: &Element,
-    b: &Element,
-    mine: &Element,
-    found: &Proximity,
-    moved: &RelativeMove,
-) -> f64 {
-    let ball = mine.bounds();
-    let plain = found.distance - moved.distance(ball);
-    let n = found.normal;
-    let apart = found.distance + a.radius + b.radius;
-    if n == DVec3::ZERO {
-        return plain;
+/// Two elements, the second of which moves for a short time.
+#[derive(Clone, Copy)]
+pub struct Meeting<'e> {
+    /// The one that stands still.
+    pub a: &'e Element,
+    /// The other one in the middle of the time.
+    pub b: &'e Element,
+    /// That one in its own frame.
+    pub mine: &'e Element,
+    /// How it moves.
+    pub moved: &'e RelativeMove,
+    /// Their distance in the middle.
+    pub found: Proximity,
+}
+
+impl<'e> Meeting<'e> {
+    /// Measures the distance in the middle.
+    pub fn new(a: &'e Element, b: &'e Element, mine: &'e Element, moved: &'e RelativeMove) -> Self {
+        Self {
+            a,
+            b,
+            mine,
+            moved,
+            found: distance(a, b),
+        }
     }
-    // The plane between them stands still, or turns as the line between the nearest points does.
-    let off = moved.deviation(ball);
-    let still = gap(a, b, found, moved, DVec3::ZERO).map(|gap| gap - off);
-    let turning = || {
-        let point = found.points[1] + n * b.radius;
-        let rate = moved.shift + moved.spin.cross(point);
-        let turn = (rate - n * n.dot(rate)) / apart;
-        let third = turn.length() * moved.bending(ball);
-        let length = (1.0 + turn.length_squared()).sqrt();
-        gap(a, b, found, moved, turn).map(|gap| gap - third - length * off)
-    };
-    let turning = (apart > 0.0).then(turning).flatten();
-    still.into_iter().chain(turning).fold(plain, f64::max)
-}
 
-/// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
-pub fn below_in_contact(
-    a: &Element,
-    b: &Element,
-    mine: &Element,
-    found: &Proximity,
-    moved: &RelativeMove,
-) -> f64 {
-    let flat = below(a, b, mine, found, moved);
-    curved::below(a, b, mine, found, moved).map_or(flat, |low| flat.max(low))
-}
+    /// What both elements are grown by.
+    pub fn radii(&self) -> f64 {
+        self.a.radius + self.b.radius
+    }
 
-/// Upper bound of the distance of two elements while the second one moves: that of the points that were nearest.
-pub fn above(
-    a: &Element,
-    b: &Element,
-    mine: &Element,
-    found: &Proximity,
-    moved: &RelativeMove,
-) -> f64 {
-    let [from, to] = [
-        found.points[0] - found.normal * a.radius,
-        found.points[1] + found.normal * b.radius,
-    ];
-    let rate = moved.shift + moved.spin.cross(to);
-    let linear = (to - from + rate).length().max((to - from - rate).length());
-    // The distance from a convex core is convex on the way of a point.
-    let linear = match &a.core {
-        Core::Circle(_) => linear,
-        core => [to - rate, to + rate]
-            .map(|q| point_to(core, q).map_or(f64::INFINITY, |hit| hit.distance))
-            .into_iter()
-            .fold(f64::NEG_INFINITY, f64::max)
-            .min(linear),
-    };
-    let ball = mine.bounds();
-    linear + moved.bending(ball) + moved.deviation(ball) - a.radius - b.radius
-}
+    /// What every point of b may deviate by from where X takes it.
+    pub fn beyond_linear(&self) -> f64 {
+        let ball = self.mine.bounds();
+        self.moved.bending(ball) + self.moved.deviation(ball)
+    }
 
-/// Lower bound of the gap between two convex hulls along n + u t, of terms up to u².
-///
-/// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
-/// along n + u t and less both radii times its length, the terms up to u² are a concave function of a curve
-/// of second order in u. Such a curve lies in the hull of three control points, so that the function is nowhere less than
-/// the least of its values there. With D the distance in the middle, D u² t²/2 is taken off before, because the length of
-/// n + u t grows by no more than that: a gap of D along it stays one.
-fn gap(a: &Element, b: &Element, found: &Proximity, moved: &RelativeMove, t: DVec3) -> Option<f64> {
-    let n = found.normal;
-    let first = n.cross(moved.spin) + t;
-    let second = moved.twist.transpose() * n + t.cross(moved.spin);
-    let (across, bend) = (
-        n.dot(moved.shift),
-        n.dot(moved.bend) + t.dot(moved.shift) - 0.5 * found.distance.max(0.0) * t.length_squared(),
-    );
-    let radii = a.radius + b.radius;
-    let control = |u: f64, square: f64| {
-        let support = b.core.support(-(n + first * u + second * square))?;
-        let plane = n + t * u;
-        let reached = a.core.support(plane)?;
-        Some(u * across + square * bend - support - reached - radii * plane.length())
-    };
-    let ends = control(-1.0, 1.0)?.min(control(1.0, 1.0)?);
-    Some(ends.min(control(0.0, -1.0)?).min(found.distance))
+    /// Lower bound of the distance.
+    pub fn below(&self) -> f64 {
+        let (moved, ball) = (self.moved, self.mine.bounds());
+        let plain = self.found.distance - moved.distance(ball);
+        let n = self.found.normal;
+        let apart = self.found.distance + self.radii();
+        if n == DVec3::ZERO {
+            return plain;
+        }
+        // The plane between them stands still, or turns as the line between the nearest points does.
+        let off = moved.deviation(ball);
+        let still = self.gap(DVec3::ZERO).map(|gap| gap - off);
+        let turning = || {
+            let rate = moved.rate(self.core_points()[1]);
+            let turn = (rate - n * n.dot(rate)) / apart;
+            let third = turn.length() * moved.bending(ball);
+            let length = (1.0 + turn.length_squared()).sqrt();
+            self.gap(turn).map(|gap| gap - third - length * off)
+        };
+        let turning = (apart > 0.0).then(turning).flatten();
+        still.into_iter().chain(turning).fold(plain, f64::max)
+    }
+
+    /// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
+    pub fn below_in_contact(&self) -> f64 {
+        let flat = self.below();
+        curved::below(self).map_or(flat, |low| flat.max(low))
+    }
+
+    /// Upper bound of the distance: that of the points that were nearest.
+    pub fn above(&self) -> f64 {
+        let [from, to] = self.core_points();
+        let rate = self.moved.rate(to);
+        let linear = (to - from + rate).length().max((to - from - rate).length());
+        // The distance from a convex core is convex on the way of a point.
+        let linear = match &self.a.core {
+            Core::Circle(_) => linear,
+            core => [to - rate, to + rate]
+                .map(|q| point_to(core, q).map_or(f64::INFINITY, |hit| hit.distance))
+                .into_iter()
+                .fold(f64::NEG_INFINITY, f64::max)
+                .min(linear),
+        };
+        linear + self.beyond_linear() - self.radii()
+    }
+
+    /// The nearest points of the cores.
+    pub fn core_points(&self) -> [DVec3; 2] {
+        let Proximity { points, normal, .. } = self.found;
+        [
+            points[0] - normal * self.a.radius,
+            points[1] + normal * self.b.radius,
+        ]
+    }
+
+    /// Lower bound of the gap between two convex hulls along n + u t, of terms up to u².
+    ///
+    /// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
+    /// along n + u t and less both radii times its length, the terms up to u² are a concave function of a curve
+    /// of second order in u. Such a curve lies in the hull of three control points, so that the function is nowhere less than
+    /// the least of its values there. With D the distance in the middle, D u² t²/2 is taken off before, because the length of
+    /// n + u t grows by no more than that: a gap of D along it stays one.
+    fn gap(&self, t: DVec3) -> Option<f64> {
+        let Self { a, b, moved, .. } = *self;
+        let (n, middle) = (self.found.normal, self.found.distance);
+        let first = n.cross(moved.spin) + t;
+        let second = moved.twist.transpose() * n + t.cross(moved.spin);
+        let (across, bend) = (
+            n.dot(moved.shift),
+            n.dot(moved.bend) + t.dot(moved.shift) - 0.5 * middle.max(0.0) * t.length_squared(),
+        );
+        let control = |u: f64, square: f64| {
+            let support = b.core.support(-(n + first * u + second * square))?;
+            let plane = n + t * u;
+            let reached = a.core.support(plane)?;
+            Some(u * across + square * bend - support - reached - self.radii() * plane.length())
+        };
+        let ends = control(-1.0, 1.0)?.min(control(1.0, 1.0)?);
+        Some(ends.min(control(0.0, -1.0)?).min(middle))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::core::{Block, Circle, Frustum, HalfSpace};
-    use super::super::pair::distance;
     use super::super::relative::RelativeChain;
     use super::*;
     use crate::kinematics::certificate::tube::Model;
@@ -208,14 +232,12 @@ mod tests {
             let (s, half) = (0.5 * draws.next(), [0.4, 0.1, 0.01][round % 3]);
             let moved = chain.around(&models, s, half);
             let b = mine.moved(&moved.pose);
-            let found = distance(&a, &b);
-            let (low, high) = (
-                below_in_contact(&a, &b, &mine, &found, &moved),
-                above(&a, &b, &mine, &found, &moved),
-            );
+            let meeting = Meeting::new(&a, &b, &mine, &moved);
+            let found = meeting.found;
+            let (low, high) = (meeting.below_in_contact(), meeting.above());
             let plain = found.distance - moved.distance(mine.bounds());
             assert!(low >= plain && low <= found.distance);
-            let of_curve = curved::below(&a, &b, &mine, &found, &moved);
+            let of_curve = curved::below(&meeting);
             let mut least = f64::INFINITY;
             for step in -20..=20 {
                 let there = s + half * f64::from(step) / 20.0;

@@ -47,6 +47,11 @@ fn times(rate: f64, length: f64) -> f64 {
 }
 
 impl RelativeMove {
+    /// X of a point in a's frame.
+    pub fn rate(&self, point: DVec3) -> DVec3 {
+        self.shift + self.spin.cross(point)
+    }
+
     /// Nothing of a ball of b (centre and radius in b's frame) deviates from the two terms by more.
     pub fn deviation(&self, (center, radius): (DVec3, f64)) -> f64 {
         (self.off + times(self.off_by_reach, center.length() + radius)) * (1.0 + 1e-12)
@@ -60,7 +65,7 @@ impl RelativeMove {
 
     /// No point of a ball of b moves farther.
     pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
-        let center = self.shift + self.spin.cross(self.pose.transform_point(ball.0));
+        let center = self.rate(self.pose.transform_point(ball.0));
         let linear = center.length() + times(self.spin.length(), ball.1);
         linear * (1.0 + 1e-12) + self.bending(ball) + self.deviation(ball)
     }

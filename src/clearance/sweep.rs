@@ -7,9 +7,9 @@
 
 use super::bodies::{BodyProximity, Hull, apart, enclosed, nearest};
 use super::core::{Core, Element};
-use super::gap::below;
+use super::gap::Meeting;
 use super::motion::Motion;
-use super::pair::{distance, is_inside};
+use super::pair::is_inside;
 use super::relative::RelativeChain;
 use super::track::Track;
 use crate::math::Pose;
@@ -35,7 +35,7 @@ const SHORTEST: f64 = 1.0 / 65_536.0;
 /// The least distance of two bodies over the motion.
 #[derive(Clone, Debug)]
 pub struct Least {
-    /// Signed distance, as [`distance`] defines it.
+    /// Signed distance, as [`distance`](super::pair::distance) defines it.
     pub distance: f64,
     /// When, seconds.
     pub time: f64,
@@ -288,7 +288,8 @@ impl<'a> PairSweep<'a> {
                 lowest = lowest.min(far);
                 return;
             }
-            let proximity = distance(first, second);
+            let meeting = Meeting::new(first, second, mine, &moved);
+            let proximity = meeting.found;
             nearest = nearest.min(proximity.distance);
             if proximity.distance < best.found.proximity.distance {
                 *best = Best {
@@ -301,10 +302,9 @@ impl<'a> PairSweep<'a> {
             }
             let below = match (&back, &mine.core) {
                 (Some(back), Core::HalfSpace(_)) => {
-                    let (a, b) = (mine, first.moved(&back.pose));
-                    below(a, &b, first, &distance(a, &b), back)
+                    Meeting::new(mine, &first.moved(&back.pose), first, back).below()
                 }
-                _ => below(first, second, mine, &proximity, &moved),
+                _ => meeting.below(),
             };
             lowest = lowest.min(below);
             left.push([i, j]);
