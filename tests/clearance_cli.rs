@@ -264,3 +264,28 @@ fn meshes_are_checked_and_odd_ones_are_named() {
     let text = w.run(&["check", "inside.toml"]).exits(1).text();
     assert!(text.contains("0.0000"), "{text}");
 }
+
+/// A mesh has no depth: what slides on it is never said to cut it.
+#[test]
+fn a_mesh_in_contact_is_not_cut() {
+    let w = Workspace::new();
+    w.write("ball.stl", ball("none"));
+    let scene = swing(0.0)
+        .replace("Rz(a)", "Tx(-40) Tx(d)")
+        .replace("a = \"t\"", "d = \"0.01*sin(6*t)\"")
+        .replace(
+            "capsule = { from = [0, 0, 0], to = [50, 0, 0], radius = 2 }",
+            "stl = { file = \"ball.stl\" }",
+        )
+        .replace("Tx(0) Tx(80) Rz(b) Tx(1) Rz(b)", "Tx(-40) Rz(b)")
+        .replace(
+            "cylinder = { from = [0, 0, -5], to = [0, 0, 5], radius = 3 }",
+            "box = { center = [0, 0, -5.999], size = [9, 9, 2] }",
+        );
+    w.write(
+        "table.toml",
+        scene + "touching = [{ pair = [\"arm\", \"post\"] }]\n",
+    );
+    let text = w.run(&["check", "table.toml"]).exits(0).text();
+    assert!(text.contains("passed     arm / post"), "{text}");
+}

@@ -94,7 +94,7 @@ fn bodies_that_part_between_the_samples_are_not_in_contact() {
 }
 
 /// One body that stands still, how the other one moves, and its shape. The size is that of the second body's way.
-const SLIDING: [[&str; 4]; 9] = [
+const SLIDING: [[&str; 4]; 10] = [
     [
         "ball on a table",
         "box = { center = [0, 0, -1], size = [40, 40, 2] }",
@@ -141,6 +141,12 @@ const SLIDING: [[&str; 4]; 9] = [
         "disc that turns on a table",
         "box = { center = [0, 0, -1], size = [40, 40, 2] }",
         "Tx(3*sin(a)) Rz(a)",
+        "cylinder = { from = [0, 0, 0], to = [0, 0, 3], radius = 2 }",
+    ],
+    [
+        "cylinder that turns on an equal one",
+        "cylinder = { from = [0, 0, -3], to = [0, 0, 0], radius = 2 }",
+        "Rz(a)",
         "cylinder = { from = [0, 0, 0], to = [0, 0, 3], radius = 2 }",
     ],
     [

@@ -49,7 +49,7 @@ pub struct PairReport {
     pub judgement: Judgement,
     /// Distances at the sampled times; empty for excluded pairs.
     pub distances: Vec<f64>,
-    /// Of pairs that are meant to touch: between the samples they are never farther apart. How deep they may be in each
+    /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they may be in each
     /// other there is the bound of `least`.
     pub farthest: Option<f64>,
 }
@@ -208,15 +208,24 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
     let mut least = sweep.sampled(motion, &samples[worst..=worst], None)?;
+    if least.distance.abs() > CONTACT * size {
+        least.bound = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        return Some(PairReport {
+            pair: sweep.bodies(),
+            minimum: 0.0,
+            farthest: None,
+            least,
+            judgement: Judgement::Failed,
+            distances,
+        });
+    }
     let contact = sweep.contact_over(motion);
-    let mut judgement = if least.distance.abs() > CONTACT * size {
-        Judgement::Failed
-    } else if contact.is_within(AT_LEAST * size) {
+    let mut judgement = if contact.is_within(AT_LEAST * size) {
         Judgement::Passed
     } else {
         Judgement::Undecided
     };
-    if let Some((stretch, s)) = contact.broken.filter(|_| judgement != Judgement::Failed)
+    if let Some((stretch, s)) = contact.broken
         && let Some(instant) = motion.pose_at(stretch, s)
         && let Some(between) = sweep.sampled(motion, &[instant], None)
     {

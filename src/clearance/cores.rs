@@ -175,7 +175,7 @@ fn of_circle(a: &Core, circle: &Circle) -> CorePair {
 }
 
 /// Whether a core turns into itself about a circle's axis, to rounding: all points of the circle are as near then.
-fn is_coaxial(a: &Core, circle: &Circle) -> bool {
+pub fn is_coaxial(a: &Core, circle: &Circle) -> bool {
     let (on_axis, axis) = match a {
         Core::Circle(other) => (other.center, other.axis),
         Core::Frustum(frustum) => (frustum.from, frustum.axis),

@@ -68,7 +68,13 @@ pub fn below(meeting: &Meeting) -> Option<f64> {
         _ => return None,
     };
     let lost = still.bends * way * way + meeting.beyond_linear();
-    Some(lowest.min(apart) - lost - meeting.radii())
+    let apart = lowest.min(apart) - lost;
+    // How deep a segment is in a solid is not told by its deepest point alone.
+    let is_solid = matches!(a.core, Core::Box(_) | Core::Frustum(_) | Core::Triangle(_));
+    if is_solid && matches!(b.core, Core::Segment(_)) && apart <= 0.0 {
+        return None;
+    }
+    Some(apart - meeting.radii())
 }
 
 /// How far a point is from the axis of a circle.

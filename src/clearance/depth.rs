@@ -7,7 +7,7 @@
 //! both ways: its point nearest to the origin is a least distance of the two circles, and all of these are tried.
 
 use super::core::{Circle, Core, Frustum};
-use super::cores::{CorePair, nearest};
+use super::cores::{CorePair, is_coaxial, nearest};
 use super::point::to_circle;
 use super::search::{Spot, least_on_circle, minima_on_circle};
 use crate::math::{Pose, sin_cos};
@@ -177,6 +177,9 @@ fn along(a: &Core, b: &Core, ring: &Ring) -> DVec3 {
 fn rims(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
     let [x, y] = of_second.directions().map(|d| d * of_second.radius);
     let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.center + x * cos + y * sin);
+    if is_coaxial(&Core::Circle(*of_first), of_second) {
+        return vec![at((0.0, 1.0)).normal];
+    }
     let minima = minima_on_circle(of_second.radius, limit, |angle, (sin, cos)| {
         let hit = at((sin, cos));
         Spot {

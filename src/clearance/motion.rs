@@ -119,16 +119,25 @@ impl<'m> Motion<'m> {
                     motion.samples.extend(here);
                     motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place]);
                 }
-                (Some(before), None) => {
-                    let time = motion.instants[before].time;
-                    motion.gaps.push([time, sample.time]);
+                _ => {
+                    motion.samples.extend(here);
+                    if let Some(before) = k.checked_sub(1).map(|k| &trajectory.samples[k]) {
+                        motion.leave_out(before.time, sample.time);
+                    }
                 }
-                _ => motion.samples.extend(here),
             }
             last = here;
         }
         motion.roots = motion.stretches.len();
         motion
+    }
+
+    /// Notes a stretch that is not looked at, with the one right before it.
+    fn leave_out(&mut self, from: f64, to: f64) {
+        match self.gaps.last_mut() {
+            Some(gap) if gap[1] == from => gap[1] = to,
+            _ => self.gaps.push([from, to]),
+        }
     }
 
     /// Covers the interval between two samples, `places` in the list of samples.
@@ -165,7 +174,7 @@ impl<'m> Motion<'m> {
         let end = self.samples[places[1]];
         let ends = [reached.is_none().then_some(places[0]), Some(places[1])];
         if start.is_none_or(|start| self.add_estimate([start, end], ends).is_none()) {
-            self.gaps.push([reached.unwrap_or(from), to]);
+            self.leave_out(reached.unwrap_or(from), to);
         }
     }
 

@@ -11,7 +11,7 @@ use crate::export::events::gaps;
 use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::mobility::Mobility;
 use crate::kinematics::offered::{OfferedLoop, Verdict, judge};
-use crate::kinematics::sampling::{even_times, frame_times, knots};
+use crate::kinematics::sampling::{even_times, frame_times, knots, only};
 use crate::kinematics::structure::Structure;
 use crate::kinematics::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
@@ -64,7 +64,8 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let mobility = Mobility::new(mechanism, &Structure::new(mechanism)?);
     let closed = report::events(mechanism, &trajectory, term)?;
     let worst = trajectory.closure_error();
-    let measured = measured::take(mechanism, &trajectory)?;
+    // Sums and means are over the samples that were asked for.
+    let measured = measured::take(mechanism, &only(mechanism, &trajectory, &times))?;
     let motion = MotionProof::of(&trajectory, args.certify);
     let clearances = clearance::run(args, scene, &trajectory, term)?;
     let fails = [

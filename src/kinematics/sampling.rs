@@ -1,5 +1,6 @@
 //! At which times a drive is sampled. Times are computed from their index, never summed up.
 
+use super::trajectory::{Sample, Trajectory};
 use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
@@ -71,10 +72,23 @@ pub fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
         Drive::Formula(_) => Vec::new(),
     };
     let keys = mechanism.drives.iter().flat_map(keys);
-    let given = times.iter().copied();
-    let mut all: Vec<f64> = given.chain(keys).chain([0.0, last]).collect();
-    all.retain(|t| (0.0..=last).contains(t));
+    let own = keys.chain([0.0, last]).filter(|t| (0.0..=last).contains(t));
+    let mut all: Vec<f64> = own.chain(times.iter().copied()).collect();
     all.sort_by(f64::total_cmp);
     all.dedup_by(|b, a| *b - *a <= SAME_TIME * last);
     all
+}
+
+/// The samples of a trajectory at the given times, ascending: what was solved beside them left out again.
+pub fn only(mechanism: &Mechanism, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
+    let slack = SAME_TIME * mechanism.duration;
+    let is_given = |sample: &&Sample| {
+        let next = times.partition_point(|t| *t < sample.time - slack);
+        times.get(next).is_some_and(|t| *t <= sample.time + slack)
+    };
+    let samples = trajectory.samples.iter().filter(is_given);
+    Trajectory {
+        samples: samples.cloned().collect(),
+        ..Trajectory::default()
+    }
 }
