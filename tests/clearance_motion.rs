@@ -6,7 +6,7 @@ use mechanim::clearance::bodies::{Hull, nearest};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use mechanim::diag::Source;
 use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::{even_times, frame_times, knots};
+use mechanim::kinematics::sampling::{even_times, frame_times, knots, only};
 use mechanim::kinematics::trajectory::{ClosedPose, Trajectory};
 use mechanim::scene::{Overrides, Scene, load};
 
@@ -433,4 +433,34 @@ fn frames_and_ends_of_the_drive_are_all_sampled() {
     let report = check(&scene.mechanism, rules, &trajectory, 1.0, &|_, _| {}).unwrap();
     assert_eq!(report.times.first(), Some(&0.0));
     assert_eq!(report.times.last(), Some(&scene.mechanism.duration));
+    // Sums and means are taken over what was asked for.
+    let asked = only(&scene.mechanism, &trajectory, &times);
+    assert!(trajectory.samples.len() > times.len());
+    let kept: Vec<f64> = asked.samples.iter().map(|s| s.time).collect();
+    assert_eq!(kept, times);
+}
+
+const LATE: &str = r#"
+title = "Nothing in the first and the last second"
+units = { length = "mm", angle = "rad" }
+duration = 4
+[inputs]
+x = "5 + 0*sqrt(t - 1) + 0*sqrt(3 - t)"
+z = "0.1*t"
+[[bodies]]
+name = "A"
+shapes = [{ sphere = { radius = 1 } }]
+[[bodies]]
+name = "B"
+frame = "Tx(x) Tz(z)"
+shapes = [{ sphere = { radius = 1 } }]
+[clearance]
+minimum = 0.1
+"#;
+
+#[test]
+fn what_is_not_looked_at_is_listed_as_a_whole() {
+    let report = report(&open(LATE), 9, 1e-3);
+    assert_eq!(report.gaps, [[0.0, 1.0], [3.0, 4.0]]);
+    assert!(!report.judged[0].least.is_certified);
 }
