@@ -49,8 +49,8 @@ pub struct PairReport {
     pub judgement: Judgement,
     /// Distances at the sampled times; empty for excluded pairs.
     pub distances: Vec<f64>,
-    /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they may be in each
-    /// other there is the bound of `least`.
+    /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they
+    /// may be in each other there is the bound of `least`.
     pub farthest: Option<f64>,
 }
 

@@ -108,6 +108,7 @@ impl PairSweep<'_> {
         enough: f64,
     ) -> [f64; 2] {
         let (mut low, mut high) = (f64::INFINITY, f64::INFINITY);
+        let mut seen_back = None;
         let way = moved.distance(self.hulls[1].ball);
         for mine in &self.hulls[1].elements {
             let second = mine.moved(&moved.pose);
@@ -119,9 +120,9 @@ impl PairSweep<'_> {
                 let mut least = meeting.below_in_contact();
                 if least < enough {
                     // Of which body the points are followed matters: those of a solid lie anywhere on it.
-                    let back = back();
+                    let back = seen_back.get_or_insert_with(&back);
                     let b = first.moved(&back.pose);
-                    least = least.max(Meeting::new(mine, &b, first, &back).below_in_contact());
+                    least = least.max(Meeting::new(mine, &b, first, back).below_in_contact());
                 }
                 low = low.min(least);
                 high = high.min(meeting.above());
