@@ -5,14 +5,14 @@
 //! certificate. The last column is `solve` itself, with bodies, traces, outputs and rates of every sample.
 
 use mechanim::diag::Source;
-use mechanim::kinematics::branch::BranchWatch;
 use mechanim::kinematics::certificate::{Certificate, Certifier};
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::forward::closure_error;
-use mechanim::kinematics::newton::{Corrector, Pace};
-use mechanim::kinematics::predictor::{HIGHEST_ORDER, Predictor};
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::Trajectory;
+use mechanim::kinematics::loops::forward::closure_error;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::solve::branch::BranchWatch;
+use mechanim::kinematics::solve::newton::{Corrector, Pace};
+use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
+use mechanim::kinematics::structure::block::Structure;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use std::fmt::Write;
@@ -150,7 +150,7 @@ fn timed(mechanism: &Mechanism, times: &[f64]) -> (f64, Option<Trajectory>) {
 fn measure(name: &str, mechanism: &Mechanism, count: usize, repetitions: usize) -> Option<()> {
     let step = mechanism.duration / count as f64;
     let times: Vec<f64> = (0..=count).map(|k| step * k as f64).collect();
-    let structure = Structure::new(mechanism).ok()?;
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).ok()?;
     let (_, trajectory) = timed(mechanism, &times);
     let trajectory = trajectory.filter(|t| t.missing() == 0)?;
     let first = &trajectory.samples[0];

@@ -9,8 +9,7 @@ use mechanim::analysis::reference::Reference;
 use mechanim::analysis::routes::{RotationForm, Route, Walker};
 use mechanim::analysis::work_precision::{Row, Study, StudyError, study};
 use mechanim::diag::Source;
-use mechanim::kinematics::forward::closure_error;
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::loops::forward::closure_error;
 use mechanim::model::mechanism::Mechanism;
 use program::Workspace;
 use reference::{Table, mechanism};
@@ -121,7 +120,7 @@ fn the_reference_is_the_closed_form() {
         &mechanim::scene::builtin::find("slider-crank").unwrap(),
         &[],
     );
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let times: Vec<f64> = (0..=200).map(|k| 0.02 * f64::from(k)).collect();
     let reference = Reference::new(&mechanism, &structure, times).unwrap();
     let h = mechanism
@@ -146,7 +145,7 @@ fn the_skew_residual_takes_a_half_turn_for_closed() {
         &mechanim::scene::builtin::find("slider-crank").unwrap(),
         &[("phi", "0.5")],
     );
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let mut walker = Walker::new(&mechanism, &structure);
     let wrong = [("alpha", 2.8837), ("beta", -0.2421), ("h", 42.5642)];
     let mut start = vec![0.0; mechanism.unknowns.len()];

@@ -3,13 +3,12 @@
 
 use allocation_counter::measure;
 use mechanim::diag::Source;
-use mechanim::kinematics::branch::BranchWatch;
 use mechanim::kinematics::certificate::{Certificate, Certifier};
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::newton::{Corrector, Pace};
-use mechanim::kinematics::predictor::{HIGHEST_ORDER, Predictor};
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::solve::branch::BranchWatch;
+use mechanim::kinematics::solve::newton::{Corrector, Pace};
+use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, builtin, load};
 
@@ -43,7 +42,7 @@ fn mechanisms() -> Vec<Mechanism> {
 #[test]
 fn a_pose_allocates_nothing_once_the_buffers_stand() {
     for mechanism in mechanisms() {
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         let trajectory = solve(&mechanism, &even_times(&mechanism, 60)).unwrap();
         assert_eq!(trajectory.missing(), 0);
         let first = &trajectory.samples[0];

@@ -3,16 +3,15 @@
 
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::certificate::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
-use mechanim::kinematics::certificate::circle::sin_cos;
-use mechanim::kinematics::certificate::double::Double;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::qr::PivotedQr;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::linalg::pivoted_qr::PivotedQr;
 use mechanim::model::chain::Argument;
 use mechanim::model::expression::Affine;
 use mechanim::model::mechanism::Mechanism;
+use mechanim::numbers::double_double::Double;
+use mechanim::numbers::sin_cos::sin_cos;
 use mechanim::scene::{Overrides, builtin, load};
 
 fn scene(name: &str) -> Mechanism {
@@ -57,7 +56,7 @@ impl<'m> Refined<'m> {
                 terms: halves.collect(),
             }
         });
-        let structure = Structure::new(mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
         let parts = structure.blocks.iter().flat_map(|block| &block.loops);
         let plans = parts.map(|part| {
             let steps = &mechanism.loops[part.index].chain.steps;
@@ -182,7 +181,7 @@ fn ring() -> Mechanism {
 #[test]
 fn bounds_of_a_large_block_hold() {
     let mechanism = ring();
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     assert_eq!(structure.blocks.len(), 1);
     assert_eq!(structure.blocks[0].unknowns.len(), 18);
     let mut refined = Refined::new(&mechanism);

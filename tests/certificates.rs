@@ -4,14 +4,13 @@
 mod reference;
 
 use mechanim::diag::Source;
-use mechanim::kinematics::branch::BranchWatch;
-use mechanim::kinematics::certificate::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
+use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
 use mechanim::kinematics::certificate::{Certificate, Certifier, Reason};
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::newton::Corrector;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::Trajectory;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::solve::branch::BranchWatch;
+use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::expression::Affine;
 use mechanim::model::mechanism::Mechanism;
@@ -66,7 +65,7 @@ fn worst(bounds: &[(f64, f64)]) -> (f64, f64) {
 
 /// The certificate of given coordinates, on the basis that those same coordinates choose.
 fn certify(mechanism: &Mechanism, coordinates: &[f64]) -> Certificate {
-    let structure = Structure::new(mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(&structure);
     watch.observe(mechanism, &structure, &mut corrector, coordinates);

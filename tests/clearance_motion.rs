@@ -5,9 +5,9 @@
 use mechanim::clearance::bodies::{Hull, nearest};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use mechanim::diag::Source;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::{even_times, frame_times, knots, only};
-use mechanim::kinematics::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::{even_times, frame_times, knots, only};
+use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use mechanim::scene::{Overrides, Scene, load};
 
 fn open(text: &str) -> Scene {
@@ -126,10 +126,10 @@ fn bounds_hold_against_dense_samples() {
 #[test]
 fn joints_stay_within_their_bounds() {
     use mechanim::clearance::motion::Motion;
-    use mechanim::kinematics::structure::Structure;
+
     let scene = open(&builtin("gearshift"));
     let mechanism = &scene.mechanism;
-    let structure = Structure::new(mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
     let times = knots(mechanism, &even_times(mechanism, 120));
     let mut motion = Motion::new(mechanism, &structure, &solve(mechanism, &times).unwrap());
     let (mut proved, mut closest) = (0, 0.0_f64);

@@ -3,8 +3,8 @@
 
 use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement, check};
 use mechanim::diag::Source;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::{even_times, knots};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::{even_times, knots};
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use std::process::Command;
 

@@ -9,11 +9,10 @@ mod reference;
 use glam::DVec3;
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::certificate::tube::certify_motion;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::mobility::Mobility;
-use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, find_modes};
-use mechanim::kinematics::rates::{By, RateColumns, add_derivatives};
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::freedoms::mobility::Mobility;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
+use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, find_modes};
 use mechanim::model::mechanism::Mechanism;
 use reference::Table;
 use reference::scenes::{scene, turned, value, whole, written};
@@ -295,7 +294,7 @@ fn motion_of_contacts_is_proved_between_the_samples() {
 fn contacts_leave_the_driver_as_the_only_freedom() {
     for name in ["torus-torus", "sphere-torus", "sphere-sphere"] {
         let mechanism = scene(name, &[], &[]);
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         let mobility = Mobility::new(&mechanism, &structure);
         assert_eq!(mobility.generic.map(|n| n.mobility), Some(1), "{name}");
     }
@@ -312,7 +311,7 @@ fn nearest_and_farthest_normals_are_assemblies() {
         ("sphere-sphere", 0.0, 2),
     ] {
         let mechanism = scene(name, &[], &[]);
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         let inputs = [degrees.to_radians()];
         let found = find_modes(&mechanism, &structure, &inputs, DEFAULT_STARTS, &|| false);
         assert_eq!(found.list.len(), count, "{name} at {degrees}");
@@ -322,7 +321,7 @@ fn nearest_and_farthest_normals_are_assemblies() {
 #[test]
 fn torus_pair_has_eight_assemblies_at_the_start() {
     let mechanism = scene("torus-torus", &[], &[]);
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let found = find_modes(&mechanism, &structure, &[0.0], DEFAULT_STARTS, &|| false);
     let k = mechanism
         .unknowns

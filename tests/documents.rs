@@ -156,7 +156,7 @@ fn the_scene_of_the_readme_works() {
     let scene = mechanim::scene::load(&source, &Default::default())
         .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let trajectory =
-        mechanim::kinematics::continuation::solve(&scene.mechanism, &[0.0, 1.0]).unwrap();
+        mechanim::kinematics::motion::continuation::solve(&scene.mechanism, &[0.0, 1.0]).unwrap();
     assert_eq!(trajectory.missing(), 0);
 }
 

@@ -3,10 +3,9 @@
 
 mod reference;
 
-use mechanim::kinematics::continuation::{solve, solve_unproved};
-use mechanim::kinematics::forward::{body_poses, trace_points};
-use mechanim::kinematics::modes::{DEFAULT_STARTS, find_modes};
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::loops::forward::{body_poses, trace_points};
+use mechanim::kinematics::motion::continuation::{solve, solve_unproved};
+use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, builtin, load};
@@ -81,7 +80,7 @@ fn hundred_turns_end_where_they_began() {
 #[test]
 fn four_assemblies_are_found_at_the_start() {
     let mechanism = dyads();
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let modes = find_modes(&mechanism, &structure, &[0.0], DEFAULT_STARTS, &|| false);
     let table = Table::read("hard_mech10_modes");
     let points = [0, 1, 2, 5, 6, 7, 8];

@@ -4,9 +4,9 @@
 
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, load};
 use std::f64::consts::FRAC_PI_2;
@@ -197,7 +197,7 @@ fn a_linkage_with_a_ball_joint_moves_through_its_lock_as_with_other_angles() {
         assert!(b.closure_error < 1e-14);
         assert!((a.branch.len(), a.rank) == (b.branch.len(), b.rank));
     }
-    let is_lock = |e: &&mechanim::kinematics::trajectory::Event| {
+    let is_lock = |e: &&mechanim::kinematics::motion::trajectory::Event| {
         matches!(e.kind, EventKind::GimbalLock { .. })
     };
     assert_eq!(a.events.iter().filter(is_lock).count(), 0);

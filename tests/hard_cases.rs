@@ -7,10 +7,9 @@
 mod reference;
 
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::modes::{DEFAULT_STARTS, find_modes};
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::{ClosedPose, EventKind};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind};
+use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::mechanism::{Kind, Mechanism};
 use reference::{Table, hard, slot, turned};
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
@@ -28,7 +27,7 @@ fn value(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
 
 /// The named unknowns of all assemblies at the start of the drive.
 fn assemblies(mechanism: &Mechanism, names: &[&str]) -> Vec<Vec<f64>> {
-    let structure = Structure::new(mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
     let inputs = mechanism.inputs_at(0.0);
     let modes = find_modes(mechanism, &structure, &inputs, DEFAULT_STARTS, &|| false);
     let modes = modes.list.iter();

@@ -6,10 +6,10 @@
 mod reference;
 
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::feasible::feasible_inputs;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::feasible::feasible_inputs;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::model::mechanism::Mechanism;
 use reference::{hard, slot, turned};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -7,12 +7,11 @@ mod reference;
 
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::rates::rates;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::taylor::Series;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::rates::higher_order::rates;
 use mechanim::model::mechanism::Mechanism;
+use mechanim::numbers::series::Series;
 use reference::{hard, mechanism, slot, turned};
 use std::fmt::Write;
 
@@ -78,7 +77,13 @@ fn a_hundred_drag_links_keep_their_digits() {
             error_bound >= 100.0 * error && error_bound < 1e-9,
             "{error_bound:e}"
         );
-        assert_eq!(Structure::new(&row).unwrap().blocks.len(), n);
+        assert_eq!(
+            mechanim::kinematics::freedoms::analysis::analyse(&row)
+                .unwrap()
+                .blocks
+                .len(),
+            n
+        );
     }
     for (scene, n) in [("h28-four-bar-1", 1), ("h28-four-bars-10", 10)] {
         let row = hard(scene, &[]);
@@ -143,7 +148,7 @@ fn lazy_tongs_reach_as_far_as_their_angle_says() {
             let error = pose.outputs[0] - full * sample.inputs[0].cos();
             assert!(error.abs() < 1e-11 * full, "{n}: {error:e}");
         }
-        let structure = Structure::new(&row).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&row).unwrap();
         assert_eq!(structure.blocks.len(), n - 1);
         let first = &trajectory.samples[0];
         let unknowns = &first.pose.as_ref().unwrap().unknowns;

@@ -6,10 +6,10 @@ mod program;
 mod reference;
 
 use mechanim::diag::Source;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::limits::add_limits;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::trajectory::EventKind;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::limits::add_limits;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::EventKind;
 use mechanim::model::mechanism::Mechanism;
 use program::Workspace;
 use reference::{hard, mechanism, turned};

@@ -5,11 +5,11 @@ mod program;
 
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::mobility::Mobility;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::{Structure, StructureError};
-use mechanim::kinematics::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::freedoms::mobility::Mobility;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::structure::block::StructureError;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, builtin, load};
 use program::Workspace;
@@ -86,7 +86,8 @@ fn count_and_rank_of_known_mechanisms() {
     ];
     for (name, count, rank, redundant, idle) in known {
         let mechanism = read(&text_of(name));
-        let structure = Structure::new(&mechanism).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
         let mobility = Mobility::new(&mechanism, &structure);
         assert_eq!(mobility.count(), count, "{name}");
         assert_eq!(mobility.generic.unwrap().mobility, rank, "{name}");
@@ -108,7 +109,7 @@ fn count_and_rank_of_known_mechanisms() {
 fn loops_that_close_in_a_point_are_counted_with_their_three_equations() {
     for name in ["sphere-torus", "sphere-sphere", "torus-torus"] {
         let mechanism = read(&text_of(name));
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         let mobility = Mobility::new(&mechanism, &structure);
         let inputs = mechanism.inputs.len();
         assert_eq!(mobility.at_start.unwrap().mobility, inputs, "{name}");
@@ -123,7 +124,7 @@ fn planar_mechanisms_are_counted_as_vector_loops_wherever_their_plane_lies() {
         A = \"R(1, 2, 3, 0.7) Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h) R(1, 2, 3, -0.7)\"\n[guess]\nh = 120\n";
     for text in [text_of("slider-crank"), tilted.to_owned()] {
         let mechanism = read(&text);
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         let mobility = Mobility::new(&mechanism, &structure);
         assert_eq!(
             (mobility.count(), mobility.planar_dependents()),
@@ -175,13 +176,15 @@ fn two_rods_have_two_idle_freedoms_and_a_missing_input_is_still_named() {
     let mechanism = read(&format!(
         "duration = 1\n[inputs]\ns = \"10 + 5*t\"\n{loops}"
     ));
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let name = |u: usize| mechanism.unknowns[u].name.as_str();
     let held: Vec<&str> = structure.held.iter().map(|h| name(h.unknown)).collect();
     assert_eq!(held, ["c1", "c2"]);
     run(&mechanism, 20);
     // With `s` an unknown the parallelogram moves: that is no spin of a link.
-    let error = Structure::new(&read(&format!("duration = 1\n{loops}"))).unwrap_err();
+    let error =
+        mechanim::kinematics::freedoms::analysis::analyse(&read(&format!("duration = 1\n{loops}")))
+            .unwrap_err();
     let StructureError::UnderDetermined { freedoms, names } = error else {
         panic!("{error:?}")
     };
@@ -197,7 +200,7 @@ fn what_a_trace_or_an_output_shows_is_not_idle() {
         "[outputs]\nspin = \"d\"\n",
     ] {
         let mechanism = read(&format!("{text}\n{seen}"));
-        let error = Structure::new(&mechanism).unwrap_err();
+        let error = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap_err();
         let StructureError::UnderDetermined { freedoms, .. } = error else {
             panic!("{error:?}")
         };
@@ -328,7 +331,7 @@ fn scissors(count: usize) -> String {
 #[test]
 fn long_chains_of_loops_are_blocks_of_one_loop_each() {
     let mechanism = read(&four_bars(100));
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     assert_eq!(structure.blocks.len(), 100);
     assert!(
         structure
@@ -341,7 +344,7 @@ fn long_chains_of_loops_are_blocks_of_one_loop_each() {
     let (head, loops) = text.split_once("[loops]\n").unwrap();
     let back: Vec<&str> = loops.lines().rev().collect();
     let mechanism = read(&format!("{head}[loops]\n{}\n", back.join("\n")));
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     assert_eq!(structure.blocks.len(), 100);
     assert_eq!(structure.blocks[0].loops[0].index, 99);
 }
@@ -349,7 +352,13 @@ fn long_chains_of_loops_are_blocks_of_one_loop_each() {
 #[test]
 fn a_hundred_scissor_cells_are_two_hundred_blocks_and_keep_their_digits() {
     let mechanism = read(&scissors(100));
-    assert_eq!(Structure::new(&mechanism).unwrap().blocks.len(), 200);
+    assert_eq!(
+        mechanim::kinematics::freedoms::analysis::analyse(&mechanism)
+            .unwrap()
+            .blocks
+            .len(),
+        200
+    );
     let trajectory = solve(&mechanism, &[0.0, 0.5, 1.0]).unwrap();
     assert_eq!(trajectory.missing(), 0);
     for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
@@ -370,7 +379,7 @@ fn a_long_chain_of_coupled_pairs_is_as_many_blocks() {
             k + 1
         );
     }
-    let structure = Structure::new(&read(&text)).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&read(&text)).unwrap();
     let sizes: Vec<usize> = structure.blocks.iter().map(|b| b.unknowns.len()).collect();
     assert_eq!(sizes.iter().filter(|n| **n == 2).count(), 100);
     assert_eq!(sizes.iter().filter(|n| **n == 1).count(), 100);

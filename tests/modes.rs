@@ -5,9 +5,8 @@ mod program;
 mod reference;
 
 use mechanim::diag::Source;
-use mechanim::kinematics::forward::{body_poses, closure_error};
-use mechanim::kinematics::modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::loops::forward::{body_poses, closure_error};
+use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::math::Pose;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::builtin;
@@ -41,7 +40,7 @@ fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Mechanism {
 
 /// All assemblies at the start of the drive; every one of them is checked to close.
 fn modes(mechanism: &Mechanism, starts: usize) -> Modes {
-    let structure = Structure::new(mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
     let inputs = mechanism.inputs_at(0.0);
     let modes = find_modes(mechanism, &structure, &inputs, starts, &|| false);
     for mode in &modes.list {

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use mechanim::diag::Source;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::{even_times, frame_times};
-use mechanim::kinematics::structure::StructureError;
-use mechanim::kinematics::trajectory::{EventKind, Trajectory};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::{even_times, frame_times};
+use mechanim::kinematics::motion::trajectory::{EventKind, Trajectory};
+use mechanim::kinematics::structure::block::StructureError;
 use mechanim::scene::{Overrides, Scene, load};
 
 fn scene(text: &str) -> Scene {

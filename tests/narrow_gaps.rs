@@ -5,10 +5,10 @@
 mod reference;
 
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::feasible::feasible_inputs;
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::trajectory::EventKind;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::feasible::feasible_inputs;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::EventKind;
 use mechanim::model::mechanism::Mechanism;
 use reference::scenes::written;
 use reference::{slot, turned};

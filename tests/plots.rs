@@ -4,7 +4,7 @@
 mod program;
 
 use mechanim::diag::Source;
-use mechanim::kinematics::continuation::solve;
+use mechanim::kinematics::motion::continuation::solve;
 use mechanim::plot::motion::chart;
 use mechanim::plot::playhead::playhead;
 use mechanim::plot::primitive::Primitive;

@@ -5,9 +5,8 @@
 mod reference;
 
 use glam::{DMat4, DVec3};
-use mechanim::kinematics::assembly::assemble;
-use mechanim::kinematics::newton::Corrector;
-use mechanim::kinematics::structure::Structure;
+use mechanim::kinematics::solve::assembly::assemble;
+use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::model::chain::{Chain, Motion, Step};
 use mechanim::model::mechanism::{Kind, Mechanism};
 use mechanim::scene::builtin;
@@ -62,7 +61,7 @@ fn random(state: &mut u64) -> f64 {
 
 /// Poses reached from random starts; the rest is counted by the loop that stayed open.
 fn run(mechanism: &Mechanism) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
-    let structure = Structure::new(mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
     let mut corrector = Corrector::new(&structure);
     let (mut poses, mut refused) = (Vec::new(), BTreeMap::new());
     let inputs = mechanism.inputs_at(0.0);

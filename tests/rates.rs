@@ -7,17 +7,16 @@ mod program;
 mod reference;
 
 use mechanim::diag::Source;
-use mechanim::kinematics::branch::BranchWatch;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::newton::{Corrector, Pace};
-use mechanim::kinematics::predictor::{HIGHEST_ORDER, Predictor};
-use mechanim::kinematics::rates::{By, RateColumns, add_derivatives, rates};
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::taylor::Series;
-use mechanim::kinematics::trajectory::ClosedPose;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::ClosedPose;
+use mechanim::kinematics::rates::higher_order::{By, RateColumns, add_derivatives, rates};
+use mechanim::kinematics::solve::branch::BranchWatch;
+use mechanim::kinematics::solve::newton::{Corrector, Pace};
+use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
 use mechanim::model::drive::Drive;
 use mechanim::model::mechanism::Mechanism;
+use mechanim::numbers::series::Series;
 use mechanim::scene::builtin;
 use program::Workspace;
 use reference::{Table, mechanism};
@@ -49,7 +48,7 @@ fn start(mechanism: &Mechanism) -> Vec<f64> {
 
 /// Series of all coordinates by the first input at the start of the drive.
 fn series_by_input(mechanism: &Mechanism, order: usize) -> Vec<Series> {
-    let structure = Structure::new(mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
     let value = mechanism.inputs_at(0.0)[0];
     let input = Series::linear(value, 1.0, order);
     rates(mechanism, &structure, &start(mechanism), &[input], order).unwrap()
@@ -297,7 +296,7 @@ fn a_singular_pose_has_no_rates() {
         "units = { angle = \"rad\" }\n[inputs]\nphi = \"pi/2\"\n\
          [loops]\nA = \"Rz(phi) Tx(2) Rz(a) Tx(2) Rz(b) Tx(-h)\"\n[guess]\na = 3.1415926535897931\nb = -1.5707963267948966\n",
     );
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let coordinates = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
     let input = Series::linear(FRAC_PI_2, 1.0, 2);
     assert_eq!(
@@ -397,7 +396,7 @@ fn a_mechanism_without_inputs_has_rates_of_zero() {
 #[test]
 fn tangents_signs_and_singular_values_by_a_shared_inverse_are_those_of_the_pose() {
     let mechanism = builtin_scene("gearshift", &[]);
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let trajectory = solve(&mechanism, &even_times(&mechanism, 300)).unwrap();
     let (n, first) = (mechanism.unknowns.len(), &trajectory.samples[0]);
     let mut here = [&first.pose.as_ref().unwrap().unknowns[..], &first.inputs].concat();

@@ -6,9 +6,9 @@ mod snapshot;
 
 use image::RgbaImage;
 use mechanim::diag::Source;
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::sampling::frame_times;
-use mechanim::kinematics::trajectory::Trajectory;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::sampling::frame_times;
+use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::render::Renderer;
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::overlay::Overlay;

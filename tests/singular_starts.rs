@@ -6,10 +6,9 @@ mod reference;
 
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::continuation::{solve, solve_until};
-use mechanim::kinematics::sampling::even_times;
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::{EventKind, Trajectory};
+use mechanim::kinematics::motion::continuation::{solve, solve_until};
+use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::trajectory::{EventKind, Trajectory};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, load};
 use reference::{hard, slot, turned};
@@ -216,7 +215,9 @@ fn a_position_at_gimbal_lock_is_exact_and_its_free_angle_is_held() {
         assert!((found - expected).abs() < 1e-12, "{tip}");
     }
     // One of the outer angles is named as exchangeable for the other, and held.
-    let held = Structure::new(&mechanism).unwrap().held;
+    let held = mechanim::kinematics::freedoms::analysis::analyse(&mechanism)
+        .unwrap()
+        .held;
     assert_eq!(held.len(), 1, "{held:?}");
 }
 

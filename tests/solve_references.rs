@@ -7,10 +7,9 @@
 
 mod reference;
 
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::offered::{Verdict, judge};
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::solve::pose_check::{Verdict, judge};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use reference::{Table, drive_by_rows};
@@ -76,7 +75,8 @@ fn gearshift_coordinates_match_the_reference_at_all_30_poses() {
 
 #[test]
 fn gearshift_is_solved_in_blocks_with_18_equations() {
-    let structure = Structure::new(&scene("gearshift").mechanism).unwrap();
+    let structure =
+        mechanim::kinematics::freedoms::analysis::analyse(&scene("gearshift").mechanism).unwrap();
     let sizes: Vec<(usize, usize)> = structure
         .blocks
         .iter()
@@ -231,7 +231,9 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
 
 #[test]
 fn planar_slider_crank_solves_three_equations() {
-    let structure = Structure::new(&scene("slider-crank").mechanism).unwrap();
+    let structure =
+        mechanim::kinematics::freedoms::analysis::analyse(&scene("slider-crank").mechanism)
+            .unwrap();
     assert_eq!(structure.equation_count(), 3);
     assert_eq!(
         structure.empty_equations,

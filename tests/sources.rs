@@ -8,12 +8,11 @@
 
 mod reference;
 
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::iterates::iterates;
 use mechanim::kinematics::measures::measures;
-use mechanim::kinematics::rates::{By, RateColumns, add_derivatives};
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::{ClosedPose, EventKind};
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind};
+use mechanim::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
+use mechanim::kinematics::solve::iterates::iterates;
 use mechanim::model::mechanism::Kind;
 use mechanim::scene::{Overrides, builtin, load};
 use reference::scenes::{scene, turned, value, whole, written};
@@ -151,7 +150,7 @@ fn loops_and_unknowns_are_as_many_as_the_sources_say() {
             (loops, unknowns),
             "{name}"
         );
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         assert_eq!(structure.equation_count(), unknowns, "{name}");
         assert_eq!(structure.blocks.len(), blocks, "{name}");
     }
@@ -412,7 +411,7 @@ fn iterates_of_the_feeder_are_those_of_the_exercise() {
     let mechanism = load(&builtin::find("feeder").unwrap(), &overrides)
         .unwrap()
         .mechanism;
-    let structure = Structure::new(&mechanism).unwrap();
+    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
     let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
     let (list, closed) = iterates(&mechanism, &structure, &start);
     assert!(closed);

@@ -8,9 +8,8 @@ use mechanim::kinematics::certificate::Reason;
 use mechanim::kinematics::certificate::tube::{
     IntervalCertificate, Obstacle, Prover, Tube, certify_motion,
 };
-use mechanim::kinematics::continuation::solve;
-use mechanim::kinematics::structure::Structure;
-use mechanim::kinematics::trajectory::Trajectory;
+use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::model::mechanism::{Kind, Mechanism};
 use mechanim::scene::{Overrides, builtin, load};
 use reference::mechanism;
@@ -151,7 +150,7 @@ fn motion_lies_within_its_tubes() {
     {
         let mut closest_here = 0.0_f64;
         let coarse = steps(&mechanism, count);
-        let structure = Structure::new(&mechanism).unwrap();
+        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
         let mut prover = Prover::new(&mechanism, &structure);
         let mut state = 0x5eed_u64;
         let mut start = mechanism.clone();

@@ -1,6 +1,6 @@
 //! Where a mechanism stands, as plain lengths: what two poses are compared by.
 
-use crate::kinematics::forward;
+use crate::kinematics::loops::forward;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 

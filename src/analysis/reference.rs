@@ -2,11 +2,11 @@
 
 use super::observer::{distance, positions};
 use crate::kinematics::certificate::{Certificate, Reason};
-use crate::kinematics::closure::{BlockWorkspace, Want};
-use crate::kinematics::continuation::solve;
-use crate::kinematics::qr::PivotedQr;
-use crate::kinematics::rank::RANK_TOLERANCE;
-use crate::kinematics::structure::{Structure, StructureError};
+use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::linalg::svd::RANK_TOLERANCE;
 use crate::model::mechanism::Mechanism;
 
 /// The true motion at some instants, as well as f64 can say it.

@@ -1,16 +1,16 @@
 //! Ways from pose to pose along the drive: closing the loops at every step, or integrating their rates.
 //!
-//! They exist to be compared. What `mechanim` itself does is in [`continuation`](crate::kinematics::continuation).
+//! They exist to be compared. What `mechanim` itself does is in [`continuation`](crate::kinematics::motion::continuation).
 
-use crate::kinematics::closure::{BlockWorkspace, Want};
-use crate::kinematics::newton::Corrector;
-use crate::kinematics::qr::PivotedQr;
-use crate::kinematics::rank::RANK_TOLERANCE;
-use crate::kinematics::rates::{By, rates};
-use crate::kinematics::structure::{Block, Structure};
-use crate::kinematics::taylor::drive;
+use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::rates::higher_order::{By, rates};
+use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::structure::block::{Block, Structure};
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::linalg::svd::RANK_TOLERANCE;
 use crate::math::left_jacobian_inverse;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::series::drive;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Newton steps after which a pose counts as lost.

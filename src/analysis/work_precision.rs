@@ -6,10 +6,10 @@
 use super::observer::{distance, positions};
 use super::reference::Reference;
 use super::routes::{RotationForm, Route, Walker};
-use crate::kinematics::continuation::solve;
-use crate::kinematics::forward;
-use crate::kinematics::sampling::is_cyclic;
-use crate::kinematics::structure::{Structure, StructureError};
+use crate::kinematics::loops::forward;
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::sampling::is_cyclic;
+use crate::kinematics::structure::block::{Structure, StructureError};
 use crate::model::mechanism::Mechanism;
 use std::time::Instant;
 
@@ -110,7 +110,7 @@ struct Bench<'m> {
 /// # Errors
 /// See [`StudyError`].
 pub fn study(mechanism: &Mechanism, poses: usize, turns: usize) -> Result<Study, StudyError> {
-    let structure = Structure::new(mechanism)?;
+    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
     let times = instants(mechanism, poses);
     let reference = Reference::new(mechanism, &structure, times)?;
     let mut truth = Vec::with_capacity(poses + 1);

@@ -8,9 +8,8 @@ use super::mesh::Enclosure;
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::sweep::{Least, PairSweep};
-use crate::kinematics::structure::Structure;
-use crate::kinematics::structure::StructureError;
-use crate::kinematics::trajectory::Trajectory;
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::structure::block::StructureError;
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 
@@ -114,7 +113,7 @@ pub fn check(
     let all = count * count.saturating_sub(1) / 2;
     // Proving the motion and sorting the triangles of meshes may take a while.
     progress(0, all);
-    let structure = Structure::new(mechanism)?;
+    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
     let mut motion = Motion::new(mechanism, &structure, trajectory);
     let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
     let neighbours = Neighbours::new(mechanism);

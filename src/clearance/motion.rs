@@ -5,10 +5,10 @@
 //! its bound is an estimate, and is said to be.
 
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
-use crate::kinematics::forward::body_poses;
-use crate::kinematics::newton::{Corrector, Pace};
-use crate::kinematics::structure::Structure;
-use crate::kinematics::trajectory::{Sample, Trajectory};
+use crate::kinematics::loops::forward::body_poses;
+use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::structure::block::Structure;
 use crate::math::Pose;
 use crate::model::chain::ArgumentValue;
 use crate::model::mechanism::Mechanism;

@@ -3,7 +3,7 @@
 use super::error::ExportError;
 use super::table::{number, quoted};
 use super::target::Output;
-use crate::kinematics::iterates::Iterate;
+use crate::kinematics::solve::iterates::Iterate;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 

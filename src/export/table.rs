@@ -4,8 +4,8 @@ use super::error::ExportError;
 use super::events::{events, gaps};
 use super::target::Output;
 use crate::kinematics::certificate::Certificate;
-use crate::kinematics::rates::RateColumns;
-use crate::kinematics::trajectory::{Sample, Trajectory};
+use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::kinematics::rates::higher_order::RateColumns;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 

@@ -4,13 +4,13 @@
 use super::chart::{Axis, Chart, EventMark, Panel, Series};
 use super::gaps::{leave_out_outliers, shades, short};
 use super::scale::ScaleKind;
-use crate::kinematics::rates::{By, observed_slots, rates};
-use crate::kinematics::structure::{Structure, StructureError};
-use crate::kinematics::taylor::{Series as Taylor, evaluate};
-use crate::kinematics::trajectory::{Event, EventKind, Sample, Trajectory};
+use crate::kinematics::motion::trajectory::{Event, EventKind, Sample, Trajectory};
+use crate::kinematics::rates::higher_order::{By, observed_slots, rates};
+use crate::kinematics::structure::block::{Structure, StructureError};
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate};
+use crate::numbers::series::{Series as Taylor, evaluate};
 use std::f64::consts::PI;
 
 /// Curves of a plot nobody asked for.
@@ -28,7 +28,7 @@ pub fn chart(
     let mut motion = Motion {
         mechanism,
         trajectory,
-        structure: Structure::new(mechanism)?,
+        structure: crate::kinematics::freedoms::analysis::analyse(mechanism)?,
         slots: slots(mechanism, trajectory),
         series: Vec::new(),
     };

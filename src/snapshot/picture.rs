@@ -2,10 +2,10 @@
 
 use super::manifest::{Instant, Picture};
 use crate::diag::{SceneError, Source};
-use crate::kinematics::continuation::solve;
-use crate::kinematics::sampling::frame_times;
-use crate::kinematics::structure::StructureError;
-use crate::kinematics::trajectory::Trajectory;
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::sampling::frame_times;
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::structure::block::StructureError;
 use crate::render::cpu::CpuRenderer;
 use crate::render::overlay::Overlay;
 

@@ -1,7 +1,7 @@
 //! Texts of a frame: labels of the scene, title, values of the inputs, and why there is no pose.
 
 use super::gauge;
-use crate::kinematics::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};

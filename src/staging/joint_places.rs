@@ -167,8 +167,8 @@ fn shift(before: &[Stretch], after: &[Stretch]) -> f64 {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::kinematics::continuation::solve;
-    use crate::kinematics::sampling::even_times;
+    use crate::kinematics::motion::continuation::solve;
+    use crate::kinematics::motion::sampling::even_times;
     use crate::scene::{Overrides, builtin, load};
     use crate::staging::joints;
 

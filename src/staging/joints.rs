@@ -1,6 +1,6 @@
 //! Joints found in the chains of the bodies, and where they are at a pose. Their signs are made in `joint_signs`.
 
-use crate::kinematics::trajectory::{ClosedPose, Sample};
+use crate::kinematics::motion::trajectory::{ClosedPose, Sample};
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
 use glam::DVec3;
@@ -221,7 +221,7 @@ mod tests {
         let scene = load(&source, &Overrides::default()).unwrap();
         let mechanism = &scene.mechanism;
         // Two ways to a joint meet only where the loops are closed.
-        let trajectory = crate::kinematics::continuation::solve(mechanism, &[0.0]).unwrap();
+        let trajectory = crate::kinematics::motion::continuation::solve(mechanism, &[0.0]).unwrap();
         let sample = &trajectory.samples[0];
         let pose = sample.pose.as_ref().unwrap();
         let found = find(mechanism, &arguments(mechanism, sample, pose));

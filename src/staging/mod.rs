@@ -22,7 +22,7 @@ mod sight;
 mod solids;
 mod trails;
 
-use crate::kinematics::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View};
 use crate::render::look::Rim;

@@ -2,8 +2,8 @@
 
 use crate::geometry::Mesh;
 use crate::geometry::trace::trace_mesh;
-use crate::kinematics::sampling::is_cyclic;
-use crate::kinematics::trajectory::Trajectory;
+use crate::kinematics::motion::sampling::is_cyclic;
+use crate::kinematics::motion::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::mechanism::Mechanism;
 use crate::model::view::Trails;

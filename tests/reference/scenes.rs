@@ -1,7 +1,7 @@
 //! Built-in and written scenes for tests, and the values of their poses by name.
 
 use mechanim::diag::Source;
-use mechanim::kinematics::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, builtin, load};
 

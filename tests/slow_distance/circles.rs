@@ -6,7 +6,7 @@
 
 use super::number::{Number, Vector};
 use super::solids::{Circle, Solid};
-use mechanim::kinematics::certificate::double::Double;
+use mechanim::numbers::double_double::Double;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 

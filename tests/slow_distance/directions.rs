@@ -9,7 +9,7 @@
 use super::number::{Number, Vector};
 use super::solids::Solid;
 use glam::DVec3;
-use mechanim::kinematics::certificate::double::Double;
+use mechanim::numbers::double_double::Double;
 use std::f64::consts::SQRT_2;
 
 /// Half the width of the first cells on the faces of a cube.

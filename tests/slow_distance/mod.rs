@@ -10,7 +10,7 @@ mod solids;
 
 use glam::DVec3;
 use mechanim::clearance::core::Element;
-use mechanim::kinematics::certificate::double::Double;
+use mechanim::numbers::double_double::Double;
 use number::{Number, Vector};
 use solids::Solid;
 

@@ -1,6 +1,6 @@
 //! One arithmetic for searching and one for deciding: f64, and sums of two f64 with about 31 digits.
 
-use mechanim::kinematics::certificate::double::Double;
+use mechanim::numbers::double_double::Double;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the reference computes with.

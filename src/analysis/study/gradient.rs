@@ -5,9 +5,9 @@ use super::measure::Shown;
 use super::slopes::Slopes;
 use super::{Evaluator, Rejection, Stand};
 use crate::kinematics::measures::along;
-use crate::kinematics::taylor::{Series, evaluate};
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
+use crate::numbers::series::{Series, evaluate};
 
 /// Poses with mixed derivatives for which a thread of its own pays.
 const LEAST_PORTION: usize = 32;

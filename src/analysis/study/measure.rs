@@ -3,10 +3,10 @@
 use super::{Evaluator, Rejection, Stand};
 use crate::kinematics::measures::along;
 use crate::kinematics::measures::reduce::{Reduced, reduce};
-use crate::kinematics::taylor::{Series, evaluate};
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
+use crate::numbers::series::{Series, evaluate};
 
 /// The numbers of a stand.
 #[derive(Clone, Debug, PartialEq)]

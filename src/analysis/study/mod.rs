@@ -13,11 +13,11 @@ mod tears;
 
 use crate::diag::{SceneError, Source};
 use crate::kinematics::certificate::Certificate;
-use crate::kinematics::continuation::{solve, solve_whole};
 use crate::kinematics::measures::{driven_along, poses_of};
-use crate::kinematics::sampling::even_times;
-use crate::kinematics::structure::{Structure, StructureError};
-use crate::kinematics::trajectory::Sample;
+use crate::kinematics::motion::continuation::{solve, solve_whole};
+use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::motion::trajectory::Sample;
+use crate::kinematics::structure::block::{Structure, StructureError};
 use crate::model::drive::Drive;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
@@ -121,7 +121,7 @@ impl Family {
         let mut mechanism = scene.mechanism;
         // Fixed offsets became joints of this mechanism; its residuals keep their scale.
         mechanism.size = nominal.mechanism.size;
-        let structure = Structure::new(&mechanism)?;
+        let structure = crate::kinematics::freedoms::analysis::analyse(&mechanism)?;
         let study = scene.study.unwrap_or_default();
         for (index, [min, max]) in &study.limits {
             let measure = &mut mechanism.measures[*index];

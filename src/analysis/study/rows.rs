@@ -2,10 +2,10 @@
 //! variables. The poses are shared among threads; the numbers do not depend on how many there are.
 
 use super::Family;
-use crate::kinematics::twofold::{Twofold, evaluate};
-use crate::kinematics::variation::Variation;
+use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
+use crate::numbers::hyper_dual::{Twofold, evaluate};
 use std::ops::Range;
 
 /// Poses for which a thread of its own pays.

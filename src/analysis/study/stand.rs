@@ -2,8 +2,8 @@
 //! values, with the branch checks of any motion.
 
 use super::Family;
-use crate::kinematics::branch::BranchWatch;
-use crate::kinematics::newton::{Corrector, Pace};
+use crate::kinematics::solve::branch::BranchWatch;
+use crate::kinematics::solve::newton::{Corrector, Pace};
 
 /// Largest correction of a prediction, in scaled unknowns; a larger one could have reached another branch.
 pub(super) const MAX_CORRECTION: f64 = 0.05;

@@ -5,9 +5,9 @@ use super::stand::{
     CORRECTION_FLOOR, CORRECTION_OF_STEP, Evaluator, MAX_CORRECTION, Rejection, Stand,
 };
 use crate::analysis::observer::{distance, positions};
-use crate::kinematics::continuation::solve_whole;
-use crate::kinematics::newton::Pace;
-use crate::kinematics::trajectory::EventKind;
+use crate::kinematics::motion::continuation::solve_whole;
+use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::solve::newton::Pace;
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::Mechanism;
 

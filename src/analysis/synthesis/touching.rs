@@ -4,7 +4,7 @@
 use crate::analysis::study::Family;
 use crate::clearance::bodies::{Hull, nearest};
 use crate::diag::Source;
-use crate::kinematics::forward;
+use crate::kinematics::loops::forward;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};
 

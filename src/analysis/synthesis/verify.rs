@@ -8,9 +8,9 @@ use crate::analysis::study::FamilyError;
 use crate::clearance::check::{ClearanceReport, Judgement, check};
 use crate::diag::Source;
 use crate::kinematics::certificate::Certificate;
-use crate::kinematics::continuation::solve;
 use crate::kinematics::measures::measures;
-use crate::kinematics::sampling::{is_cyclic, knots};
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::sampling::{is_cyclic, knots};
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};
 
@@ -103,7 +103,7 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     if let [Some(first), Some(last)] = ends
         && is_cyclic(mechanism)
     {
-        let at = |sample: &crate::kinematics::trajectory::Sample| {
+        let at = |sample: &crate::kinematics::motion::trajectory::Sample| {
             let pose = sample.pose.as_ref()?;
             Some(places(mechanism, &pose.unknowns, &sample.inputs))
         };

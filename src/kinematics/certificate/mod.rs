@@ -25,24 +25,18 @@
 //! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
 //! simpler, and a few times less sharp. The motion between poses is proved there too.
 
-pub mod chain;
-pub mod circle;
-pub mod double;
-pub mod interval;
-mod kantorovich;
-mod product;
-mod system;
+pub mod pose;
 pub mod tube;
 
-use super::newton::Corrector;
-use super::structure::Structure;
+use super::solve::newton::Corrector;
+use super::structure::block::Structure;
 use crate::model::chain::Argument;
 use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
-use chain::{ArgumentDouble, U};
-use double::Double;
-use kantorovich::{Earlier, Kantorovich};
-use system::BlockSystem;
+use crate::numbers::double_double::Double;
+use pose::chain::{ArgumentDouble, U};
+use pose::kantorovich::{Earlier, Kantorovich};
+use pose::system::BlockSystem;
 
 /// Radius (radians, mechanism sizes) in which the second derivatives are bounded: larger ones prove no more in
 /// practice, and the reach of sliders grows with it.
@@ -145,7 +139,7 @@ impl<'m> Certifier<'m> {
     }
 
     /// Tries to prove the pose at `coordinates` (unknowns, then inputs). `bases` are the rows that each block is
-    /// proved on, as [`BranchWatch::bases`](super::branch::BranchWatch::bases) has them.
+    /// proved on, as [`BranchWatch::bases`](super::solve::branch::BranchWatch::bases) has them.
     pub fn certify(&mut self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
         match self.prove(coordinates, bases, None) {
             Ok(radius) => self.certificate(self.earlier.largest, radius),

@@ -2,15 +2,15 @@
 
 pub mod reduce;
 
-use super::continuation::solve;
-use super::rates::{observed_slots, rates};
-use super::structure::{Structure, StructureError};
-use super::taylor::{Series, evaluate};
-use super::trajectory::{ClosedPose, Sample, Trajectory};
+use super::motion::continuation::solve;
+use super::motion::trajectory::{ClosedPose, Sample, Trajectory};
+use super::rates::higher_order::{observed_slots, rates};
+use super::structure::block::{Structure, StructureError};
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, Track};
 use crate::model::mechanism::Mechanism;
+use crate::numbers::series::{Series, evaluate};
 use reduce::reduce;
 
 /// Values of all measures in internal units, in the order of the mechanism; `None` where a pose is missing on the way
@@ -27,7 +27,7 @@ pub fn measures(
         .iter()
         .map(|track| poses_of(mechanism, track));
     let tracks: Vec<Vec<Sample>> = tracks.collect::<Result<_, _>>()?;
-    let structure = Structure::new(mechanism)?;
+    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
     let inputs = mechanism.inputs_at(0.0);
     let mut values: Vec<Option<f64>> = Vec::new();
     for measure in &mechanism.measures {

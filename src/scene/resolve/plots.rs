@@ -8,7 +8,7 @@ use super::OUTSIDE;
 use super::outputs::Scope;
 use super::parsed::expression;
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::kinematics::rates::MAX_ORDER;
+use crate::kinematics::rates::higher_order::MAX_ORDER;
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate, rate_unit};
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! A loop over a stretch of motion: its residual, the columns of its Jacobian, and bounds of second derivatives.
 //!
 //! The residual is that of the certificate of a pose, the skew part of the rotation and the translation over the size,
-//! and so are the formulas; see [`chain`](super::super::chain). What is a number there is a polynomial in s here, with one
+//! and so are the formulas; see [`chain`](crate::kinematics::certificate::pose::chain). What is a number there is a polynomial in s here, with one
 //! bound for the whole rotation (Frobenius norm) and one for the translation: an elementary rotation is orthogonal,
 //! so that such a bound is handed on from joint to joint and does not grow.
 

@@ -1,8 +1,8 @@
 //! The inputs over a stretch of time as series.
 
-use super::super::interval::Interval;
 use super::series::Series;
 use crate::model::drive::{Drive, Ease};
+use crate::numbers::interval::Interval;
 
 /// A stretch of time, from -1 to 1 in `s`.
 #[derive(Clone, Copy, Debug)]
@@ -102,8 +102,8 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
     use crate::kinematics::certificate::tube::series::TERMS;
-    use crate::kinematics::taylor;
     use crate::model::expression::{Expression, Function, Op};
+    use crate::numbers::series as taylor;
 
     /// t, then t + 1.3, and a function of both; `Floor` and `Mod` are smooth where the test looks.
     fn formula(function: Function) -> Expression {

@@ -1,6 +1,5 @@
 //! Arguments and equations over a stretch: dot products where they are affine, general formulas elsewhere.
 
-use super::super::interval::Interval;
 use super::gradient::{bounds, gradient};
 use super::model::Model;
 use super::path::Path;
@@ -8,6 +7,7 @@ use super::series::Series;
 use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
+use crate::numbers::interval::Interval;
 
 /// An argument of a joint, or an equation.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Derivatives of formulas over a stretch: by their variables as series, and bounds in a ball around the path.
 
-use super::super::interval::Interval;
 use super::series::Series;
 use crate::model::expression::{Expression, Function, Op};
+use crate::numbers::interval::Interval;
 
 /// Derivatives of `expression` by each of its slots, by reverse accumulation.
 pub fn gradient(expression: &Expression, slots: &[Series]) -> Vec<Series> {

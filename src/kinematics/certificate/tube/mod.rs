@@ -18,8 +18,8 @@ mod rows;
 mod series;
 
 use super::Reason;
-use crate::kinematics::structure::{Structure, StructureError};
-use crate::kinematics::trajectory::Trajectory;
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::structure::block::{Structure, StructureError};
 use crate::model::mechanism::Mechanism;
 use form::Form;
 pub use model::{Around, Model, Polynomial};
@@ -83,14 +83,14 @@ pub fn certify_motion(
     mechanism: &Mechanism,
     trajectory: &Trajectory,
 ) -> Result<Vec<IntervalCertificate>, StructureError> {
-    let structure = Structure::new(mechanism)?;
+    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
     let mut prover = Prover::new(mechanism, &structure);
     let pairs = trajectory.samples.windows(2);
     Ok(pairs.map(|pair| prover.interval(pair).0).collect())
 }
 
 /// Proves a single pose whose formulas have no affine form: error bound and radius of uniqueness in radians and sizes.
-pub(super) fn pose(
+pub(crate) fn pose(
     mechanism: &Mechanism,
     structure: &Structure,
     coordinates: &[f64],

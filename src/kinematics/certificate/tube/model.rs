@@ -3,10 +3,10 @@
 //! Sums and products act on the polynomials; what they round or truncate is added to the bound. Coefficients are numbers,
 //! not intervals, so that a product costs its multiplications only.
 
-use super::super::interval::Interval;
 use super::series::{Series, TERMS};
 use crate::math::sin_cos;
 use crate::model::expression::Affine;
+use crate::numbers::interval::Interval;
 
 /// Unit roundoff, doubled: covers one operation and the rounding of its own bound.
 const UNIT: f64 = f64::EPSILON;

@@ -1,10 +1,10 @@
 //! The curve that a tube is laid around: polynomials in the unknowns, the drive itself in the inputs.
 
-use super::super::interval::Interval;
 use super::drive::Stretch;
 use super::model::{Model, Polynomial};
 use super::series::Series;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::interval::Interval;
 use std::cell::OnceCell;
 
 /// Coordinates (unknowns, then inputs) over a stretch of time.

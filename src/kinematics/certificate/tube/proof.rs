@@ -10,9 +10,9 @@ use super::model::{GROW, Polynomial, size};
 use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
 use super::series::TERMS;
-use crate::kinematics::elimination::Elimination;
-use crate::kinematics::lanes::{LaneMatrix, Lanes, combine, dot, groups};
-use crate::kinematics::newton::CLOSURE_TOLERANCE;
+use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
+use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
 const LEAST_TRACE: f64 = 1e-6;

@@ -1,6 +1,5 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
-use super::super::interval::Interval;
 use super::super::{Certificate, Reason};
 use super::drive::{Stretch, keys_between};
 use super::form::Form;
@@ -8,11 +7,12 @@ use super::model::{Model, Polynomial};
 use super::path::{InputPath, Path};
 use super::series::TERMS;
 use super::{Blocks, IntervalCertificate, Obstacle, Refusal};
-use crate::kinematics::branch::BranchWatch;
-use crate::kinematics::newton::{Corrector, Pace};
-use crate::kinematics::structure::Structure;
-use crate::kinematics::trajectory::Sample;
+use crate::kinematics::motion::trajectory::Sample;
+use crate::kinematics::solve::branch::BranchWatch;
+use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::structure::block::Structure;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::numbers::interval::Interval;
 
 /// Shortest stretch, as a fraction of the interval between two samples: near a singular pose tubes get as short
 /// as they are far from it, and there is no end to that.

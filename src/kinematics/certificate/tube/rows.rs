@@ -1,15 +1,16 @@
 //! The equations of one block over a stretch, with bounds of their second derivatives in the ball around the path.
 
 use super::super::Reason;
-use super::super::interval::Interval;
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Change, Form};
 use super::model::{GROW, Model};
 use super::path::Path;
 use super::series::TERMS;
-use crate::kinematics::lanes::LaneMatrix;
-use crate::kinematics::structure::{Block, LoopPart};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::loop_part::LoopPart;
+use crate::linalg::lanes::LaneMatrix;
 use crate::model::mechanism::{Closes, Mechanism};
+use crate::numbers::interval::Interval;
 
 /// Coefficients of the Jacobian that are kept: the inverse follows it as far, and what is of higher order is small
 /// enough in the bound.

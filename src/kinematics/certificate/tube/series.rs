@@ -2,11 +2,11 @@
 //!
 //! A quantity f over -1 ≤ s ≤ 1 is held as f(s) = c₀ + c₁ s + … up to a last term whose coefficient is taken over the
 //! whole stretch (Lagrange's remainder). Two passes give that: one with the coefficients at s = 0, one with those at
-//! every place of the stretch at once. The recurrences are those of [`taylor`](super::super::super::taylor); here the
+//! every place of the stretch at once. The recurrences are those of [`taylor`](crate::numbers::series); here the
 //! length is fixed and a kink inside an interval is no value.
 
-use super::super::interval::Interval;
 use crate::model::expression::{Expression, Function, Op};
+use crate::numbers::interval::Interval;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Coefficients of a series: the last one bounds the remainder.

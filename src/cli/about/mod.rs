@@ -1,0 +1,5 @@
+//! The verbs that tell about the program: scenes, info, completions.
+
+pub mod completions;
+pub mod info;
+pub mod scenes;

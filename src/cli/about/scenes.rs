@@ -1,0 +1,42 @@
+//! `mechanim scenes`: the list of built-in scenes, or the file of one.
+
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::nearest;
+use crate::scene::{Overrides, builtin, load};
+use std::io::Write;
+
+/// Runs the verb.
+pub fn run(name: Option<&str>) -> Result<Outcome, Failure> {
+    let mut out = std::io::stdout().lock();
+    match name {
+        Some(name) => {
+            let Some(source) = builtin::find(name) else {
+                return Err(unknown(name));
+            };
+            out.write_all(source.text.as_bytes())?;
+        }
+        None => {
+            let width = builtin::ALL
+                .iter()
+                .map(|scene| scene.name.len())
+                .max()
+                .unwrap_or(0);
+            for scene in builtin::ALL {
+                let source = builtin::find(scene.name).ok_or_else(|| unknown(scene.name))?;
+                let loaded = load(&source, &Overrides::default()).map_err(Box::new)?;
+                writeln!(out, "{:width$}  {}", scene.name, loaded.description)?;
+            }
+        }
+    }
+    out.flush()?;
+    Ok(Outcome::Done)
+}
+
+fn unknown(name: &str) -> Failure {
+    let names = builtin::ALL.map(|scene| scene.name);
+    let hint = match nearest(name, names) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("built-in scenes: {}", names.join(", ")),
+    };
+    Failure::usage(format!("there is no built-in scene `{name}`"), vec![hint])
+}

@@ -1,0 +1,88 @@
+//! The arguments of the verbs that draw charts: `plot` and `accuracy`.
+
+use super::{SceneArgs, frame_count, order, size};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `mechanim plot`
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// File to write: .svg or .png; `-` for SVG on standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Curves in place of the scene's plots: names or formulas as in outputs, or d(NAME, INPUT, ORDER). May be repeated.
+    #[arg(long, value_name = "NAME,NAME,…", allow_hyphen_values = true)]
+    pub y: Vec<String>,
+    /// What they are drawn against: a name or formula; time if absent.
+    #[arg(long, value_name = "NAME", requires = "y")]
+    pub x: Option<String>,
+    /// A unit is as long on both axes: for paths in a plane.
+    #[arg(long, requires = "y")]
+    pub equal: bool,
+    /// Add the derivatives of the curves up to this order (1 to 8), by time.
+    #[arg(long, value_name = "N", requires = "y", value_parser = order)]
+    pub order: Option<usize>,
+    /// Take these derivatives by an input in place of time: transfer functions.
+    #[arg(long, value_name = "INPUT", requires = "order")]
+    pub per: Option<String>,
+    /// Only the plot of the scene with this title.
+    #[arg(long, value_name = "TITLE", conflicts_with = "y")]
+    pub only: Option<String>,
+    /// Number of samples, spread evenly over the motion; 361 if absent.
+    #[arg(long, value_name = "N", value_parser = frame_count)]
+    pub samples: Option<usize>,
+    /// Picture size in pixels; as high as the panels need if absent.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Dark on white, or light on nearly black.
+    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
+    pub theme: ThemeArg,
+}
+
+/// `mechanim accuracy`
+#[derive(Debug, Args)]
+pub struct AccuracyArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Also write the report: .json, .csv, or a chart as .svg or .png; `-` for JSON on standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Poses that every route delivers, spread evenly over the motion.
+    #[arg(long, value_name = "N", default_value_t = 90, value_parser = poses)]
+    pub poses: usize,
+    /// Most turns of the drift table, for motions that return to their start.
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = turns)]
+    pub turns: usize,
+    /// Size of the chart in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Dark on white, or light on nearly black.
+    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
+    pub theme: ThemeArg,
+}
+
+/// `--theme`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ThemeArg {
+    Light,
+    Dark,
+}
+
+fn poses(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if (1..=10_000).contains(&count) => Ok(count),
+        _ => Err("between 1 and 10000".to_owned()),
+    }
+}
+
+fn turns(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if count <= 10_000 => Ok(count),
+        _ => Err("between 0 and 10000".to_owned()),
+    }
+}

@@ -1,0 +1,157 @@
+//! The argument tables of picture files: what is written, and the verbs that take pictures as they are.
+
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// What is written, and how.
+#[derive(Debug, Args)]
+pub struct FileArgs {
+    /// File to write: .gif, .apng, .png, .y4m, .rgba, .glb, .stl, .obj, a folder, a pattern such as
+    /// frame-%04d.png, or `-` for standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Format, where the file name does not tell; `-` alone is a GIF.
+    #[arg(long, value_enum)]
+    pub format: Option<PictureFormat>,
+    /// Quality of a GIF, 1 to 100 (the default): below 100 pixels may miss their colour a little where that makes
+    /// the file smaller.
+    #[arg(long, value_name = "N", value_parser = super::quality)]
+    pub quality: Option<u8>,
+    /// How hard PNG and APNG are packed: stills and APNG are balanced, sequences fast unless said otherwise.
+    #[arg(long, value_enum)]
+    pub compression: Option<Compression>,
+    /// Colour of a y4m video: at every pixel (444, the default), or one for two by two pixels as most players want (420).
+    #[arg(long, value_enum)]
+    pub chroma: Option<ChromaArg>,
+    /// Whether a GIF or APNG repeats.
+    #[arg(long = "loop", value_enum)]
+    pub repeat: Option<Repeat>,
+    /// Worker threads; all cores if absent. The files do not depend on it.
+    #[arg(long, value_name = "N", value_parser = super::threads)]
+    pub threads: Option<usize>,
+    /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
+    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
+    pub progress: ProgressArg,
+}
+
+/// `mechanim encode`
+#[derive(Debug, Args)]
+pub struct EncodeArgs {
+    /// PNG files, or folders of them, in the order people count in: f2 before f10.
+    #[arg(required = true, value_name = "FRAMES")]
+    pub frames: Vec<PathBuf>,
+    /// What is written.
+    #[command(flatten)]
+    pub file: FileArgs,
+    /// Frames a second.
+    #[arg(long, value_name = "RATE", default_value_t = 25.0, allow_negative_numbers = true, value_parser = super::frame_rate)]
+    pub fps: f64,
+    /// Keep the order of the command line.
+    #[arg(long)]
+    pub no_sort: bool,
+    /// Lay translucent frames over this colour.
+    #[arg(long, value_name = "#rrggbb", value_parser = colour)]
+    pub background: Option<[u8; 3]>,
+}
+
+/// `mechanim diff`
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// What was expected: a PNG, an APNG, a GIF, or a folder of PNGs.
+    pub a: PathBuf,
+    /// What came out, of the same kind.
+    pub b: PathBuf,
+    /// Levels of 0 to 255 that a channel may be off.
+    #[arg(long, value_name = "LEVELS", default_value_t = 0)]
+    pub tolerance: u8,
+    /// Pixels of a picture that may be off by more.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub max_pixels: u64,
+    /// Write A, the difference and B side by side as a PNG; of several frames the worst.
+    #[arg(long, short, value_name = "FILE.png")]
+    pub out: Option<PathBuf>,
+    /// Write the report as JSON to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `mechanim snapshot`
+#[derive(Debug, Args)]
+pub struct SnapshotArgs {
+    /// Folder with `snapshots.toml` and the golden pictures.
+    pub folder: PathBuf,
+    /// Write golden pictures in place of comparing: those that are missing (--update=new), those that fail too (the
+    /// bare option), or all. Refused where the variable CI is set.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "failing")]
+    pub update: Option<UpdateArg>,
+    /// Only pictures whose file name contains this text. May be repeated.
+    #[arg(long = "only", value_name = "TEXT")]
+    pub only: Vec<String>,
+    /// Write the report as JSON to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `--format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum PictureFormat {
+    Gif,
+    Apng,
+    Png,
+    Y4m,
+    Rgba,
+    Glb,
+    Stl,
+    Obj,
+}
+
+/// `--compression`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum Compression {
+    Fast,
+    Balanced,
+    Small,
+}
+
+/// `--chroma`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ChromaArg {
+    #[value(name = "444")]
+    C444,
+    #[value(name = "420")]
+    C420,
+}
+
+/// `--loop`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum Repeat {
+    Forever,
+    Once,
+}
+
+/// `--update`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum UpdateArg {
+    New,
+    Failing,
+    All,
+}
+
+/// `--progress`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ProgressArg {
+    Auto,
+    Plain,
+    None,
+}
+
+pub(crate) fn colour(text: &str) -> Result<[u8; 3], String> {
+    crate::scene::values::parse_colour(text)
+        .ok_or_else(|| "write #rrggbb, for example #c2452d".to_owned())
+}

@@ -1,0 +1,260 @@
+//! The argument table of the verbs that vary a scene's parameters.
+
+use super::SceneArgs;
+use super::files::ProgressArg;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Which parameters change.
+#[derive(Debug, Args)]
+pub struct VaryArgs {
+    /// Parameters to vary, separated by commas, or `all` for every length and angle given as a number.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub vary: Vec<String>,
+}
+
+/// `mechanim sensitivity`
+#[derive(Debug, Args)]
+pub struct SensitivityArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What is varied; every length and angle if absent.
+    #[command(flatten)]
+    pub vary: VaryArgs,
+    /// Rank by this measure; the study's objective if absent.
+    #[arg(long, value_name = "MEASURE")]
+    pub rank: Option<String>,
+    /// Propose tolerances that give a measure this scatter, shared equally: MEASURE=VALUE.
+    #[arg(long, value_name = "MEASURE=VALUE", value_parser = limit)]
+    pub allow: Option<(String, f64)>,
+    /// Draw the derivatives as bars, ranked: .svg or .png.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write the whole table: .csv or .json; `-` for JSON on standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// `mechanim tolerance`
+#[derive(Debug, Args)]
+pub struct ToleranceArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What scatters; every length and angle if absent.
+    #[command(flatten)]
+    pub vary: VaryArgs,
+    /// Tolerance of every dimension that the study gives none: half the width, in the dimension's unit.
+    #[arg(long, value_name = "VALUE", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Number of random pieces.
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = pieces)]
+    pub samples: usize,
+    /// Number of the first piece: runs on several machines can share the work.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub first: usize,
+    /// How a dimension scatters within its tolerance (normal: the tolerance is three deviations).
+    #[arg(long, value_enum, default_value_t = DistributionArg::Uniform)]
+    pub distribution: DistributionArg,
+    /// Where random numbers start.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Worker threads; all cores if absent. The numbers do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Write the report as JSON; `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the measures of every piece as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the mechanism with the paths of random pieces around those of its traced points.
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// Plot these paths unrolled: the deviation across the path with bands of quantiles (.svg or .png).
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Most pieces whose paths are drawn.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = paths)]
+    pub paths: usize,
+    /// How much deviations are enlarged in the picture; a round number that lets them be seen if absent.
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    pub enlarge: Option<f64>,
+    /// Time in seconds of the pose in the picture.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    pub at: f64,
+    /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
+    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
+    pub progress: ProgressArg,
+}
+
+/// `mechanim optimise`
+#[derive(Debug, Args)]
+pub struct OptimiseArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What is varied; the study's variables if absent.
+    #[command(flatten)]
+    pub vary: VaryArgs,
+    /// How the minimum is searched.
+    #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
+    pub method: MethodArg,
+    /// Free every variable within this share of its value (0.2 or 20%), in place of the study's ranges.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub within: Option<f64>,
+    /// Relative accuracy: of gradients (bfgs), of values and variables (nelder-mead), of the generation (evolution).
+    #[arg(long, value_name = "VALUE", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Most iterations.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iterations)]
+    pub iterations: usize,
+    /// Where random numbers start (evolution).
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Optimise every pair of the variables on its own and rank the pairs.
+    #[arg(long)]
+    pub pairs: bool,
+    /// Rows of the ranking that are printed.
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "pairs")]
+    pub worst: usize,
+    /// Worker threads for --pairs; all cores if absent. The numbers do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Write a film of the improvements, one frame each: .gif, .apng, a folder, or a pattern of frames.
+    #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
+    pub film: Option<PathBuf>,
+    /// Progress on standard error: the best value so far in one line on a terminal (auto), a line every 50 iterations
+    /// (plain), or none.
+    #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
+    pub progress: ProgressArg,
+    /// Write the scene with the best values: a scene file that solves and renders.
+    #[arg(long, short, value_name = "FILE.toml", conflicts_with = "pairs")]
+    pub out: Option<PathBuf>,
+    /// Write the report as JSON; `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// Where searches start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum StartsFrom {
+    /// The scene's own values and random ones.
+    Everywhere,
+    /// The scene's own values only.
+    Scene,
+    /// Random values only.
+    Random,
+}
+
+/// `mechanim synthesise`
+#[derive(Debug, Args)]
+pub struct SynthesiseArgs {
+    /// Built-in scenes or scene files with a study that minimises the largest of many values; several make one report.
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::assignment)]
+    pub parameters: Vec<(String, String)>,
+    /// Number of starts: the scene's own values, then in turn near the minima found and random ones of the whole ranges.
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = starts)]
+    pub starts: usize,
+    /// Where random numbers start.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Most iterations from one start; the best are polished with forty times as many.
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = iterations)]
+    pub iterations: usize,
+    /// End every scene's search after so many seconds, with the best so far.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time: Option<f64>,
+    /// Where searches start, besides near the minima found: everywhere, from the scene's own values only, or from random
+    /// values only.
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
+    pub from: StartsFrom,
+    /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Write the scene with the best values (of one scene), or all of them into a folder.
+    #[arg(long, short, value_name = "FILE.toml|FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Write the report as JSON; `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the ladder as CSV: a row for every scene and measure or variable.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+/// Methods of `mechanim optimise`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodArg {
+    /// Simplex search of Nelder and Mead: values only.
+    NelderMead,
+    /// Quasi-Newton method with exact gradients.
+    Bfgs,
+    /// Linear programmes on every pose: for an objective that is the largest of many values.
+    Minimax,
+    /// Differential evolution over the whole ranges, then bfgs from its best.
+    Evolution,
+}
+
+/// Distributions of `mechanim tolerance`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DistributionArg {
+    /// Every value within the tolerance is as likely.
+    Uniform,
+    /// Normal.
+    Normal,
+}
+
+/// Most random pieces of one run: their measures are kept for the quantiles.
+const MAX_PIECES: usize = 20_000_000;
+
+fn pieces(text: &str) -> Result<usize, String> {
+    whole(text, 1, MAX_PIECES)
+}
+
+fn paths(text: &str) -> Result<usize, String> {
+    whole(text, 1, 20_000)
+}
+
+fn starts(text: &str) -> Result<usize, String> {
+    whole(text, 1, 100_000)
+}
+
+fn iterations(text: &str) -> Result<usize, String> {
+    whole(text, 1, 1_000_000)
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    whole(text, 1, 256)
+}
+
+fn whole(text: &str, low: usize, high: usize) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(n) if (low..=high).contains(&n) => Ok(n),
+        _ => Err(format!("a whole number from {low} to {high}")),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
+        _ => Err("a positive number".to_owned()),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let value = match text.strip_suffix('%') {
+        Some(percent) => positive(percent.trim()).map(|v| v / 100.0),
+        None => positive(text),
+    };
+    value.map_err(|_| "a positive share, 0.2 or 20%".to_owned())
+}
+
+fn limit(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write MEASURE=VALUE")?;
+    Ok((name.trim().to_owned(), positive(value.trim())?))
+}

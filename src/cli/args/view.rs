@@ -1,0 +1,253 @@
+//! The options of `mechanim render` that change the scene's `[view]`.
+
+use super::RenderArgs;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::export::Format;
+use crate::model::theme::Theme;
+use crate::model::view::{Axes, Ghosts, NamedView, Trails};
+use crate::model::view_change::ViewChange;
+use crate::render::text::missing_glyphs;
+use crate::scene::Scene;
+use crate::scene::resolve::camera::MOST_ORBIT;
+use crate::scene::resolve::choices::MOST_GHOSTS;
+use clap::{Args, ValueEnum};
+
+/// How the scene is looked at; each replaces a key of its `[view]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "View")]
+pub struct ViewArgs {
+    /// Look from a named direction, in parallel projection; `four` shows top, front and side with the scene's view.
+    #[arg(long, value_enum)]
+    pub view: Option<ViewArg>,
+    /// Direction of the viewer about the up axis, in degrees.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = azimuth)]
+    pub azimuth: Option<f64>,
+    /// Height of the viewer above the horizon, in degrees, -90 to 90.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = elevation)]
+    pub elevation: Option<f64>,
+    /// Degrees that the camera turns about the up axis during the motion, in place of the scene's camera path.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = orbit)]
+    pub orbit: Option<f64>,
+    /// Kind of projection.
+    #[arg(long, value_enum)]
+    pub projection: Option<ProjectionArg>,
+    /// Colours of background, text and ground.
+    #[arg(long, value_enum)]
+    pub theme: Option<ThemeArg>,
+    /// Colour of the background.
+    #[arg(long, value_name = "#rrggbb", value_parser = super::files::colour)]
+    pub background: Option<[u8; 3]>,
+    /// No background, in PNG and APNG.
+    #[arg(long, conflicts_with = "background")]
+    pub transparent: bool,
+    /// Leave this many earlier poses standing as translucent bodies.
+    #[arg(long, value_name = "N", value_parser = ghosts)]
+    pub ghosts: Option<usize>,
+    /// Leave the poses at these times in seconds standing.
+    #[arg(
+        long,
+        value_name = "T,T,…",
+        value_delimiter = ',',
+        conflicts_with = "ghosts"
+    )]
+    pub ghost_times: Option<Vec<f64>>,
+    /// How traced paths are drawn.
+    #[arg(long, value_enum)]
+    pub trails: Option<TrailsArg>,
+    /// Length of fading trails in seconds.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
+    pub trail_length: Option<f64>,
+    /// Velocity arrows on traced points.
+    #[arg(long)]
+    pub arrows: bool,
+    /// Seconds of motion that a velocity arrow is long.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
+    pub arrow_scale: Option<f64>,
+    /// Axes of frames.
+    #[arg(long, value_enum)]
+    pub axes: Option<AxesArg>,
+    /// Gauges of the inputs with their ranges, in place of their values.
+    #[arg(long)]
+    pub gauge: bool,
+    /// Draw joints by kind, as found in the chains, and the ground they stand on.
+    #[arg(long)]
+    pub joints: bool,
+    /// Leave out title and input values.
+    #[arg(long)]
+    pub no_captions: bool,
+}
+
+/// `--view`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ViewArg {
+    Iso,
+    Front,
+    Top,
+    Side,
+    Four,
+}
+
+/// `--projection`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ProjectionArg {
+    Perspective,
+    Orthographic,
+}
+
+/// `--theme`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ThemeArg {
+    Light,
+    Dark,
+}
+
+/// `--trails`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum TrailsArg {
+    Full,
+    Fading,
+    None,
+}
+
+/// `--axes`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum AxesArg {
+    None,
+    World,
+    Bodies,
+    All,
+}
+
+impl ViewArgs {
+    fn change(&self) -> ViewChange {
+        let yes = |flag: bool| flag.then_some(true);
+        ViewChange {
+            from: self.view.map(|view| match view {
+                ViewArg::Iso => NamedView::Iso,
+                ViewArg::Front => NamedView::Front,
+                ViewArg::Top => NamedView::Top,
+                ViewArg::Side => NamedView::Side,
+                ViewArg::Four => NamedView::Four,
+            }),
+            azimuth: self.azimuth.map(f64::to_radians),
+            elevation: self.elevation.map(f64::to_radians),
+            parallel: self.projection.map(|p| p == ProjectionArg::Orthographic),
+            theme: self.theme.map(|theme| match theme {
+                ThemeArg::Light => Theme::Light,
+                ThemeArg::Dark => Theme::Dark,
+            }),
+            background: self.background,
+            // A background that is asked for is drawn, whatever the scene says.
+            transparent: yes(self.transparent).or(self.background.map(|_| false)),
+            captions: self.no_captions.then_some(false),
+            ghosts: self
+                .ghosts
+                .map(Ghosts::Count)
+                .or_else(|| self.ghost_times.clone().map(Ghosts::Times)),
+            trails: self.trails.map(|trails| match trails {
+                TrailsArg::Full => Trails::Full,
+                TrailsArg::Fading => Trails::Fading(None),
+                TrailsArg::None => Trails::None,
+            }),
+            arrows: yes(self.arrows),
+            axes: self.axes.map(|axes| match axes {
+                AxesArg::None => Axes::None,
+                AxesArg::World => Axes::World,
+                AxesArg::Bodies => Axes::Bodies,
+                AxesArg::All => Axes::All,
+            }),
+            gauge: yes(self.gauge),
+            joints: yes(self.joints),
+            orbit: self.orbit.map(f64::to_radians),
+            ..ViewChange::default()
+        }
+    }
+}
+
+/// Applies the options to the view of `scene`, and warns of characters that cannot be drawn.
+///
+/// Errors: a transparent background in a format without alpha.
+pub fn apply(
+    args: &RenderArgs,
+    format: &Format,
+    scene: &mut Scene,
+    term: &Term,
+) -> Result<(), Failure> {
+    let view = &mut scene.view;
+    args.view.change().apply(view);
+    if let (Some(length), Trails::Fading(seconds)) =
+        (args.view.trail_length, &mut view.decor.trails)
+    {
+        *seconds = Some(length);
+    }
+    view.decor.arrow_scale = args.view.arrow_scale.or(view.decor.arrow_scale);
+    let has_alpha = matches!(format, Format::Png | Format::Apng | Format::PngSequence(_));
+    if view.transparent && !has_alpha && !format.is_model() {
+        return Err(Failure::usage(
+            format!("{} has no transparency", format.name()),
+            vec!["write a .png, an .apng or a folder of frames, or give a --background".to_owned()],
+        ));
+    }
+    warn_of_missing_glyphs(scene, term);
+    Ok(())
+}
+
+fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
+    let mechanism = &scene.mechanism;
+    let inputs = mechanism.inputs.iter().map(|input| input.name.as_str());
+    let labels = scene.view.labels.iter().map(|label| label.text.as_str());
+    let texts: Vec<&str> = std::iter::once(mechanism.title.as_str())
+        .chain(labels)
+        .chain(inputs)
+        .collect();
+    for text in texts {
+        let missing = missing_glyphs(text);
+        if !missing.is_empty() {
+            let named = missing
+                .iter()
+                .map(|c| format!("`{}` (U+{:04X})", c.escape_debug(), u32::from(*c)));
+            let named = named.collect::<Vec<_>>().join(", ");
+            let text = text.escape_debug();
+            term.warning(&format!("no glyph for {named} in `{text}`: drawn as a box"));
+        }
+    }
+}
+
+fn azimuth(text: &str) -> Result<f64, String> {
+    between(text, -720.0, 720.0)
+}
+
+fn orbit(text: &str) -> Result<f64, String> {
+    between(text, -MOST_ORBIT, MOST_ORBIT)
+}
+
+fn elevation(text: &str) -> Result<f64, String> {
+    between(text, -90.0, 90.0)
+}
+
+fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (low..=high).contains(&value) => Ok(value),
+        _ => Err(format!("between {low} and {high} degrees")),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("a positive number of seconds".to_owned()),
+    }
+}
+
+fn ghosts(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if count <= MOST_GHOSTS => Ok(count),
+        _ => Err(format!("between 0 and {MOST_GHOSTS}")),
+    }
+}

@@ -1,0 +1,193 @@
+//! The clearance part of `mechanim check`: table, files, verdict.
+
+use crate::clearance::check::{ClearanceReport, Judgement, PairReport, check};
+use crate::cli::args::CheckArgs;
+use crate::cli::args::charts::ThemeArg;
+use crate::cli::args::files::ProgressArg;
+use crate::cli::motion::plot::PlotFormat;
+use crate::cli::open::scene as open_scene;
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::cli::term::progress::Progress;
+use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::model::mechanism::Mechanism;
+use crate::plot::clearance::chart;
+use crate::scene::Scene;
+use serde_json::Value;
+use std::path::Path;
+
+/// More curves in one panel cannot be told apart.
+const MOST_CURVES: usize = 5;
+
+/// What the check adds to its report.
+pub struct Part {
+    /// Lines of the table.
+    pub text: String,
+    /// The `clearance` object.
+    pub document: Value,
+    /// Every judged pair passed.
+    pub passed: bool,
+}
+
+/// Checks the clearances that the scene asks for; `None` if it asks for none.
+pub fn run(
+    args: &CheckArgs,
+    scene: &Scene,
+    trajectory: &Trajectory,
+    term: &Term,
+) -> Result<Option<Part>, Failure> {
+    let Some(rules) = &scene.clearance else {
+        for (option, path) in [
+            ("--junit", &args.junit),
+            ("--csv", &args.csv),
+            ("--plot", &args.plot),
+            ("--render", &args.render),
+        ] {
+            if path.is_some() {
+                return Err(Failure::usage(
+                    format!("{option} reports clearances, and the scene asks for none"),
+                    vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
+                ));
+            }
+        }
+        return Ok(None);
+    };
+    let mechanism = &scene.mechanism;
+    let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
+    let found = check(
+        mechanism,
+        rules,
+        trajectory,
+        args.tolerance,
+        &|done, all| {
+            progress.show(done, all);
+        },
+    );
+    progress.end();
+    let found = found?;
+    for warning in &found.warnings {
+        term.warning(warning);
+    }
+    if let Some(path) = &args.junit {
+        report::write_text(&args.scene, path, &to_junit(mechanism, &found))?;
+    }
+    if let Some(path) = &args.csv {
+        report::write_text(&args.scene, path, &to_csv(mechanism, &found))?;
+    }
+    if let Some(path) = &args.plot {
+        plot(args, mechanism, &found, path)?;
+    }
+    if let Some(path) = &args.render {
+        crate::cli::pictures::clearance::write(args, scene, trajectory, &found, path, term)?;
+    }
+    Ok(Some(Part {
+        text: table(mechanism, &found, args.worst),
+        document: to_json(mechanism, &found),
+        passed: found.passed() && found.gaps.is_empty(),
+    }))
+}
+
+/// The distances of the worst pairs over time as a chart.
+fn plot(
+    args: &CheckArgs,
+    mechanism: &Mechanism,
+    found: &ClearanceReport,
+    path: &Path,
+) -> Result<(), Failure> {
+    let format = PlotFormat::of(path)?;
+    if open_scene::is_scene_file(&args.scene, path) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", path.display()),
+            Vec::new(),
+        ));
+    }
+    let chart = chart(mechanism, found, args.worst.min(MOST_CURVES));
+    let mut output = crate::cli::motion::plot::open(path)?;
+    crate::cli::motion::plot::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+    output.commit()?;
+    Ok(())
+}
+
+/// The worst pairs, then what was left out.
+fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String {
+    let unit = &mechanism.length_unit;
+    let mut text = format!(
+        "  clearance        {} pairs judged, {} excluded; lengths in {unit}\n",
+        found.judged.len(),
+        found.excluded.len()
+    );
+    if !found.judged.is_empty() {
+        text.push_str("      distance   never below     minimum      at t/s  verdict    pair\n");
+    }
+    for p in found.judged.iter().take(worst) {
+        text.push_str(&row(mechanism, p));
+        if let Some(farthest) = p.farthest {
+            let sure = if p.least.is_certified {
+                "proved"
+            } else {
+                "estimated"
+            };
+            text.push_str(&format!(
+                "                  touching: between the samples from {:.2e} to {farthest:.2e} {unit} apart ({sure})\n",
+                p.least.bound
+            ));
+        }
+    }
+    if found.judged.len() > worst {
+        let rest = found.judged.len() - worst;
+        text.push_str(&format!(
+            "    and {rest} more (--worst {})\n",
+            found.judged.len()
+        ));
+    }
+    for p in &found.excluded {
+        let [a, b] = names(mechanism, p);
+        let (kind, why) = match &p.judgement {
+            Judgement::Ignored(reason) => ("ignored", reason.as_str()),
+            Judgement::Neighbours(joint) => ("neighbours", *joint),
+            other => (word(other), ""),
+        };
+        text.push_str(&format!(
+            "    {:>10.4}{}  {kind:<10} {a} / {b}: {why}\n",
+            p.least.distance,
+            inside(p)
+        ));
+    }
+    for [start, end] in &found.gaps {
+        text.push_str(&format!(
+            "    not checked from t = {start:.6} s to {end:.6} s\n"
+        ));
+    }
+    text
+}
+
+fn inside(p: &PairReport) -> &'static str {
+    if p.least.inside.contains(&true) {
+        " (inside)"
+    } else {
+        ""
+    }
+}
+
+fn row(mechanism: &Mechanism, p: &PairReport) -> String {
+    let [a, b] = names(mechanism, p);
+    // A depth has no bound: it is only known that the bodies overlap.
+    let bound = match (
+        p.least.distance > 0.0 && p.farthest.is_none(),
+        p.least.is_certified,
+    ) {
+        (false, _) => "-".to_owned(),
+        (true, true) => format!("{:.4}", p.least.bound),
+        (true, false) => format!("~{:.4}", p.least.bound),
+    };
+    format!(
+        "    {:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {a} / {b}{}\n",
+        p.least.distance,
+        p.minimum,
+        p.least.time,
+        word(&p.judgement),
+        inside(p),
+    )
+}

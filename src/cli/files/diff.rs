@@ -1,0 +1,202 @@
+//! `mechanim diff`: are two pictures, animations or folders the same, and where are they not.
+
+use crate::cli::CANCEL;
+use crate::cli::args::files::DiffArgs;
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::compare::film::{Allowed, FilmReport, FrameReport, FrameVerdict, compare_films};
+use crate::compare::{Comparison, Difference, LADDER, triptych};
+use crate::export::png::{Effort, encode};
+use crate::export::{ExportError, Target};
+use crate::import::{Film, Plays};
+use image::RgbaImage;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Most frames that are named one by one.
+const MAX_LINES: usize = 12;
+
+/// Runs the verb.
+pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
+    refuse_overwriting(args)?;
+    let (a, b) = (Film::open(&args.a)?, Film::open(&args.b)?);
+    let kind = a.kind;
+    if kind != b.kind {
+        let (left, right) = (args.a.display(), args.b.display());
+        let message = format!("{left} is {kind} and {right} is {}", b.kind);
+        let hint = "two of a kind can be compared: PNG, APNG, GIF, or folders of PNGs";
+        return Err(Failure::usage(message, vec![hint.to_owned()]));
+    }
+    let allowed = Allowed {
+        tolerance: args.tolerance,
+        pixels: args.max_pixels,
+    };
+    let plays = [a.plays, b.plays];
+    let going = |film: Film| film.take_while(|_| !CANCEL.load(Ordering::Relaxed));
+    let found = compare_films(going(a), going(b), plays, allowed)?;
+    if CANCEL.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    match (&args.out, &found.worst) {
+        (Some(path), Some((_, left, right))) => {
+            write_png(path, &triptych(left, right, args.tolerance))?;
+        }
+        (Some(path), None) => term.warning(&format!(
+            "no picture is in both: {} was not written",
+            path.display()
+        )),
+        (None, _) => {}
+    }
+    if let Some(path) = &args.json {
+        report::write_document(path, &document(args, kind, &found))?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) && !term.quiet() {
+        let mut out = std::io::stdout().lock();
+        out.write_all(text(&found).as_bytes())?;
+        out.flush()?;
+    }
+    Ok(if found.is_same() {
+        Outcome::Done
+    } else {
+        Outcome::CheckFailed
+    })
+}
+
+/// What is compared is not written over.
+fn refuse_overwriting(args: &DiffArgs) -> Result<(), Failure> {
+    let real = |path: &Path| path.canonicalize().ok();
+    for path in [&args.out, &args.json].into_iter().flatten() {
+        if real(path).is_some_and(|p| [real(&args.a), real(&args.b)].contains(&Some(p))) {
+            let message = format!("{} is an input of this command", path.display());
+            return Err(Failure::usage(message, Vec::new()));
+        }
+    }
+    Ok(())
+}
+
+fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), Failure> {
+    let mut target = Target::create(path)?;
+    let mut bytes = Vec::new();
+    encode(picture, Effort::Balanced, &mut bytes)?;
+    let written = target.write_all(&bytes);
+    written.map_err(|e| ExportError::write(&path.display().to_string(), e))?;
+    Ok(target.commit()?)
+}
+
+/// The report as people read it.
+fn text(found: &FilmReport) -> String {
+    let failing = found.failing();
+    let mut text = String::new();
+    for index in failing.iter().take(MAX_LINES) {
+        let frame = &found.frames[*index];
+        text += &format!("  {}: {}\n", title(*index, frame), sentence(frame));
+    }
+    if failing.len() > MAX_LINES {
+        text += &format!("  and {} more\n", failing.len() - MAX_LINES);
+    }
+    if let Some([a, b]) = found.plays {
+        text += &format!("  A plays {}, B {}\n", plays_word(a), plays_word(b));
+    }
+    let (levels, pixels): (Vec<String>, Vec<String>) = LADDER
+        .iter()
+        .zip(found.ladder())
+        .map(|(level, pixels)| (format!("{level:>9}"), format!("{pixels:>9}")))
+        .unzip();
+    text += &format!("  off by more than {}\n", levels.concat());
+    text += &format!("  pixels           {}\n", pixels.concat());
+    let frames = match (found.frames.len(), failing.len()) {
+        (1, _) => String::new(),
+        (all, failing) => format!(" ({failing} of {all} pictures differ)"),
+    };
+    text + &format!("  result           {}{frames}\n", verdict(found))
+}
+
+fn verdict(found: &FilmReport) -> &'static str {
+    if found.is_same() { "same" } else { "different" }
+}
+
+fn title(index: usize, frame: &FrameReport) -> String {
+    match frame.name.as_str() {
+        "" => format!("frame {index}"),
+        name => name.to_owned(),
+    }
+}
+
+fn sentence(frame: &FrameReport) -> String {
+    let mut parts = Vec::new();
+    match &frame.verdict {
+        FrameVerdict::OnlyInA => parts.push("only in A".to_owned()),
+        FrameVerdict::OnlyInB => parts.push("only in B".to_owned()),
+        FrameVerdict::Both(comparison) => parts.push(comparison.to_string()),
+    }
+    if let Some([a, b]) = frame.seconds {
+        parts.push(format!("shown for {a:.3} s in A and {b:.3} s in B"));
+    }
+    parts.join("; ")
+}
+
+fn plays_word(plays: Option<Plays>) -> String {
+    match plays {
+        Some(Plays::Forever) => "without end".to_owned(),
+        Some(Plays::Times(1)) => "once".to_owned(),
+        Some(Plays::Times(times)) => format!("{times} times"),
+        None => "never".to_owned(),
+    }
+}
+
+/// The report as programs read it; described in `docs/formats.md`.
+fn document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
+    let frames = found.frames.iter().enumerate().map(|(index, frame)| {
+        let mut entry =
+            json!({ "frame": index, "name": frame.name, "passes": found.passes(index) });
+        let status = match &frame.verdict {
+            FrameVerdict::OnlyInA => "only-in-a",
+            FrameVerdict::OnlyInB => "only-in-b",
+            FrameVerdict::Both(Comparison::SizeMismatch { a, b }) => {
+                entry["sizes"] = json!([a, b]);
+                "other-size"
+            }
+            FrameVerdict::Both(Comparison::SameSize(difference)) => {
+                entry["difference"] = numbers(difference);
+                "compared"
+            }
+        };
+        entry["status"] = status.into();
+        entry["seconds"] = json!(frame.seconds);
+        entry
+    });
+    let frames: Vec<Value> = frames.collect();
+    json!({
+        "schema": "mechanim-diff/1",
+        "a": args.a.display().to_string(),
+        "b": args.b.display().to_string(),
+        "kind": kind.trim_start_matches("an ").trim_start_matches("a "),
+        "tolerance": args.tolerance,
+        "max_pixels": args.max_pixels,
+        "levels": LADDER,
+        "pixels_over": found.ladder(),
+        "plays": found.plays.map(|plays| plays.map(plays_word)),
+        "worst": found.worst.as_ref().map(|worst| worst.0),
+        "frames": frames,
+        "result": verdict(found),
+    })
+}
+
+/// The figures of a difference.
+pub fn numbers(difference: &Difference) -> Value {
+    // An infinite ratio, for equal colours, is no number in JSON.
+    let psnr = Some(difference.psnr).filter(|psnr| psnr.is_finite());
+    json!({
+        "pixels": difference.pixels,
+        "over": difference.over,
+        "pixels_over": difference.over_ladder,
+        "rmse": difference.rmse,
+        "psnr": psnr,
+        "worst": difference.worst,
+        "worst_at": difference.worst_at,
+        "bounds": difference.bounds,
+    })
+}

@@ -1,0 +1,152 @@
+//! `mechanim encode`: frames made elsewhere into one file, through the same encoders as our own.
+
+use super::sinks;
+use super::sinks::Film;
+use crate::cli::args::files::EncodeArgs;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::export::Format;
+use crate::import::film::png_files;
+use crate::import::{ImportError, has_alpha, natural, read_png};
+use image::{Rgba, RgbaImage};
+use std::path::{Path, PathBuf};
+
+/// Runs the verb.
+pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
+    let format = sinks::format(&args.file)?;
+    if format.is_model() {
+        let message = format!("{} holds shapes, which pictures do not have", format.name());
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    let paths = paths(args)?;
+    if let Some(path) = paths.iter().find(|path| is_same(path, &args.file.out)) {
+        let message = format!("{} is an input of this command", path.display());
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    if format == Format::Png && paths.len() > 1 {
+        let message = format!("{} holds one picture", args.file.out.display());
+        let hint =
+            "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
+        return Err(Failure::usage(message, vec![hint.to_owned()]));
+    }
+    let first = read_png(&paths[0])?;
+    let frames = Frames {
+        paths: &paths,
+        size: first.dimensions().into(),
+        opaque: holds_no_alpha(&format).then(|| format.name()),
+        background: args.background,
+    };
+    let destination = sinks::open(&args.file, &format)?;
+    let film = Film {
+        args: &args.file,
+        format: &format,
+        size: frames.size,
+        count: paths.len(),
+        fps: args.fps,
+        flat_colours: Vec::new(),
+        alpha: frames.opaque.is_none() && frames.are_translucent()?,
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let count = args.file.threads.unwrap_or(cores);
+    let mut workers: Vec<_> = (0..count)
+        .map(|_| move |index: usize, image: &mut RgbaImage| frames.read(index, image))
+        .collect();
+    let prepared = film.sink(destination, &mut workers, term)?;
+    let summary = film.write(prepared, workers, term)?;
+    film.tell(&summary, "", term);
+    Ok(Outcome::Done)
+}
+
+/// All files in their order.
+fn paths(args: &EncodeArgs) -> Result<Vec<PathBuf>, Failure> {
+    let mut paths = Vec::new();
+    for path in &args.frames {
+        if path.is_dir() {
+            paths.extend(png_files(path)?);
+        } else {
+            paths.push(path.clone());
+        }
+    }
+    if paths.is_empty() {
+        return Err(Failure::usage(
+            "there are no PNG files in the folder",
+            Vec::new(),
+        ));
+    }
+    if !args.no_sort {
+        paths.sort_by(|a, b| natural(a, b));
+    }
+    Ok(paths)
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn holds_no_alpha(format: &Format) -> bool {
+    matches!(format, Format::Gif | Format::Y4m)
+}
+
+/// Reads frames by their number.
+#[derive(Clone, Copy)]
+struct Frames<'a> {
+    paths: &'a [PathBuf],
+    size: [u32; 2],
+    /// Name of the format, if it cannot hold alpha.
+    opaque: Option<&'static str>,
+    background: Option<[u8; 3]>,
+}
+
+impl Frames<'_> {
+    fn read(&self, index: usize, image: &mut RgbaImage) -> Result<(), ImportError> {
+        let path = &self.paths[index];
+        let mut frame = read_png(path)?;
+        let got = <[u32; 2]>::from(frame.dimensions());
+        if got != self.size {
+            let (path, expected) = (path.clone(), self.size);
+            return Err(ImportError::Size {
+                path,
+                expected,
+                got,
+            });
+        }
+        if let Some(background) = self.background {
+            lay_over(&mut frame, background);
+        }
+        if let Some(format) = self.opaque.filter(|_| is_translucent(&frame)) {
+            let path = path.clone();
+            return Err(ImportError::Transparent { path, format });
+        }
+        image.copy_from_slice(frame.as_raw());
+        Ok(())
+    }
+
+    /// Whether any frame will be: then the file needs alpha from its first byte on.
+    fn are_translucent(&self) -> Result<bool, ImportError> {
+        if self.background.is_some() {
+            return Ok(false);
+        }
+        for path in self.paths {
+            if has_alpha(path)? && is_translucent(&read_png(path)?) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+fn is_translucent(image: &RgbaImage) -> bool {
+    image.pixels().any(|p| p.0[3] < 255)
+}
+
+/// Mixes the sRGB codes, as browsers do.
+fn lay_over(image: &mut RgbaImage, background: [u8; 3]) {
+    for Rgba([r, g, b, a]) in image.pixels_mut() {
+        let share = u32::from(*a);
+        for (code, below) in [r, g, b].into_iter().zip(background) {
+            let mix = share * u32::from(*code) + (255 - share) * u32::from(below);
+            *code = ((mix + 127) / 255) as u8;
+        }
+        *a = 255;
+    }
+}

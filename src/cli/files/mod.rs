@@ -1,0 +1,6 @@
+//! Picture files: sinks, and the verbs that take pictures as they are.
+
+pub mod diff;
+pub mod encode;
+pub mod sinks;
+pub mod snapshot;

@@ -1,0 +1,166 @@
+//! `mechanim snapshot`: the pictures of a list against their golden files.
+
+use super::diff::numbers;
+use crate::cli::args::files::{SnapshotArgs, UpdateArg};
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::Source;
+use crate::import::film::png_files;
+use crate::snapshot::golden::beside;
+use crate::snapshot::manifest::Picture;
+use crate::snapshot::{DrawError, MANIFEST, Manifest, Update, Verdict, draw, judge};
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+
+/// Runs the verb.
+pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
+    let update = update(args)?;
+    let manifest = read(&args.folder)?;
+    let wanted = wanted(args, &manifest)?;
+    let mut results = Vec::new();
+    for picture in wanted {
+        let drawn = draw(picture, &args.folder).map_err(|e| failure(picture, e))?;
+        let golden = args.folder.join(&picture.file);
+        let verdict = judge(&golden, &drawn, picture.allowed, update)?;
+        if crate::cli::CANCEL.load(std::sync::atomic::Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
+        results.push((picture, verdict));
+    }
+    warn_of_strangers(&args.folder, &manifest, term)?;
+    let failed = results
+        .iter()
+        .any(|(_, v)| matches!(v, Verdict::Failed { .. }));
+    if let Some(path) = &args.json {
+        report::write_document(path, &document(&results, failed))?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) && !term.quiet() {
+        let mut out = std::io::stdout().lock();
+        out.write_all(text(&args.folder, &results).as_bytes())?;
+        out.flush()?;
+    }
+    Ok(if failed {
+        Outcome::CheckFailed
+    } else {
+        Outcome::Done
+    })
+}
+
+/// What may be written; nothing where nobody looks at it.
+fn update(args: &SnapshotArgs) -> Result<Update, Failure> {
+    let Some(update) = args.update else {
+        return Ok(Update::Never);
+    };
+    if std::env::var_os("CI").is_some() {
+        let message =
+            "--update is refused where CI is set: a golden is looked at before it is kept";
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    Ok(match update {
+        UpdateArg::New => Update::New,
+        UpdateArg::Failing => Update::Failing,
+        UpdateArg::All => Update::All,
+    })
+}
+
+fn read(folder: &Path) -> Result<Manifest, Failure> {
+    let path = folder.join(MANIFEST);
+    let text = std::fs::read_to_string(&path).map_err(|e| {
+        let message = format!("cannot read {}: {e}", path.display());
+        let hint = format!("{MANIFEST} lists the pictures: [[picture]] with `file` and `scene`");
+        Failure::usage(message, vec![hint])
+    })?;
+    let name = path.display().to_string();
+    Ok(Manifest::read(&Source { name, text })?)
+}
+
+/// The pictures that `--only` leaves; never none.
+fn wanted<'a>(args: &SnapshotArgs, manifest: &'a Manifest) -> Result<Vec<&'a Picture>, Failure> {
+    let is_wanted = |picture: &&Picture| {
+        args.only.is_empty() || args.only.iter().any(|text| picture.file.contains(text))
+    };
+    let wanted: Vec<&Picture> = manifest.pictures.iter().filter(is_wanted).collect();
+    if wanted.is_empty() {
+        let names: Vec<&str> = manifest.pictures.iter().map(|p| p.file.as_str()).collect();
+        let message = format!("no picture is called {}", args.only.join(" or "));
+        return Err(Failure::usage(
+            message,
+            vec![format!("there are: {}", names.join(", "))],
+        ));
+    }
+    Ok(wanted)
+}
+
+fn failure(picture: &Picture, error: DrawError) -> Failure {
+    match error {
+        DrawError::Scene(error) => error.into(),
+        DrawError::Structure(error) => error.into(),
+        DrawError::Render(error) => error.into(),
+        other => Failure::usage(format!("{}: {other}", picture.file), Vec::new()),
+    }
+}
+
+/// PNG files that the list does not know are compared with nothing.
+fn warn_of_strangers(folder: &Path, manifest: &Manifest, term: &Term) -> Result<(), Failure> {
+    for path in png_files(folder)? {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let known = manifest.pictures.iter().any(|picture| picture.file == name);
+        let ours = name.ends_with(".new.png") || name.ends_with(".diff.png");
+        if !known && !ours {
+            term.warning(&format!("{} is not in {MANIFEST}", path.display()));
+        }
+    }
+    Ok(())
+}
+
+fn text(folder: &Path, results: &[(&Picture, Verdict)]) -> String {
+    let mut text = String::new();
+    for (picture, verdict) in results {
+        let file = &picture.file;
+        text += &match verdict {
+            Verdict::Passed(_) => format!("passed   {file}\n"),
+            Verdict::Written => format!("written  {file}\n"),
+            Verdict::Failed { reason, .. } => {
+                let golden = folder.join(file);
+                let left = ["new", "diff"].map(|kind| beside(&golden, kind));
+                let left = left.iter().filter(|path| path.exists());
+                let left: Vec<String> = left.map(|path| path.display().to_string()).collect();
+                format!(
+                    "failed   {file}: {reason}\n         see {}\n",
+                    left.join(" and ")
+                )
+            }
+        };
+    }
+    let failed = results
+        .iter()
+        .filter(|(_, v)| matches!(v, Verdict::Failed { .. }));
+    text + &format!("{} of {} pictures failed\n", failed.count(), results.len())
+}
+
+/// The report as programs read it; described in `docs/formats.md`.
+fn document(results: &[(&Picture, Verdict)], failed: bool) -> Value {
+    let pictures = results.iter().map(|(picture, verdict)| {
+        let (word, reason, difference) = match verdict {
+            Verdict::Passed(difference) => ("passed", None, Some(difference)),
+            Verdict::Written => ("written", None, None),
+            Verdict::Failed { reason, difference } => ("failed", Some(reason), difference.as_ref()),
+        };
+        json!({
+            "file": picture.file,
+            "scene": picture.scene,
+            "tolerance": picture.allowed.tolerance,
+            "max_pixels": picture.allowed.pixels,
+            "verdict": word,
+            "reason": reason,
+            "difference": difference.map(numbers),
+        })
+    });
+    json!({
+        "schema": "mechanim-snapshot/1",
+        "pictures": pictures.collect::<Vec<_>>(),
+        "result": if failed { "failed" } else { "passed" },
+    })
+}

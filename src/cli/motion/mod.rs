@@ -1,0 +1,8 @@
+//! The verbs on the motion of one scene: solve, render, plot, modes.
+
+pub mod certify;
+pub mod models;
+pub mod modes;
+pub mod plot;
+pub mod render;
+pub mod solve;

@@ -1,0 +1,87 @@
+//! The other half of `mechanim render`: shapes in space instead of pictures.
+
+use crate::cli::args::files::FileArgs;
+use crate::cli::files::sinks;
+use crate::cli::files::sinks::to_stdout;
+use crate::cli::report::events::inputs;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::export::glb::write_glb;
+use crate::export::solid::{Library, write_obj, write_stl};
+use crate::export::{ExportSummary, Format, Target};
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::scene::Scene;
+use crate::staging::Staging;
+use crate::staging::model::of_motion;
+use std::ops::Range;
+
+/// Writes the samples of the motion as the model that `format` names.
+///
+/// Errors: a still of an instant without a pose; a failed write.
+pub fn write(
+    args: &FileArgs,
+    format: &Format,
+    scene: &Scene,
+    trajectory: &Trajectory,
+    staging: &Staging,
+    samples: Range<usize>,
+    term: &Term,
+) -> Result<(), Failure> {
+    if samples.len() == 1 {
+        refuse_missing(scene, trajectory, samples.start)?;
+    }
+    let [width, height] = staging.stage.size.map(f64::from);
+    let camera = Some((staging.stage.camera, width / height));
+    let model = of_motion(scene, trajectory, samples, camera);
+    let output = sinks::open_file(args)?;
+    let summary = match format {
+        Format::Stl => write_stl(&model, output)?,
+        Format::Obj => write_obj(&model, output, library(args)?)?,
+        _ => write_glb(&model, output)?,
+    };
+    if !to_stdout(args) {
+        let parts = model.bodies.iter().flat_map(|body| &body.parts);
+        let triangles: usize = parts.map(|part| part.mesh.triangles.len()).sum();
+        tell(args, &summary, model.bodies.len(), triangles, term);
+    }
+    Ok(())
+}
+
+/// Name and file of an OBJ's materials: beside it, under its name. `None` where the OBJ has no name to go by.
+fn library(args: &FileArgs) -> Result<Option<Library>, Failure> {
+    let path = args.out.with_extension("mtl");
+    let name = path.file_name().and_then(|name| name.to_str());
+    // A name with blanks would be read as several.
+    let name = name.filter(|name| !name.contains(char::is_whitespace));
+    match name {
+        Some(name) if !to_stdout(args) && path != args.out => {
+            Ok(Some((name.to_owned(), Box::new(Target::create(&path)?))))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// A pose that does not exist is not replaced by its neighbour in a file that cannot say so.
+fn refuse_missing(scene: &Scene, trajectory: &Trajectory, sample: usize) -> Result<(), Failure> {
+    let sample = &trajectory.samples[sample];
+    if sample.pose.is_some() {
+        return Ok(());
+    }
+    let values = inputs(&scene.mechanism, &sample.inputs);
+    Err(Failure::NeverClosed {
+        message: format!("no pose exists at t = {} s ({values})", sample.time),
+        hints: vec!["take another time with --at SECONDS".to_owned()],
+    })
+}
+
+fn tell(args: &FileArgs, summary: &ExportSummary, bodies: usize, triangles: usize, term: &Term) {
+    let keys = match summary.frames {
+        1 => String::new(),
+        keys => format!(", {keys} keys over {:.2} s", summary.seconds),
+    };
+    term.note(&format!(
+        "{}: {bodies} bodies, {triangles} triangles{keys}, {:.2} MB",
+        args.out.display(),
+        summary.bytes as f64 / 1e6,
+    ));
+}

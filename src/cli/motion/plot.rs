@@ -1,0 +1,256 @@
+//! `mechanim plot`: curves of the motion as SVG or PNG.
+
+use crate::cli::args::charts::{PlotArgs, ThemeArg};
+use crate::cli::open::scene as open_scene;
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::export::png::{Effort, encode};
+use crate::export::{ExportError, Output, Stream, Target};
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::trajectory::{EventKind, Trajectory};
+use crate::model::mechanism::Mechanism;
+use crate::model::plot::Plot;
+use crate::plot::companion::Companion;
+use crate::plot::motion::{chart, default_plot};
+use crate::plot::raster::Painter;
+use crate::plot::{Chart, Drawing, Theme, draw, svg};
+use crate::scene::{PlotText, Scene};
+use std::path::Path;
+
+/// Samples of a plot unless told otherwise: every degree of a turn.
+const USUAL_SAMPLES: usize = 361;
+
+/// Runs the verb.
+pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
+    let format = PlotFormat::of(&args.out)?;
+    if open_scene::is_scene_file(&args.scene, &args.out) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", args.out.display()),
+            Vec::new(),
+        ));
+    }
+    let scene = open_scene::open_with_plot(&args.scene, asked(args)?, term)?;
+    let plots = chosen(args.only.as_deref(), &scene)?;
+    let times = times(args, &scene.mechanism);
+    let mut output = open(&args.out)?;
+    let trajectory = solve_with_ends(&scene.mechanism, times)?;
+    super::solve::refuse_interrupted()?;
+    let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let chart = chart(&scene.mechanism, &plots, &trajectory)?;
+    write(&chart, format, args.size, args.theme, output.as_mut())?;
+    output.commit()?;
+    Ok(outcome)
+}
+
+/// What a chart's file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlotFormat {
+    /// Text with shapes.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl PlotFormat {
+    /// By extension; standard output is SVG.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            return Ok(Self::Svg);
+        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Failure::usage(
+                format!("{}: unknown kind of plot", path.display()),
+                vec!["known are .svg and .png".to_owned()],
+            )),
+        }
+    }
+}
+
+/// Opens a file, or standard output for `-`.
+pub fn open(path: &Path) -> Result<Box<dyn Output>, Failure> {
+    if path == Path::new("-") {
+        return Ok(Box::new(Stream::new("standard output", std::io::stdout())));
+    }
+    Ok(Box::new(Target::create(path)?))
+}
+
+/// Draws a chart and writes it.
+pub fn write(
+    chart: &Chart,
+    format: PlotFormat,
+    size: Option<[u32; 2]>,
+    theme: ThemeArg,
+    output: &mut dyn Output,
+) -> Result<(), Failure> {
+    let size = size.unwrap_or_else(|| crate::plot::usual_size(chart));
+    let theme = match theme {
+        ThemeArg::Light => Theme::LIGHT,
+        ThemeArg::Dark => Theme::DARK,
+    };
+    write_drawing(&draw(chart, size, theme), format, output)
+}
+
+/// Writes what has been laid out.
+pub fn write_drawing(
+    drawing: &Drawing,
+    format: PlotFormat,
+    output: &mut dyn Output,
+) -> Result<(), Failure> {
+    let bytes = match format {
+        PlotFormat::Svg => svg::write(drawing).into_bytes(),
+        PlotFormat::Png => {
+            let mut bytes = Vec::new();
+            encode(
+                &Painter::default().picture(drawing),
+                Effort::Balanced,
+                &mut bytes,
+            )?;
+            bytes
+        }
+    };
+    let written = output.write_all(&bytes);
+    written.map_err(|source| ExportError::write(output.name(), source))?;
+    Ok(())
+}
+
+/// The plot asked for on the command line, if any.
+fn asked(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
+    let mut y: Vec<String> = args.y.iter().flat_map(|list| split(list)).collect();
+    if y.is_empty() {
+        if args.x.is_some() || args.order.is_some() || args.equal {
+            let hint = "name them: --y NAME,NAME";
+            return Err(Failure::usage(
+                "no curves are asked for",
+                vec![hint.to_owned()],
+            ));
+        }
+        return Ok(None);
+    }
+    let per = args.per.as_deref().unwrap_or("t");
+    let values = y.clone();
+    for order in 1..=args.order.unwrap_or(0) {
+        y.extend(
+            values
+                .iter()
+                .map(|value| format!("d({value}, {per}, {order})")),
+        );
+    }
+    Ok(Some(PlotText {
+        x: args.x.clone(),
+        y,
+        equal: args.equal,
+    }))
+}
+
+/// Splits a list at the commas that are not inside parentheses.
+fn split(list: &str) -> Vec<String> {
+    let (mut depth, mut parts) = (0_i32, vec![String::new()]);
+    for character in list.chars() {
+        match character {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            _ => {}
+        }
+        match parts.last_mut() {
+            Some(part) if character != ',' || depth > 0 => part.push(character),
+            _ => parts.push(String::new()),
+        }
+    }
+    let trimmed = parts.iter().map(|p| p.trim().to_owned());
+    trimmed.filter(|p| !p.is_empty()).collect()
+}
+
+/// The plots to draw: the scene's, the one with the given title, or the default.
+pub fn chosen(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> {
+    let Some(title) = title else {
+        return Ok(match scene.plots.as_slice() {
+            [] => vec![default_plot(&scene.mechanism)],
+            plots => plots.to_vec(),
+        });
+    };
+    let found = scene.plots.iter().find(|plot| plot.title == title);
+    found.map(|plot| vec![plot.clone()]).ok_or_else(|| {
+        let titles: Vec<String> = scene
+            .plots
+            .iter()
+            .map(|p| format!("`{}`", p.title))
+            .collect();
+        let hint = match titles.as_slice() {
+            [] => "it has no [[plots]]; leave the title out for its outputs".to_owned(),
+            titles => format!("its plots: {}", titles.join(", ")),
+        };
+        Failure::usage(format!("the scene has no plot `{title}`"), vec![hint])
+    })
+}
+
+/// The chart of `--panel`: the scene's first plot or that with the given title, at even samples and at those of the
+/// frames in `trajectory`.
+pub fn companion(
+    title: &str,
+    scene: &Scene,
+    trajectory: &Trajectory,
+    size: [u32; 2],
+) -> Result<Companion, Failure> {
+    let mut plots = chosen(Some(title).filter(|t| !t.is_empty()), scene)?;
+    plots.truncate(1);
+    let mechanism = &scene.mechanism;
+    let fine = solve_with_ends(mechanism, even(mechanism, USUAL_SAMPLES))?;
+    let mut whole = chart(mechanism, &plots, &fine)?;
+    // The animation bears the title.
+    whole.title.clear();
+    let frames = chart(mechanism, &plots, trajectory)?;
+    Ok(Companion::new(&whole, frames, size, scene.view.background))
+}
+
+/// Evenly over the motion, both ends included.
+fn even(mechanism: &Mechanism, count: usize) -> Vec<f64> {
+    let share = |k: usize| k as f64 / (count - 1) as f64;
+    (0..count).map(|k| mechanism.duration * share(k)).collect()
+}
+
+/// The samples asked for.
+fn times(args: &PlotArgs, mechanism: &Mechanism) -> Vec<f64> {
+    if args.samples.is_none() && args.scene.table.is_some() {
+        return crate::cli::open::inputs_table::row_times(mechanism);
+    }
+    even(mechanism, args.samples.unwrap_or(USUAL_SAMPLES).max(2))
+}
+
+/// Solves at `times` and once more with the places where the motion ends and resumes, so that curves reach there.
+fn solve_with_ends(mechanism: &Mechanism, mut times: Vec<f64>) -> Result<Trajectory, Failure> {
+    let trajectory = solve(mechanism, &times)?;
+    let ends = trajectory.events.iter().filter(|event| {
+        matches!(
+            event.kind,
+            EventKind::MotionEnds | EventKind::MotionResumes { .. }
+        )
+    });
+    let ends: Vec<f64> = ends
+        .map(|event| event.time)
+        .filter(|time| !times.contains(time))
+        .collect();
+    if ends.is_empty() {
+        return Ok(trajectory);
+    }
+    times.extend(ends);
+    times.sort_by(f64::total_cmp);
+    Ok(solve(mechanism, &times)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_split_outside_of_parentheses() {
+        assert_eq!(
+            split("h, d(h, phi, 2),atan2(a,b)"),
+            ["h", "d(h, phi, 2)", "atan2(a,b)"]
+        );
+        assert_eq!(split(" , "), Vec::<String>::new());
+    }
+}

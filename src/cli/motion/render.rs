@@ -1,0 +1,281 @@
+//! `mechanim render`: solve, stage, draw, encode; or write shapes and their motion.
+
+use super::solve::up_to;
+use super::{models, plot};
+use crate::cli::args::view as view_args;
+use crate::cli::args::{RenderArgs, ShowArg};
+use crate::cli::files::sinks;
+use crate::cli::files::sinks::Film;
+use crate::cli::open::{inputs_table, scene as open_scene};
+use crate::cli::pictures::clearance as clearance_picture;
+use crate::cli::pictures::frames::Pictures;
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::clock::Clock;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::export::Format;
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::sampling::{even_times, frame_times};
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::solve::iterates::{film, iterates};
+use crate::model::view::Ghosts;
+use crate::scene::Scene;
+use crate::staging::marks::Marks;
+use crate::staging::{PictureOptions, Staging, panes};
+use std::ops::Range;
+
+/// Slow enough to see what every step does.
+const ITERATES_A_SECOND: f64 = 1.0;
+
+/// Runs the verb.
+pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
+    let mut clock = Clock::new(args.timings);
+    let format = kind_of_output(args)?;
+    if open_scene::is_scene_file(&args.scene, &args.file.out) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", args.file.out.display()),
+            Vec::new(),
+        ));
+    }
+    let mut scene = open_scene::open(&args.scene, term)?;
+    view_args::apply(args, &format, &mut scene, term)?;
+    clock.lap("read");
+    let (plan, trajectory, outcome) = if args.trace_iterations {
+        iterations(args, &mut scene, &format)?
+    } else {
+        let plan = Plan::new(args, &scene, &format)?;
+        let trajectory = solve(&scene.mechanism, &plan.times)?;
+        let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+        (plan, trajectory, outcome)
+    };
+    let scene = scene;
+    clock.lap("solve");
+    let panel = args.panel.as_deref();
+    let panel = panel.map(|title| plot::companion(title, &scene, &trajectory, args.size));
+    let panel = panel.transpose()?;
+    let options = PictureOptions {
+        size: panel.as_ref().map_or(args.size, |p| p.animation),
+        samples: args.samples,
+    };
+    let marks = match args.show {
+        Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &trajectory)?,
+        None => Marks::default(),
+    };
+    let views = if scene.view.four && !format.is_model() {
+        panes::scenes(&scene)
+    } else {
+        Vec::new()
+    };
+    let panes = panes::stagings(&views, &trajectory, options, &marks);
+    let staging = Staging::marked(&scene, &trajectory, options, marks);
+    clock.lap("stage");
+    if format.is_model() {
+        let samples = plan.samples();
+        models::write(
+            &args.file,
+            &format,
+            &scene,
+            &trajectory,
+            &staging,
+            samples,
+            term,
+        )?;
+        clock.lap("write");
+    } else {
+        let pictures = Pictures {
+            scene: &scene,
+            panes: &panes,
+            staging: &staging,
+            first: plan.first,
+            panel: panel.as_ref(),
+        };
+        draw(
+            args,
+            &format,
+            &plan,
+            &trajectory,
+            &pictures,
+            &mut clock,
+            term,
+        )?;
+    }
+    clock.print(term);
+    Ok(outcome_of_frames(outcome, &trajectory, &plan))
+}
+
+/// Newton's iterates in place of a motion; the earlier ones stay as ghosts.
+fn iterations(
+    args: &RenderArgs,
+    scene: &mut Scene,
+    format: &Format,
+) -> Result<(Plan, Trajectory, Outcome), Failure> {
+    let mechanism = &scene.mechanism;
+    let inputs = mechanism.inputs_at(0.0);
+    let start = [mechanism.guess.as_slice(), &inputs].concat();
+    let (list, closed) = iterates(
+        mechanism,
+        &crate::kinematics::freedoms::analysis::analyse(mechanism)?,
+        &start,
+    );
+    let trajectory = film(mechanism, &inputs, &list);
+    let count = trajectory.samples.len();
+    let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
+    scene.mechanism.duration = count as f64;
+    scene.view.decor.ghosts = Ghosts::Times(times.clone());
+    let still = format.is_still();
+    let plan = Plan {
+        times,
+        first: if still { count - 1 } else { 0 },
+        count: if still { 1 } else { count },
+        fps: args.fps.unwrap_or(ITERATES_A_SECOND),
+    };
+    let outcome = if closed {
+        Outcome::Done
+    } else {
+        Outcome::NotClosed
+    };
+    Ok((plan, trajectory, outcome))
+}
+
+/// Draws and encodes the frames of the plan.
+fn draw(
+    args: &RenderArgs,
+    format: &Format,
+    plan: &Plan,
+    trajectory: &Trajectory,
+    pictures: &Pictures,
+    clock: &mut Clock,
+    term: &Term,
+) -> Result<(), Failure> {
+    let mut workers = pictures.workers(args, term)?;
+    clock.lap("renderer");
+    let destination = sinks::open(&args.file, format)?;
+    let film = Film {
+        args: &args.file,
+        format,
+        size: args.size,
+        count: plan.count,
+        fps: plan.fps,
+        flat_colours: pictures.staging.flat_colours(),
+        alpha: pictures.scene.view.transparent,
+    };
+    let prepared = film.sink(destination, &mut workers, term)?;
+    clock.lap("palette");
+    let summary = film.write(prepared, workers, term)?;
+    clock.lap("draw and encode");
+    let worst = trajectory.closure_error();
+    film.tell(
+        &summary,
+        &format!(", worst closure error {worst:.1e}"),
+        term,
+    );
+    Ok(())
+}
+
+/// Which samples become pictures, and when they are shown.
+struct Plan {
+    times: Vec<f64>,
+    /// First sample that is drawn.
+    first: usize,
+    count: usize,
+    fps: f64,
+}
+
+impl Plan {
+    fn new(args: &RenderArgs, scene: &Scene, format: &Format) -> Result<Self, Failure> {
+        let mechanism = &scene.mechanism;
+        let fps = args.fps.unwrap_or(scene.view.fps);
+        let frames = match args.frames {
+            Some(count) => even_times(mechanism, count),
+            None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
+            None => frame_times(mechanism, fps),
+        };
+        // Frames asked for by number play in the scene's duration.
+        let fps = args
+            .frames
+            .map_or(fps, |count| count as f64 / mechanism.duration);
+        let still = match (args.at, args.frame) {
+            (Some(at), _) => Some(at),
+            (None, Some(frame)) => Some(frame_time(&frames, frame)?),
+            (None, None) if format.is_still() => Some(0.0),
+            (None, None) => None,
+        };
+        match still {
+            None => {
+                let mut frames = frames;
+                // A model is not shown frame by frame: its last key is the end of the drive, cyclic or not.
+                if format.is_model() && frames.last().is_some_and(|t| *t < mechanism.duration) {
+                    frames.push(mechanism.duration);
+                }
+                Ok(Self {
+                    first: 0,
+                    count: frames.len(),
+                    times: frames,
+                    fps,
+                })
+            }
+            Some(at) => {
+                // The frames around it are solved too: the camera holds the whole motion in every still, and the
+                // branch is the one that the motion reaches.
+                let mut times = up_to(at, mechanism.duration, &frames)?;
+                let first = times.len() - 1;
+                times.extend(frames.iter().copied().filter(|t| *t > at));
+                Ok(Self {
+                    times,
+                    first,
+                    count: 1,
+                    fps,
+                })
+            }
+        }
+    }
+}
+
+impl Plan {
+    /// The samples that are shown.
+    fn samples(&self) -> Range<usize> {
+        self.first..self.first + self.count
+    }
+}
+
+fn frame_time(frames: &[f64], frame: usize) -> Result<f64, Failure> {
+    frames.get(frame).copied().ok_or_else(|| {
+        Failure::usage(
+            format!(
+                "the motion has frames 0 to {}, {frame} is outside",
+                frames.len() - 1
+            ),
+            Vec::new(),
+        )
+    })
+}
+
+fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
+    let format = sinks::format(&args.file)?;
+    let single = args.at.is_some() || args.frame.is_some();
+    if format.is_still() && args.frames.is_some_and(|n| n > 1) && !single {
+        let out = args.file.out.display();
+        let (message, hint) = if format.is_model() {
+            let message = format!("{out}: {} holds one pose, no motion", format.name());
+            (
+                message,
+                "for the motion write a .glb; for one pose say --at SECONDS",
+            )
+        } else {
+            let hint =
+                "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
+            (format!("{out} holds one picture"), hint)
+        };
+        return Err(Failure::usage(message, vec![hint.to_owned()]));
+    }
+    Ok(format)
+}
+
+/// Only frames that were drawn count.
+fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &Plan) -> Outcome {
+    let drawn = &trajectory.samples[plan.samples()];
+    if outcome == Outcome::NotClosed && drawn.iter().all(|sample| sample.pose.is_some()) {
+        return Outcome::Done;
+    }
+    outcome
+}

@@ -1,0 +1,178 @@
+//! `mechanim solve`: the motion as a table.
+
+use super::certify;
+use super::certify::MotionProof;
+use crate::cli::CANCEL;
+use crate::cli::args::{CertifyArg, SolveArgs, TableFormat};
+use crate::cli::open::{inputs_table, scene as open_scene};
+use crate::cli::report::{events as report, freedoms};
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::export::table::{Columns, write_csv, write_json};
+use crate::export::{Output, Stream, Target, iterates as iterate_table};
+use crate::kinematics::motion::limits::add_limits;
+use crate::kinematics::motion::sampling::{even_times, frame_times};
+use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
+use crate::kinematics::solve::iterates::iterates;
+use crate::model::mechanism::Mechanism;
+use crate::scene::Scene;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Runs the verb.
+pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
+    let to_stdout = args.out == Path::new("-");
+    let format = format(args)?;
+    if !to_stdout && open_scene::is_scene_file(&args.scene, &args.out) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", args.out.display()),
+            Vec::new(),
+        ));
+    }
+    if args.at.is_some() && args.certify == CertifyArg::Motion {
+        let hints = vec!["leave out --at: the table has the times in its first column".to_owned()];
+        return Err(Failure::usage(
+            "a single instant has no motion to certify",
+            hints,
+        ));
+    }
+    let scene = open_scene::open(&args.scene, term)?;
+    let derivatives = derivatives(args, &scene.mechanism)?;
+    let times = times(args, &scene)?;
+    let mut output: Box<dyn Output> = if to_stdout {
+        Box::new(Stream::new("standard output", std::io::stdout()))
+    } else {
+        Box::new(Target::create(&args.out)?)
+    };
+    if args.trace_iterations {
+        return trace_iterations(&scene.mechanism, format, output, term);
+    }
+    let mut trajectory = certify::motion(&scene.mechanism, &times, args.certify)?;
+    refuse_interrupted()?;
+    if args.events {
+        add_limits(&scene.mechanism, &mut trajectory)?;
+    }
+    if args.at.is_some() {
+        trajectory.samples.drain(..trajectory.samples.len() - 1);
+    }
+    let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let proof = MotionProof::of(&trajectory, args.certify);
+    if let Some(proof) = proof.filter(|p| !p.is_whole()) {
+        term.warning(&format!("motion: {}", proof.sentence(&scene.mechanism)));
+    }
+    for held in &crate::kinematics::freedoms::analysis::analyse(&scene.mechanism)?.held {
+        let idle = freedoms::idle(&scene.mechanism, held);
+        term.note(&format!("idle: {idle} at its start value"));
+    }
+    if let Some(wanted) = derivatives {
+        add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;
+    }
+    let columns = Columns {
+        rates: args.rates,
+        derivatives,
+        motion: args.certify == CertifyArg::Motion,
+    };
+    match format {
+        TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,
+        TableFormat::Json => write_json(&scene.mechanism, &trajectory, columns, output.as_mut())?,
+    }
+    output.commit()?;
+    Ok(outcome)
+}
+
+/// Newton's iterates from the start values, as a table.
+fn trace_iterations(
+    mechanism: &Mechanism,
+    format: TableFormat,
+    mut output: Box<dyn Output>,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
+    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let (list, closed) = iterates(mechanism, &structure, &start);
+    match format {
+        TableFormat::Csv => iterate_table::write_csv(mechanism, &list, output.as_mut())?,
+        TableFormat::Json => iterate_table::write_json(mechanism, &list, closed, output.as_mut())?,
+    }
+    output.commit()?;
+    if closed {
+        return Ok(Outcome::Done);
+    }
+    term.warning("plain Newton does not close from these start values; the solver, which damps its steps, may");
+    Ok(Outcome::NotClosed)
+}
+
+/// Ends a run in order if Ctrl-C came while the motion was being solved.
+pub fn refuse_interrupted() -> Result<(), Failure> {
+    if CANCEL.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    Ok(())
+}
+
+fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+    let mechanism = &scene.mechanism;
+    if let Some(at) = args.at {
+        let frames = frame_times(mechanism, scene.view.fps);
+        return up_to(at, mechanism.duration, &frames);
+    }
+    Ok(match args.samples {
+        Some(count) => even_times(mechanism, count),
+        None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
+        None if mechanism.drives.iter().all(|d| d.is_constant()) => vec![0.0],
+        None => frame_times(mechanism, scene.view.fps),
+    })
+}
+
+/// The frames before `at`, then `at` itself: the branch at `at` is the one that the motion reaches.
+pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure> {
+    if !(0.0..=duration).contains(&at) {
+        return Err(Failure::usage(
+            format!("the motion lasts from 0 to {duration} s, {at} is outside"),
+            Vec::new(),
+        ));
+    }
+    let mut times: Vec<f64> = frames.iter().copied().filter(|t| *t < at).collect();
+    times.push(at);
+    Ok(times)
+}
+
+/// The rates asked for with `--order` and `--per`.
+fn derivatives(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateColumns>, Failure> {
+    let Some(order) = args.order else {
+        return Ok(None);
+    };
+    let Some(name) = &args.per else {
+        let by = By::Time;
+        return Ok(Some(RateColumns { order, by }));
+    };
+    let inputs = mechanism.inputs.iter();
+    let Some(index) = inputs.clone().position(|input| input.name == *name) else {
+        let names: Vec<&str> = inputs.map(|input| input.name.as_str()).collect();
+        return Err(Failure::usage(
+            format!("there is no input `{name}`"),
+            vec![format!("inputs: {}", names.join(", "))],
+        ));
+    };
+    let by = By::Input(index);
+    Ok(Some(RateColumns { order, by }))
+}
+
+fn format(args: &SolveArgs) -> Result<TableFormat, Failure> {
+    if let Some(format) = args.format {
+        return Ok(format);
+    }
+    let extension = args
+        .out
+        .extension()
+        .map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("json") => Ok(TableFormat::Json),
+        None if args.out == Path::new("-") => Ok(TableFormat::Csv),
+        _ => Err(Failure::usage(
+            format!("{}: unknown kind of table", args.out.display()),
+            vec!["known are .csv and .json; or say --format csv".to_owned()],
+        )),
+    }
+}

@@ -1,0 +1,204 @@
+//! What the verbs on studies share: opening a family, units of measures, and parameters as the scene file has them.
+
+use super::{inputs_table, scene as open_scene};
+use crate::analysis::study::{Evaluator, Family, FamilyError, Rejection, Stand};
+use crate::cli::args::SceneArgs;
+use crate::cli::args::study::VaryArgs;
+use crate::cli::motion::modes;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::diag::Source;
+use crate::model::measure::{Measure, MeasureSource};
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::scene::{OtherDrives, Overrides, load};
+
+/// A scene that is to be studied.
+pub struct Opened {
+    /// Its text.
+    pub source: Source,
+    /// What the command line changes in it.
+    pub overrides: Overrides,
+    /// With its variables as inputs.
+    pub family: Family,
+}
+
+/// Reads the scene; `all_by_default` decides what is varied where nothing is said.
+pub fn open(
+    scene: &SceneArgs,
+    vary: &VaryArgs,
+    all_by_default: bool,
+    term: &Term,
+) -> Result<Opened, Failure> {
+    let (source, mut overrides) = open_scene::text_of(scene)?;
+    let mut nominal = load(&source, &overrides).map_err(Box::new)?;
+    apply(scene, &mut nominal.mechanism, &mut overrides)?;
+    term.diagnostics(&source, &nominal.warnings);
+    let all = vary.vary.iter().any(|v| v == "all") || (vary.vary.is_empty() && all_by_default);
+    let names = if all {
+        nominal.dimensions
+    } else {
+        vary.vary.clone()
+    };
+    for (k, name) in names.iter().enumerate() {
+        if names[..k].contains(name) {
+            return Err(Failure::usage(
+                format!("`{name}` is to be varied twice"),
+                Vec::new(),
+            ));
+        }
+    }
+    let family = Family::load(&source, &overrides, &names)?;
+    Ok(Opened {
+        source,
+        overrides,
+        family,
+    })
+}
+
+/// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.
+fn apply(
+    scene: &SceneArgs,
+    mechanism: &mut Mechanism,
+    overrides: &mut Overrides,
+) -> Result<(), Failure> {
+    if let Some(path) = &scene.table {
+        let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+        if !mechanism.measures.iter().any(along_drive) {
+            return Err(Failure::usage(
+                "all measures of the scene look along tracks: --inputs would change nothing",
+                vec!["a measure without `track` looks along the drive".to_owned()],
+            ));
+        }
+        inputs_table::apply(mechanism, path)?;
+        overrides.drives = Some(OtherDrives {
+            drives: mechanism.drives.clone(),
+            duration: mechanism.duration,
+        });
+    }
+    if let Some(choice) = &scene.mode {
+        modes::start_from(mechanism, choice)?;
+        let start = mechanism.unknowns.iter().zip(&mechanism.guess);
+        overrides.guess = start
+            .map(|(unknown, value)| {
+                let value = value * mechanism.file_units(unknown.kind);
+                (unknown.name.clone(), format!("{value:?}"))
+            })
+            .collect();
+    }
+    Ok(())
+}
+
+impl From<FamilyError> for Failure {
+    fn from(error: FamilyError) -> Self {
+        match error {
+            FamilyError::Scene(error) => Self::Scene(error),
+            FamilyError::Structure(error) => Self::Structure(error),
+            FamilyError::Lacks(message) => Self::usage(message, Vec::new()),
+            FamilyError::Track { .. } => Self::NeverClosed {
+                message: error.to_string(),
+                hints: vec![
+                    "`mechanim solve` and `mechanim modes` show where the mechanism closes"
+                        .to_owned(),
+                ],
+            },
+        }
+    }
+}
+
+impl Opened {
+    /// Factor from internal values to the file's units.
+    pub fn units(&self, kind: Kind) -> f64 {
+        self.family.mechanism.file_units(kind)
+    }
+
+    /// What is said of a stand that cannot be studied.
+    pub fn refused(&self, evaluator: &Evaluator, stand: &Stand, refusal: &Rejection) -> Failure {
+        let why = match refusal {
+            Rejection::NoValue(name) => evaluator.why(stand, name),
+            Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
+        };
+        let message = format!("at the file's own values: {refusal}{why}");
+        Failure::usage(message, Vec::new())
+    }
+
+    /// The scene's measures.
+    pub fn measures(&self) -> &[Measure] {
+        &self.family.mechanism.measures
+    }
+
+    /// The measure that is to be made small.
+    pub fn objective(&self) -> Option<&Measure> {
+        let index = self.family.study.objective?;
+        self.measures().get(index)
+    }
+
+    /// Index of the measure of that name.
+    pub fn measure(&self, name: &str) -> Result<usize, Failure> {
+        let measures = self.measures();
+        measures.iter().position(|m| m.name == name).ok_or_else(|| {
+            let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
+            Failure::usage(
+                format!("the scene has no measure `{name}`"),
+                vec![format!("measures: {}", names.join(", "))],
+            )
+        })
+    }
+
+    /// A measure's value in the file's unit.
+    pub fn shown(&self, measure: &Measure, value: f64) -> f64 {
+        value * self.units(measure.kind)
+    }
+
+    /// Values of the variables as formulas of the file, with what the command line replaced before them.
+    pub fn parameters(&self, values: &[f64]) -> Vec<(String, String)> {
+        let mut list = self.overrides.parameters.clone();
+        for (variable, value) in self.family.study.variables.iter().zip(values) {
+            list.retain(|(name, _)| *name != variable.name);
+            let value = value * self.units(variable.kind);
+            list.push((variable.name.clone(), format!("{value:?}")));
+        }
+        list
+    }
+}
+
+/// Rows of cells, the first left-aligned, the others right-aligned.
+pub fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |j: usize| {
+        rows.iter()
+            .filter_map(|r| r.get(j))
+            .map(|c| c.chars().count())
+            .max()
+    };
+    let widths: Vec<usize> = (0..columns).map(|j| width(j).unwrap_or(0)).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells: Vec<String> = cells
+            .map(|(j, (cell, w))| {
+                if j == 0 {
+                    format!("{cell:<w$}")
+                } else {
+                    format!("{cell:>w$}")
+                }
+            })
+            .collect();
+        text.push_str("  ");
+        text.push_str(cells.join("  ").trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// A number with six significant digits.
+pub fn six(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let digits = (5 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.5e}")
+    }
+}

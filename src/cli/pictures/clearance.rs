@@ -1,0 +1,108 @@
+//! Pictures of clearances: the worst moment of a check, and bodies that turn colour in an animation.
+
+use crate::clearance::check::{ClearanceReport, check};
+use crate::cli::args::CheckArgs;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::export::png::{Effort, PngSettings, StillSink};
+use crate::export::{Format, FrameSink, Target};
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::trajectory::Trajectory;
+use crate::render::open::{RendererChoice, open};
+use crate::render::overlay::Overlay;
+use crate::scene::Scene;
+use crate::staging::marks::{Marks, Measure};
+use crate::staging::{PictureOptions, Staging};
+use image::RgbaImage;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Size and sampling of the picture.
+const OPTIONS: PictureOptions = PictureOptions {
+    size: [960, 720],
+    samples: 4,
+};
+
+/// Nearness of the bound where only the samples count.
+const COARSE: f64 = 1.0;
+
+/// Draws the worst pair at its worst moment.
+pub fn write(
+    args: &CheckArgs,
+    scene: &Scene,
+    motion: &Trajectory,
+    report: &ClearanceReport,
+    path: &Path,
+    term: &Term,
+) -> Result<(), Failure> {
+    let Some(worst) = report.worst() else {
+        term.warning("no pair is judged: there is nothing to draw");
+        return Ok(());
+    };
+    if Format::from_path(path)? != Format::Png {
+        return Err(Failure::usage(
+            format!("{} is no .png file", path.display()),
+            Vec::new(),
+        ));
+    }
+    if crate::cli::open::scene::is_scene_file(&args.scene, path) {
+        return Err(Failure::usage(
+            format!("{} is an input of this command", path.display()),
+            Vec::new(),
+        ));
+    }
+    let least = &worst.least;
+    // All samples are solved: the camera holds the whole motion.
+    let mut all: Vec<f64> = motion.samples.iter().map(|s| s.time).collect();
+    let index = all.partition_point(|t| *t < least.time);
+    if all.get(index) != Some(&least.time) {
+        all.insert(index, least.time);
+    }
+    let trajectory = solve(&scene.mechanism, &all)?;
+    let unit = &scene.mechanism.length_unit;
+    let marks = Marks {
+        measure: Some(Measure {
+            bodies: worst.pair,
+            points: least.points,
+            text: format!("{:.3} {unit}", least.distance),
+        }),
+        ..Marks::default()
+    };
+    let staging = Staging::marked(scene, &trajectory, OPTIONS, marks);
+    let choice = RendererChoice::Cpu;
+    let stage = Arc::clone(&staging.stage);
+    let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
+    let frame = staging.frame(index);
+    for mut renderer in open(choice, choice.default_adapter(), stage, 1)? {
+        renderer.draw(&frame, &mut image)?;
+    }
+    Overlay::new(staging.stage.background).draw(&frame, &frame.camera(&staging.stage), &mut image);
+    let settings = PngSettings {
+        size: OPTIONS.size,
+        effort: Effort::Balanced,
+        alpha: false,
+    };
+    let mut sink = StillSink::new(Box::new(Target::create(path)?), settings)?;
+    let mut coded = Vec::new();
+    sink.coder().code(&image, &mut coded)?;
+    sink.write(0, &coded)?;
+    Box::new(sink).finish()?;
+    Ok(())
+}
+
+/// For every sample the bodies that are nearer to another one than the scene allows.
+pub fn alarms(scene: &Scene, trajectory: &Trajectory) -> Result<Marks, Failure> {
+    let Some(rules) = &scene.clearance else {
+        return Err(Failure::usage(
+            "the scene asks for no clearances",
+            vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
+        ));
+    };
+    let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
+    let report = check(&scene.mechanism, rules, trajectory, COARSE, &|_, _| {})?;
+    let alarmed = times.iter().map(|time| report.offenders(*time)).collect();
+    Ok(Marks {
+        alarmed,
+        ..Marks::default()
+    })
+}

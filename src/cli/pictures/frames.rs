@@ -1,0 +1,196 @@
+//! The workers of `mechanim render`: panes of a picture drawn, laid side by side, captions and plots added.
+
+use crate::cli::args::{RenderArgs, RendererArg};
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::plot::companion::Companion;
+use crate::plot::raster::Painter;
+use crate::render::adapter::AdapterChoice;
+use crate::render::open::{RendererChoice, open};
+use crate::render::overlay::Overlay;
+use crate::render::{RenderError, Renderer, matte};
+use crate::scene::Scene;
+use crate::staging::{Staging, panes};
+use image::{GenericImage, RgbaImage};
+use std::sync::Arc;
+
+/// Draws samples of the motion by the index of their picture.
+#[derive(Clone, Copy)]
+pub struct Pictures<'a> {
+    /// The scene, for its theme.
+    pub scene: &'a Scene,
+    /// The whole picture.
+    pub staging: &'a Staging<'a>,
+    /// Parts of it that are views of their own, with their top left pixels; empty for one view.
+    pub panes: &'a [([u32; 2], Staging<'a>)],
+    /// First sample that is drawn.
+    pub first: usize,
+    /// A plot beside the motion.
+    pub panel: Option<&'a Companion>,
+}
+
+/// Draws a picture by its index.
+pub type Worker<'a> = Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a>;
+
+impl<'a> Pictures<'a> {
+    /// One worker a thread, or one for an adapter.
+    pub fn workers(self, args: &RenderArgs, term: &Term) -> Result<Vec<Worker<'a>>, Failure> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let count = args.file.threads.unwrap_or(cores);
+        let parts = self.panes.iter().map(|(corner, pane)| (*corner, pane));
+        let mut views: Vec<_> = parts.collect();
+        if views.is_empty() {
+            views.push(([0, 0], self.staging));
+        }
+        let view = &self.scene.view;
+        let mut workers: Vec<Vec<View<'a>>> = Vec::new();
+        for (corner, staging) in views {
+            let layers = open_layers(args, staging, view.transparent, count)?;
+            workers.resize_with(layers.len(), Vec::new);
+            for (worker, layers) in workers.iter_mut().zip(layers) {
+                worker.push(View::new(corner, staging, layers, view.background));
+            }
+        }
+        let first = workers.first().and_then(|views| views.first());
+        if let (RendererArg::Gpu, Some(view)) = (args.renderer, first) {
+            term.note(&format!("drawing on {}", view.layers[0].name()));
+        }
+        Ok(workers
+            .into_iter()
+            .map(|views| self.worker(views))
+            .collect())
+    }
+
+    fn worker(self, mut views: Vec<View<'a>>) -> Worker<'a> {
+        let [width, height] = self.staging.stage.size;
+        let mut captions = Overlay::new(self.scene.view.background);
+        let mut draw = move |sample: usize, image: &mut RgbaImage| {
+            if self.panes.is_empty() {
+                return views.iter_mut().try_for_each(|v| v.draw(sample, image));
+            }
+            for view in &mut views {
+                view.draw_into(sample, image)?;
+            }
+            let stage = &self.staging.stage;
+            let frame = panes::over(self.scene, self.staging, sample);
+            captions.draw(&frame, &stage.camera, image);
+            Ok(())
+        };
+        let Some(panel) = self.panel else {
+            return Box::new(move |picture, image| draw(self.first + picture, image));
+        };
+        let (mut motion, mut painter) = (RgbaImage::new(width, height), Painter::default());
+        Box::new(move |picture, image| {
+            let sample = self.first + picture;
+            draw(sample, &mut motion)?;
+            panel.compose(&motion, sample, &mut painter, image);
+            Ok(())
+        })
+    }
+}
+
+/// One view of the motion and what draws it: once, or before white and before black.
+struct View<'a> {
+    corner: [u32; 2],
+    staging: &'a Staging<'a>,
+    layers: Vec<Box<dyn Renderer>>,
+    overlay: Overlay,
+    /// The view by itself, where it is a part of a larger picture.
+    own: RgbaImage,
+    on_black: RgbaImage,
+}
+
+impl<'a> View<'a> {
+    fn new(
+        corner: [u32; 2],
+        staging: &'a Staging<'a>,
+        layers: Vec<Box<dyn Renderer>>,
+        background: [u8; 3],
+    ) -> Self {
+        let [width, height] = match layers.len() {
+            1 => [0, 0],
+            _ => staging.stage.size,
+        };
+        Self {
+            corner,
+            staging,
+            layers,
+            overlay: Overlay::new(background),
+            own: RgbaImage::new(0, 0),
+            on_black: RgbaImage::new(width, height),
+        }
+    }
+
+    fn draw(&mut self, sample: usize, image: &mut RgbaImage) -> Result<(), RenderError> {
+        let frame = self.staging.frame(sample);
+        let camera = &frame.camera(&self.staging.stage);
+        for (layer, renderer) in self.layers.iter_mut().enumerate() {
+            let target = match layer {
+                0 => &mut *image,
+                _ => &mut self.on_black,
+            };
+            renderer.draw(&frame, target)?;
+            self.overlay.draw(&frame, camera, target);
+        }
+        if self.layers.len() > 1 {
+            matte::extract(image, &self.on_black);
+        }
+        Ok(())
+    }
+
+    /// Draws into its place in a larger picture.
+    fn draw_into(&mut self, sample: usize, image: &mut RgbaImage) -> Result<(), RenderError> {
+        let [width, height] = self.staging.stage.size;
+        let mut own = std::mem::take(&mut self.own);
+        if own.dimensions() != (width, height) {
+            own = RgbaImage::new(width, height);
+        }
+        self.draw(sample, &mut own)?;
+        let copied = image.copy_from(&own, self.corner[0], self.corner[1]);
+        self.own = own;
+        copied.map_err(|error| RenderError::Size(error.to_string()))
+    }
+}
+
+/// For every worker its renderers of one view.
+fn open_layers(
+    args: &RenderArgs,
+    staging: &Staging,
+    transparent: bool,
+    count: usize,
+) -> Result<Vec<Vec<Box<dyn Renderer>>>, Failure> {
+    let choice = match args.renderer {
+        RendererArg::Auto => RendererChoice::Auto,
+        RendererArg::Gpu => RendererChoice::Gpu,
+        RendererArg::Cpu => RendererChoice::Cpu,
+    };
+    let stages = if transparent {
+        let grounds = [matte::WHITE, matte::BLACK];
+        grounds.map(|ground| staging.stage_on(ground)).to_vec()
+    } else {
+        vec![Arc::clone(&staging.stage)]
+    };
+    let mut workers: Vec<Vec<Box<dyn Renderer>>> = Vec::new();
+    for stage in stages {
+        let renderers = open(choice, adapter(args, choice), stage, count)?;
+        workers.resize_with(renderers.len(), Vec::new);
+        for (worker, renderer) in workers.iter_mut().zip(renderers) {
+            worker.push(renderer);
+        }
+    }
+    Ok(workers)
+}
+
+/// The adapter asked for with `--adapter` or MECHANIM_ADAPTER, else the one that suits the renderer.
+fn adapter(args: &RenderArgs, choice: RendererChoice) -> AdapterChoice {
+    let from_environment = || {
+        std::env::var("MECHANIM_ADAPTER")
+            .ok()
+            .filter(|name| !name.is_empty())
+    };
+    match args.adapter.clone().or_else(from_environment) {
+        Some(name) if name == "software" => AdapterChoice::Software,
+        Some(name) => AdapterChoice::Name(name),
+        None => choice.default_adapter(),
+    }
+}

@@ -1,0 +1,105 @@
+//! Pictures of a mechanism with paths drawn over it, and their writing as PNG.
+
+use crate::cli::args::SceneArgs;
+use crate::cli::open::scene as open_scene;
+use crate::cli::term::outcome::Failure;
+use crate::export::png::{Effort, encode};
+use crate::export::{ExportError, Format, Output, Target};
+use crate::plot::primitive::{Primitive, Stroke};
+use crate::plot::raster::Painter;
+use crate::render::open::{RendererChoice, open};
+use crate::render::overlay::Overlay;
+use crate::render::{Anchor, Label, RenderError};
+use crate::staging::Staging;
+use glam::DVec3;
+use image::RgbaImage;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Height of the lines of text below the title, and where they begin, as shares of the picture's height.
+const LINE_SIZE: f64 = 0.024;
+const FIRST_LINE: f64 = 0.085;
+const NEXT_LINE: f64 = 0.042;
+const INSET: f64 = 0.02;
+
+/// A path in the world, drawn as a line of some pixels in front of everything.
+pub struct PathLine {
+    /// Its points.
+    pub points: Vec<DVec3>,
+    /// Look, widths in pixels.
+    pub stroke: Stroke,
+}
+
+/// Draws sample `index` with `paths` over it and `lines` of text below the title.
+pub fn draw(
+    staging: &Staging,
+    index: usize,
+    paths: &[PathLine],
+    lines: &[String],
+    image: &mut RgbaImage,
+) -> Result<(), RenderError> {
+    let choice = RendererChoice::Cpu;
+    let stage = &staging.stage;
+    let mut frame = staging.frame(index);
+    for mut renderer in open(choice, choice.default_adapter(), Arc::clone(stage), 1)? {
+        renderer.draw(&frame, image)?;
+    }
+    let (camera, size) = (&frame.camera(stage), stage.size);
+    let primitives: Vec<Primitive> = paths
+        .iter()
+        .map(|path| {
+            let points = path.points.iter().filter_map(|p| camera.project(*p, size));
+            Primitive::Line {
+                points: points.map(|[x, y, _]| [x, y]).collect(),
+                stroke: path.stroke,
+                name: String::new(),
+            }
+        })
+        .collect();
+    Painter::default().paint(&primitives, image);
+    let [width, height] = size.map(f64::from);
+    for (k, line) in lines.iter().enumerate() {
+        frame.labels.push(Label {
+            text: line.clone(),
+            anchor: Anchor::Screen([INSET * height / width, FIRST_LINE + NEXT_LINE * k as f64]),
+            size: LINE_SIZE * height,
+            colour: staging.theme().ink(),
+            plate: false,
+            yields: false,
+        });
+    }
+    Overlay::new(stage.background).draw(&frame, camera, image);
+    Ok(())
+}
+
+/// Refuses a picture that is no PNG, or would be written over an input of the command.
+pub fn refuse_other(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
+    if Format::from_path(path)? != Format::Png {
+        let message = format!("{} is no .png file", path.display());
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    refuse_input(scene, path)
+}
+
+/// Refuses to write over an input of the command.
+pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
+    match open_scene::is_scene_file(scene, path) {
+        true => Err(Failure::usage(
+            format!("{} is an input of this command", path.display()),
+            Vec::new(),
+        )),
+        false => Ok(()),
+    }
+}
+
+/// Writes a picture as PNG.
+pub fn write(image: &RgbaImage, path: &Path) -> Result<(), Failure> {
+    let mut bytes = Vec::new();
+    encode(image, Effort::Balanced, &mut bytes)?;
+    let mut target = Target::create(path)?;
+    let written = target.write_all(&bytes);
+    written.map_err(|source| ExportError::write(target.name(), source))?;
+    target.commit()?;
+    Ok(())
+}

@@ -1,0 +1,136 @@
+//! The cloud of paths of `mechanim tolerance`: over the mechanism as a picture, unrolled as a plot.
+
+use super::paths;
+use super::paths::PathLine;
+use crate::analysis::cloud::{PathCloud, clouds};
+use crate::analysis::study::Stand;
+use crate::analysis::tolerance::Batch;
+use crate::cli::CANCEL;
+use crate::cli::args::charts::ThemeArg;
+use crate::cli::args::study::ToleranceArgs;
+use crate::cli::motion::plot;
+use crate::cli::motion::plot::PlotFormat;
+use crate::cli::motion::solve::up_to;
+use crate::cli::open::study::Opened;
+use crate::cli::term::outcome::Failure;
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::sampling::even_times;
+use crate::model::view::Trails;
+use crate::plot::cloud::chart;
+use crate::plot::primitive::Stroke;
+use crate::scene::load;
+use crate::staging::{PictureOptions, Staging};
+use glam::DVec3;
+use image::RgbaImage;
+
+/// Size and sampling of the picture.
+const OPTIONS: PictureOptions = PictureOptions {
+    size: [960, 720],
+    samples: 4,
+};
+
+/// What deviations are made of a path's extent, so that they are seen.
+const SEEN: f64 = 0.12;
+
+/// Poses of the drive that the camera must hold.
+const CAMERA_SAMPLES: usize = 32;
+
+/// Opacity of a path, of 255, where `pieces` of them lie over each other.
+fn opacity(pieces: usize) -> u8 {
+    (4000.0 / pieces.max(1) as f64).clamp(5.0, 90.0) as u8
+}
+
+/// Draws what is asked for.
+pub fn write(
+    args: &ToleranceArgs,
+    opened: &Opened,
+    nominal: &Stand,
+    tolerances: &[f64],
+    batch: Batch,
+) -> Result<(), Failure> {
+    if args.picture.is_none() && args.plot.is_none() {
+        return Ok(());
+    }
+    let family = &opened.family;
+    if family.mechanism.traces.is_empty() {
+        return Err(Failure::usage(
+            "the cloud is drawn around the paths of traced points, and the scene traces none",
+            vec!["name a point: [[traces]] with name, body and point".to_owned()],
+        ));
+    }
+    let few = Batch {
+        samples: args.paths.min(batch.samples),
+        ..batch
+    };
+    let found = clouds(family, nominal, tolerances, few, &CANCEL).ok_or(Failure::Interrupted)?;
+    if let Some(path) = &args.plot {
+        let format = PlotFormat::of(path)?;
+        let mechanism = &family.mechanism;
+        let chart = chart(&mechanism.title, &mechanism.length_unit, &found);
+        let mut output = plot::open(path)?;
+        plot::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+        output.commit()?;
+    }
+    if let Some(path) = &args.picture {
+        paths::write(&picture(args, opened, &found)?, path)?;
+    }
+    Ok(())
+}
+
+/// Refuses files that cannot be written before anything is computed.
+pub fn refuse(args: &ToleranceArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.picture {
+        paths::refuse_other(&args.scene, path)?;
+    }
+    if let Some(path) = &args.plot {
+        PlotFormat::of(path)?;
+        paths::refuse_input(&args.scene, path)?;
+    }
+    Ok(())
+}
+
+fn picture(
+    args: &ToleranceArgs,
+    opened: &Opened,
+    clouds: &[PathCloud],
+) -> Result<RgbaImage, Failure> {
+    let mut scene = load(&opened.source, &opened.overrides).map_err(Box::new)?;
+    scene.view.decor.trails = Trails::None;
+    // The camera holds the whole motion; the pose is the one that the drive reaches.
+    let even = even_times(&scene.mechanism, CAMERA_SAMPLES);
+    let mut times = up_to(args.at, scene.mechanism.duration, &even)?;
+    let index = times.len() - 1;
+    times.extend(even.into_iter().filter(|t| *t > args.at));
+    let trajectory = solve(&scene.mechanism, &times)?;
+    let staging = Staging::new(&scene, &trajectory, OPTIONS);
+    let factor = args.enlarge.unwrap_or_else(|| {
+        let all = clouds.iter().map(|c| c.enlargement(SEEN));
+        all.fold(f64::INFINITY, f64::min)
+    });
+    let mut lines = Vec::new();
+    for cloud in clouds {
+        let [r, g, b] = cloud.colour;
+        let stroke = Stroke::solid([r, g, b, opacity(cloud.pieces.len())], 1.3);
+        lines.extend(cloud.pieces.iter().map(|piece| PathLine {
+            points: enlarged(piece, &cloud.nominal, factor),
+            stroke,
+        }));
+    }
+    lines.extend(clouds.iter().map(|cloud| PathLine {
+        points: cloud.nominal.clone(),
+        stroke: Stroke::solid([0x11, 0x13, 0x18, 255], 1.6),
+    }));
+    let pieces = clouds.first().map_or(0, |c| c.pieces.len());
+    let mut text = vec![format!("paths of {pieces} random pieces")];
+    if factor != 1.0 {
+        text.push(format!("deviations {factor} times enlarged"));
+    }
+    let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
+    paths::draw(&staging, index, &lines, &text, &mut image)?;
+    Ok(image)
+}
+
+fn enlarged(piece: &[DVec3], nominal: &[DVec3], factor: f64) -> Vec<DVec3> {
+    let points = piece.iter().zip(nominal);
+    points.map(|(p, n)| *n + (*p - *n) * factor).collect()
+}

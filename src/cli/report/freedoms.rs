@@ -1,0 +1,178 @@
+//! The mobility report in words and as JSON, for `check` and `solve`.
+
+use crate::kinematics::freedoms::mobility::Mobility;
+use crate::kinematics::structure::block::Held;
+use crate::kinematics::structure::loop_part::component_name;
+use crate::model::mechanism::Mechanism;
+use serde_json::{Value, json};
+
+/// Most loops whose dimensions are listed one by one.
+const MAX_LOOPS: usize = 6;
+
+/// Most redundant equations that are listed one by one.
+const MAX_EQUATIONS: usize = 6;
+
+/// Lines of the report, each with its head, as `check` prints them.
+pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
+    let mut lines = vec![("mobility", sentence(mobility))];
+    if let Some(dependents) = mobility.planar_dependents() {
+        let (k, s1) = (mobility.loops.len(), mobility.couplings);
+        let all = mobility.count() + dependents as i64;
+        lines.push((
+            "",
+            format!("planar, as vector loops d = 2k + s1 = 2*{k} + {s1} = {dependents} dependent of {all} coordinates"),
+        ));
+    }
+    if !mobility.redundant.is_empty() {
+        lines.push(("redundant", redundant(mechanism, mobility)));
+    }
+    for name in &mobility.conditions {
+        let text = format!(
+            "`{name}` has equations that no unknown is left for: closed only where the inputs fit"
+        );
+        lines.push(("condition", text));
+    }
+    lines.extend(
+        mobility
+            .idle
+            .iter()
+            .map(|held| ("idle", idle(mechanism, held))),
+    );
+    let line = |(head, text): (&str, String)| format!("  {head:<16} {text}\n");
+    lines.into_iter().map(line).collect()
+}
+
+/// The count, the numeric mobility, and the number of inputs.
+fn sentence(mobility: &Mobility) -> String {
+    let mut cost: Vec<String> = if mobility.loops.len() > MAX_LOOPS {
+        let total: usize = mobility.loops.iter().map(|l| l.dimension).sum();
+        vec![format!("{total} of {} loops", mobility.loops.len())]
+    } else {
+        let loops = mobility.loops.iter();
+        loops
+            .map(|l| format!("{} of loop {}", l.dimension, l.name))
+            .collect()
+    };
+    if mobility.couplings > 0 {
+        cost.push(format!("{} of equations", mobility.couplings));
+    }
+    let cost = if cost.is_empty() {
+        "nothing".to_owned()
+    } else {
+        cost.join(" - ")
+    };
+    let mut text = format!(
+        "{} by count ({} joint freedoms - {cost})",
+        mobility.count(),
+        mobility.freedoms
+    );
+    match (mobility.generic, mobility.at_start) {
+        (None, _) => text.push_str("; no closed pose to take a rank at"),
+        (Some(generic), start) => {
+            let used = mobility.freedoms;
+            text.push_str(&format!(
+                ", {} by the rank {} of {used} coordinates",
+                generic.mobility, generic.rank
+            ));
+            if let Some(start) = start.filter(|s| *s != generic) {
+                text.push_str(&format!(
+                    ", {} at the start, which is singular",
+                    start.mobility
+                ));
+            }
+        }
+    }
+    let inputs = if mobility.inputs == 1 {
+        "input"
+    } else {
+        "inputs"
+    };
+    text.push_str(&format!("; {} {inputs}", mobility.inputs));
+    match mobility.idle.len() {
+        0 => {}
+        1 => text.push_str(", 1 idle freedom"),
+        n => text.push_str(&format!(", {n} idle freedoms")),
+    }
+    text
+}
+
+fn redundant(mechanism: &Mechanism, mobility: &Mobility) -> String {
+    let all = &mobility.redundant;
+    let named = all.iter().take(MAX_EQUATIONS).map(|(index, component)| {
+        format!(
+            "{} of loop {}",
+            component_name(*component),
+            mechanism.loops[*index].name
+        )
+    });
+    let list = named.collect::<Vec<_>>().join(", ");
+    let more = all.len().saturating_sub(MAX_EQUATIONS);
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    format!("{list}{more}: implied by the other equations, checked but not proved")
+}
+
+/// An idle freedom as a sentence.
+pub fn idle(mechanism: &Mechanism, held: &Held) -> String {
+    let names = |slots: &[usize]| -> String {
+        let names = slots.iter().map(|u| mechanism.unknowns[*u].name.as_str());
+        names.collect::<Vec<_>>().join(", ")
+    };
+    let held_name = &mechanism.unknowns[held.unknown].name;
+    match held.turning {
+        Some(index) => format!(
+            "a link of loop {} can spin about the line of its own joints ({}); `{held_name}` is held",
+            mechanism.loops[index].name,
+            names(&held.moving)
+        ),
+        None => format!(
+            "{} can be exchanged without moving anything; `{held_name}` is held",
+            names(&held.moving)
+        ),
+    }
+}
+
+/// The report as JSON.
+pub fn document(mechanism: &Mechanism, mobility: &Mobility) -> Value {
+    let name = |u: &usize| mechanism.unknowns[*u].name.clone();
+    let loops: Vec<Value> = mobility
+        .loops
+        .iter()
+        .map(|l| json!({ "loop": l.name, "dimension": l.dimension, "planar": l.is_planar }))
+        .collect();
+    let redundant: Vec<Value> = mobility
+        .redundant
+        .iter()
+        .map(|(index, component)| {
+            json!({ "loop": mechanism.loops[*index].name, "equation": component_name(*component) })
+        })
+        .collect();
+    let idle: Vec<Value> = mobility
+        .idle
+        .iter()
+        .map(|held| {
+            json!({
+                "held": name(&held.unknown),
+                "moving": held.moving.iter().map(name).collect::<Vec<_>>(),
+                "loop": held.turning.map(|index| mechanism.loops[index].name.clone()),
+            })
+        })
+        .collect();
+    json!({
+        "count": mobility.count(),
+        "joint_freedoms": mobility.freedoms,
+        "inputs": mobility.inputs,
+        "loops": loops,
+        "equations": mobility.couplings,
+        "planar_dependents": mobility.planar_dependents(),
+        "numeric": mobility.generic.map(|n| n.mobility),
+        "numeric_rank": mobility.generic.map(|n| n.rank),
+        "numeric_at_start": mobility.at_start.map(|n| n.mobility),
+        "redundant": redundant,
+        "conditions": mobility.conditions,
+        "idle": idle,
+    })
+}

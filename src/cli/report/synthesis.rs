@@ -1,0 +1,370 @@
+//! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
+
+use crate::analysis::study::FamilyError;
+use crate::analysis::synthesis::verify::Proof;
+use crate::analysis::synthesis::{Start, Synthesis, ended};
+use crate::cli::open::study::{Opened, aligned, six};
+use crate::model::measure::Measure;
+use serde_json::{Map, Value, json};
+
+/// Version of the JSON document.
+const SCHEMA: u32 = 1;
+
+/// Violation of a limit that is still called kept.
+const KEPT: f64 = 1e-6;
+
+/// What was found for a scene.
+pub struct Found<'a> {
+    /// As it was asked for.
+    pub name: String,
+    /// The scene.
+    pub opened: &'a Opened,
+    /// Where random numbers started.
+    pub seed: u64,
+    /// The search.
+    pub synthesis: Synthesis,
+    /// Measures at the scene's own values, internal units.
+    pub own: Vec<f64>,
+    /// The independent motion.
+    pub proof: Result<Proof, FamilyError>,
+    /// Text of the found scene.
+    pub scene: String,
+}
+
+impl Found<'_> {
+    /// Everything is proved and all limits are kept between the samples, too.
+    pub fn holds(&self) -> bool {
+        self.proof
+            .as_ref()
+            .is_ok_and(|p| p.holds() && self.violation(p) <= KEPT)
+    }
+
+    fn violation(&self, proof: &Proof) -> f64 {
+        let pairs = self.opened.measures().iter().zip(&proof.measures);
+        let values = pairs.map(|(m, v)| m.violation(v.unwrap_or(f64::NAN)));
+        values.fold(f64::NEG_INFINITY, |worst, v| {
+            if v > worst || v.is_nan() { v } else { worst }
+        })
+    }
+
+    /// Printed, own and found values of a measure, in the file's unit.
+    fn values(&self, index: usize, measure: &Measure) -> [Option<f64>; 3] {
+        let study = &self.opened.family.study;
+        let printed = study.printed.iter().find(|(k, _)| *k == index);
+        let is_objective = study.objective == Some(index);
+        let found = match &self.proof {
+            // The objective is that of the study's own samples, as it was searched.
+            _ if is_objective => Some(self.synthesis.value),
+            Ok(proof) => proof.measures[index],
+            Err(_) => None,
+        };
+        let shown = |v: f64| self.opened.shown(measure, v);
+        [
+            printed.map(|(_, v)| shown(*v)),
+            Some(shown(self.own[index])),
+            found.map(shown),
+        ]
+    }
+}
+
+fn cell(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), six)
+}
+
+fn words(list: &[&str]) -> Vec<String> {
+    list.iter().map(|s| (*s).to_owned()).collect()
+}
+
+/// One scene for people.
+pub fn text(found: &Found) -> String {
+    let (opened, synthesis) = (found.opened, &found.synthesis);
+    let objective = opened.objective();
+    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
+    let name = objective.map_or("objective", |m| &m.name);
+    let mut text = format!("{}\n", opened.family.mechanism.title);
+    if let Some(note) = &opened.family.study.note {
+        text.push_str(&format!("  {note}\n"));
+    }
+    let rejected = synthesis.rejected();
+    text.push_str(&format!(
+        "  least {name} {}: {} starts, seed {}, {} evaluations, {:.2} s{}\n",
+        six(synthesis.value * unit),
+        synthesis.searched,
+        found.seed,
+        synthesis.evaluations(),
+        synthesis.seconds,
+        if synthesis.stopped { ", stopped" } else { "" },
+    ));
+    text.push_str(&format!(
+        "  random draws rejected: {} do not assemble, {} do not move along the tracks, {} interpenetrate\n\n",
+        rejected.not_assembled, rejected.not_moving, rejected.interpenetrating
+    ));
+    let heads = [
+        "start",
+        "from",
+        "first",
+        "found",
+        "evaluations",
+        "refused",
+        "cutting",
+        "s",
+        "why it ended",
+    ];
+    let mut table = vec![words(&heads)];
+    for (k, start) in synthesis.starts.iter().enumerate() {
+        let polish = k >= synthesis.searched;
+        table.push(start_row(k, start, polish, unit));
+    }
+    text.push_str(&aligned(&table));
+    text.push('\n');
+    text.push_str(&variables(found));
+    text.push('\n');
+    text.push_str(&measures(found));
+    text.push_str(&proof(found));
+    text.push('\n');
+    text
+}
+
+fn start_row(index: usize, start: &Start, is_polish: bool, unit: f64) -> Vec<String> {
+    let number = if is_polish {
+        "polish".to_owned()
+    } else {
+        (index + 1).to_string()
+    };
+    let origin = if is_polish {
+        "best".to_owned()
+    } else {
+        start.origin.words()
+    };
+    let mut row = vec![number, origin];
+    match &start.minimum {
+        Some(minimum) => row.extend([
+            six(start.first * unit),
+            six(minimum.value * unit),
+            (minimum.evaluations + minimum.gradients).to_string(),
+            start.refusals.count().to_string(),
+            start.interpenetrating.to_string(),
+            format!("{:.2}", start.seconds),
+            if start.value().is_finite() {
+                ended(minimum.ended).to_owned()
+            } else {
+                "limits not kept".to_owned()
+            },
+        ]),
+        None => row.extend(words(&["-", "-", "0", "0", "0", "-", "no draw moves"])),
+    }
+    row
+}
+
+fn variables(found: &Found) -> String {
+    let study = &found.opened.family.study;
+    let mut table = vec![words(&["variable", "scene", "found", "lowest", "highest"])];
+    for (variable, x) in study.variables.iter().zip(&found.synthesis.best) {
+        let unit = found.opened.units(variable.kind);
+        let numbers = [variable.start, *x, variable.lower, variable.upper];
+        let mut row = vec![variable.name.clone()];
+        row.extend(numbers.map(|v| six(v * unit)));
+        table.push(row);
+    }
+    aligned(&table)
+}
+
+fn measures(found: &Found) -> String {
+    let mut table = vec![words(&["measure", "printed", "scene", "found"])];
+    for (index, measure) in found.opened.measures().iter().enumerate() {
+        let mut row = vec![measure.name.clone()];
+        row.extend(found.values(index, measure).map(cell));
+        table.push(row);
+    }
+    aligned(&table)
+}
+
+fn proof(found: &Found) -> String {
+    let proof = match &found.proof {
+        Ok(proof) => proof,
+        Err(error) => return format!("\n  NOT PROVED: {error}\n"),
+    };
+    let unit = &found.opened.family.mechanism.length_unit;
+    let open = proof.open.map_or(String::new(), |open| {
+        format!(", back where it began within {open:.1e} {unit}")
+    });
+    let mut text = format!(
+        "\n  followed again: {} poses of the drive, {} missing, {} without a certificate, error at most {:.1e} {unit}, {}{open}\n",
+        proof.poses,
+        proof.missing,
+        proof.unproved,
+        proof.error_bound,
+        if proof.one_branch {
+            "one branch"
+        } else {
+            "SEVERAL BRANCHES"
+        },
+    );
+    let names = |pairs: &[[String; 2]]| -> String {
+        let pairs = pairs.iter().map(|[a, b]| format!("{a} and {b}"));
+        pairs.collect::<Vec<_>>().join("; ")
+    };
+    if !proof.cutting.is_empty() {
+        text.push_str(&format!("  CUTTING: {}\n", names(&proof.cutting)));
+    }
+    if !proof.meeting.is_empty() {
+        text.push_str(&format!(
+            "  drawn bodies that meet with these dimensions: {}\n",
+            names(&proof.meeting)
+        ));
+    }
+    if found.violation(proof) > KEPT {
+        text.push_str(&format!(
+            "  a limit is missed by {:.2e} of itself between the samples\n",
+            found.violation(proof)
+        ));
+    }
+    text.push_str(if found.holds() {
+        "  proved: the mechanism moves as found, and keeps its limits\n"
+    } else {
+        "  NOT PROVED\n"
+    });
+    text
+}
+
+/// Measures that all scenes have, in the order of the first.
+fn common(found: &[Found]) -> Vec<String> {
+    let Some(first) = found.first() else {
+        return Vec::new();
+    };
+    let has = |one: &Found, name: &str| one.opened.measures().iter().any(|m| m.name == name);
+    let names = first.opened.measures().iter().map(|m| m.name.clone());
+    names
+        .filter(|name| found.iter().all(|one| has(one, name)))
+        .collect()
+}
+
+/// Several scenes side by side: what simplifying costs.
+pub fn ladder(found: &[Found]) -> String {
+    let names = common(found);
+    let mut text = "Ladder\n".to_owned();
+    for name in &names {
+        let mut table = vec![words(&[
+            name,
+            "variables",
+            "printed",
+            "scene",
+            "found",
+            "evaluations",
+            "s",
+            "proved",
+        ])];
+        for one in found {
+            let measures = one.opened.measures().iter().enumerate();
+            for (index, measure) in measures.filter(|(_, m)| m.name == *name) {
+                let mut row = vec![
+                    one.name.clone(),
+                    one.opened.family.study.variables.len().to_string(),
+                ];
+                row.extend(one.values(index, measure).map(cell));
+                row.extend([
+                    one.synthesis.evaluations().to_string(),
+                    format!("{:.1}", one.synthesis.seconds),
+                    if one.holds() { "yes" } else { "NO" }.to_owned(),
+                ]);
+                table.push(row);
+            }
+        }
+        text.push_str(&aligned(&table));
+        text.push('\n');
+    }
+    text
+}
+
+/// The ladder as CSV: scene, kind, name, printed, own and found value.
+pub fn rows(found: &[Found]) -> String {
+    let mut text = "scene,kind,name,printed,scene_value,found\n".to_owned();
+    let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:?}"));
+    for one in found {
+        for (index, measure) in one.opened.measures().iter().enumerate() {
+            let [printed, own, value] = one.values(index, measure).map(number);
+            let name = &measure.name;
+            text.push_str(&format!(
+                "{},measure,{name},{printed},{own},{value}\n",
+                one.name
+            ));
+        }
+        let study = &one.opened.family.study;
+        for (variable, x) in study.variables.iter().zip(&one.synthesis.best) {
+            let unit = one.opened.units(variable.kind);
+            let (own, value) = (variable.start * unit, x * unit);
+            text.push_str(&format!(
+                "{},variable,{},,{own:?},{value:?}\n",
+                one.name, variable.name
+            ));
+        }
+    }
+    text
+}
+
+/// All scenes for programs.
+pub fn document(found: &[Found]) -> Value {
+    let scenes: Vec<Value> = found.iter().map(scene_document).collect();
+    json!({ "schema": format!("mechanim-synthesise-{SCHEMA}"), "scenes": scenes })
+}
+
+fn scene_document(found: &Found) -> Value {
+    let (opened, synthesis) = (found.opened, &found.synthesis);
+    let objective = opened.objective();
+    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
+    let starts: Vec<Value> = synthesis
+        .starts
+        .iter()
+        .map(|start| {
+            json!({
+                "from": start.origin.words(),
+                "first": start.first * unit,
+                "found": start.minimum.as_ref().map(|m| m.value * unit),
+                "evaluations": start.minimum.as_ref().map_or(0, |m| m.evaluations + m.gradients),
+                "refused": { "not_reached": start.refusals.not_reached, "torn": start.refusals.torn, "no_value": start.refusals.no_value,
+                             "interpenetrating": start.interpenetrating },
+                "limits_kept": start.value().is_finite(),
+                "ended": start.minimum.as_ref().map_or("no draw moves", |m| ended(m.ended)),
+                "seconds": start.seconds,
+            })
+        })
+        .collect();
+    let mut measures = Map::new();
+    for (index, measure) in opened.measures().iter().enumerate() {
+        let [printed, own, value] = found.values(index, measure);
+        let entry = json!({ "printed": printed, "scene": own, "found": value });
+        measures.insert(measure.name.clone(), entry);
+    }
+    let mut variables = Map::new();
+    for (variable, x) in opened.family.study.variables.iter().zip(&synthesis.best) {
+        let unit = opened.units(variable.kind);
+        let entry = json!({ "scene": variable.start * unit, "found": x * unit });
+        variables.insert(variable.name.clone(), entry);
+    }
+    let rejected = synthesis.rejected();
+    let proof = found.proof.as_ref().ok().map(|p| {
+        json!({
+            "poses": p.poses, "missing": p.missing, "unproved": p.unproved, "error_bound": p.error_bound,
+            "one_branch": p.one_branch, "open": p.open, "cutting": p.cutting, "meeting": p.meeting,
+            "violation": found.violation(p).max(0.0),
+        })
+    });
+    json!({
+        "name": found.name,
+        "title": opened.family.mechanism.title,
+        "note": opened.family.study.note,
+        "objective": objective.map(|m| &m.name),
+        "value": synthesis.value * unit,
+        "seed": found.seed,
+        "evaluations": synthesis.evaluations(),
+        "seconds": synthesis.seconds,
+        "stopped": synthesis.stopped,
+        "rejected": { "not_assembled": rejected.not_assembled, "not_moving": rejected.not_moving,
+                      "interpenetrating": rejected.interpenetrating },
+        "starts": starts,
+        "measures": measures,
+        "variables": variables,
+        "proof": proof,
+        "holds": found.holds(),
+    })
+}

@@ -1,0 +1,105 @@
+//! `mechanim accuracy`: routes along a motion, their time against their true error.
+
+use crate::analysis::precision_report;
+use crate::analysis::work_precision::{Study, StudyError, study};
+use crate::cli::args::charts::AccuracyArgs;
+use crate::cli::motion::plot::{PlotFormat, open, write};
+use crate::cli::open::scene as open_scene;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::export::{ExportError, Output};
+use crate::model::mechanism::Mechanism;
+use std::io::Write;
+use std::path::Path;
+
+/// Pixels of the chart.
+const CHART: [u32; 2] = [840, 520];
+
+/// What the report is written as.
+enum Format {
+    Csv,
+    Json,
+    Chart(PlotFormat),
+}
+
+/// Runs the verb.
+pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
+    let format = args.out.as_deref().map(format).transpose()?;
+    if args
+        .out
+        .as_deref()
+        .is_some_and(|out| open_scene::is_scene_file(&args.scene, out))
+    {
+        return Err(Failure::usage(
+            "the report cannot be written over an input of this command",
+            Vec::new(),
+        ));
+    }
+    let scene = open_scene::open(&args.scene, term)?;
+    let mechanism = &scene.mechanism;
+    let mut output = args.out.as_deref().map(open).transpose()?;
+    let study = match study(mechanism, args.poses, args.turns) {
+        Ok(study) => study,
+        Err(StudyError::Structure(error)) => return Err(error.into()),
+        Err(error @ StudyError::Gap { .. }) => {
+            return Err(Failure::NeverClosed {
+                message: error.to_string(),
+                hints: vec!["`mechanim check` tells where the motion ends".to_owned()],
+            });
+        }
+    };
+    crate::cli::motion::solve::refuse_interrupted()?;
+    if let (Some(format), Some(output)) = (format, output.as_mut()) {
+        save(mechanism, &study, &format, args, output.as_mut())?;
+    }
+    if let Some(output) = output {
+        output.commit()?;
+    }
+    if args.out.as_deref() != Some(Path::new("-")) {
+        let mut out = std::io::stdout().lock();
+        out.write_all(precision_report::text(mechanism, &study).as_bytes())?;
+        out.flush()?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn format(path: &Path) -> Result<Format, Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        None if path == Path::new("-") => Ok(Format::Json),
+        Some("json") => Ok(Format::Json),
+        Some("csv") => Ok(Format::Csv),
+        Some("svg") => Ok(Format::Chart(PlotFormat::Svg)),
+        Some("png") => Ok(Format::Chart(PlotFormat::Png)),
+        _ => Err(Failure::usage(
+            format!("{}: unknown kind of report", path.display()),
+            vec!["known are .json, .csv, .svg and .png".to_owned()],
+        )),
+    }
+}
+
+fn save(
+    mechanism: &Mechanism,
+    study: &Study,
+    format: &Format,
+    args: &AccuracyArgs,
+    output: &mut dyn Output,
+) -> Result<(), Failure> {
+    let text = match format {
+        Format::Chart(format) => {
+            let chart = precision_report::chart(mechanism, study);
+            return write(
+                &chart,
+                *format,
+                Some(args.size.unwrap_or(CHART)),
+                args.theme,
+                output,
+            );
+        }
+        Format::Json => format!("{:#}\n", precision_report::json(mechanism, study)),
+        Format::Csv => precision_report::csv(study),
+    };
+    let written = output.write_all(text.as_bytes());
+    written.map_err(|source| ExportError::write(output.name(), source))?;
+    Ok(())
+}

@@ -1,0 +1,10 @@
+//! The verbs on studies: sensitivity, tolerance, optimisation, synthesis, accuracy.
+
+pub mod accuracy;
+pub mod kept_clearances;
+pub mod optimise;
+pub mod pairs;
+pub mod search_film;
+pub mod sensitivity;
+pub mod synthesise;
+pub mod tolerance;

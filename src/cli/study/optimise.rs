@@ -1,0 +1,344 @@
+//! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
+
+use super::kept_clearances::Clearances;
+use super::search_film::Improvement;
+use super::{kept_clearances as optimise_clearance, pairs, search_film as optimise_film};
+use crate::analysis::optimise::Ended;
+use crate::analysis::study::optimum::{Method, Optimum, Verified, optimise, verify};
+use crate::analysis::study::{Family, FamilyError};
+use crate::cli::CANCEL;
+use crate::cli::args::study::{MethodArg, OptimiseArgs};
+use crate::cli::open::scene as open_scene;
+use crate::cli::open::study::{Opened, aligned, open, six};
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::cli::term::progress::Progress;
+use crate::scene::edit::with_values;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// Version of the JSON documents.
+pub const SCHEMA: u32 = 1;
+
+/// Tolerances where none is asked for: what the common simplex search takes, and what rounding allows.
+const SIMPLEX_TOLERANCE: f64 = 1e-4;
+const GRADIENT_TOLERANCE: f64 = 1e-9;
+
+/// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
+const KEPT: f64 = 1e-6;
+
+/// Iterations from one plain line of progress to the next.
+const LINES_APART: usize = 50;
+
+/// How far an objective that is measured again may be off, as a share of it (or of this share of the first value).
+const SAME: f64 = 1e-6;
+
+/// Runs the verb.
+pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
+    if let Some(out) = &args.out
+        && open_scene::is_scene_file(&args.scene, out)
+    {
+        let message = format!("{} is an input of this command", out.display());
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    let film = args.film.as_deref().map(optimise_film::file);
+    let film = film.transpose()?;
+    let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
+    // The best so far is worth waiting for.
+    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    if let Some(share) = args.within {
+        widen(&mut opened.family, share);
+    }
+    if args.pairs {
+        return pairs::run(args, &opened, term);
+    }
+    let start = Instant::now();
+    let (mut optimum, improvements) = search(args, &opened, term)?;
+    let is_stopped = optimum.minimum.ended == Ended::Stopped;
+    let clearances = match is_stopped {
+        true => None,
+        false => optimise_clearance::settle(&opened, &mut optimum.minimum, &improvements)?,
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    let study = &opened.family.study;
+    let vary: Vec<String> = study.variables.iter().map(|v| v.name.clone()).collect();
+    let parameters = opened.parameters(&optimum.minimum.x);
+    let verified = verify(&opened.source, &opened.overrides, parameters.clone(), &vary);
+    if let Some(out) = &args.out {
+        let text = with_values(&opened.source, &parameters, &opened.overrides.guess);
+        let text = text.ok_or_else(|| {
+            Failure::usage(
+                "the scene's text cannot be given these start values",
+                vec!["write them as a section of their own: [guess]".to_owned()],
+            )
+        })?;
+        report::write_text(&args.scene, out, &text)?;
+        if !opened.overrides.inputs.is_empty() || opened.overrides.drives.is_some() {
+            let out = out.display();
+            term.warning(&format!(
+                "{out} has the drive of the scene, not that of the command line"
+            ));
+        }
+    }
+    let result = Report {
+        opened: &opened,
+        optimum: &optimum,
+        verified: &verified,
+        clearances: &clearances,
+        seconds,
+    };
+    if let Some(path) = &args.json {
+        report::write_json(&args.scene, path, &result.document())?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        let mut out = std::io::stdout().lock();
+        out.write_all(result.text().as_bytes())?;
+        out.flush()?;
+    }
+    if is_stopped {
+        let kept = args.out.as_ref().map_or_else(
+            || "the best so far was reported".to_owned(),
+            |out| format!("the best so far was written to {}", out.display()),
+        );
+        return Err(Failure::Stopped(kept));
+    }
+    if let Some(film) = &film {
+        optimise_film::write(film, &opened, &improvements, term)?;
+    }
+    let is_kept = clearances.as_ref().is_none_or(|c| c.kept);
+    Ok(match &verified {
+        Ok(v) if v.violation <= KEPT && result.agrees(v) && is_kept => Outcome::Done,
+        _ => Outcome::CheckFailed,
+    })
+}
+
+/// The search with its progress, and the points it came to, from the start on.
+fn search(
+    args: &OptimiseArgs,
+    opened: &Opened,
+    term: &Term,
+) -> Result<(Optimum, Vec<Improvement>), Failure> {
+    let progress = Progress::new(args.progress, term.quiet());
+    let mut improvements: Vec<Improvement> = Vec::new();
+    let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
+    let watch = |iteration: usize, values: &[f64], value: f64| {
+        let text = format!("  iteration {iteration}: {}", six(value * unit));
+        progress.say(&text, iteration.is_multiple_of(LINES_APART));
+        let last = improvements.last();
+        if last.is_none_or(|last| last.values != values) {
+            improvements.push(Improvement {
+                iteration,
+                values: values.to_vec(),
+                objective: value,
+            });
+        }
+        !CANCEL.load(Ordering::Relaxed)
+    };
+    let method = method(args);
+    let optimum = optimise(&opened.family, method, args.iterations, Box::new(watch))?;
+    progress.end();
+    let first = Improvement {
+        iteration: 0,
+        values: opened.family.start(),
+        objective: optimum.first_value,
+    };
+    improvements.insert(0, first);
+    let minimum = &optimum.minimum;
+    if improvements
+        .last()
+        .is_none_or(|last| last.values != minimum.x)
+    {
+        improvements.push(Improvement {
+            iteration: minimum.iterations,
+            values: minimum.x.clone(),
+            objective: minimum.value,
+        });
+    }
+    Ok((optimum, improvements))
+}
+
+/// Ranges of a share of the variables' values, in place of the study's.
+pub fn widen(family: &mut Family, share: f64) {
+    for variable in &mut family.study.variables {
+        let half = share * variable.start.abs();
+        if half > 0.0 {
+            (variable.lower, variable.upper) = (variable.start - half, variable.start + half);
+        }
+    }
+}
+
+/// The method asked for.
+pub fn method(args: &OptimiseArgs) -> Method {
+    let tolerance = |usual: f64| args.tolerance.unwrap_or(usual);
+    match args.method {
+        MethodArg::NelderMead => Method::NelderMead {
+            tolerance: tolerance(SIMPLEX_TOLERANCE),
+        },
+        MethodArg::Bfgs => Method::Bfgs {
+            tolerance: tolerance(GRADIENT_TOLERANCE),
+        },
+        MethodArg::Minimax => Method::Minimax {
+            tolerance: tolerance(GRADIENT_TOLERANCE),
+        },
+        MethodArg::Evolution => Method::Evolution {
+            tolerance: tolerance(GRADIENT_TOLERANCE),
+            seed: args.seed,
+        },
+    }
+}
+
+struct Report<'a> {
+    opened: &'a Opened,
+    optimum: &'a Optimum,
+    verified: &'a Result<Verified, FamilyError>,
+    clearances: &'a Option<Clearances>,
+    seconds: f64,
+}
+
+/// The end of a search in words.
+pub fn ended(ended: Ended) -> &'static str {
+    match ended {
+        Ended::Converged => "converged",
+        Ended::Stalled => "no step gains any more",
+        Ended::OutOfBudget => "iterations used up",
+        Ended::Stopped => "interrupted, best so far",
+    }
+}
+
+impl Report<'_> {
+    /// Name and unit of the objective.
+    fn objective(&self) -> (&str, f64) {
+        let measure = self.opened.objective();
+        measure.map_or(("objective", 1.0), |m| (&m.name, self.opened.units(m.kind)))
+    }
+
+    /// Whether the motion that was followed again is the one that was optimised.
+    fn agrees(&self, verified: &Verified) -> bool {
+        let objective = self.opened.family.study.objective;
+        let again = objective.map(|index| verified.measures[index]);
+        let value = self.optimum.minimum.value;
+        let scale = value.abs().max(SAME * self.optimum.first_value.abs());
+        again.is_some_and(|again| (again - value).abs() <= SAME * scale)
+    }
+
+    /// Name of the measure that breaks its limit most.
+    fn worst_limit(&self, verified: &Verified) -> &str {
+        let measures = self.opened.measures().iter().zip(&verified.measures);
+        let broken = measures.map(|(m, v)| (m.violation(*v), &m.name));
+        let worst = broken.max_by(|a, b| a.0.total_cmp(&b.0));
+        worst.map_or("", |(_, name)| name)
+    }
+
+    fn text(&self) -> String {
+        let (name, unit) = self.objective();
+        let (minimum, study) = (&self.optimum.minimum, &self.opened.family.study);
+        let (first, last) = (self.optimum.first_value, minimum.value);
+        let change = match first / last {
+            factor if factor >= 1.0 && factor.is_finite() => format!("{} times less", six(factor)),
+            factor if factor > 0.0 && factor < 1.0 => format!("{} times more", six(1.0 / factor)),
+            _ => format!("by {}", six((last - first) * unit)),
+        };
+        let mut text = format!(
+            "{}\n  {name}: {} to {} ({change})\n",
+            self.opened.family.mechanism.title,
+            six(self.optimum.first_value * unit),
+            six(minimum.value * unit),
+        );
+        text.push_str(&format!(
+            "  {}: {} iterations, {} evaluations ({} refused: {} not reached, {} torn, {} without a value), {:.2} s\n\n",
+            ended(minimum.ended),
+            minimum.iterations,
+            minimum.evaluations,
+            self.optimum.refusals.count(),
+            self.optimum.refusals.not_reached,
+            self.optimum.refusals.torn,
+            self.optimum.refusals.no_value,
+            self.seconds
+        ));
+        let mut rows = vec![
+            ["variable", "from", "to", "lowest", "highest"]
+                .map(str::to_owned)
+                .to_vec(),
+        ];
+        for (variable, x) in study.variables.iter().zip(&minimum.x) {
+            let unit = self.opened.units(variable.kind);
+            let numbers = [variable.start, *x, variable.lower, variable.upper];
+            let mut row = vec![variable.name.clone()];
+            row.extend(numbers.map(|v| six(v * unit)));
+            rows.push(row);
+        }
+        text.push_str(&aligned(&rows));
+        match self.verified {
+            Ok(v) => {
+                text.push_str(&format!(
+                    "\nFollowed again from the start values: {} poses, {} without a certificate, error at most {:.1e} {}.\n",
+                    v.poses, v.unproved, v.error_bound, self.opened.family.mechanism.length_unit
+                ));
+                let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
+                let measures = self.opened.measures().iter().zip(&v.measures);
+                rows.extend(
+                    measures.map(|(m, v)| vec![m.name.clone(), six(self.opened.shown(m, *v))]),
+                );
+                text.push_str(&aligned(&rows));
+                if !self.agrees(v) {
+                    text.push_str(
+                        "Not confirmed: this motion is another than the one that was optimised.\n",
+                    );
+                }
+                if v.violation > KEPT {
+                    text.push_str(&format!(
+                        "No candidate keeps all constraints; with this one `{}` misses its bound by {:.3} %.\n",
+                        self.worst_limit(v),
+                        100.0 * v.violation
+                    ));
+                }
+            }
+            Err(error) => text.push_str(&format!("\nNot confirmed: {error}\n")),
+        }
+        text.extend(self.clearances.iter().map(Clearances::line));
+        text
+    }
+
+    fn document(&self) -> Value {
+        let (name, unit) = self.objective();
+        let (minimum, study) = (&self.optimum.minimum, &self.opened.family.study);
+        let variables = study.variables.iter().zip(&minimum.x).map(|(v, x)| {
+            let unit = self.opened.units(v.kind);
+            json!({ "name": v.name, "from": v.start * unit, "to": x * unit })
+        });
+        let verified = self.verified.as_ref().ok().map(|v| {
+            let measures = self.opened.measures().iter().zip(&v.measures);
+            let measures = measures.map(|(m, v)| (m.name.clone(), json!(self.opened.shown(m, *v))));
+            json!({
+                "poses": v.poses,
+                "unproved": v.unproved,
+                "error_bound": v.error_bound,
+                "violation": v.violation.max(0.0),
+                "measures": measures.collect::<serde_json::Map<String, Value>>(),
+            })
+        });
+        json!({
+            "schema": format!("mechanim-optimise-{SCHEMA}"),
+            "title": self.opened.family.mechanism.title,
+            "objective": name,
+            "from": self.optimum.first_value * unit,
+            "to": minimum.value * unit,
+            "ended": ended(minimum.ended),
+            "iterations": minimum.iterations,
+            "evaluations": minimum.evaluations,
+            "refused": { "not_reached": self.optimum.refusals.not_reached, "torn": self.optimum.refusals.torn,
+                         "no_value": self.optimum.refusals.no_value },
+            "variables": variables.collect::<Vec<_>>(),
+            "verified": verified,
+            "clearance": self.clearances.as_ref().map(|c| json!({
+                "kept": c.kept,
+                "nearest": c.worst,
+                "instead_of_later": c.instead,
+            })),
+        })
+    }
+}

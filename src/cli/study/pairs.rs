@@ -1,0 +1,172 @@
+//! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
+
+use super::optimise::{SCHEMA, ended, method, widen};
+use super::tolerance::cores;
+use crate::analysis::study::optimum::{Optimum, optimise};
+use crate::analysis::study::{Family, FamilyError};
+use crate::cli::CANCEL;
+use crate::cli::args::study::OptimiseArgs;
+use crate::cli::open::study::{Opened, aligned, six};
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::cli::term::progress::Progress;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// How often progress is shown.
+const WATCH: Duration = Duration::from_millis(5);
+
+/// One pair of variables with its optimum.
+struct Pair {
+    names: [String; 2],
+    found: Result<Optimum, FamilyError>,
+}
+
+/// Runs all pairs; an interrupt leaves the ranking of those that were done.
+pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome, Failure> {
+    let variables = &opened.family.study.variables;
+    let mut jobs = Vec::new();
+    for (k, a) in variables.iter().enumerate() {
+        jobs.extend(
+            variables[k + 1..]
+                .iter()
+                .map(|b| [a.name.clone(), b.name.clone()]),
+        );
+    }
+    if jobs.is_empty() {
+        return Err(Failure::usage(
+            "pairs need at least two variables",
+            Vec::new(),
+        ));
+    }
+    let start = Instant::now();
+    let progress = Progress::new(args.progress, term.quiet()).counting("pairs");
+    let (next, count) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(names) = jobs.get(index).filter(|_| !CANCEL.load(Ordering::Relaxed)) else {
+                return done;
+            };
+            let found = pair(args, opened, names);
+            // What an interrupt has cut short is no optimum of the pair.
+            if CANCEL.load(Ordering::Relaxed) {
+                return done;
+            }
+            let names = names.clone();
+            done.push((index, Pair { names, found }));
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    };
+    let threads = args.threads.unwrap_or_else(cores);
+    let mut done: Vec<(usize, Pair)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        while !workers.iter().all(|w| w.is_finished()) {
+            std::thread::sleep(WATCH);
+            progress.show(count.load(Ordering::Relaxed), jobs.len());
+        }
+        progress.end();
+        workers
+            .into_iter()
+            .flat_map(|w| w.join().unwrap_or_default())
+            .collect()
+    });
+    if done.is_empty() {
+        return Err(Failure::Interrupted);
+    }
+    let value = |p: &Pair| p.found.as_ref().map_or(f64::INFINITY, |o| o.minimum.value);
+    done.sort_by(|(i, a), (j, b)| value(a).total_cmp(&value(b)).then(i.cmp(j)));
+    let ranked: Vec<Pair> = done.into_iter().map(|(_, pair)| pair).collect();
+    let seconds = start.elapsed().as_secs_f64();
+    if let Some(path) = &args.json {
+        let rows: Vec<Value> = ranked.iter().map(|p| pair_document(opened, p)).collect();
+        let document = json!({
+            "schema": format!("mechanim-pairs-{SCHEMA}"),
+            "title": opened.family.mechanism.title,
+            "pairs": rows,
+        });
+        report::write_json(&args.scene, path, &document)?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        let mut out = std::io::stdout().lock();
+        out.write_all(ranking(opened, &ranked, args.worst, seconds).as_bytes())?;
+        out.flush()?;
+    }
+    if ranked.len() < jobs.len() {
+        let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());
+        return Err(Failure::Stopped(kept));
+    }
+    Ok(Outcome::Done)
+}
+
+fn pair(args: &OptimiseArgs, opened: &Opened, names: &[String; 2]) -> Result<Optimum, FamilyError> {
+    let mut family = Family::load(&opened.source, &opened.overrides, names)?;
+    if let Some(share) = args.within {
+        widen(&mut family, share);
+    }
+    let watch = |_: usize, _: &[f64], _: f64| !CANCEL.load(Ordering::Relaxed);
+    optimise(&family, method(args), args.iterations, Box::new(watch))
+}
+
+fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
+    let objective = opened.objective();
+    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
+    let name = objective.map_or("objective", |m| &m.name);
+    let mut rows = vec![
+        ["pair", name, "first", "second", "evaluations"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    for pair in ranked.iter().take(most) {
+        let mut row = vec![pair.names.join(" + ")];
+        match &pair.found {
+            Ok(o) => {
+                let [a, b] = places(opened, pair, o);
+                row.extend([
+                    six(o.minimum.value * unit),
+                    six(a),
+                    six(b),
+                    o.minimum.evaluations.to_string(),
+                ]);
+            }
+            Err(error) => row.push(error.to_string()),
+        }
+        rows.push(row);
+    }
+    format!(
+        "{}\n  {} pairs optimised in {seconds:.2} s, the best {} of them:\n\n{}",
+        opened.family.mechanism.title,
+        ranked.len(),
+        rows.len() - 1,
+        aligned(&rows)
+    )
+}
+
+/// Values of a pair's variables in the file's units.
+fn places(opened: &Opened, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
+    let unit = |k: usize| {
+        let mut variables = opened.family.study.variables.iter();
+        let variable = variables.find(|v| v.name == pair.names[k]);
+        variable.map_or(1.0, |v| opened.units(v.kind))
+    };
+    [0, 1].map(|k| optimum.minimum.x[k] * unit(k))
+}
+
+fn pair_document(opened: &Opened, pair: &Pair) -> Value {
+    match &pair.found {
+        Ok(o) => json!({
+            "names": pair.names,
+            "objective": o.minimum.value,
+            "values": places(opened, pair, o),
+            "iterations": o.minimum.iterations,
+            "evaluations": o.minimum.evaluations,
+            "ended": ended(o.minimum.ended),
+        }),
+        Err(error) => json!({ "names": pair.names, "error": error.to_string() }),
+    }
+}

@@ -1,0 +1,205 @@
+//! `mechanim optimise --film`: one frame an improvement, with the mechanism and its paths as they are then, and the
+//! paths of the start.
+
+use crate::cli::args::files::{FileArgs, ProgressArg};
+use crate::cli::files::sinks;
+use crate::cli::files::sinks::Film;
+use crate::cli::open::study::{Opened, six};
+use crate::cli::pictures::paths;
+use crate::cli::pictures::paths::PathLine;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::kinematics::measures::poses_of;
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::kinematics::structure::block::StructureError;
+use crate::model::view::Trails;
+use crate::plot::primitive::Stroke;
+use crate::plot::theme::Dashes;
+use crate::scene::{Overrides, Scene, load};
+use crate::staging::outlook::Outlook;
+use crate::staging::{PictureOptions, Staging};
+use glam::DVec3;
+use image::RgbaImage;
+use std::path::Path;
+
+/// Size and sampling of the film.
+const OPTIONS: PictureOptions = PictureOptions {
+    size: [640, 480],
+    samples: 4,
+};
+
+/// Most improvements that are shown; of more, some are left out evenly.
+const MOST_FRAMES: usize = 100;
+
+/// Frames a second, and how many of them the end stays.
+const FPS: f64 = 6.0;
+const LAST: usize = 12;
+
+/// Poses of the path where the scene has no tracks.
+const DRIVE_SAMPLES: usize = 120;
+
+/// Colour of the start's paths.
+const GHOST: [u8; 4] = [0x59, 0x63, 0x6e, 190];
+
+/// A better point that a search came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Improvement {
+    /// Iteration; zero for the start.
+    pub iteration: usize,
+    /// Values of the variables.
+    pub values: Vec<f64>,
+    /// The objective.
+    pub objective: f64,
+}
+
+/// A traced path and its colour.
+type ColouredPath = (Vec<DVec3>, [u8; 3]);
+
+/// One frame: the scene with the values of an improvement, at the start of its drive.
+struct Shot {
+    scene: Scene,
+    trajectory: Trajectory,
+    paths: Vec<ColouredPath>,
+    text: String,
+}
+
+/// The file asked for; whether it can hold a film is found out before the search.
+pub fn file(out: &Path) -> Result<FileArgs, Failure> {
+    let args = FileArgs {
+        out: out.to_path_buf(),
+        format: None,
+        quality: None,
+        compression: None,
+        chroma: None,
+        repeat: None,
+        threads: None,
+        progress: ProgressArg::None,
+    };
+    let format = sinks::format(&args)?;
+    if format.is_still() || format.is_model() {
+        return Err(Failure::usage(
+            format!("{} holds no film", out.display()),
+            vec![
+                "write a .gif, .apng, .y4m, a folder, or a pattern such as frame-%04d.png"
+                    .to_owned(),
+            ],
+        ));
+    }
+    Ok(args)
+}
+
+/// Draws and writes the film.
+pub fn write(
+    args: &FileArgs,
+    opened: &Opened,
+    improvements: &[Improvement],
+    term: &Term,
+) -> Result<(), Failure> {
+    let chosen = thinned(improvements);
+    let shots: Vec<Shot> = chosen
+        .iter()
+        .map(|i| shot(opened, i))
+        .collect::<Result<_, _>>()?;
+    let Some(first) = shots.first() else {
+        return Ok(());
+    };
+    let moving = shots.iter().map(|s| (&s.scene, &s.trajectory));
+    let Some(outlook) = Outlook::over(moving, OPTIONS) else {
+        return Ok(());
+    };
+    let draw = |frame: usize, image: &mut RgbaImage| -> Result<(), Failure> {
+        let shot = &shots[frame.min(shots.len() - 1)];
+        let staging = Staging::new(&shot.scene, &shot.trajectory, OPTIONS).seen_as(&outlook);
+        let dashed = |points: &Vec<DVec3>| PathLine {
+            points: points.clone(),
+            stroke: Stroke {
+                colour: GHOST,
+                width: 1.4,
+                dashes: Dashes::Long,
+            },
+        };
+        let mut lines: Vec<PathLine> = first.paths.iter().map(|(p, _)| dashed(p)).collect();
+        lines.extend(shot.paths.iter().map(|(points, [r, g, b])| PathLine {
+            points: points.clone(),
+            stroke: Stroke::solid([*r, *g, *b, 255], 2.4),
+        }));
+        let text = [shot.text.clone()];
+        paths::draw(&staging, 0, &lines, &text, image)?;
+        Ok(())
+    };
+    let format = sinks::format(args)?;
+    let threads = super::tolerance::cores();
+    let mut workers: Vec<_> = (0..threads).map(|_| draw).collect();
+    let film = Film {
+        args,
+        format: &format,
+        size: OPTIONS.size,
+        count: shots.len() + LAST,
+        fps: FPS,
+        flat_colours: vec![first.scene.view.background],
+        alpha: false,
+    };
+    let destination = sinks::open(args, &format)?;
+    let prepared = film.sink(destination, &mut workers, term)?;
+    let summary = film.write(prepared, workers, term)?;
+    film.tell(&summary, "", term);
+    Ok(())
+}
+
+/// The first, the last, and evenly some between.
+fn thinned(improvements: &[Improvement]) -> Vec<&Improvement> {
+    let count = improvements.len().min(MOST_FRAMES);
+    let last = improvements.len().saturating_sub(1);
+    (0..count)
+        .map(|k| &improvements[k * last / (count - 1).max(1)])
+        .collect()
+}
+
+fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
+    let overrides = Overrides {
+        parameters: opened.parameters(&improvement.values),
+        ..opened.overrides.clone()
+    };
+    let mut scene = load(&opened.source, &overrides).map_err(Box::new)?;
+    scene.view.decor.trails = Trails::None;
+    // Labels on a trace need the whole drive; the path is drawn beside it.
+    scene.view.labels.clear();
+    let paths = paths(&scene)?;
+    let trajectory = solve(&scene.mechanism, &[0.0])?;
+    let (name, unit) = opened
+        .objective()
+        .map_or(("objective", 1.0), |m| (&m.name, opened.units(m.kind)));
+    let text = format!(
+        "{name} = {}   iteration {}",
+        six(improvement.objective * unit),
+        improvement.iteration
+    );
+    Ok(Shot {
+        scene,
+        trajectory,
+        paths,
+        text,
+    })
+}
+
+/// Paths of all traced points along all tracks, or along the drive where there are none.
+fn paths(scene: &Scene) -> Result<Vec<ColouredPath>, StructureError> {
+    let mechanism = &scene.mechanism;
+    let mut rows: Vec<Vec<Sample>> = Vec::new();
+    for track in &mechanism.tracks {
+        rows.push(poses_of(mechanism, track)?);
+    }
+    if rows.is_empty() {
+        rows.push(solve(mechanism, &even_times(mechanism, DRIVE_SAMPLES))?.samples);
+    }
+    let traces = mechanism.traces.iter().enumerate();
+    let paths = traces.flat_map(|(index, trace)| {
+        rows.iter().map(move |row| {
+            let poses = row.iter().filter_map(|s| s.pose.as_ref());
+            (poses.map(|p| p.traces[index]).collect(), trace.colour)
+        })
+    });
+    Ok(paths.collect())
+}

@@ -1,0 +1,203 @@
+//! `mechanim synthesise`: dimensions found from many starts, proved, reported, and written as scenes.
+
+use super::tolerance::cores;
+use crate::analysis::study::FamilyError;
+use crate::analysis::synthesis::touching::Touching;
+use crate::analysis::synthesis::verify::prove;
+use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
+use crate::cli::CANCEL;
+use crate::cli::args::SceneArgs;
+use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
+use crate::cli::open::study::{Opened, open, six};
+use crate::cli::report::events as report;
+use crate::cli::report::synthesis::{Found, document, ladder, rows, text};
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::scene::Overrides;
+use crate::scene::edit::with_values;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// Runs the verb.
+pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
+    let scenes: Vec<SceneArgs> = args.scenes.iter().map(|s| scene_args(args, s)).collect();
+    let mut opened = Vec::new();
+    for scene in &scenes {
+        let vary = VaryArgs { vary: Vec::new() };
+        opened.push(open(scene, &vary, false, term)?);
+    }
+    let targets = targets(args)?;
+    // The best so far is worth waiting for.
+    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    let mut found = Vec::new();
+    for ((opened, scene), name) in opened.iter().zip(&scenes).zip(&args.scenes) {
+        if CANCEL.load(Ordering::Relaxed) {
+            break;
+        }
+        term.note(&format!("{name}:"));
+        let one = one(args, opened, name, term)?;
+        if let Some(out) = targets.get(found.len()) {
+            report::write_text(scene, out, &one.scene)?;
+        }
+        found.push(one);
+    }
+    let stopped = CANCEL.load(Ordering::Relaxed);
+    if let Some(path) = &args.json {
+        report::write_document(path, &document(&found))?;
+    }
+    if let Some(path) = &args.csv
+        && let Some(scene) = scenes.first()
+    {
+        report::write_text(scene, path, &rows(&found))?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        let mut out = std::io::stdout().lock();
+        for one in &found {
+            out.write_all(text(one).as_bytes())?;
+        }
+        if found.len() > 1 {
+            out.write_all(ladder(&found).as_bytes())?;
+        }
+        out.flush()?;
+    }
+    if stopped {
+        let kept = "the best so far was reported and written as asked";
+        return Err(Failure::Stopped(kept.to_owned()));
+    }
+    Ok(if found.iter().all(Found::holds) {
+        Outcome::Done
+    } else {
+        Outcome::CheckFailed
+    })
+}
+
+fn scene_args(args: &SynthesiseArgs, scene: &str) -> SceneArgs {
+    SceneArgs {
+        scene: scene.to_owned(),
+        parameters: args.parameters.clone(),
+        inputs: Vec::new(),
+        guess: Vec::new(),
+        table: None,
+        mode: None,
+    }
+}
+
+/// Where the found scenes go: the file itself for one, files of a folder for several.
+fn targets(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
+    let Some(out) = &args.out else {
+        return Ok(Vec::new());
+    };
+    if let [scene] = args.scenes.as_slice() {
+        if Path::new(scene) == out {
+            let message = format!("{} is an input of this command", out.display());
+            return Err(Failure::usage(message, Vec::new()));
+        }
+        return Ok(vec![out.clone()]);
+    }
+    std::fs::create_dir_all(out).map_err(|error| {
+        let message = format!("the folder {} cannot be made: {error}", out.display());
+        Failure::usage(message, Vec::new())
+    })?;
+    let names = args.scenes.iter().map(|scene| {
+        let stem = Path::new(scene).file_stem().unwrap_or_default();
+        out.join(stem).with_extension("toml")
+    });
+    Ok(names.collect())
+}
+
+fn one<'a>(
+    args: &SynthesiseArgs,
+    opened: &'a Opened,
+    name: &str,
+    term: &Term,
+) -> Result<Found<'a>, Failure> {
+    let plan = Plan {
+        starts: args.starts,
+        seed: args.seed,
+        iterations: args.iterations,
+        limit: args.time.map(Duration::from_secs_f64),
+        from: match args.from {
+            StartsFrom::Everywhere => From::Everywhere,
+            StartsFrom::Scene => From::Scene,
+            StartsFrom::Random => From::Random,
+        },
+        threads: args.threads.unwrap_or_else(cores),
+    };
+    let parameters = |x: &[f64]| opened.parameters(x);
+    let touching = Touching {
+        source: &opened.source,
+        overrides: &opened.overrides,
+        parameters: &parameters,
+    };
+    let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
+    let done = |index: usize, start: &Start| {
+        let from = start.origin.words();
+        let (first, last) = (six(start.first * unit), six(start.value() * unit));
+        term.note(&format!("  start {}, {from}: {first} to {last}", index + 1));
+    };
+    let goes_on = || !CANCEL.load(Ordering::Relaxed);
+    let listener = Listener {
+        done: &done,
+        goes_on: &goes_on,
+    };
+    let synthesis = match synthesise(&opened.family, touching, plan, &listener) {
+        Err(_) if CANCEL.load(Ordering::Relaxed) => return Err(Failure::Interrupted),
+        found => found?,
+    };
+    let (overrides, scene) = written(opened, &synthesis)?;
+    let proof = prove(&opened.source, &overrides);
+    let own = own_measures(opened)?;
+    Ok(Found {
+        name: name.to_owned(),
+        opened,
+        seed: args.seed,
+        synthesis,
+        own,
+        proof,
+        scene,
+    })
+}
+
+/// The found values as changes of the scene, and as the text of a scene of its own.
+fn written(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String), Failure> {
+    let parameters = opened.parameters(&synthesis.best);
+    let unknowns = &opened.family.mechanism.unknowns;
+    let guess: Vec<(String, String)> = match &synthesis.unknowns {
+        None => Vec::new(),
+        Some(values) => unknowns
+            .iter()
+            .zip(values)
+            .map(|(u, value)| {
+                (
+                    u.name.clone(),
+                    format!("{:?}", value * opened.units(u.kind)),
+                )
+            })
+            .collect(),
+    };
+    let text = with_values(&opened.source, &parameters, &guess);
+    let text = text.ok_or_else(|| {
+        Failure::usage(
+            "the scene's text cannot be given start values",
+            vec!["write them as a section of their own: [guess]".to_owned()],
+        )
+    })?;
+    let overrides = Overrides {
+        parameters,
+        guess,
+        ..opened.overrides.clone()
+    };
+    Ok((overrides, text))
+}
+
+/// Measures at the scene's own values.
+fn own_measures(opened: &Opened) -> Result<Vec<f64>, FamilyError> {
+    let family = &opened.family;
+    let mut evaluator = crate::analysis::study::Evaluator::new(family);
+    let stand = evaluator.nominal(family.nominal()?.poses);
+    let measured = evaluator.measure(&stand);
+    let measured = measured.map_err(|refusal| FamilyError::Lacks(refusal.to_string()))?;
+    Ok(measured.measures)
+}

@@ -1,0 +1,260 @@
+//! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
+
+use crate::analysis::study::{Evaluator, Gradients};
+use crate::analysis::tolerance::{Batch, Distribution, Linear, Pieces, linear, pieces};
+use crate::cli::CANCEL;
+use crate::cli::args::study::{DistributionArg, ToleranceArgs};
+use crate::cli::open::scene as open_scene;
+use crate::cli::open::study::{Opened, aligned, open, six};
+use crate::cli::pictures::tolerance_cloud as tolerance_picture;
+use crate::cli::report::events as report;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::cli::term::progress::Progress;
+use crate::export::{ExportError, Output, Target};
+use crate::model::measure::Measure;
+use serde_json::{Map, Value, json};
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// Version of the JSON document.
+const SCHEMA: u32 = 1;
+
+/// Shares at which quantiles are given.
+const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
+
+/// Runs the verb.
+pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
+    tolerance_picture::refuse(args)?;
+    // The pieces made so far are worth waiting for.
+    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    let opened = open(&args.scene, &args.vary, true, term)?;
+    let family = &opened.family;
+    let tolerances = tolerances(&opened, args.tolerance)?;
+    let distribution = match args.distribution {
+        DistributionArg::Uniform => Distribution::Uniform,
+        DistributionArg::Normal => Distribution::Normal,
+    };
+    let batch = Batch {
+        samples: args.samples,
+        first: args.first,
+        seed: args.seed,
+        distribution,
+        threads: args.threads.unwrap_or_else(cores),
+    };
+    let start = Instant::now();
+    let mut evaluator = Evaluator::new(family);
+    let nominal = evaluator.nominal(family.nominal()?.poses);
+    let gradients = evaluator
+        .gradients(&nominal)
+        .map_err(|refusal| opened.refused(&evaluator, &nominal, &refusal))?;
+    let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
+    let watch = |done| progress.show(done, args.samples);
+    let made = pieces(family, &nominal, &tolerances, batch, &CANCEL, &watch);
+    progress.end();
+    if made.made == 0 {
+        return Err(Failure::Interrupted);
+    }
+    let is_whole = made.made == args.samples;
+    if is_whole {
+        tolerance_picture::write(args, &opened, &nominal, &tolerances, batch)?;
+    }
+    let result = Report {
+        opened: &opened,
+        args,
+        linear: linear(&gradients, &tolerances, distribution),
+        gradients,
+        pieces: made,
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    if let Some(path) = &args.csv {
+        if open_scene::is_scene_file(&args.scene, path) {
+            let message = format!("{} is an input of this command", path.display());
+            return Err(Failure::usage(message, Vec::new()));
+        }
+        let mut target = Target::create(path)?;
+        let written = result.csv(&mut target);
+        written.map_err(|source| ExportError::write(target.name(), source))?;
+        target.commit()?;
+    }
+    if let Some(path) = &args.json {
+        report::write_json(&args.scene, path, &result.document())?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        let mut out = std::io::stdout().lock();
+        out.write_all(result.text().as_bytes())?;
+        out.flush()?;
+    }
+    if !is_whole {
+        let done = result.pieces.made;
+        return Err(Failure::Stopped(format!(
+            "the report is that of the first {done} pieces"
+        )));
+    }
+    Ok(Outcome::Done)
+}
+
+/// Number of cores.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Tolerance of every variable: the study's, else the one of the command line.
+fn tolerances(opened: &Opened, general: Option<f64>) -> Result<Vec<f64>, Failure> {
+    let variables = &opened.family.study.variables;
+    let of = |v: &crate::model::study::Variable| {
+        v.tolerance.or(general.map(|t| t / opened.units(v.kind)))
+    };
+    let list: Vec<Option<f64>> = variables.iter().map(of).collect();
+    let missing: Vec<&str> = variables
+        .iter()
+        .zip(&list)
+        .filter(|(_, t)| t.is_none())
+        .map(|(v, _)| v.name.as_str())
+        .collect();
+    if !missing.is_empty() {
+        return Err(Failure::usage(
+            format!("no tolerance is known of {}", missing.join(", ")),
+            vec![
+                "give one for all with --tolerance 0.5, or each its own: \
+                 `[study.variables]` NAME = { tolerance = 0.5 }"
+                    .to_owned(),
+            ],
+        ));
+    }
+    Ok(list.into_iter().flatten().collect())
+}
+
+struct Report<'a> {
+    opened: &'a Opened,
+    args: &'a ToleranceArgs,
+    gradients: Gradients,
+    linear: Vec<Linear>,
+    pieces: Pieces,
+    seconds: f64,
+}
+
+impl Report<'_> {
+    fn text(&self) -> String {
+        let study = &self.opened.family.study;
+        let heads = [
+            "measure",
+            "nominal",
+            "RSS",
+            "worst case",
+            "deviation",
+            "linear",
+            "0.1 %",
+            "5 %",
+            "50 %",
+            "95 %",
+            "99.9 %",
+        ];
+        let mut rows = vec![heads.map(str::to_owned).to_vec()];
+        for (index, measure) in self.opened.measures().iter().enumerate() {
+            let unit = self.opened.units(measure.kind);
+            let Linear {
+                root_sum_square,
+                worst_case,
+                deviation,
+            } = self.linear[index];
+            let nominal = self.gradients.measures[index];
+            let Some(scatter) = self.pieces.scatter(index, &SHARES) else {
+                continue;
+            };
+            let mut row = vec![measure.name.clone()];
+            let numbers = [
+                nominal,
+                root_sum_square,
+                worst_case,
+                scatter.deviation,
+                deviation,
+            ];
+            let numbers = numbers.iter().chain(&scatter.quantiles);
+            row.extend(numbers.map(|v| six(v * unit)));
+            rows.push(row);
+        }
+        let samples = self.pieces.made;
+        let mut text = format!(
+            "{}\n  {} dimensions scatter, {samples} pieces, {} of them cannot be assembled\n\n",
+            self.opened.family.mechanism.title,
+            study.variables.len(),
+            self.pieces.failed,
+        );
+        text.push_str(&aligned(&rows));
+        text.push_str(
+            "\nRSS and worst case: linear, of the tolerances. Deviation: of the pieces, and what the linear rule expects.\n",
+        );
+        let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
+        if self.opened.measures().iter().any(limited) {
+            let share = 100.0 * self.pieces.good as f64 / samples as f64;
+            text.push_str(&format!(
+                "Yield: {} of {samples} ({share:.3} %) keep the limits of all measures.\n",
+                self.pieces.good
+            ));
+        }
+        text.push_str(&format!(
+            "Digest {:016x}; {:.2} s.\n",
+            self.pieces.digest, self.seconds
+        ));
+        text
+    }
+
+    fn document(&self) -> Value {
+        let study = &self.opened.family.study;
+        let mut measures = Map::new();
+        for (index, measure) in self.opened.measures().iter().enumerate() {
+            let unit = self.opened.units(measure.kind);
+            let linear = self.linear[index];
+            let scatter = self.pieces.scatter(index, &SHARES);
+            let quantiles = scatter.as_ref().map(|s| {
+                let pairs = SHARES.iter().zip(&s.quantiles);
+                let pairs = pairs.map(|(share, v)| (share.to_string(), json!(v * unit)));
+                pairs.collect::<Map<String, Value>>()
+            });
+            measures.insert(
+                measure.name.clone(),
+                json!({
+                    "nominal": self.gradients.measures[index] * unit,
+                    "root_sum_square": linear.root_sum_square * unit,
+                    "worst_case": linear.worst_case * unit,
+                    "linear_deviation": linear.deviation * unit,
+                    "mean": scatter.as_ref().map(|s| s.mean * unit),
+                    "deviation": scatter.as_ref().map(|s| s.deviation * unit),
+                    "quantiles": quantiles,
+                }),
+            );
+        }
+        json!({
+            "schema": format!("mechanim-tolerance-{SCHEMA}"),
+            "title": self.opened.family.mechanism.title,
+            "dimensions": study.variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
+            "samples": self.pieces.made,
+            "first": self.args.first,
+            "seed": self.args.seed,
+            "failed": self.pieces.failed,
+            "good": self.pieces.good,
+            "digest": format!("{:016x}", self.pieces.digest),
+            "measures": measures,
+        })
+    }
+
+    fn csv(&self, target: &mut Target) -> std::io::Result<()> {
+        let measures = self.opened.measures();
+        let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
+        writeln!(target, "piece,{}", names.join(","))?;
+        for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {
+            write!(target, "{}", self.args.first + item)?;
+            for (measure, value) in measures.iter().zip(piece) {
+                match value.is_nan() {
+                    true => write!(target, ",")?,
+                    false => write!(target, ",{:?}", value * self.opened.units(measure.kind))?,
+                }
+            }
+            writeln!(target)?;
+        }
+        Ok(())
+    }
+}

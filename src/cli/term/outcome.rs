@@ -1,0 +1,131 @@
+//! What came of a command, and the exit code that says it.
+
+use crate::diag::SceneError;
+use crate::export::ExportError;
+use crate::import::ImportError;
+use crate::kinematics::structure::block::StructureError;
+use crate::render::RenderError;
+
+/// Done.
+pub const DONE: i32 = 0;
+/// A check failed.
+pub const CHECK_FAILED: i32 = 1;
+/// Bad usage, bad scene, or a file that cannot be read or written.
+pub const BAD_USAGE: i32 = 2;
+/// No usable graphics adapter.
+pub const NO_ADAPTER: i32 = 3;
+/// The mechanism could not be closed over the whole motion.
+pub const NOT_CLOSED: i32 = 4;
+/// A fault of the program.
+pub const INTERNAL: i32 = 70;
+/// Stopped by the user.
+pub const INTERRUPTED: i32 = 130;
+
+/// A command that ran to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Everything is fine.
+    Done,
+    /// A check says no.
+    CheckFailed,
+    /// Results were written, but some instants have no pose.
+    NotClosed,
+}
+
+impl Outcome {
+    /// Its exit code.
+    pub const fn code(self) -> i32 {
+        match self {
+            Self::Done => DONE,
+            Self::CheckFailed => CHECK_FAILED,
+            Self::NotClosed => NOT_CLOSED,
+        }
+    }
+}
+
+/// Why a command could not run to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The scene has mistakes.
+    #[error(transparent)]
+    Scene(#[from] Box<SceneError>),
+    /// There is no such scene, or its file cannot be read.
+    #[error("{message}")]
+    Usage {
+        /// What is wrong.
+        message: String,
+        /// How to mend it.
+        hints: Vec<String>,
+    },
+    /// The mechanism is ill-posed.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// There is no pose at all.
+    #[error("{message}")]
+    NeverClosed {
+        /// Which loop, which gap, at which inputs.
+        message: String,
+        /// How to mend it.
+        hints: Vec<String>,
+    },
+    /// A file could not be made.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// A picture could not be read.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// A picture could not be made.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Standard output failed.
+    #[error("cannot write to standard output: {0}")]
+    Stdout(#[from] std::io::Error),
+    /// Stopped by Ctrl-C.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+    /// Stopped by Ctrl-C, with what was done until then kept.
+    #[error("interrupted; {0}")]
+    Stopped(String),
+    /// A fault of the program.
+    #[error("internal error: {0}")]
+    Internal(String),
+}
+
+impl Failure {
+    /// A usage error with hints.
+    pub fn usage(message: impl Into<String>, hints: Vec<String>) -> Self {
+        Self::Usage {
+            message: message.into(),
+            hints,
+        }
+    }
+
+    /// Its exit code.
+    pub fn code(&self) -> i32 {
+        match self {
+            _ if self.is_broken_pipe() => DONE,
+            Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
+            Self::Import(_) | Self::Stdout(_) => BAD_USAGE,
+            Self::Structure(
+                StructureError::UnderDetermined { .. } | StructureError::Unheld { .. },
+            ) => BAD_USAGE,
+            Self::Structure(StructureError::Impossible { .. }) | Self::NeverClosed { .. } => {
+                NOT_CLOSED
+            }
+            Self::Render(RenderError::NoAdapter(_)) => NO_ADAPTER,
+            Self::Render(RenderError::Size(_)) => BAD_USAGE,
+            Self::Render(RenderError::Device(_)) => NO_ADAPTER,
+            Self::Interrupted | Self::Stopped(_) => INTERRUPTED,
+            Self::Internal(_) => INTERNAL,
+        }
+    }
+
+    /// True when the reader of standard output went away: a quiet end.
+    pub fn is_broken_pipe(&self) -> bool {
+        match self {
+            Self::Stdout(error) => error.kind() == std::io::ErrorKind::BrokenPipe,
+            Self::Export(error) => error.is_broken_pipe(),
+            _ => false,
+        }
+    }
+}

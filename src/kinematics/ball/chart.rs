@@ -1,0 +1,201 @@
+//! Another description of a mechanism's ball joints, which is never gimbal-locked.
+//!
+//! Each joint is its rotation at a pose, which the chart is based on, times three small rotations about x, y and z, in
+//! the same unknowns. The angles of the base are inputs of the chart, so that its chains hold no rounded rotation and can
+//! be proved. What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
+
+use super::joint::{Ball, balls};
+use crate::kinematics::structure::block::{Structure, block};
+use crate::math::Pose;
+use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::drive::Drive;
+use crate::model::expression::Affine;
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use glam::{DMat3, DVec3};
+
+/// The mechanism with its ball joints described from a pose on.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Loops and coordinates only; the unknowns of ball joints are small rotations about x, y, z, and after the scene's
+    /// inputs stand those angles of every ball joint that the chart is based on.
+    pub mechanism: Mechanism,
+    /// The scene's order of solution, for `mechanism`.
+    pub structure: Structure,
+    /// The ball joints, none of which is held.
+    pub balls: Vec<Ball>,
+    /// Coordinates of the scene.
+    count: usize,
+}
+
+impl Chart {
+    /// `None` if there is no ball joint.
+    pub fn new(mechanism: &Mechanism, structure: &Structure) -> Option<Self> {
+        let balls = balls(mechanism, structure);
+        if balls.is_empty() {
+            return None;
+        }
+        let count = mechanism.coordinate_count();
+        let mut charted = Mechanism {
+            bodies: Vec::new(),
+            traces: Vec::new(),
+            outputs: Vec::new(),
+            ..mechanism.clone()
+        };
+        let mut small = Vec::new();
+        for ball in &balls {
+            for (argument, slot) in ball.arguments().into_iter().zip(ball.slots) {
+                let base = charted.coordinate_count();
+                charted.inputs.push(Coordinate {
+                    name: mechanism.unknowns[slot].name.clone(),
+                    kind: Kind::Angle,
+                });
+                charted.drives.push(Drive::constant(0.0));
+                rebase(&mut charted.arguments[argument], base);
+            }
+            let first = charted.arguments.len();
+            charted.arguments.extend(ball.slots.map(|slot| {
+                Argument::Affine(Affine {
+                    terms: vec![(slot, 1.0)],
+                    constant: 0.0,
+                })
+            }));
+            small.push(first);
+        }
+        let size = mechanism.size;
+        for item in &mut charted.loops {
+            rewrite(&mut item.chain, &balls, &small, size);
+        }
+        let mut structure = structure.clone();
+        for item in &mut structure.blocks {
+            let (loops, equations) = (item.loops.clone(), item.equations.clone());
+            *item = block(&charted, loops, equations, item.unknowns.clone());
+        }
+        Some(Self {
+            mechanism: charted,
+            structure,
+            balls,
+            count,
+        })
+    }
+
+    /// Whether the scene's angles are bad coordinates of some joint here.
+    pub fn is_needed(&self, coordinates: &[f64]) -> bool {
+        self.balls.iter().any(|b| b.is_nearly_locked(coordinates))
+    }
+
+    /// The chart's coordinates of the pose at the scene's `coordinates`, which it is based on.
+    pub fn base(&self, coordinates: &[f64]) -> Vec<f64> {
+        let mut own = coordinates.to_vec();
+        for ball in &self.balls {
+            own.extend(ball.slots.map(|slot| coordinates[slot]));
+            ball.slots.iter().for_each(|slot| own[*slot] = 0.0);
+        }
+        own
+    }
+
+    /// The angles of ball `index` that the chart's coordinates `own` are based on, in their places among the scene's.
+    fn angles_of_base(&self, index: usize, own: &[f64]) -> Vec<f64> {
+        let first = self.count + 3 * index;
+        let mut coordinates = own[..self.count].to_vec();
+        for (slot, angle) in self.balls[index].slots.iter().zip(&own[first..]) {
+            coordinates[*slot] = *angle;
+        }
+        coordinates
+    }
+
+    /// The scene's coordinates for the chart's: of all names of the pose the one nearest to `near`.
+    pub fn scene(&self, own: &[f64], near: &[f64]) -> Vec<f64> {
+        let mut coordinates = own[..self.count].to_vec();
+        for (index, ball) in self.balls.iter().enumerate() {
+            let base = ball.rotation(&self.angles_of_base(index, own));
+            let turn = |k: usize| Pose::from_axis_rotation(k, own[ball.slots[k]]).rotation;
+            let rotation = base * turn(0) * turn(1) * turn(2);
+            ball.slots
+                .iter()
+                .for_each(|slot| coordinates[*slot] = near[*slot]);
+            ball.read(&rotation, &mut coordinates);
+        }
+        coordinates
+    }
+
+    /// Gives the joints of a pose in the scene's `coordinates` the names nearest to `near`, without moving them.
+    pub fn rename(&self, coordinates: &mut [f64], near: &[f64]) {
+        for ball in &self.balls {
+            let rotation = ball.rotation(coordinates);
+            ball.slots
+                .iter()
+                .for_each(|slot| coordinates[*slot] = near[*slot]);
+            ball.read(&rotation, coordinates);
+        }
+    }
+
+    /// Rates of the scene's unknowns for rates at the pose `coordinates` that the chart was based on: those of a joint's
+    /// first and last angle are NaN where they are locked.
+    pub fn scene_rates(&self, coordinates: &[f64], rates: &mut [f64]) {
+        for ball in &self.balls {
+            let base = ball.rotation(coordinates);
+            let turn = base * DVec3::from_array(ball.slots.map(|slot| rates[slot]));
+            for (slot, rate) in ball.slots.iter().zip(ball.rates(coordinates, turn)) {
+                rates[*slot] = rate;
+            }
+        }
+    }
+}
+
+/// Has a joint's value made of coordinate `slot` in place of its own one.
+fn rebase(argument: &mut Argument, slot: usize) {
+    if let Argument::Affine(affine) = argument {
+        affine.terms.iter_mut().for_each(|term| term.0 = slot);
+    }
+}
+
+/// Puts small rotations behind every ball joint of a chain (before it, where it stands inverted), about the point in
+/// which its axes meet. Their arguments begin at `small`, for every ball.
+fn rewrite(chain: &mut Chain, balls: &[Ball], small: &[usize], size: f64) {
+    let mut steps: Vec<Step> = Vec::new();
+    let mut k = 0;
+    while k < chain.steps.len() {
+        let known = balls.iter().zip(small).find_map(|(ball, first)| {
+            let (taken, is_inverse) = ball.stands_at(&chain.steps, k, size)?;
+            Some((ball, *first, taken, is_inverse))
+        });
+        let Some((ball, first, taken, is_inverse)) = known else {
+            steps.push(chain.steps[k]);
+            k += 1;
+            continue;
+        };
+        let turns = turns_about(ball.centre, first);
+        let own = &chain.steps[k..k + taken];
+        if is_inverse {
+            steps.extend(turns.iter().rev().map(Step::inverse));
+            steps.extend(own);
+        } else {
+            steps.extend(own);
+            steps.extend(turns);
+        }
+        k += taken;
+    }
+    chain.steps = steps;
+}
+
+/// Rotations about x, y and z in a point, with the arguments from `first` on.
+fn turns_about(centre: DVec3, first: usize) -> Vec<Step> {
+    let turn = |axis: usize| Step::Joint {
+        motion: Motion::Rotation,
+        axis,
+        argument: first + axis,
+        sign: 1.0,
+    };
+    let mut steps: Vec<Step> = [0, 1, 2].map(turn).to_vec();
+    if centre != DVec3::ZERO {
+        let shift = |translation: DVec3| {
+            Step::Fixed(Pose {
+                rotation: DMat3::IDENTITY,
+                translation,
+            })
+        };
+        steps.insert(0, shift(centre));
+        steps.push(shift(-centre));
+    }
+    steps
+}

@@ -1,0 +1,535 @@
+//! Ball joints written as three rotations in a row: which they are, and their angles from their rotation.
+//!
+//! Where the middle angle makes the first and the last axis parallel, the three angles are no coordinates of a
+//! rotation any more, though nothing is wrong with the joint: they are gimbal-locked. What is solved instead next to
+//! such poses is in `chart`.
+//!
+//! Constant poses may stand between the rotations as long as all three axes meet in one point and each is at right
+//! angles to the next: `Rz(a) Rx(90) Rz(b) Rx(-90) Rz(c)` is a ball joint. With u1, u2, u3 the axes in the frame before
+//! the joint at zero angles, M the product of the constant rotations, C = [u1, u2, u1 × u2], and u3 turned by mu from
+//! u1 × u2 about u2, every such joint is C Rx(a) Ry(b + mu) Rz(c) Ry(-mu) Cᵀ M: one formula serves all orders of axes.
+//! It is locked where cos(b + mu) = 0; only a + c or a - c is determined there. Axes that are not at right angles do
+//! not reach all rotations: where they come to lie in one plane the joint is at its end, and rightly called singular.
+//!
+//! Three rotations count as a ball joint if they stand together wherever they are used, are unknowns of their own,
+//! and no body belongs to a link between them: a body there would show the single angles.
+
+use crate::kinematics::structure::block::Structure;
+use crate::math::{Pose, sin_cos};
+use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::mechanism::Mechanism;
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Distance from a locked pose, in half turns, at which |cos(b + mu)| is 0.2.
+const NEAR: f64 = 0.064_094_216_849;
+
+/// Below this |cos(b + mu)| the last angle is kept and not read: the first then carries an error of this size in
+/// radians at most, no more than rounding of a long chain.
+const UNREADABLE: f64 = 4e-15;
+
+/// Axes meet, and are at right angles, if they miss it by no more than the rounding of folded constants (radians, sizes).
+const EXACT: f64 = 1e-12;
+
+/// Three rotations in a row with the constant poses between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Run {
+    /// Axis, argument and sign.
+    turns: [(usize, usize, f64); 3],
+    between: [Pose; 2],
+    /// Steps of the chain that it takes.
+    steps: usize,
+}
+
+impl Run {
+    /// The run that begins at step `first`.
+    fn at(steps: &[Step], first: usize) -> Option<Self> {
+        let mut turns = [(0, 0, 0.0); 3];
+        let mut between = [Pose::IDENTITY; 2];
+        let mut found = 0;
+        for (k, step) in steps.iter().enumerate().skip(first) {
+            match *step {
+                Step::Joint {
+                    motion: Motion::Rotation,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    turns[found] = (axis, argument, sign);
+                    found += 1;
+                    if found == 3 {
+                        let steps = k + 1 - first;
+                        return Some(Self {
+                            turns,
+                            between,
+                            steps,
+                        });
+                    }
+                }
+                Step::Fixed(pose) if found > 0 => between[found - 1] = between[found - 1] * pose,
+                _ => return None,
+            }
+        }
+        None
+    }
+
+    fn inverse(&self) -> Self {
+        let [first, second, third] = self
+            .turns
+            .map(|(axis, argument, sign)| (axis, argument, -sign));
+        let [one, other] = self.between.map(|pose| pose.inverse());
+        Self {
+            turns: [third, second, first],
+            between: [other, one],
+            steps: self.steps,
+        }
+    }
+
+    /// Whether both are the same joint.
+    fn is(&self, other: &Self, size: f64) -> bool {
+        let pairs = self.between.iter().zip(&other.between);
+        let mut gaps = pairs.map(|(a, b)| {
+            let turned = (a.rotation - b.rotation).to_cols_array();
+            let moved = (a.translation - b.translation).length() / size;
+            turned.iter().fold(moved, |m, v| m.max(v.abs()))
+        });
+        self.turns == other.turns && gaps.all(|gap| gap <= EXACT)
+    }
+
+    fn arguments(&self) -> [usize; 3] {
+        self.turns.map(|(_, argument, _)| argument)
+    }
+}
+
+/// A ball joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ball {
+    /// Its three unknowns, in the order of the rotations.
+    pub slots: [usize; 3],
+    /// Block that solves them.
+    pub block: usize,
+    run: Run,
+    /// Radians by unknown.
+    factors: [f64; 3],
+    /// Added before they are angles.
+    offsets: [f64; 3],
+    /// C above.
+    frame: DMat3,
+    /// M above.
+    constant: DMat3,
+    mu: f64,
+    /// From the frame behind the joint to the point in which the axes meet.
+    pub(crate) centre: DVec3,
+}
+
+impl Ball {
+    /// The joint's rotation.
+    pub fn rotation(&self, coordinates: &[f64]) -> DMat3 {
+        let angles = self.angles(coordinates);
+        let turn = |k: usize| Pose::from_axis_rotation(self.run.turns[k].0, angles[k]).rotation;
+        let [first, second] = self.run.between.map(|pose| pose.rotation);
+        turn(0) * first * turn(1) * second * turn(2)
+    }
+
+    /// Arguments of its rotations, in their order.
+    pub(crate) fn arguments(&self) -> [usize; 3] {
+        self.run.arguments()
+    }
+
+    /// Whether the joint stands at step `first` of a chain: how many steps it takes there, and whether it is inverted.
+    pub(crate) fn stands_at(
+        &self,
+        steps: &[Step],
+        first: usize,
+        size: f64,
+    ) -> Option<(usize, bool)> {
+        let run = Run::at(steps, first)?;
+        let is_inverse = run.inverse().is(&self.run, size);
+        (is_inverse || run.is(&self.run, size)).then_some((run.steps, is_inverse))
+    }
+
+    /// Two smooth numbers that vanish where the angles are locked; their length is |cos(b + mu)|.
+    pub fn lock(&self, coordinates: &[f64]) -> DVec2 {
+        let s = self.canonical(&self.rotation(coordinates));
+        DVec2::new(s.x_axis.x, s.y_axis.x)
+    }
+
+    /// Whether |cos(b + mu)| is below 0.2: the angles then lose a digit of the rotation, and soon more. Needs no cosine,
+    /// since it is asked at every step.
+    pub fn is_nearly_locked(&self, coordinates: &[f64]) -> bool {
+        let part = self.half_turns(coordinates);
+        (part - part.round()).abs() < NEAR
+    }
+
+    /// Whether the locked pose lies between two poses, or one of them is near it.
+    pub fn may_have_locked(&self, a: &[f64], b: &[f64]) -> bool {
+        self.half_turns(a).floor() != self.half_turns(b).floor()
+            || self.is_nearly_locked(a)
+            || self.is_nearly_locked(b)
+    }
+
+    /// Half turns of b + mu from a locked pose.
+    fn half_turns(&self, coordinates: &[f64]) -> f64 {
+        (self.angle(coordinates, 1) + self.mu) / PI - 0.5
+    }
+
+    /// Sign of the determinant of the map from rates of the unknowns to the joint's angular velocity.
+    pub fn orientation(&self, coordinates: &[f64]) -> i8 {
+        let b = self.angles(coordinates)[1] + self.mu;
+        let rates: f64 = (0..3).map(|k| self.rate(k)).product();
+        if rates * sin_cos(b).1 < 0.0 { -1 } else { 1 }
+    }
+
+    fn angles(&self, coordinates: &[f64]) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.angle(coordinates, k))
+    }
+
+    fn angle(&self, coordinates: &[f64], k: usize) -> f64 {
+        self.run.turns[k].2 * (self.factors[k] * coordinates[self.slots[k]] + self.offsets[k])
+    }
+
+    /// Rate of angle `k` by its unknown.
+    fn rate(&self, k: usize) -> f64 {
+        self.run.turns[k].2 * self.factors[k]
+    }
+
+    /// Rx(a) Ry(b + mu) Rz(c) of a rotation of the joint.
+    fn canonical(&self, rotation: &DMat3) -> DMat3 {
+        let back = Pose::from_axis_rotation(1, self.mu).rotation;
+        self.frame.transpose() * *rotation * self.constant.transpose() * self.frame * back
+    }
+
+    /// Writes the unknowns that give `rotation` into `coordinates`: of all triples the one nearest to those that
+    /// stand there.
+    pub(crate) fn read(&self, rotation: &DMat3, coordinates: &mut [f64]) {
+        let s = self.canonical(rotation);
+        let before = self.angles(coordinates);
+        let locked = DVec2::new(s.x_axis.x, s.y_axis.x).length() < UNREADABLE;
+        let last = if locked {
+            before[2]
+        } else {
+            (-s.y_axis.x).atan2(s.x_axis.x)
+        };
+        let triple = |c: f64| {
+            let (sin, cos) = sin_cos(c);
+            // Columns of S Rz(-c) = Rx(a) Ry(b + mu).
+            let (x, y) = (
+                s.x_axis * cos - s.y_axis * sin,
+                s.x_axis * sin + s.y_axis * cos,
+            );
+            let found = [y.z.atan2(y.y), s.z_axis.x.atan2(x.x) - self.mu, c];
+            let near = |k: usize| found[k] - TAU * ((found[k] - before[k]) / TAU).round();
+            [near(0), near(1), near(2)]
+        };
+        let far = |angles: &[f64; 3]| -> f64 {
+            angles.iter().zip(&before).map(|(a, b)| (a - b).abs()).sum()
+        };
+        let (one, other) = (triple(last), triple(last + PI));
+        let nearest = if !locked && far(&other) < far(&one) {
+            other
+        } else {
+            one
+        };
+        for k in 0..3 {
+            let argument = self.run.turns[k].2 * nearest[k];
+            coordinates[self.slots[k]] = (argument - self.offsets[k]) / self.factors[k];
+        }
+    }
+
+    /// Rates of the unknowns for an angular velocity in the frame before the joint; the first and the last are NaN
+    /// where the angles are locked.
+    pub(crate) fn rates(&self, coordinates: &[f64], turn: DVec3) -> [f64; 3] {
+        let [a, b, _] = self.angles(coordinates);
+        let w = Pose::from_axis_rotation(0, -a).rotation * (self.frame.transpose() * turn);
+        let (sin, cos) = sin_cos(b + self.mu);
+        let last = if cos.abs() < 1e-9 {
+            f64::NAN
+        } else {
+            w.z / cos
+        };
+        let found = [w.x - last * sin, w.y, last];
+        [0, 1, 2].map(|k| found[k] / self.rate(k))
+    }
+}
+
+/// All ball joints of the loops.
+pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
+    let mut list: Vec<Ball> = Vec::new();
+    for item in &mechanism.loops {
+        let steps = &item.chain.steps;
+        let mut k = 0;
+        while k < steps.len() {
+            let known = list
+                .iter()
+                .find_map(|ball| ball.stands_at(steps, k, mechanism.size));
+            if let Some((taken, _)) = known {
+                k += taken;
+                continue;
+            }
+            let found = Run::at(steps, k).and_then(|run| ball_of(mechanism, structure, run));
+            let found = found.filter(|ball| {
+                let mut others = list.iter().flat_map(|b| b.slots);
+                !others.any(|slot| ball.slots.contains(&slot)) && is_alone(mechanism, ball)
+            });
+            k += found.as_ref().map_or(1, |ball| ball.run.steps);
+            list.extend(found);
+        }
+    }
+    list
+}
+
+fn ball_of(mechanism: &Mechanism, structure: &Structure, run: Run) -> Option<Ball> {
+    let mut slots = [0; 3];
+    let (mut factors, mut offsets) = ([0.0; 3], [0.0; 3]);
+    for (k, argument) in run.arguments().into_iter().enumerate() {
+        let Argument::Affine(affine) = &mechanism.arguments[argument] else {
+            return None;
+        };
+        let [(slot, factor)] = affine.terms[..] else {
+            return None;
+        };
+        (slots[k], factors[k], offsets[k]) = (slot, factor, affine.constant);
+    }
+    let block = structure
+        .blocks
+        .iter()
+        .position(|b| b.unknowns.contains(&slots[0]))?;
+    let unknowns = &structure.blocks[block].unknowns;
+    let is_whole = slots.iter().all(|slot| unknowns.contains(slot));
+    let differ = slots[0] != slots[1] && slots[1] != slots[2] && slots[0] != slots[2];
+    if !is_whole || !differ || factors.contains(&0.0) {
+        return None;
+    }
+    let axes = axes_of(&run)?;
+    Some(Ball {
+        slots,
+        block,
+        factors,
+        offsets,
+        frame: axes.frame,
+        constant: run.between[0].rotation * run.between[1].rotation,
+        mu: axes.mu,
+        centre: centre(&run, mechanism.size)?,
+        run,
+    })
+}
+
+/// C and mu of a run.
+struct Axes {
+    frame: DMat3,
+    mu: f64,
+}
+
+/// `None` unless each axis is at right angles to the next.
+fn axes_of(run: &Run) -> Option<Axes> {
+    let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
+    let [first, second] = run.between.map(|pose| pose.rotation);
+    let (u1, u2, u3) = (own[0], first * own[1], first * second * own[2]);
+    if u1.dot(u2).abs() > EXACT || u2.dot(u3).abs() > EXACT {
+        return None;
+    }
+    let third = u1.cross(u2);
+    Some(Axes {
+        frame: DMat3::from_cols(u1, u2, third),
+        mu: u3.dot(u1).atan2(u3.dot(third)),
+    })
+}
+
+/// The point in which the three axes meet, from the frame behind the last; `None` if they do not.
+///
+/// What a constant shifts along the axis before it or behind it moves no axis off the point.
+fn centre(run: &Run, size: f64) -> Option<DVec3> {
+    let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
+    let [first, second] = run.between;
+    let second_axis = first.rotation * own[1];
+    let (along, back) = (
+        first.translation.dot(own[0]),
+        first.translation.dot(second_axis),
+    );
+    let off_first = first.translation - own[0] * along - second_axis * back;
+    // The point of the second axis in which it meets the first, in the frame behind the second rotation.
+    let meets = own[1] * -back;
+    let last_axis = second.rotation * own[2];
+    let way = meets - second.translation;
+    let onward = way.dot(last_axis);
+    let off_last = way - last_axis * onward;
+    let misses = off_first.length().max(off_last.length()) / size;
+    (misses <= EXACT).then(|| own[2] * onward)
+}
+
+/// Whether the three unknowns are used nowhere but in this joint, and no body stands between its rotations.
+fn is_alone(mechanism: &Mechanism, ball: &Ball) -> bool {
+    let uses = |slots: &[usize]| slots.iter().any(|slot| ball.slots.contains(slot));
+    let own = ball.arguments();
+    let elsewhere = mechanism
+        .arguments
+        .iter()
+        .enumerate()
+        .any(|(k, argument)| !own.contains(&k) && uses(&argument.coordinates()));
+    let in_equations = mechanism
+        .equations
+        .iter()
+        .any(|e| uses(&e.expression.slots()));
+    let chains = mechanism.loops.iter().map(|l| &l.chain);
+    let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
+    let mut chains = chains.chain(bodies);
+    !elsewhere && !in_equations && chains.all(|chain| is_whole_in(chain, ball, mechanism.size))
+}
+
+/// Whether the joint's rotations stand in a chain only together.
+fn is_whole_in(chain: &Chain, ball: &Ball, size: f64) -> bool {
+    let own = ball.arguments();
+    let mut k = 0;
+    while k < chain.steps.len() {
+        if let Some((taken, _)) = ball.stands_at(&chain.steps, k, size) {
+            k += taken;
+            continue;
+        }
+        if let Step::Joint { argument, .. } = chain.steps[k]
+            && own.contains(&argument)
+        {
+            return false;
+        }
+        k += 1;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// A joint with constants between its rotations, which may be the identity.
+    fn ball(axes: [usize; 3], signs: [f64; 3], between: [Pose; 2]) -> Ball {
+        let turn = |k: usize| Step::Joint {
+            motion: Motion::Rotation,
+            axis: axes[k],
+            argument: k,
+            sign: signs[k],
+        };
+        let steps = [
+            turn(0),
+            Step::Fixed(between[0]),
+            turn(1),
+            Step::Fixed(between[1]),
+            turn(2),
+        ];
+        let run = Run::at(&steps, 0).unwrap();
+        let found = axes_of(&run).unwrap();
+        let ball = Ball {
+            slots: [0, 1, 2],
+            block: 0,
+            factors: [1.0, 1.0, -2.0],
+            offsets: [0.1, 0.0, -0.3],
+            frame: found.frame,
+            constant: between[0].rotation * between[1].rotation,
+            mu: found.mu,
+            centre: centre(&run, 1.0).unwrap(),
+            run,
+        };
+        assert_eq!(ball.stands_at(&steps, 0, 1.0), Some((5, false)));
+        let inverse: Vec<Step> = steps.iter().rev().map(Step::inverse).collect();
+        assert_eq!(ball.stands_at(&inverse, 0, 1.0), Some((5, true)));
+        ball
+    }
+
+    /// Orders of axes with constants that keep neighbours at right angles.
+    fn orders() -> Vec<([usize; 3], [Pose; 2])> {
+        let turn = |axis, degrees: f64| Pose::from_axis_rotation(axis, degrees.to_radians());
+        let plain = [
+            [0, 1, 2],
+            [2, 1, 0],
+            [1, 2, 0],
+            [2, 0, 2],
+            [0, 1, 0],
+            [1, 0, 2],
+        ];
+        let mut list: Vec<_> = plain.map(|axes| (axes, [Pose::IDENTITY; 2])).to_vec();
+        list.push(([2, 2, 2], [turn(0, 90.0), turn(0, -90.0)]));
+        list.push(([0, 0, 2], [turn(1, 90.0), Pose::IDENTITY]));
+        list.push(([0, 1, 2], [turn(0, 30.0), turn(1, -70.0)]));
+        list.push(([0, 1, 2], [turn(1, 25.0), turn(2, 40.0)]));
+        list
+    }
+
+    fn difference(a: &DMat3, b: &DMat3) -> f64 {
+        (*a - *b)
+            .to_cols_array()
+            .iter()
+            .fold(0.0, |m, v| m.max(v.abs()))
+    }
+
+    #[test]
+    fn angles_are_read_back_for_all_orders_of_axes_locked_or_not() {
+        for (axes, between) in orders() {
+            for signs in [[1.0; 3], [1.0, -1.0, 1.0], [-1.0; 3]] {
+                let ball = ball(axes, signs, between);
+                for near_lock in [1.0, 1e-3, 1e-9, 1e-15, 0.0, -1e-9, -0.5] {
+                    let middle = signs[1] * (FRAC_PI_2 - ball.mu - near_lock);
+                    let truth = [0.7, middle, -2.0];
+                    let rotation = ball.rotation(&truth);
+                    assert!((ball.lock(&truth).length() - near_lock.sin().abs()).abs() < 1e-15);
+                    assert_eq!(ball.is_nearly_locked(&truth), near_lock.sin().abs() < 0.2);
+                    let beyond = [0.0, signs[1] * (FRAC_PI_2 - ball.mu + 1.0), 0.0];
+                    assert_eq!(ball.may_have_locked(&truth, &beyond), near_lock >= -0.2);
+                    // From nearby the same angles come back; from anywhere the same rotation.
+                    let mut found = truth.map(|v| v + 1e-3);
+                    ball.read(&rotation, &mut found);
+                    if near_lock.abs() > 2e-3 {
+                        for k in 0..3 {
+                            assert!((found[k] - truth[k]).abs() < 1e-12, "{axes:?} {found:?}");
+                        }
+                    }
+                    assert!(difference(&ball.rotation(&found), &rotation) < 5e-15);
+                    let mut far = [9.0, -4.0, 2.5];
+                    ball.read(&rotation, &mut far);
+                    assert!(difference(&ball.rotation(&far), &rotation) < 5e-15);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rates_of_angles_follow_the_angular_velocity() {
+        for (axes, between) in orders() {
+            let ball = ball(axes, [1.0, -1.0, 1.0], between);
+            let (q, rates) = ([0.4, 0.3, -1.1], [0.5, -0.2, 0.9]);
+            let h = 1e-6;
+            let at = |s: f64| {
+                let moved = [0, 1, 2].map(|k| q[k] + s * rates[k]);
+                ball.rotation(&moved)
+            };
+            let spin = (at(h) - at(-h)) * (0.5 / h) * at(0.0).transpose();
+            let turn = DVec3::new(spin.y_axis.z, spin.z_axis.x, spin.x_axis.y);
+            let found = ball.rates(&q, turn);
+            for k in 0..3 {
+                assert!((found[k] - rates[k]).abs() < 1e-8, "{axes:?} {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn axes_that_miss_each_other_or_a_right_angle_are_no_ball() {
+        let shift = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z));
+        let turn = |axis, angle| Pose::from_axis_rotation(axis, angle);
+        let run = |between: [Pose; 2]| Run {
+            turns: [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)],
+            between,
+            steps: 5,
+        };
+        // Along the axes before and behind a constant nothing is moved apart.
+        let met = run([shift(3.0, -2.0, 0.0), shift(0.0, 2.0, 5.0)]);
+        assert_eq!(centre(&met, 1.0), Some(DVec3::new(0.0, 0.0, -5.0)));
+        for [one, other] in [
+            [shift(0.0, 0.0, 1.0), Pose::IDENTITY],
+            [Pose::IDENTITY, shift(1.0, 0.0, 0.0)],
+            [shift(3.0, -2.0, 0.0), shift(0.0, 0.0, 5.0)],
+        ] {
+            assert_eq!(centre(&run([one, other]), 1.0), None);
+        }
+        assert!(axes_of(&run([turn(2, 0.5), Pose::IDENTITY])).is_none());
+        assert!(axes_of(&run([turn(0, 0.5), turn(1, 0.7)])).is_some());
+    }
+}

@@ -1,0 +1,361 @@
+//! A loop's product with 23 digits, its skew residual, and bounds of its derivatives.
+//!
+//! The residual here is the skew part of the rotation and the translation over the size: unlike the rotation vector
+//! that Newton uses, it is a plain entry of a product, so that its second derivatives have simple bounds.
+
+use super::product::Product;
+use crate::math::Pose;
+use crate::model::chain::{Motion, Step};
+use crate::model::expression::Affine;
+use crate::numbers::double_double::Double;
+use crate::numbers::sin_cos::{FUNCTION_ERROR, Factor, sin_cos};
+use glam::{DMat3, DVec3};
+
+/// Unit roundoff of f64.
+pub const U: f64 = f64::EPSILON / 2.0;
+
+/// A fixed rotation that is not a quarter turn was folded from a few rounded factors (radians).
+const FIXED_ROTATION: f64 = 8.0 * U;
+
+/// Relative: a translation folded through such a rotation.
+const FOLDED_TRANSLATION: f64 = 8.0 * U;
+
+/// An argument's value and how far the numbers it was made from leave it open.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ArgumentDouble {
+    value: Factor,
+    sin: Factor,
+    cos: Factor,
+    /// As a length: scene's unit.
+    pub open_length: f64,
+    /// As an angle, sine and cosine included: radians.
+    pub open_angle: f64,
+}
+
+impl ArgumentDouble {
+    /// Evaluates an affine form. The coefficients that are no whole numbers are known to half a unit only.
+    pub fn new(form: &Affine, coordinates: &[f64]) -> Self {
+        let (value, open_length) = affine_value(form, coordinates);
+        let (sin, cos) = sin_cos(value);
+        Self {
+            value: Factor::short(value),
+            sin,
+            cos,
+            open_length,
+            // An error of either function turns and stretches the pair by as much; twice that covers both.
+            open_angle: open_length + 2.0 * FUNCTION_ERROR,
+        }
+    }
+}
+
+/// The value with 31 digits, and the effect of coefficients that are rounded decimals.
+pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (Double, f64) {
+    // Numbers too large for the conversion count as rounded.
+    let rounded = |v: f64| if v as i64 as f64 == v { 0.0 } else { 2.0 * U };
+    let mut open = rounded(form.constant) * form.constant.abs();
+    let mut value = Double::from(form.constant);
+    for &(slot, c) in &form.terms {
+        value = value + Double::product(c, coordinates[slot]);
+        open += rounded(c) * (c * coordinates[slot]).abs();
+    }
+    (value, open)
+}
+
+/// A joint as it is passed on the way, and the fixed pose before it.
+#[derive(Clone, Debug)]
+struct PlannedJoint {
+    shift: [Option<Factor>; 3],
+    turn: Option<DMat3>,
+    motion: Motion,
+    axis: usize,
+    argument: usize,
+    sign: f64,
+    /// Rotation and translation by which the fixed poses behind the joint may differ from those meant, and the length
+    /// of the translation.
+    open_behind: [f64; 2],
+    length_behind: f64,
+}
+
+/// A loop laid out for the walk.
+#[derive(Clone, Debug, Default)]
+pub struct LoopPlan {
+    joints: Vec<PlannedJoint>,
+    /// The fixed pose at the end, as a joint that does not move.
+    end: Option<PlannedJoint>,
+    /// The same for the fixed pose before the first joint.
+    open_before: [f64; 2],
+    length_before: f64,
+    steps: usize,
+}
+
+impl LoopPlan {
+    /// Lays out a chain whose arguments are renamed by `place`.
+    pub fn new(steps: &[Step], place: impl Fn(usize) -> usize) -> Self {
+        let mut plan = Self {
+            steps: steps.len(),
+            ..Self::default()
+        };
+        let mut fixed: Option<Pose> = None;
+        for step in steps {
+            match *step {
+                Step::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
+                Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    let mut joint = plan.after(fixed.take());
+                    joint.motion = motion;
+                    joint.axis = axis;
+                    joint.argument = place(argument);
+                    joint.sign = sign;
+                    plan.joints.push(joint);
+                }
+            }
+        }
+        if fixed.is_some() {
+            plan.end = Some(plan.after(fixed));
+        }
+        plan
+    }
+
+    /// Places of the joints' arguments.
+    pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
+        self.joints.iter().map(|joint| joint.argument)
+    }
+
+    /// A joint after a fixed pose, which counts as behind the joint before.
+    fn after(&mut self, fixed: Option<Pose>) -> PlannedJoint {
+        let pose = fixed.unwrap_or(Pose::IDENTITY);
+        let open = open_fixed(&pose);
+        match self.joints.last_mut() {
+            Some(last) => {
+                last.open_behind = open;
+                last.length_behind = pose.translation.length();
+            }
+            None => {
+                self.open_before = open;
+                self.length_before = pose.translation.length();
+            }
+        }
+        let part = |v: f64| (v != 0.0).then(|| Factor::short(Double::from(v)));
+        PlannedJoint {
+            shift: pose.translation.to_array().map(part),
+            turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
+            motion: Motion::Translation,
+            axis: 0,
+            argument: 0,
+            sign: 1.0,
+            open_behind: [0.0; 2],
+            length_behind: 0.0,
+        }
+    }
+}
+
+/// A joint at the pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    /// Kind of motion.
+    pub motion: Motion,
+    /// Place of its argument.
+    pub argument: usize,
+    axis: DVec3,
+    origin: DVec3,
+    /// No pose in the ball has the loop's end farther from the joint (sizes).
+    pub reach: f64,
+}
+
+/// A loop at a pose.
+#[derive(Clone, Debug, Default)]
+pub struct LoopAtPose {
+    /// Skew part, then translation over the size.
+    pub residual: [f64; 6],
+    /// How far rounding and rounded dimensions leave rotation and translation rows open.
+    pub open: [f64; 2],
+    /// Trace of the rotation.
+    pub trace: f64,
+    /// Joints in order.
+    pub joints: Vec<Joint>,
+    spin_to_skew: DMat3,
+    translation: DVec3,
+    size: f64,
+}
+
+/// Takes the fixed pose before a joint.
+fn pass_fixed(product: &mut Product, joint: &PlannedJoint) {
+    for (axis, shift) in joint.shift.iter().enumerate() {
+        if let Some(shift) = shift {
+            product.shift(axis, shift);
+        }
+    }
+    if let Some(turn) = &joint.turn {
+        product.turn(turn);
+    }
+}
+
+/// Rotation (radians) and translation (scene's unit) by which a stored fixed pose may differ from the one meant.
+fn open_fixed(pose: &Pose) -> [f64; 2] {
+    let r = pose.rotation;
+    let quarter_turns = r.to_cols_array().iter().all(|v| v.fract() == 0.0);
+    let length = pose.translation.length();
+    if quarter_turns {
+        // Only the parts that are no whole numbers are rounded.
+        let rounded = |v: f64| if v.fract() == 0.0 { 0.0 } else { v };
+        let parts = DVec3::from_array(pose.translation.to_array().map(rounded));
+        return [0.0, 2.0 * U * parts.length()];
+    }
+    let defect = (r.transpose() * r - DMat3::IDENTITY)
+        .to_cols_array()
+        .iter()
+        .map(|v| v * v)
+        .sum::<f64>()
+        .sqrt();
+    [FIXED_ROTATION + defect, FOLDED_TRANSLATION * length]
+}
+
+/// Rounding of one step of the walk (radians, sizes): six entries lose at most 11 × 2^-80 each, a shift no more of itself.
+const LOST_IN_STEP: f64 = 3e-23;
+
+impl LoopAtPose {
+    /// Evaluates a loop. `play` is by how much an argument can change in the ball.
+    pub fn evaluate(
+        &mut self,
+        plan: &LoopPlan,
+        arguments: &[ArgumentDouble],
+        play: impl Fn(usize) -> f64,
+        size: f64,
+    ) {
+        let product = self.walk(plan, arguments);
+        let (open, total) = self.reaches(plan, arguments, play, size);
+        let r = product.rotation.map(|column| column.entries());
+        let skew = |i: (usize, usize), j: (usize, usize)| (r[i.0][i.1] - r[j.0][j.1]).hi * 0.5;
+        let t = product.translation.leading() / size;
+        self.trace = r[0][0].hi + r[1][1].hi + r[2][2].hi;
+        self.residual = [
+            skew((1, 2), (2, 1)),
+            skew((2, 0), (0, 2)),
+            skew((0, 1), (1, 0)),
+            t.x,
+            t.y,
+            t.z,
+        ];
+        // The last rounding loses a few units of the residual.
+        let lost = LOST_IN_STEP * plan.steps as f64;
+        let last = |v: f64| 4.0 * U * v.abs();
+        let turned = self.residual[..3].iter().map(|v| last(*v));
+        self.open = [
+            open[0] + lost + turned.fold(0.0, f64::max),
+            open[1] + lost * (1.0 + total) + last(t.length()),
+        ];
+        let rotation = {
+            let [x, y, z] = product.rotation.map(|column| column.leading());
+            DMat3::from_cols(x, y, z)
+        };
+        self.spin_to_skew = (DMat3::from_diagonal(DVec3::splat(self.trace)) - rotation) * 0.5;
+        self.translation = product.translation.leading();
+        self.size = size;
+    }
+
+    /// The product, and the joints with their axes and places but not yet their reaches.
+    fn walk(&mut self, plan: &LoopPlan, arguments: &[ArgumentDouble]) -> Product {
+        let mut product = Product::identity();
+        self.joints.clear();
+        for joint in &plan.joints {
+            pass_fixed(&mut product, joint);
+            self.joints.push(Joint {
+                motion: joint.motion,
+                argument: joint.argument,
+                axis: product.rotation[joint.axis].leading() * joint.sign,
+                origin: product.translation.leading(),
+                reach: 0.0,
+            });
+            let argument = &arguments[joint.argument];
+            match joint.motion {
+                Motion::Translation => {
+                    product.shift(joint.axis, &argument.value.signed(joint.sign));
+                }
+                Motion::Rotation => {
+                    product.rotate(joint.axis, &argument.sin.signed(joint.sign), &argument.cos);
+                }
+            }
+        }
+        if let Some(end) = &plan.end {
+            pass_fixed(&mut product, end);
+        }
+        product
+    }
+
+    /// Fills the joints' reaches from the end of the chain; returns what fixed poses leave open, and the whole length.
+    fn reaches(
+        &mut self,
+        plan: &LoopPlan,
+        arguments: &[ArgumentDouble],
+        play: impl Fn(usize) -> f64,
+        size: f64,
+    ) -> ([f64; 2], f64) {
+        let mut open = [0.0; 2];
+        let mut reach = 0.0;
+        let mut add = |[turn, shift]: [f64; 2], reach: f64| {
+            open[0] += turn;
+            open[1] += shift / size + turn * reach;
+        };
+        for (joint, planned) in self.joints.iter_mut().zip(&plan.joints).rev() {
+            add(planned.open_behind, reach);
+            reach += planned.length_behind / size;
+            joint.reach = reach * (1.0 + 1e-12);
+            if joint.motion == Motion::Translation {
+                let length = arguments[joint.argument].value.whole.abs() + play(joint.argument);
+                reach += length / size;
+            }
+        }
+        add(plan.open_before, reach);
+        (open, reach + plan.length_before / size)
+    }
+
+    /// Derivative of the six residuals by the joint's own motion.
+    pub fn column(&self, joint: &Joint) -> [f64; 6] {
+        let (turn, shift) = match joint.motion {
+            Motion::Translation => (DVec3::ZERO, joint.axis),
+            Motion::Rotation => (
+                self.spin_to_skew * joint.axis,
+                joint.axis.cross(self.translation - joint.origin),
+            ),
+        };
+        crate::kinematics::loops::residual::residual_of(turn, shift, self.size)
+    }
+
+    /// Bounds of the second derivative of rotation and translation rows along any direction in which argument `a`
+    /// changes by at most `rate(a)`.
+    pub fn second_derivatives(&self, rate: impl Fn(usize) -> f64) -> [f64; 2] {
+        let (mut turned, mut translation) = (0.0, 0.0);
+        for joint in &self.joints {
+            let alpha = rate(joint.argument);
+            match joint.motion {
+                Motion::Rotation => {
+                    translation += joint.reach * alpha * (alpha + 2.0 * turned);
+                    turned += alpha;
+                }
+                Motion::Translation => translation += 2.0 * turned * alpha / self.size,
+            }
+        }
+        [turned * turned, translation]
+    }
+
+    /// Bounds of the first derivative of rotation and translation rows, likewise; by how much the rotation can turn
+    /// is the first.
+    pub fn first_derivatives(&self, rate: impl Fn(usize) -> f64) -> [f64; 2] {
+        let mut bounds = [0.0; 2];
+        for joint in &self.joints {
+            let alpha = rate(joint.argument);
+            match joint.motion {
+                Motion::Rotation => {
+                    bounds[0] += alpha;
+                    bounds[1] += alpha * joint.reach;
+                }
+                Motion::Translation => bounds[1] += alpha / self.size,
+            }
+        }
+        bounds
+    }
+}

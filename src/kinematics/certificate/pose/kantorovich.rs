@@ -1,0 +1,355 @@
+//! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
+
+use super::chain::U;
+use super::system::BlockSystem;
+use crate::kinematics::certificate::{BALL, Reason};
+use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, groups};
+use wide::f64x4;
+
+/// What is proved of the unknowns of earlier blocks, in radians and sizes.
+#[derive(Clone, Debug, Default)]
+pub struct Earlier {
+    /// Newton step: the exact unknown is nearer to the pose less this step than to the pose itself.
+    pub step: Vec<f64>,
+    /// How near.
+    pub rest: Vec<f64>,
+    /// Largest distance of any such unknown from the pose.
+    pub largest: f64,
+}
+
+impl Earlier {
+    /// Forgets all.
+    pub fn reset(&mut self, unknowns: usize) {
+        for list in [&mut self.step, &mut self.rest] {
+            list.clear();
+            list.resize(unknowns, 0.0);
+        }
+        self.largest = 0.0;
+    }
+
+    /// Notes what is proved of an unknown.
+    fn note(&mut self, unknown: usize, step: f64, rest: f64) {
+        self.step[unknown] = step;
+        self.rest[unknown] = rest;
+        self.largest = self.largest.max(step.abs() + rest);
+    }
+}
+
+/// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
+const GROW: f64 = 1.0 + 1e-12;
+
+/// Numbers of all unknowns, or of all rows, in whole groups.
+#[derive(Clone, Debug, Default)]
+struct Constants {
+    /// The Newton step; of rows the residual at the earlier blocks' Newton steps.
+    newton: Vec<Lanes>,
+    /// The part of eta that is not the step.
+    rest: Vec<Lanes>,
+    q: Vec<Lanes>,
+    k: Vec<Lanes>,
+}
+
+impl Constants {
+    fn reset(&mut self, count: usize) {
+        for list in [&mut self.newton, &mut self.rest, &mut self.q, &mut self.k] {
+            list.clear();
+            list.resize(groups(count), [0.0; 4]);
+        }
+    }
+}
+
+/// What a form changes by.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    /// Less the Newton steps of earlier blocks.
+    step: f64,
+    /// Largest change within what is known of it.
+    drift: f64,
+    /// Largest rate by the block's unknowns.
+    own_rate: f64,
+}
+
+/// Runs a step that is compiled for one to four groups at a time, so that sums stay in registers, over all groups.
+macro_rules! in_blocks {
+    ($groups:expr, |$count:ident, $first:ident| $step:expr) => {{
+        let (mut $first, groups) = (0, $groups);
+        macro_rules! run {
+            ($n:literal) => {{
+                const $count: usize = $n;
+                $step;
+                $first += $n;
+            }};
+        }
+        while $first < groups {
+            match groups - $first {
+                1 => run!(1),
+                2 => run!(2),
+                3 => run!(3),
+                _ => run!(4),
+            }
+        }
+    }};
+}
+
+/// Buffers of the test.
+#[derive(Clone, Debug, Default)]
+pub struct Kantorovich {
+    matrix: LaneMatrix,
+    /// R with one row an equation: any matrix serves the proof; how good it is is measured.
+    inverse: LaneMatrix,
+    elimination: Elimination,
+    /// Derivatives of the rows of the basis, one form after the other.
+    columns: LaneMatrix,
+    /// Residuals and weights of the rows: residual, and weights for the rest of eta, for q, for K.
+    rows: Constants,
+    unknowns: Constants,
+    changes: Vec<Change>,
+    /// R times the Jacobian less the identity, column by column.
+    identity: LaneMatrix,
+    /// R times the derivative by unknowns of earlier blocks.
+    before: LaneMatrix,
+}
+
+impl Kantorovich {
+    /// Proves a block on its rows `basis` and notes its bounds; returns its radius of uniqueness and its error bound,
+    /// in radians and sizes. The inverse has one row an equation.
+    pub fn prove(
+        &mut self,
+        system: &BlockSystem,
+        basis: &[usize],
+        inverse: Option<&LaneMatrix>,
+        earlier: &mut Earlier,
+    ) -> Result<(f64, f64), Reason> {
+        let n = basis.len();
+        if n == 0 {
+            return Ok((f64::INFINITY, 0.0));
+        }
+        self.take_columns(system, basis);
+        match inverse {
+            Some(inverse) => self.inverse.copy(inverse),
+            None => self.invert(system, n)?,
+        }
+        self.weigh(system, basis, earlier);
+        self.bound_unknowns(n, system, earlier);
+        let Constants { newton, rest, q, k } = &self.unknowns;
+        let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..n]);
+        let (mut eta, mut most_q, mut most_k) = (0.0, 0.0, 0.0);
+        for i in 0..n {
+            eta = worse(eta, (newton[i].abs() + rest[i] * GROW) * GROW);
+            most_q = worse(most_q, q[i] * GROW);
+            most_k = worse(most_k, k[i] * GROW);
+        }
+        let discriminant = (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
+        if !(most_q < 1.0 && discriminant > 0.0) {
+            return Err(Reason::Singular);
+        }
+        let error = 2.0 * eta / (1.0 - most_q + discriminant.sqrt()) * GROW;
+        let radius = ((1.0 - most_q) / most_k).min(BALL);
+        if !(error <= BALL && error < radius) {
+            return Err(Reason::Singular);
+        }
+        for (i, unknown) in system.unknowns.iter().enumerate() {
+            let (q, k) = (q[i] * GROW, k[i] * GROW);
+            let rest = (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW;
+            earlier.note(*unknown, newton[i], rest);
+        }
+        Ok((radius, error))
+    }
+
+    /// The derivatives of the rows of the basis.
+    fn take_columns(&mut self, system: &BlockSystem, basis: &[usize]) {
+        if basis.len() == system.rows.len() {
+            self.columns.copy(&system.columns);
+            return;
+        }
+        self.columns.reset(system.forms.len(), basis.len());
+        for (from, to) in system.columns.rows().zip(self.columns.rows_mut()) {
+            let to = to.as_flattened_mut();
+            for (to, row) in to.iter_mut().zip(basis) {
+                *to = from.as_flattened()[*row];
+            }
+        }
+    }
+
+    /// Inverts the Jacobian of the basis by the block's unknowns.
+    fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
+        // The transposed matrix has the transposed inverse.
+        self.matrix.reset(n, n);
+        for (form, values) in system.forms.iter().zip(self.columns.rows()) {
+            for (column, rate) in &form.own {
+                add_scaled(self.matrix.row_mut(*column), *rate, values);
+            }
+        }
+        let pivots = self
+            .elimination
+            .invert_matrix(&self.matrix, &mut self.inverse);
+        pivots.map(|_| ()).ok_or(Reason::Singular)
+    }
+
+    /// Residuals and weights of the rows.
+    fn weigh(&mut self, system: &BlockSystem, basis: &[usize], earlier: &Earlier) {
+        let n = basis.len();
+        self.rows.reset(n);
+        self.changes.clear();
+        for (form, open) in system.forms.iter().zip(&system.open) {
+            let mut change = Change {
+                step: 0.0,
+                drift: *open,
+                own_rate: form.own_rate,
+            };
+            for (place, rate) in &form.before {
+                let unknown = system.before[*place];
+                let (step, rest) = (earlier.step[unknown], earlier.rest[unknown]);
+                change.step -= rate * step;
+                change.drift += rate.abs() * (step.abs() + rest);
+            }
+            self.changes.push(change);
+        }
+        in_blocks!(groups(n), |G, first| self.sum_forms::<G>(first));
+        let drift = earlier.largest;
+        let sums = (2 * n + system.forms.len() + 8) as f64 * U;
+        let Constants { newton, rest, q, k } = &mut self.rows;
+        let [residuals, rests, qs, ks] = [newton, rest, q, k].map(|l| l.as_flattened_mut());
+        for (i, index) in basis.iter().enumerate() {
+            let row = &system.rows[*index];
+            // Until here the sums of what the forms drift, and of their own rates.
+            let (drifts, own_rates) = (rests[i], qs[i]);
+            residuals[i] += row.residual;
+            rests[i] = row.open
+                + sums * (row.residual.abs() + drifts)
+                + row.column_error * drift
+                + 0.5 * row.second_all * drift * drift;
+            qs[i] = row.column_error + sums * own_rates + row.second_all * drift;
+            ks[i] = row.second;
+        }
+    }
+
+    /// What the forms change in `G` groups of rows: residuals, sums over sizes by drifts and by own rates.
+    #[inline(always)]
+    fn sum_forms<const G: usize>(&mut self, first: usize) {
+        let mut sums = [[f64x4::ZERO; G]; 3];
+        for (change, column) in self.changes.iter().zip(self.columns.rows()) {
+            let column = part::<G>(column, first);
+            for g in 0..G {
+                let size = column[g].abs();
+                sums[0][g] += column[g] * f64x4::splat(change.step);
+                sums[1][g] += size * f64x4::splat(change.drift);
+                sums[2][g] += size * f64x4::splat(change.own_rate);
+            }
+        }
+        let rows = &mut self.rows;
+        put(&mut rows.newton, first, sums[0]);
+        put(&mut rows.rest, first, sums[1]);
+        put(&mut rows.q, first, sums[2]);
+    }
+
+    /// Constants of all unknowns, before they are grown.
+    fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &Earlier) {
+        self.unknowns.reset(n);
+        self.identity.reset(n, n);
+        for i in 0..n {
+            *self.identity.at_mut(i, i) = -1.0;
+        }
+        self.before.reset(system.before.len(), n);
+        in_blocks!(groups(n), |G, first| self
+            .bound_some::<G>(n, first, system, earlier));
+    }
+
+    /// Constants of `G` groups of unknowns.
+    #[inline(always)]
+    fn bound_some<const G: usize>(
+        &mut self,
+        n: usize,
+        first: usize,
+        system: &BlockSystem,
+        earlier: &Earlier,
+    ) {
+        let rows = &self.rows;
+        let weights = [&rows.newton, &rows.rest, &rows.q, &rows.k].map(|l| &l.as_flattened()[..n]);
+        let [mut newton, mut rest, mut q, mut k] = [[f64x4::ZERO; G]; 4];
+        for (i, row) in self.inverse.rows().enumerate().take(n) {
+            let row = part::<G>(row, first);
+            let [residual, for_rest, for_q, for_k] = weights.map(|list| f64x4::splat(list[i]));
+            for g in 0..G {
+                let size = row[g].abs();
+                newton[g] += row[g] * residual;
+                rest[g] += size * for_rest;
+                q[g] += size * for_q;
+                k[g] += size * for_k;
+            }
+        }
+        let forms = system.forms.iter().zip(&system.open);
+        for ((form, open), column) in forms.zip(self.columns.rows()) {
+            // Where a basis leaves rows out, it is all that is left that counts.
+            let rows = if n == system.rows.len() {
+                form.rows.clone()
+            } else {
+                0..n
+            };
+            let column = &column.as_flattened()[rows.clone()];
+            let mut product = [f64x4::ZERO; G];
+            for (row, value) in self.inverse.rows().skip(rows.start).zip(column) {
+                let row = part::<G>(row, first);
+                for g in 0..G {
+                    product[g] += row[g] * f64x4::splat(*value);
+                }
+            }
+            add_sizes(&mut rest, &product, *open);
+            for (column, rate) in &form.own {
+                add_part(self.identity.row_mut(*column), first, &product, *rate);
+            }
+            for (place, rate) in &form.before {
+                add_part(self.before.row_mut(*place), first, &product, *rate);
+            }
+        }
+        for (rates, slot) in self.before.rows().zip(&system.before) {
+            add_sizes(&mut rest, &part::<G>(rates, first), earlier.rest[*slot]);
+        }
+        for column in self.identity.rows() {
+            add_sizes(&mut q, &part::<G>(column, first), 1.0);
+        }
+        put(&mut self.unknowns.newton, first, newton);
+        put(&mut self.unknowns.rest, first, rest);
+        put(&mut self.unknowns.q, first, q);
+        put(&mut self.unknowns.k, first, k);
+    }
+}
+
+/// `G` groups of a row.
+#[inline(always)]
+fn part<const G: usize>(row: &[Lanes], first: usize) -> [f64x4; G] {
+    let mut groups = [f64x4::ZERO; G];
+    for (group, lanes) in groups.iter_mut().zip(&row[first..first + G]) {
+        *group = f64x4::new(*lanes);
+    }
+    groups
+}
+
+#[inline(always)]
+fn put<const G: usize>(row: &mut [Lanes], first: usize, groups: [f64x4; G]) {
+    for (lanes, group) in row[first..first + G].iter_mut().zip(groups) {
+        *lanes = group.to_array();
+    }
+}
+
+/// Adds a multiple of groups to those of a row.
+#[inline(always)]
+fn add_part<const G: usize>(row: &mut [Lanes], first: usize, add: &[f64x4; G], factor: f64) {
+    for (lanes, group) in row[first..first + G].iter_mut().zip(add) {
+        *lanes = (f64x4::new(*lanes) + *group * f64x4::splat(factor)).to_array();
+    }
+}
+
+/// `sums += factor · |groups|`.
+#[inline(always)]
+fn add_sizes<const G: usize>(sums: &mut [f64x4; G], groups: &[f64x4; G], factor: f64) {
+    for (sum, group) in sums.iter_mut().zip(groups) {
+        *sum += group.abs() * f64x4::splat(factor);
+    }
+}
+
+/// The larger, and a number that is none wins.
+fn worse(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
+}

@@ -1,0 +1,6 @@
+//! The proof of a single pose: residual in double-double, Jacobian, and the Newton-Kantorovich test.
+
+pub mod chain;
+pub mod kantorovich;
+pub mod product;
+pub mod system;

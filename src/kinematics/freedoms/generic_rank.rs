@@ -1,0 +1,169 @@
+//! Poses at which a mechanism is probed, random ones and closed ones, and ranks of blocks there.
+
+use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::solve::assembly::assemble;
+use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::structure::block::{Block, Structure, StructureError, names};
+use crate::kinematics::structure::ordering::{Group, Incidence, of_group};
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::model::mechanism::{Kind, Mechanism};
+
+/// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
+const PROBES: usize = 6;
+
+/// Rank tolerance at random and at closed poses, relative to the largest pivot: ranks are clear-cut there.
+pub const RANK: f64 = 1e-9;
+
+/// Random coordinates, the same in every run.
+pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let coordinates: Vec<Kind> = mechanism
+        .unknowns
+        .iter()
+        .chain(&mechanism.inputs)
+        .map(|c| c.kind)
+        .collect();
+    (0..PROBES)
+        .map(|_| {
+            let scale = |kind: &Kind| {
+                if *kind == Kind::Length {
+                    mechanism.size
+                } else {
+                    1.0
+                }
+            };
+            coordinates
+                .iter()
+                .map(|kind| scale(kind) * random())
+                .collect()
+        })
+        .collect()
+}
+
+/// Places on the drive where closed poses are looked for, as parts of its duration, and how far the inputs are shifted
+/// there (radians, sizes): a drive at rest, or one that starts at a singular pose, must not decide on ranks.
+const PLACES: [(f64, f64); 4] = [(0.0, 0.0), (0.0, 1e-2), (0.37, -7e-3), (0.73, 5e-3)];
+
+/// Closed poses (unknowns, then inputs) here and there on the drive, the start of the drive first if it has one.
+pub fn closed_poses(mechanism: &Mechanism, structure: &Structure) -> Vec<Vec<f64>> {
+    let mut corrector = Corrector::new(structure);
+    let mut poses: Vec<Vec<f64>> = Vec::new();
+    for (part, shift) in PLACES {
+        let mut start =
+            poses.first().unwrap_or(&mechanism.guess)[..mechanism.unknowns.len()].to_vec();
+        let inputs = mechanism.inputs_at(part * mechanism.duration);
+        let shifted = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
+            let scale = if input.kind == Kind::Length {
+                mechanism.size
+            } else {
+                1.0
+            };
+            value + shift * scale
+        });
+        start.extend(shifted);
+        if !start.iter().all(|v| v.is_finite()) {
+            continue;
+        }
+        // A search is worth its time once.
+        let search = part == 0.0 && shift == 0.0;
+        if let Ok(found) = assemble(mechanism, structure, &mut corrector, &start, search) {
+            poses.push(found.coordinates);
+        }
+    }
+    poses
+}
+
+/// Ranks of blocks, the largest of several poses.
+pub struct Ranks<'a> {
+    mechanism: &'a Mechanism,
+    /// Unknowns, then inputs.
+    pub poses: &'a [Vec<f64>],
+}
+
+impl<'a> Ranks<'a> {
+    /// Ranks at `poses`.
+    pub fn new(mechanism: &'a Mechanism, poses: &'a [Vec<f64>]) -> Self {
+        Self { mechanism, poses }
+    }
+
+    /// Largest rank of the block's Jacobian over the poses.
+    pub fn of(&self, block: &Block) -> usize {
+        let mut workspace = BlockWorkspace::default();
+        let mut qr = PivotedQr::default();
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let mut largest = 0;
+        for pose in self.poses {
+            workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
+            qr.factor(&workspace.jacobian, rows, columns, RANK);
+            largest = largest.max(qr.rank());
+            if largest == rows.min(columns) {
+                break;
+            }
+        }
+        largest
+    }
+
+    /// The poses at which the block has its largest rank, the most regular one first.
+    pub fn regular(&self, block: &Block) -> Vec<&'a [f64]> {
+        let mut workspace = BlockWorkspace::default();
+        let mut qr = PivotedQr::default();
+        let largest = self.of(block);
+        let mut list: Vec<(f64, &'a [f64])> = Vec::new();
+        for pose in self.poses {
+            workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
+            qr.factor(
+                &workspace.jacobian,
+                block.rows(),
+                block.unknowns.len(),
+                RANK,
+            );
+            if qr.rank() == largest {
+                list.push((qr.smallest_pivot(), pose));
+            }
+        }
+        list.sort_by(|a, b| b.0.total_cmp(&a.0));
+        list.into_iter().map(|(_, pose)| pose).collect()
+    }
+
+    /// Whether the equations do not determine the block's unknowns.
+    pub fn lacks(&self, block: &Block) -> bool {
+        self.of(block) < block.unknowns.len()
+    }
+
+    /// Blocks of the groups. A group that is square by counting but not by rank needs the equations of others.
+    pub fn blocks(&self, incidence: &Incidence, mut groups: Vec<Group>) -> Vec<Block> {
+        let mut k = 0;
+        while k < groups.len() {
+            let joined = self
+                .lacks(&of_group(self.mechanism, incidence, &groups[k]))
+                .then(|| incidence.joined(&groups, k));
+            match joined.flatten() {
+                Some(joined) => (groups, k) = (joined, 0),
+                None => k += 1,
+            }
+        }
+        groups
+            .iter()
+            .map(|g| of_group(self.mechanism, incidence, g))
+            .collect()
+    }
+
+    /// Names the unknowns that move while all equations hold.
+    pub fn under_determined(&self, block: &Block) -> StructureError {
+        let mut workspace = BlockWorkspace::default();
+        workspace.evaluate(self.mechanism, block, &self.poses[0], Want::Jacobian);
+        let (rows, columns, rank) = (block.rows(), block.unknowns.len(), self.of(block));
+        let free = crate::linalg::svd::free_columns(&workspace.jacobian, rows, columns, rank);
+        let slots = free.iter().map(|column| block.unknowns[*column]);
+        StructureError::UnderDetermined {
+            freedoms: columns - rank,
+            names: names(self.mechanism, slots),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! What moves: ranks at random and closed poses, the structure that follows from them, mobility, and passive freedoms.
+//!
+//! Above `solve`, since closed poses decide on ranks.
+
+pub mod analysis;
+pub mod generic_rank;
+pub mod mobility;
+pub mod passive;
+pub mod twists;

@@ -1,0 +1,281 @@
+//! Idle freedoms: motions that turn single links about lines through their own joints and change nothing else, like
+//! the spin of a rod between two ball joints. They are found, named, and held; what moves more is not determined.
+//!
+//! A free motion is a null vector of the Jacobian at closed poses. It is idle when within every loop the links that
+//! move turn about one common line, between links that stand still, while no other body moves, no traced point and no
+//! output changes. A link is what lies between two joints; rotations that follow one another directly are one joint.
+//! Several idle freedoms are parted by elimination, so that each turns about a line of its own.
+//!
+//! One unknown of each is held at its start value: the one that turns about the line itself wherever there is one (the
+//! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
+
+use super::generic_rank::{RANK, Ranks};
+use super::twists::{Line, STILL, Twist, Walk, line_of, same_line, with};
+use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::rates::higher_order::observed;
+use crate::kinematics::structure::block::{Block, Held, Structure, StructureError, names};
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::linalg::svd::null_space;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::numbers::series::Series;
+
+/// Preference for an unknown that turns about the line itself over one that does so only now.
+const IMPURE: f64 = 0.05;
+
+/// The idle freedoms of all blocks; the mechanism is refused if some freedom is not idle.
+pub fn find(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    closed: &Ranks,
+) -> Result<Vec<Held>, StructureError> {
+    let mut list = Vec::new();
+    for block in structure.blocks.iter().filter(|b| closed.lacks(b)) {
+        list.extend(of_block(mechanism, block, closed)?);
+    }
+    list.sort_by_key(|held| held.unknown);
+    Ok(list)
+}
+
+/// A block at a pose.
+#[derive(Clone, Copy)]
+struct Site<'a> {
+    mechanism: &'a Mechanism,
+    block: &'a Block,
+    pose: &'a [f64],
+}
+
+/// A motion of the block's unknowns: rates of the scaled unknowns.
+struct FreeMotion<'a> {
+    mechanism: &'a Mechanism,
+    block: &'a Block,
+    pose: &'a [f64],
+    rates: &'a [f64],
+}
+
+impl<'a> Site<'a> {
+    fn with(self, rates: &'a [f64]) -> FreeMotion<'a> {
+        FreeMotion {
+            mechanism: self.mechanism,
+            block: self.block,
+            pose: self.pose,
+            rates,
+        }
+    }
+}
+
+/// The line about which links turn, for every loop of a block in which some do, in the frame where the loop begins.
+type Lines = Vec<Option<Line>>;
+
+fn of_block(
+    mechanism: &Mechanism,
+    block: &Block,
+    closed: &Ranks,
+) -> Result<Vec<Held>, StructureError> {
+    let columns = block.unknowns.len();
+    let freedoms = columns - closed.of(block);
+    let poses = closed.regular(block);
+    let pose = poses[0];
+    let mut null = null_vectors(mechanism, block, pose, freedoms);
+    eliminate(&mut null, |_| 1.0);
+    let site = Site {
+        mechanism,
+        block,
+        pose,
+    };
+    let lines: Vec<Option<Lines>> = null.iter().map(|r| site.with(r).idle_lines()).collect();
+    let driven = lines.iter().zip(&null).filter(|(lines, _)| lines.is_none());
+    refuse(mechanism, block, driven.map(|(_, rates)| rates.as_slice()))?;
+    let lines: Vec<Lines> = lines.into_iter().flatten().collect();
+    let is_pure = |column: usize| {
+        let mut rates = vec![0.0; columns];
+        rates[column] = 1.0;
+        site.with(&rates).turns_about(&lines)
+    };
+    let pure: Vec<bool> = (0..columns).map(is_pure).collect();
+    let weight = |j: usize| {
+        // Of equals the last one: a joint is thought of as made by its first angles.
+        let last = 1.0 + 1e-3 * (j as f64 / columns as f64);
+        if pure[j] { last } else { IMPURE * last }
+    };
+    let pivots = eliminate(&mut null, weight);
+    for pose in poses.into_iter().skip(1) {
+        let others: Vec<Vec<f64>> = released(mechanism, block, pose, &pivots);
+        let site = Site { pose, ..site };
+        let moves = |rates: &&Vec<f64>| site.with(rates).idle_lines().is_none();
+        refuse(
+            mechanism,
+            block,
+            others.iter().filter(moves).map(Vec::as_slice),
+        )?;
+    }
+    let held = pivots.iter().zip(&null).map(|(pivot, rates)| {
+        let lines = site.with(rates).idle_lines().unwrap_or_default();
+        let turning = lines.iter().position(Option::is_some);
+        Held {
+            unknown: block.unknowns[*pivot],
+            moving: moving(block, rates),
+            turning: turning.map(|k| block.loops[k].index),
+        }
+    });
+    Ok(held.collect())
+}
+
+/// An error if there are motions that are not idle.
+fn refuse<'a>(
+    mechanism: &Mechanism,
+    block: &Block,
+    motions: impl Iterator<Item = &'a [f64]>,
+) -> Result<(), StructureError> {
+    let (mut freedoms, mut slots) = (0, Vec::new());
+    for rates in motions {
+        freedoms += 1;
+        slots.extend(moving(block, rates));
+    }
+    if freedoms == 0 {
+        return Ok(());
+    }
+    slots.sort_unstable();
+    slots.dedup();
+    let names = names(mechanism, slots.into_iter());
+    Err(StructureError::UnderDetermined { freedoms, names })
+}
+
+/// Unknowns that take part.
+fn moving(block: &Block, rates: &[f64]) -> Vec<usize> {
+    let pairs = block.unknowns.iter().zip(rates);
+    pairs
+        .filter(|(_, r)| r.abs() > STILL)
+        .map(|(u, _)| *u)
+        .collect()
+}
+
+fn null_vectors(
+    mechanism: &Mechanism,
+    block: &Block,
+    pose: &[f64],
+    freedoms: usize,
+) -> Vec<Vec<f64>> {
+    let mut workspace = BlockWorkspace::default();
+    workspace.evaluate(mechanism, block, pose, Want::Jacobian);
+    let (rows, columns) = (block.rows(), block.unknowns.len());
+    null_space(&workspace.jacobian, rows, columns, columns - freedoms)
+}
+
+/// Makes each vector one at a pivot of its own and zero at those of the others; entries are weighed for the choice.
+/// Returns the pivots.
+fn eliminate(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) -> Vec<usize> {
+    let mut pivots: Vec<usize> = Vec::new();
+    for k in 0..vectors.len() {
+        let (mut best, mut pivot, mut row) = (0.0, 0, k);
+        for (i, vector) in vectors.iter().enumerate().skip(k) {
+            let longest = vector.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for (j, value) in vector.iter().enumerate() {
+                let size = value.abs() / longest * weight(j);
+                // Of equals within rounding the later one.
+                if size > best * (1.0 - 1e-9) && !pivots.contains(&j) {
+                    (best, pivot, row) = (size.max(best), j, i);
+                }
+            }
+        }
+        vectors.swap(k, row);
+        pivots.push(pivot);
+        let value = vectors[k][pivot];
+        vectors[k].iter_mut().for_each(|v| *v /= value);
+        let lead = vectors[k].clone();
+        for (_, other) in vectors.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = other[pivot];
+            other
+                .iter_mut()
+                .zip(&lead)
+                .for_each(|(o, l)| *o -= factor * l);
+        }
+    }
+    pivots
+}
+
+/// The motions at a pose when one of the held columns `pivots` after the other is released.
+fn released(mechanism: &Mechanism, block: &Block, pose: &[f64], pivots: &[usize]) -> Vec<Vec<f64>> {
+    let mut workspace = BlockWorkspace::default();
+    workspace.evaluate(mechanism, block, pose, Want::Jacobian);
+    let (rows, columns) = (block.rows(), block.unknowns.len());
+    let column = |j: usize| &workspace.jacobian[j * rows..(j + 1) * rows];
+    let rest: Vec<usize> = (0..columns).filter(|j| !pivots.contains(j)).collect();
+    let matrix: Vec<f64> = rest.iter().flat_map(|j| column(*j)).copied().collect();
+    let mut qr = PivotedQr::default();
+    qr.factor(&matrix, rows, rest.len(), RANK);
+    let motion = |pivot: &usize| {
+        let mut right_side: Vec<f64> = column(*pivot).iter().map(|v| -v).collect();
+        let mut step = vec![0.0; rest.len()];
+        qr.solve(&mut right_side, &mut step);
+        let mut rates = vec![0.0; columns];
+        rates[*pivot] = 1.0;
+        rest.iter().zip(step).for_each(|(j, s)| rates[*j] = s);
+        rates
+    };
+    pivots.iter().map(motion).collect()
+}
+
+impl FreeMotion<'_> {
+    /// `None` if it is not idle, else the lines about which links turn.
+    fn idle_lines(&self) -> Option<Lines> {
+        let walk = Walk::new(self.mechanism, self.pose, &self.physical());
+        let common = |twists: Vec<Twist>| -> Option<Option<Line>> {
+            twists.into_iter().try_fold(None, with)
+        };
+        let parts = self.block.loops.iter();
+        let lines: Option<Lines> = parts
+            .map(|part| common(walk.links(&self.mechanism.loops[part.index].chain)))
+            .collect();
+        let lines = lines?;
+        let bodies = self.mechanism.bodies.iter();
+        let of_bodies = common(bodies.map(|b| walk.whole(&b.world_from_body)).collect())?;
+        // A body that moves though no link of a loop does is no idle spin of a link.
+        let is_seen = of_bodies.is_some() && lines.iter().all(Option::is_none);
+        (!is_seen && self.is_unseen()).then_some(lines)
+    }
+
+    /// Whether no traced point and no output changes.
+    fn is_unseen(&self) -> bool {
+        let rates = self.physical();
+        let pairs = self.pose.iter().zip(&rates);
+        let series: Vec<Series> = pairs.map(|(q, r)| Series::linear(*q, *r, 1)).collect();
+        let seen = &observed(self.mechanism, &series, 1)[self.mechanism.unknowns.len()..];
+        let lengths = 3 * self.mechanism.traces.len();
+        seen.iter().enumerate().all(|(k, series)| {
+            let output = k.checked_sub(lengths).map(|k| &self.mechanism.outputs[k]);
+            let is_length = output.is_none_or(|o| o.kind == Kind::Length);
+            let scale = if is_length { self.mechanism.size } else { 1.0 };
+            let rate = series.derivative(1).abs() / scale;
+            // An output without a value shows nothing.
+            rate.is_nan() || rate <= STILL
+        })
+    }
+
+    /// Rates of all coordinates in their own units.
+    fn physical(&self) -> Vec<f64> {
+        let mut rates = vec![0.0; self.pose.len()];
+        for (unknown, rate) in self.block.unknowns.iter().zip(self.rates) {
+            rates[*unknown] = rate * self.mechanism.scale_of(*unknown);
+        }
+        rates
+    }
+
+    /// Whether every joint that takes part turns about a line of one of the motions.
+    fn turns_about(&self, motions: &[Lines]) -> bool {
+        let walk = Walk::new(self.mechanism, self.pose, &self.physical());
+        let mut some = false;
+        for (k, part) in self.block.loops.iter().enumerate() {
+            for twist in walk.joints(&self.mechanism.loops[part.index].chain) {
+                let Some(line) = line_of(twist) else {
+                    return false;
+                };
+                let mut known = motions.iter().filter_map(|lines| lines[k].as_ref());
+                if !known.any(|other| same_line(&line, other)) {
+                    return false;
+                }
+                some = true;
+            }
+        }
+        some
+    }
+}

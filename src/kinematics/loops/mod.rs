@@ -1,0 +1,5 @@
+//! Residuals and Jacobians of loops, and the plain products that check them.
+
+pub mod forward;
+pub mod joint_lanes;
+pub mod residual;

@@ -1,0 +1,88 @@
+//! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
+
+use super::{Follower, Stand};
+use crate::kinematics::loops::forward;
+use crate::kinematics::motion::trajectory::{ClosedPose, Sample};
+
+/// Half width, in seconds relative to the interval, of the difference that gives the drive's rate.
+const RATE_STEP: f64 = 1e-6;
+
+impl Follower<'_> {
+    pub(crate) fn record_missing(&mut self, time: f64) {
+        let inputs = self.mechanism.inputs_at(time);
+        self.trajectory.samples.push(Sample {
+            time,
+            inputs,
+            pose: None,
+        });
+    }
+
+    pub(crate) fn record(&mut self, stand: &Stand) {
+        let pose = self.closed_pose(stand);
+        let n = self.mechanism.unknowns.len();
+        self.trajectory.samples.push(Sample {
+            time: stand.time,
+            inputs: stand.coordinates[n..].to_vec(),
+            pose,
+        });
+    }
+
+    /// Everything that is kept of a pose; `None` if any body's place is not a number.
+    pub(crate) fn closed_pose(&mut self, stand: &Stand) -> Option<ClosedPose> {
+        let n = self.mechanism.unknowns.len();
+        let mut coordinates = stand.coordinates.clone();
+        let certificate = self.certified(&mut coordinates);
+        let coordinates = &coordinates;
+        let bodies = forward::body_poses(self.mechanism, coordinates);
+        let traces = forward::trace_points(self.mechanism, &bodies);
+        let outputs = forward::outputs(self.mechanism, coordinates, &traces);
+        let closure_error = forward::closure_error(self.mechanism, coordinates);
+        let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
+        if !finite {
+            return None;
+        }
+        Some(ClosedPose {
+            unknowns: coordinates[..n].to_vec(),
+            bodies,
+            traces,
+            outputs,
+            rates: self.rates(stand),
+            derivatives: Vec::new(),
+            closure_error,
+            sigma_min: stand.branch.sigma_min,
+            condition: stand.branch.condition,
+            // Holding an idle freedom is an equation more.
+            rank: stand.branch.rank + self.structure.held.len(),
+            branch: stand.branch.signature(),
+            certificate,
+            iterations: self.iterations,
+        })
+    }
+
+    /// Rates of the unknowns per second: the tangent along the drive's own rate.
+    pub(crate) fn rates(&mut self, stand: &Stand) -> Vec<f64> {
+        let n = self.mechanism.unknowns.len();
+        let h = RATE_STEP * self.mechanism.duration;
+        let (before, after) = (
+            self.mechanism.inputs_at(stand.time - h),
+            self.mechanism.inputs_at(stand.time + h),
+        );
+        let mut rates = vec![0.0; stand.coordinates.len()];
+        for k in 0..before.len() {
+            rates[n + k] = (after[k] - before[k]) / (2.0 * h);
+        }
+        if self
+            .rates_in_chart(&stand.coordinates, &mut rates)
+            .is_none()
+        {
+            self.corrector.tangent(
+                self.mechanism,
+                self.structure,
+                &stand.coordinates,
+                &mut rates,
+            );
+        }
+        rates.truncate(n);
+        rates
+    }
+}

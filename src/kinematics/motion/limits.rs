@@ -1,0 +1,266 @@
+//! Limit positions: where a coordinate or an output turns back while the drive goes on, such as the dead points of a
+//! crank's slider. They are found between samples of a refined motion, and located where the exact rate vanishes.
+//!
+//! Where the drive itself turns back or rests, everything does; that is no limit position. Two reversals of one
+//! quantity within one refined interval are missed.
+
+use super::continuation::solve;
+use super::sampling::is_cyclic;
+use super::trajectory::{Event, EventKind, Sample, Trajectory};
+use crate::kinematics::rates::higher_order::{By, RateColumns};
+use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::model::mechanism::Mechanism;
+use crate::numbers::series::drive;
+
+/// Fewest intervals over the motion that are searched: half a degree of a turn each.
+const INTERVALS: usize = 720;
+
+/// A rate below this share of its largest value is zero: a reversal that falls on a sample.
+const ZERO: f64 = 1e-9;
+
+/// A quantity stands still if its largest rate is below this share of the largest of all rates.
+const STILL: f64 = 1e-10;
+
+/// Inputs slower than this share of their largest rate are at rest.
+const RESTING: f64 = 1e-6;
+
+/// Most steps of the search for a zero; every third one halves the bracket.
+const STEPS: usize = 180;
+
+/// Relative width of the last bracket: a few units in the last place of the time.
+const WIDTH: f64 = 1e-15;
+
+/// First derivatives by time.
+const FIRST: RateColumns = RateColumns {
+    order: 1,
+    by: By::Time,
+};
+
+/// Adds an event for every limit position of an unknown or output to those of a solved motion.
+///
+/// # Errors
+/// Only where the mechanism itself is ill-posed.
+pub fn add_limits(
+    mechanism: &Mechanism,
+    trajectory: &mut Trajectory,
+) -> Result<(), StructureError> {
+    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
+    let times = refined(mechanism, &trajectory.samples);
+    let fine = solve(mechanism, &times)?;
+    let mut search = Search::new(mechanism, &structure, &fine.samples);
+    for quantity in 0..search.names.len() {
+        search.run(quantity);
+    }
+    trajectory.events.append(&mut search.events);
+    trajectory.events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    Ok(())
+}
+
+/// The samples' times and as many between them as it takes. The last sample of a cyclic drive is one before its end.
+fn refined(mechanism: &Mechanism, samples: &[Sample]) -> Vec<f64> {
+    let mut ends: Vec<f64> = samples.iter().map(|s| s.time).collect();
+    if let [.., before, last] = ends[..]
+        && is_cyclic(mechanism)
+        && mechanism.duration > last
+        && mechanism.duration - last < 1.5 * (last - before)
+    {
+        ends.push(mechanism.duration);
+    }
+    let parts = INTERVALS.div_ceil(ends.len().saturating_sub(1).max(1));
+    let between = ends.windows(2).flat_map(|pair| {
+        let (a, b) = (pair[0], pair[1]);
+        (0..parts).map(move |k| a + (b - a) * (k as f64 / parts as f64))
+    });
+    between.chain(ends.last().copied()).collect()
+}
+
+struct Search<'m> {
+    mechanism: &'m Mechanism,
+    structure: &'m Structure,
+    corrector: Corrector,
+    samples: &'m [Sample],
+    /// Rates of all quantities at every sample that has them.
+    rates: Vec<Option<Vec<f64>>>,
+    /// Name and place among the rates of each quantity.
+    names: Vec<(String, usize)>,
+    fastest_input: f64,
+    fastest: f64,
+    events: Vec<Event>,
+}
+
+impl<'m> Search<'m> {
+    fn new(mechanism: &'m Mechanism, structure: &'m Structure, samples: &'m [Sample]) -> Self {
+        let rates: Vec<Option<Vec<f64>>> = samples
+            .iter()
+            .map(|sample| {
+                let pose = sample.pose.as_ref()?;
+                let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+                FIRST.values(mechanism, structure, &coordinates, sample.time)
+            })
+            .collect();
+        let (n, traces) = (mechanism.unknowns.len(), 3 * mechanism.traces.len());
+        let unknowns = mechanism.unknowns.iter().map(|c| c.name.clone()).zip(0..);
+        let outputs = mechanism
+            .outputs
+            .iter()
+            .map(|o| o.name.clone())
+            .zip(n + traces..);
+        let times = samples.iter().map(|s| s.time);
+        let fastest_input = times.map(|t| input_rate(mechanism, t)).fold(0.0, f64::max);
+        let all = rates.iter().flatten().flatten().map(|r| r.abs());
+        Self {
+            mechanism,
+            structure,
+            corrector: Corrector::new(structure),
+            samples,
+            names: unknowns.chain(outputs).collect(),
+            fastest_input,
+            fastest: all.filter(|r| r.is_finite()).fold(0.0, f64::max),
+            rates,
+            events: Vec::new(),
+        }
+    }
+
+    /// All limit positions of one quantity.
+    fn run(&mut self, quantity: usize) {
+        let at = self.names[quantity].1;
+        let rate = |k: usize| self.rates[k].as_ref().map(|r| r[at]);
+        let rates: Vec<Option<f64>> = (0..self.samples.len()).map(rate).collect();
+        let largest = rates.iter().flatten().fold(0.0, |m: f64, r| m.max(r.abs()));
+        if largest <= STILL * self.fastest {
+            return;
+        }
+        // The last sample that moves, or the beginning of a stretch at a zero rate.
+        let mut last: Option<(usize, f64)> = None;
+        for (k, rate) in rates.iter().enumerate() {
+            let Some(rate) = *rate else {
+                last = None;
+                continue;
+            };
+            if rate.abs() <= ZERO * largest {
+                continue;
+            }
+            match last {
+                Some((from, before)) if before * rate < 0.0 => {
+                    self.between(quantity, (from, before), (k, rate));
+                }
+                None if k == 1 && rates[0].is_some() => self.note(quantity, 0, rate < 0.0),
+                _ => {}
+            }
+            last = Some((k, rate));
+        }
+        let end = rates.len().saturating_sub(1);
+        if let Some((k, rate)) = last
+            && k + 1 == end
+            && rates[end].is_some()
+            && !is_cyclic(self.mechanism)
+        {
+            self.note(quantity, end, rate > 0.0);
+        }
+    }
+
+    /// A reversal on a sample itself.
+    fn note(&mut self, quantity: usize, sample: usize, is_largest: bool) {
+        let sample = &self.samples[sample];
+        if let Some(pose) = &sample.pose {
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            self.push(quantity, sample.time, &coordinates, is_largest);
+        }
+    }
+
+    /// Locates the reversal between two samples with rates of opposite signs: regula falsi and bisection in turns.
+    fn between(&mut self, quantity: usize, low: (usize, f64), high: (usize, f64)) {
+        let (first, last) = (self.samples[low.0].time, self.samples[high.0].time);
+        let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        for step in 0..STEPS {
+            let secant = a + (b - a) * (fa / (fa - fb));
+            let time = if step % 3 < 2 && secant > a && secant < b {
+                secant
+            } else {
+                0.5 * (a + b)
+            };
+            let Some((rate, coordinates)) = self.rate_at(quantity, (low.0, high.0), time) else {
+                return;
+            };
+            best = Some((time, coordinates));
+            if rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
+                break;
+            }
+            if rate * fa > 0.0 {
+                (a, fa) = (time, rate);
+            } else {
+                (b, fb) = (time, rate);
+            }
+        }
+        if let Some((time, coordinates)) = best {
+            self.push(quantity, time, &coordinates, low.1 > 0.0);
+        }
+    }
+
+    /// Rate of a quantity at a time between two samples, and the coordinates there.
+    fn rate_at(
+        &mut self,
+        quantity: usize,
+        (low, high): (usize, usize),
+        time: f64,
+    ) -> Option<(f64, Vec<f64>)> {
+        let (low, high) = (&self.samples[low], &self.samples[high]);
+        let share = (time - low.time) / (high.time - low.time);
+        let (p, q) = (low.pose.as_ref()?, high.pose.as_ref()?);
+        let pairs = p.unknowns.iter().zip(&q.unknowns);
+        let mut coordinates: Vec<f64> = pairs.map(|(p, q)| p + share * (q - p)).collect();
+        coordinates.extend(self.mechanism.inputs_at(time));
+        let corrector = &mut self.corrector;
+        let correction = corrector.correct(
+            self.mechanism,
+            self.structure,
+            &mut coordinates,
+            Pace::Brisk,
+        );
+        if !correction.converged {
+            return None;
+        }
+        let rates = FIRST.values(self.mechanism, self.structure, &coordinates, time)?;
+        let rate = rates[self.names[quantity].1];
+        rate.is_finite().then_some((rate, coordinates))
+    }
+
+    fn push(&mut self, quantity: usize, time: f64, coordinates: &[f64], is_largest: bool) {
+        if input_rate(self.mechanism, time) <= RESTING * self.fastest_input {
+            return;
+        }
+        let n = self.mechanism.unknowns.len();
+        let value = if quantity < n {
+            coordinates[quantity]
+        } else {
+            let bodies = crate::kinematics::loops::forward::body_poses(self.mechanism, coordinates);
+            let traces = crate::kinematics::loops::forward::trace_points(self.mechanism, &bodies);
+            crate::kinematics::loops::forward::outputs(self.mechanism, coordinates, &traces)
+                [quantity - n]
+        };
+        let kind = if quantity < n {
+            self.mechanism.unknowns[quantity].kind
+        } else {
+            self.mechanism.outputs[quantity - n].kind
+        };
+        self.events.push(Event {
+            time,
+            inputs: coordinates[n..].to_vec(),
+            kind: EventKind::LimitPosition {
+                name: self.names[quantity].0.clone(),
+                measure: kind,
+                value,
+                is_largest,
+            },
+        });
+    }
+}
+
+/// The largest rate of an input, each in its own unit.
+fn input_rate(mechanism: &Mechanism, time: f64) -> f64 {
+    let drives = mechanism.drives.iter();
+    let rates = drives.map(|d| drive(d, time, 1).derivative(1).abs());
+    rates.filter(|r| r.is_finite()).fold(0.0, f64::max)
+}

@@ -1,0 +1,7 @@
+//! The motion along the drive: samples, path tracking, events, limit positions, feasible inputs.
+
+pub mod continuation;
+pub mod feasible;
+pub mod limits;
+pub mod sampling;
+pub mod trajectory;

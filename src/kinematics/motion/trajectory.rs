@@ -1,0 +1,195 @@
+//! The solved motion as values: samples with their proof, and the events between them.
+
+use crate::kinematics::certificate::Certificate;
+use crate::kinematics::certificate::tube::IntervalCertificate;
+use crate::math::Pose;
+use crate::model::mechanism::Kind;
+use glam::DVec3;
+
+/// A closed pose with its proof.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedPose {
+    /// Unknowns: radians, or the scene's length unit.
+    pub unknowns: Vec<f64>,
+    /// `world_from_body` of every body.
+    pub bodies: Vec<Pose>,
+    /// World positions of the traced points.
+    pub traces: Vec<DVec3>,
+    /// Values of the outputs; an output may be infinite or NaN where its own formula has no value.
+    pub outputs: Vec<f64>,
+    /// Rates of the unknowns per second, from the drive's rates; NaN for angles that are gimbal-locked.
+    pub rates: Vec<f64>,
+    /// Rates of higher order, as [`RateColumns`](crate::kinematics::rates::higher_order::RateColumns) names them; empty unless asked for.
+    pub derivatives: Vec<f64>,
+    /// Largest gap of any loop relative to the mechanism's size, from an independent product.
+    pub closure_error: f64,
+    /// Smallest singular value over the blocks of the Jacobian; unknowns and residuals scaled by the size.
+    pub sigma_min: f64,
+    /// Largest ratio of singular values of a block.
+    pub condition: f64,
+    /// Rank of the Jacobian; equal to the number of unknowns at a regular pose.
+    pub rank: usize,
+    /// One sign per block: the side of the singular poses on which the assembly is.
+    pub branch: String,
+    /// How near the exact pose provably is, or why nothing was proved.
+    pub certificate: Certificate,
+    /// Newton iterations since the sample before.
+    pub iterations: u32,
+}
+
+/// One instant of the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Seconds.
+    pub time: f64,
+    /// Inputs: radians, or the scene's length unit.
+    pub inputs: Vec<f64>,
+    /// The pose, or `None` where the mechanism cannot be closed.
+    pub pose: Option<ClosedPose>,
+}
+
+/// Something between two samples that the user must know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Seconds: the last time at which there is a pose, or the first; of a singular pose its own.
+    pub time: f64,
+    /// Inputs at that time.
+    pub inputs: Vec<f64>,
+    /// What happened.
+    pub kind: EventKind,
+}
+
+/// Kinds of events.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// No closed pose exists beyond: a fold or the end of the feasible range.
+    MotionEnds,
+    /// The drive has come into the feasible range (again); the pose was assembled anew.
+    MotionResumes {
+        /// The branch is the one before the gap, or there was none before.
+        same_branch: bool,
+    },
+    /// The pose is singular; the motion was continued straight through it.
+    SingularPosePassed,
+    /// The pose of a sample is singular, and the drive turns back there: the motion returned on the branch on which it
+    /// came, though another one begins there.
+    SingularPoseMet,
+    /// The first and last axis of a ball joint that is written as three rotations are parallel, or nearly: only the
+    /// sum or difference of their angles is determined. The position is not affected.
+    GimbalLock {
+        /// The three unknowns.
+        names: [String; 3],
+        /// Cosine of the middle angle, measured from where the axes are square to each other: zero at a locked pose.
+        distance: f64,
+    },
+    /// A coordinate or an output turns back while the drive goes on: a dead point. Only where it was asked for.
+    LimitPosition {
+        /// Name of the unknown or output.
+        name: String,
+        /// What it measures.
+        measure: Kind,
+        /// Its value there.
+        value: f64,
+        /// The value is larger than those around it, not smaller.
+        is_largest: bool,
+    },
+    /// An input has no value (division by zero in its formula, say).
+    InputUndefined {
+        /// Name of the input.
+        name: String,
+    },
+    /// No pose was found at the start of the drive from the start values.
+    StartNotClosed {
+        /// Loop with the largest gap.
+        name: String,
+        /// Smallest remaining rotation, radians.
+        angle: f64,
+        /// Smallest remaining distance.
+        distance: f64,
+    },
+    /// The first pose is singular: several assemblies may meet there, and which is followed is not determined.
+    StartSingular,
+    /// Which of the branches that meet at a singular first pose the motion took.
+    BranchChosen {
+        /// Its signature.
+        taken: String,
+        /// Signatures of the others that were found.
+        others: Vec<String>,
+    },
+    /// The start values did not lead to a pose; another start did, perhaps on another branch.
+    OtherStart,
+}
+
+/// One place on the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant {
+    /// Seconds.
+    pub time: f64,
+    /// Inputs: radians, or the scene's length unit.
+    pub inputs: Vec<f64>,
+}
+
+/// How far a mechanism stays from closing where it cannot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lack {
+    /// The sample.
+    pub at: Instant,
+    /// Loop or equation with the largest remaining gap.
+    pub name: String,
+    /// Remaining rotation, radians; not zero only where rotations alone cannot close.
+    pub angle: f64,
+    /// Remaining distance in the scene's unit, or value of the equation.
+    pub distance: f64,
+}
+
+/// A stretch of the drive without a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// The last place with a pose, located by halving; `None` if the drive begins inside.
+    pub from: Option<Instant>,
+    /// The first place with a pose again, likewise; `None` if the drive ends inside.
+    pub until: Option<Instant>,
+    /// The sample at which most is lacking, of those inside.
+    pub widest: Option<Lack>,
+}
+
+/// The motion over the drive.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Trajectory {
+    /// Samples in the order of time.
+    pub samples: Vec<Sample>,
+    /// Events in the order of time.
+    pub events: Vec<Event>,
+    /// Stretches without a pose in the order of time.
+    pub gaps: Vec<Gap>,
+    /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
+    /// asked for.
+    pub intervals: Vec<IntervalCertificate>,
+}
+
+impl Trajectory {
+    /// Number of samples without a pose.
+    pub fn missing(&self) -> usize {
+        self.samples.iter().filter(|s| s.pose.is_none()).count()
+    }
+
+    /// The worst closure error of all poses.
+    pub fn closure_error(&self) -> f64 {
+        self.poses().map(|p| p.closure_error).fold(0.0, f64::max)
+    }
+
+    /// The samples of one motion: behind its first end there are no poses, even where the drive is feasible again.
+    pub fn of_one_motion(mut self) -> Vec<Sample> {
+        let mut ends = self.events.iter();
+        if let Some(end) = ends.find(|e| matches!(e.kind, EventKind::MotionEnds)) {
+            let behind = self.samples.iter_mut().filter(|s| s.time > end.time);
+            behind.for_each(|s| s.pose = None);
+        }
+        self.samples
+    }
+
+    /// All poses there are.
+    pub fn poses(&self) -> impl Iterator<Item = &ClosedPose> {
+        self.samples.iter().filter_map(|s| s.pose.as_ref())
+    }
+}

@@ -1,0 +1,443 @@
+//! How the rates of a closed pose change when further inputs change: first derivatives along inputs, and mixed second
+//! derivatives along two of them, by the factors that every linearisation of the pose shares.
+//!
+//! Along two tangents of the motion the loop's product is I + st C to the mixed order, and C is skew: its three entries
+//! are the mixed derivative of the rotation vector, which the unknowns' own mixed derivative must cancel.
+
+use crate::kinematics::solve::newton::{Corrector, REFINEMENTS};
+use crate::kinematics::structure::block::{Block, Structure};
+use crate::linalg::lanes::groups;
+use crate::math::Pose;
+use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::mechanism::Mechanism;
+use crate::numbers::hyper_dual::{Twofold, evaluate};
+use glam::{DMat3, DVec3};
+
+/// Sine, cosine and value of a joint's argument.
+#[derive(Clone, Copy, Debug, Default)]
+struct Turn {
+    value: Twofold,
+    sin: Twofold,
+    cos: Twofold,
+}
+
+/// A pose that changes along two directions: value, first, second, mixed.
+struct Moving {
+    rotation: [DMat3; 4],
+    translation: [DVec3; 4],
+}
+
+/// Derivatives at closed poses of a mechanism; one for each thread.
+#[derive(Clone, Debug)]
+pub struct Variation<'m> {
+    mechanism: &'m Mechanism,
+    structure: &'m Structure,
+    corrector: Corrector,
+    slots: Vec<Twofold>,
+    turns: Vec<Turn>,
+    scratch: Vec<Twofold>,
+    bend: Vec<f64>,
+    weakest: Weakest,
+}
+
+/// The smallest singular value of the worst block with its singular vectors.
+#[derive(Clone, Debug, Default)]
+struct Weakest {
+    sigma: f64,
+    block: usize,
+    left: Vec<f64>,
+    right: Vec<f64>,
+}
+
+/// The iteration for the smallest singular value ends when it changes by less than this share.
+const SETTLED: f64 = 1e-9;
+
+/// Most iterations; where two singular values are nearly equal any vector between theirs will do.
+const MAX_TURNS: usize = 40;
+
+impl<'m> Variation<'m> {
+    /// Buffers for a mechanism.
+    pub fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+        Self {
+            mechanism,
+            structure,
+            corrector: Corrector::new(structure),
+            slots: Vec::new(),
+            turns: vec![Turn::default(); mechanism.arguments.len()],
+            scratch: Vec::new(),
+            bend: Vec::new(),
+            weakest: Weakest::default(),
+        }
+    }
+
+    /// Rates of all coordinates at a closed pose where input `moving` changes at unit rate and the others rest.
+    pub fn tangent(&mut self, pose: &[f64], moving: usize, rates: &mut Vec<f64>) {
+        rates.clear();
+        rates.resize(pose.len(), 0.0);
+        rates[self.mechanism.unknowns.len() + moving] = 1.0;
+        self.corrector
+            .tangent(self.mechanism, self.structure, pose, rates);
+    }
+
+    /// The slots that formulas of a pose may use (coordinates, x, y, z of traces, outputs), at least `count` of them,
+    /// along the tangents `first` and `second`.
+    pub fn slots(
+        &mut self,
+        pose: &[f64],
+        first: &[f64],
+        second: &[f64],
+        count: usize,
+    ) -> &[Twofold] {
+        let (mechanism, structure) = (self.mechanism, self.structure);
+        self.slots.clear();
+        let rates = first.iter().zip(second);
+        self.slots
+            .extend(pose.iter().zip(rates).map(|(q, (s, t))| Twofold {
+                value: *q,
+                first: *s,
+                second: *t,
+                mixed: 0.0,
+            }));
+        for (index, block) in structure.blocks.iter().enumerate() {
+            self.corrector.blocks[index].linearise(mechanism, block, pose);
+            self.solve_block(index, block);
+        }
+        if count > pose.len() {
+            self.add_traces();
+        }
+        let outputs = count.saturating_sub(self.slots.len());
+        for output in mechanism.outputs.iter().take(outputs) {
+            let value = evaluate(&output.expression, &self.slots, &mut self.scratch);
+            self.slots.push(value);
+        }
+        &self.slots
+    }
+
+    fn solve_block(&mut self, index: usize, block: &Block) {
+        self.fill_bend(block);
+        let buffers = &mut self.corrector.blocks[index];
+        let drift = &mut buffers.workspace.drift;
+        drift.clear();
+        drift.resize(groups(self.bend.len()), [0.0; 4]);
+        drift.as_flattened_mut()[..self.bend.len()].copy_from_slice(&self.bend);
+        buffers.solve_drift();
+        buffers.refine(REFINEMENTS);
+        for (unknown, change) in buffers.changes(block) {
+            self.slots[unknown].mixed = change;
+        }
+    }
+
+    /// The mixed derivative of a block's residual with the slots as they are. One of the directions must be a tangent
+    /// of the motion.
+    fn fill_bend(&mut self, block: &Block) {
+        let mechanism = self.mechanism;
+        self.fill_turns(&block.arguments);
+        let mut bend = std::mem::take(&mut self.bend);
+        bend.clear();
+        for part in &block.loops {
+            let end = self.walk(&mechanism.loops[part.index].chain);
+            let (r, t) = (end.rotation[3], end.translation[3] / mechanism.size);
+            let six = [
+                0.5 * (r.y_axis.z - r.z_axis.y),
+                0.5 * (r.z_axis.x - r.x_axis.z),
+                0.5 * (r.x_axis.y - r.y_axis.x),
+                t.x,
+                t.y,
+                t.z,
+            ];
+            bend.extend(part.components.iter().map(|c| six[*c]));
+        }
+        for equation in &block.equations {
+            let expression = &mechanism.equations[*equation].expression;
+            let value = evaluate(expression, &self.slots, &mut self.scratch);
+            bend.push(value.mixed * mechanism.weight_of(*equation));
+        }
+        self.bend = bend;
+    }
+
+    /// The smallest singular value of all blocks at a closed pose: how far from a singular pose it is. Zero where a
+    /// block has no inverse.
+    pub fn regularity(&mut self, pose: &[f64]) -> f64 {
+        let (mechanism, structure) = (self.mechanism, self.structure);
+        let mut weakest = Weakest {
+            sigma: f64::INFINITY,
+            ..Weakest::default()
+        };
+        for (index, block) in structure.blocks.iter().enumerate() {
+            if block.unknowns.is_empty() {
+                continue;
+            }
+            self.corrector.blocks[index].linearise(mechanism, block, pose);
+            let found = self.weakest_of(index, block);
+            if found.sigma < weakest.sigma {
+                weakest = found;
+            }
+        }
+        self.weakest = weakest;
+        self.weakest.sigma
+    }
+
+    /// Power iteration with the inverse.
+    fn weakest_of(&self, index: usize, block: &Block) -> Weakest {
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let mut found = Weakest {
+            block: index,
+            ..Weakest::default()
+        };
+        let Some(inverse) = self.corrector.inverse(index) else {
+            return found;
+        };
+        let mut right = vec![1.0 / (columns as f64).sqrt(); columns];
+        let mut last = 0.0;
+        for _ in 0..MAX_TURNS {
+            let left: Vec<f64> = (0..rows)
+                .map(|i| (0..columns).map(|j| right[j] * inverse.at(i, j)).sum())
+                .collect();
+            let product = |j: usize| (0..rows).map(|i| inverse.at(i, j) * left[i]).sum::<f64>();
+            let next: Vec<f64> = (0..columns).map(product).collect();
+            let growth = next.iter().map(|v| v * v).sum::<f64>().sqrt();
+            right = next.into_iter().map(|v| v / growth).collect();
+            let settled = (growth - last).abs() <= SETTLED * growth;
+            last = growth;
+            if settled {
+                break;
+            }
+        }
+        let jacobian = &self.corrector.blocks[index].workspace.jacobian;
+        let along = |i: usize| {
+            (0..columns)
+                .map(|j| jacobian[j * rows + i] * right[j])
+                .sum()
+        };
+        let left: Vec<f64> = (0..rows).map(along).collect();
+        found.sigma = left.iter().map(|v: &f64| v * v).sum::<f64>().sqrt();
+        found.left = left.into_iter().map(|v| v / found.sigma).collect();
+        found.right = right;
+        found
+    }
+
+    /// Rate of the [`regularity`](Self::regularity) that was asked for last, at the same pose, along a tangent.
+    pub fn regularity_rate(&mut self, pose: &[f64], tangent: &[f64]) -> f64 {
+        let (mechanism, index) = (self.mechanism, self.weakest.block);
+        let block = &self.structure.blocks[index];
+        self.slots.clear();
+        let rates = pose.iter().zip(tangent);
+        self.slots.extend(rates.map(|(q, t)| Twofold {
+            value: *q,
+            first: 0.0,
+            second: *t,
+            mixed: 0.0,
+        }));
+        for (unknown, v) in block.unknowns.iter().zip(&self.weakest.right) {
+            self.slots[*unknown].first = mechanism.scale_of(*unknown) * v;
+        }
+        self.fill_bend(block);
+        let pairs = self.weakest.left.iter().zip(&self.bend);
+        pairs.map(|(u, b)| u * b).sum()
+    }
+
+    fn fill_turns(&mut self, used: &[usize]) {
+        for index in used {
+            let value = match &self.mechanism.arguments[*index] {
+                Argument::Affine(affine) => {
+                    let constant = Twofold::constant(affine.constant);
+                    affine.terms.iter().fold(constant, |sum, (slot, c)| {
+                        sum + self.slots[*slot].scaled(*c)
+                    })
+                }
+                Argument::Formula(expression) => {
+                    evaluate(expression, &self.slots, &mut self.scratch)
+                }
+            };
+            let (sin, cos) = value.sin_cos();
+            self.turns[*index] = Turn { value, sin, cos };
+        }
+    }
+
+    fn add_traces(&mut self) {
+        for trace in &self.mechanism.traces {
+            let path = &self.mechanism.bodies[trace.body].world_from_body;
+            self.fill_turns(&path.arguments());
+            let end = self.walk(path);
+            let [p, s, t, st] =
+                [0, 1, 2, 3].map(|k| end.rotation[k] * trace.point + end.translation[k]);
+            self.slots.extend((0..3).map(|axis| Twofold {
+                value: p[axis],
+                first: s[axis],
+                second: t[axis],
+                mixed: st[axis],
+            }));
+        }
+    }
+
+    /// The product of a chain.
+    fn walk(&self, chain: &Chain) -> Moving {
+        let mut pose = Moving::IDENTITY;
+        for step in &chain.steps {
+            match *step {
+                Step::Fixed(fixed) => pose.fix(&fixed),
+                Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    let turn = &self.turns[argument];
+                    match motion {
+                        Motion::Translation => pose.translate(axis, turn.value.scaled(sign)),
+                        Motion::Rotation => pose.rotate(axis, turn.sin.scaled(sign), turn.cos),
+                    }
+                }
+            }
+        }
+        pose
+    }
+}
+
+impl Moving {
+    const IDENTITY: Self = Self {
+        rotation: [DMat3::IDENTITY, DMat3::ZERO, DMat3::ZERO, DMat3::ZERO],
+        translation: [DVec3::ZERO; 4],
+    };
+
+    fn fix(&mut self, fixed: &Pose) {
+        for (r, t) in self.rotation.iter_mut().zip(&mut self.translation) {
+            *t += *r * fixed.translation;
+            *r *= fixed.rotation;
+        }
+    }
+
+    fn columns(&self, axis: usize) -> [DVec3; 4] {
+        self.rotation.map(|r| r.col(axis))
+    }
+
+    fn translate(&mut self, axis: usize, value: Twofold) {
+        let moved = product(self.columns(axis), value);
+        for (t, d) in self.translation.iter_mut().zip(moved) {
+            *t += d;
+        }
+    }
+
+    /// Turns the frame about its own axis: only the two other columns change.
+    fn rotate(&mut self, axis: usize, sin: Twofold, cos: Twofold) {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (a, b) = (self.columns(i), self.columns(j));
+        let (ac, bs) = (product(a, cos), product(b, sin));
+        let (bc, a_s) = (product(b, cos), product(a, sin));
+        for (k, r) in self.rotation.iter_mut().enumerate() {
+            *r.col_mut(i) = ac[k] + bs[k];
+            *r.col_mut(j) = bc[k] - a_s[k];
+        }
+    }
+}
+
+fn product(v: [DVec3; 4], n: Twofold) -> [DVec3; 4] {
+    [
+        v[0] * n.value,
+        v[0] * n.first + v[1] * n.value,
+        v[0] * n.second + v[2] * n.value,
+        v[0] * n.mixed + v[1] * n.second + v[2] * n.first + v[3] * n.value,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::kinematics::measures::along;
+    use crate::kinematics::motion::continuation::solve;
+    use crate::kinematics::solve::newton::Pace;
+    use crate::numbers::series::Series;
+    use crate::scene::{Overrides, builtin, load};
+
+    /// Built-in scenes with loops of frames, loops of points and equations, with these parameters as inputs.
+    fn varied(name: &str, vary: &[&str]) -> Mechanism {
+        let overrides = Overrides {
+            vary: vary.iter().map(|v| (*v).to_owned()).collect(),
+            ..Overrides::default()
+        };
+        load(&builtin::find(name).unwrap(), &overrides)
+            .unwrap()
+            .mechanism
+    }
+
+    fn each_pose(mut test: impl FnMut(&Mechanism, &Structure, &[f64])) {
+        let cases: [(&str, &[&str]); 4] = [
+            ("torus-torus", &["r1", "gamma1", "q2", "c2"]),
+            ("sphere-torus", &["b1", "c2", "gamma2", "s2"]),
+            ("sphere-sphere", &["b1", "c2"]),
+            ("twin-steer", &[]),
+        ];
+        for (name, vary) in cases {
+            let mechanism = varied(name, vary);
+            let structure = crate::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
+            let times = [0.13, 0.48, 0.77].map(|share| share * mechanism.duration);
+            for sample in solve(&mechanism, &times).unwrap().samples {
+                let pose = sample.pose.unwrap();
+                let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+                test(&mechanism, &structure, &coordinates);
+            }
+        }
+    }
+
+    #[test]
+    fn mixed_derivatives_are_those_of_the_series() {
+        each_pose(|mechanism, structure, pose| {
+            let mut variation = Variation::new(mechanism, structure);
+            let n = mechanism.unknowns.len();
+            let count = n + mechanism.inputs.len();
+            let all = count + 3 * mechanism.traces.len() + mechanism.outputs.len();
+            let (mut first, mut second) = (Vec::new(), Vec::new());
+            for t in 0..mechanism.inputs.len() {
+                variation.tangent(pose, 0, &mut first);
+                variation.tangent(pose, t, &mut second);
+                let slots = variation.slots(pose, &first, &second, all).to_vec();
+                let series =
+                    |moving: &[usize]| along(mechanism, structure, pose, moving, 2).unwrap();
+                let (s, alone, both) = (series(&[0]), series(&[t]), series(&[0, t]));
+                for (k, slot) in slots.iter().enumerate() {
+                    let part = |s: &[Series], order: usize| s[k].coefficients()[order];
+                    let mixed = part(&both, 2) - part(&s, 2) - part(&alone, 2);
+                    let size = 1.0 + slot.value.abs() + mixed.abs();
+                    assert!((slot.first - part(&s, 1)).abs() < 1e-10 * size);
+                    assert!((slot.second - part(&alone, 1)).abs() < 1e-10 * size);
+                    assert!(
+                        (slot.mixed - mixed).abs() < 1e-9 * size,
+                        "{} slot {k}: {} {mixed}",
+                        mechanism.title,
+                        slot.mixed
+                    );
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn the_distance_from_singular_poses_changes_as_said() {
+        each_pose(|mechanism, structure, pose| {
+            let mut variation = Variation::new(mechanism, structure);
+            let mut corrector = Corrector::new(structure);
+            let n = mechanism.unknowns.len();
+            for moving in 0..mechanism.inputs.len() {
+                let mut tangent = Vec::new();
+                variation.tangent(pose, moving, &mut tangent);
+                variation.regularity(pose);
+                let rate = variation.regularity_rate(pose, &tangent);
+                let mut at = |h: f64| {
+                    let mut moved: Vec<f64> =
+                        pose.iter().zip(&tangent).map(|(q, t)| q + h * t).collect();
+                    moved[n + moving] = pose[n + moving] + h;
+                    let done = corrector.correct(mechanism, structure, &mut moved, Pace::Brisk);
+                    assert!(done.converged);
+                    variation.regularity(&moved)
+                };
+                let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
+                assert!(
+                    (rate - difference).abs() < 1e-5 * (1.0 + rate.abs()),
+                    "{} {moving}: {rate} {difference}",
+                    mechanism.title
+                );
+            }
+        });
+    }
+}

@@ -1,0 +1,404 @@
+//! The assemblies of a mechanism at one pose of its inputs: many starts, and what they lead to without repetition.
+//!
+//! A count, not a proof: an assembly that no start leads to stays unknown. Two closures are the same assembly when
+//! all links stand alike, whatever the angles are called: whole turns and the second set of Euler angles of a ball
+//! joint make no other assembly. A link is what lies between two joints of a chain; rotations that follow one
+//! another directly are one joint.
+
+use super::assembly::{assemble, turns_matter};
+use super::branch::BranchWatch;
+use super::newton::Corrector;
+use crate::kinematics::ball::chart::Chart;
+use crate::kinematics::ball::joint::{Ball, balls};
+use crate::kinematics::loops::forward::{body_poses, closure_error};
+use crate::kinematics::structure::block::Structure;
+use crate::math::{Pose, sin_cos};
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::mechanism::{Kind, Mechanism};
+use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Random starts unless asked otherwise. The rarest of the sixteen assemblies of the known 6R arm is met by one start
+/// in 25, the rarest of the gearshift with its 18 unknowns by one in 120.
+pub const DEFAULT_STARTS: usize = 1000;
+
+/// Start values of lengths reach this many sizes to either side; a chain of a few links rarely spans more.
+const REACH: f64 = 2.0;
+
+/// Largest closure error of an assembly that counts. Rounding leaves about 1e-15; a start that stopped beside a
+/// pose leaves far more.
+const CLOSED: f64 = 1e-12;
+
+/// Link poses (rotation entries, translations over the size) that agree within this are the same: above what
+/// rounding leaves at a nearly singular pose, below the distance of assemblies that can be told apart.
+const SAME: f64 = 1e-6;
+
+/// Below this smallest singular value a mode is called singular: a double solution is met to half its digits only.
+const SINGULAR: f64 = 1e-6;
+
+/// Coordinates that agree within this count as equal when modes are ordered and angles are wrapped.
+const EQUAL: f64 = 1e-9;
+
+/// One assembly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Unknowns, then inputs, radians or the scene's unit; of all names for the pose the one with the smallest angles.
+    pub coordinates: Vec<f64>,
+    /// One sign per block, comparable between the modes of one search.
+    pub branch: String,
+    /// Smallest singular value of the scaled Jacobian.
+    pub sigma_min: f64,
+    /// Assemblies meet here, or it is a point of a continuous set.
+    pub is_singular: bool,
+    /// Largest gap of any loop relative to the size, by a plain product.
+    pub closure_error: f64,
+    /// Starts that led to it.
+    pub met: usize,
+    /// The start values of the scene lead to it.
+    pub is_scene: bool,
+}
+
+/// What a search has found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    /// The assemblies, ordered by signature, then coordinates.
+    pub list: Vec<Mode>,
+    /// Starts that were made: the scene's own and the random ones.
+    pub starts: usize,
+    /// Starts that led to a closed pose.
+    pub closed: usize,
+}
+
+/// Searches the assemblies at `inputs` from the scene's start values and from `starts` random ones.
+///
+/// The result depends on nothing but the arguments, in particular not on the number of threads. Ends early, with
+/// what it has, when `cancelled` says so.
+pub fn find_modes(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    inputs: &[f64],
+    starts: usize,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Modes {
+    let closures = closures(mechanism, structure, inputs, starts, cancelled);
+    let closed = closures.len();
+    let balls = balls(mechanism, structure);
+    let mut groups: Vec<Group> = Vec::new();
+    for (start, coordinates) in closures {
+        let fingerprint = fingerprint(mechanism, &balls, &coordinates);
+        let known = groups
+            .iter_mut()
+            .find(|g| same(&g.fingerprint, &fingerprint));
+        match known {
+            Some(group) => group.meet(mechanism, coordinates),
+            None => groups.push(Group {
+                fingerprint,
+                coordinates,
+                met: 1,
+                is_scene: start == 0,
+            }),
+        }
+    }
+    for group in &mut groups {
+        group.rename(mechanism, &balls);
+    }
+    Modes {
+        list: described(mechanism, structure, groups),
+        starts: starts + 1,
+        closed,
+    }
+}
+
+/// Closures that are one assembly.
+struct Group {
+    fingerprint: Vec<f64>,
+    coordinates: Vec<f64>,
+    met: usize,
+    is_scene: bool,
+}
+
+impl Group {
+    /// Another closure of the same assembly: its coordinates are kept if its angles are smaller.
+    fn meet(&mut self, mechanism: &Mechanism, coordinates: Vec<f64>) {
+        self.met += 1;
+        if angles(mechanism, &coordinates) < angles(mechanism, &self.coordinates) - EQUAL {
+            self.coordinates = coordinates;
+        }
+    }
+
+    /// Replaces second Euler angles by first ones where that makes the angles smaller and moves no link.
+    fn rename(&mut self, mechanism: &Mechanism, balls: &[Ball]) {
+        for triple in triples(mechanism) {
+            let mut other = self.coordinates.clone();
+            triple.rename(&mut other);
+            wrap(mechanism, &mut other);
+            if angles(mechanism, &other) < angles(mechanism, &self.coordinates) - EQUAL
+                && closure_error(mechanism, &other) <= CLOSED
+                && same(&fingerprint(mechanism, balls, &other), &self.fingerprint)
+            {
+                self.coordinates = other;
+            }
+        }
+        wrap(mechanism, &mut self.coordinates);
+    }
+}
+
+/// All closed poses, in the order of their starts.
+fn closures(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    inputs: &[f64],
+    starts: usize,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Vec<(usize, Vec<f64>)> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let start = next.fetch_add(1, Ordering::Relaxed);
+            if start > starts || cancelled() {
+                return found;
+            }
+            let mut values = [start_values(mechanism, start), inputs.to_vec()].concat();
+            for held in &structure.held {
+                values[held.unknown] = mechanism.guess[held.unknown];
+            }
+            let mut corrector = Corrector::new(structure);
+            if let Ok(pose) = assemble(mechanism, structure, &mut corrector, &values, false)
+                && closure_error(mechanism, &pose.coordinates) <= CLOSED
+            {
+                found.push((start, pose.coordinates));
+            }
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let mut all: Vec<(usize, Vec<f64>)> = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+        let mut all = work();
+        for other in others {
+            // A thread that failed has found nothing; the count says how many closed.
+            all.extend(other.join().unwrap_or_default());
+        }
+        all
+    });
+    all.sort_by_key(|(start, _)| *start);
+    all
+}
+
+/// Start values of the unknowns: the scene's for start 0, else random numbers that depend on the start's number only.
+fn start_values(mechanism: &Mechanism, start: usize) -> Vec<f64> {
+    if start == 0 {
+        return mechanism.guess.clone();
+    }
+    let unknowns = mechanism.unknowns.iter().enumerate();
+    unknowns
+        .map(|(slot, unknown)| {
+            let random = random(start as u64, slot as u64);
+            match unknown.kind {
+                Kind::Angle => PI * random,
+                Kind::Length => REACH * mechanism.size * random,
+                Kind::Number => REACH * random,
+            }
+        })
+        .collect()
+}
+
+/// A number in -1..1 from a key and a counter: the finaliser of SplitMix64 (Steele, Lea, Flood 2014), twice.
+fn random(key: u64, counter: u64) -> f64 {
+    let mix = |mut z: u64| {
+        z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    let bits = mix(mix(key).wrapping_add(counter));
+    (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// Everything that tells assemblies apart: poses of links and bodies, and unknowns that move neither.
+fn fingerprint(mechanism: &Mechanism, balls: &[Ball], coordinates: &[f64]) -> Vec<f64> {
+    let arguments = mechanism.argument_values(coordinates);
+    let mut numbers = Vec::new();
+    let mut note = |pose: &Pose| {
+        numbers.extend(pose.rotation.to_cols_array());
+        numbers.extend((pose.translation / mechanism.size).to_array());
+    };
+    for item in &mechanism.loops {
+        let inner = |k: usize| {
+            let joint = balls
+                .iter()
+                .find_map(|b| b.stands_at(&item.chain.steps, k, mechanism.size));
+            joint.map_or(0, |(taken, _)| taken - 1)
+        };
+        links(&item.chain, inner, &arguments, &mut note);
+    }
+    body_poses(mechanism, coordinates).iter().for_each(note);
+    for slot in outside_chains(mechanism) {
+        match mechanism.unknowns[slot].kind {
+            Kind::Angle => numbers.extend(<[f64; 2]>::from(sin_cos(coordinates[slot]))),
+            Kind::Length | Kind::Number => {
+                numbers.push(coordinates[slot] / mechanism.scale_of(slot));
+            }
+        }
+    }
+    numbers
+}
+
+/// Poses between the joints of a chain. Rotations in a row are one joint, and so are translations in a row, and as many
+/// steps after step `k` as `inner` says.
+fn links(
+    chain: &Chain,
+    inner: impl Fn(usize) -> usize,
+    arguments: &[ArgumentValue],
+    note: &mut impl FnMut(&Pose),
+) {
+    let motion_of = |step: &Step| match step {
+        Step::Fixed(_) => None,
+        Step::Joint { motion, .. } => Some(*motion),
+    };
+    let mut pose = Pose::IDENTITY;
+    let mut within = 0;
+    for (k, step) in chain.steps.iter().enumerate() {
+        step.advance(&mut pose, arguments);
+        let next = chain.steps.get(k + 1).and_then(motion_of);
+        within = if within > 0 { within - 1 } else { inner(k) };
+        if within == 0 && (next.is_none() || next != motion_of(step)) {
+            note(&pose);
+        }
+    }
+}
+
+/// Unknowns that stand in formulas only.
+fn outside_chains(mechanism: &Mechanism) -> Vec<usize> {
+    let mut used = vec![false; mechanism.coordinate_count()];
+    let loops = mechanism.loops.iter().map(|l| &l.chain);
+    let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
+    for argument in loops.chain(bodies).flat_map(Chain::arguments) {
+        for slot in mechanism.arguments[argument].coordinates() {
+            used[slot] = true;
+        }
+    }
+    (0..mechanism.unknowns.len())
+        .filter(|slot| !used[*slot])
+        .collect()
+}
+
+fn same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
+}
+
+/// Sum of the angles' magnitudes: of several names for a pose the one with the smallest sum is shown.
+fn angles(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
+    let pairs = mechanism.unknowns.iter().zip(coordinates);
+    pairs
+        .filter(|(unknown, _)| unknown.kind == Kind::Angle)
+        .map(|(_, value)| value.abs())
+        .sum()
+}
+
+/// Brings angles whose turns do not matter to -π (exclusive) … π.
+fn wrap(mechanism: &Mechanism, coordinates: &mut [f64]) {
+    for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
+        let value = coordinates[slot];
+        let outside = value > PI + EQUAL || value <= -PI + EQUAL;
+        if unknown.kind == Kind::Angle && outside && !turns_matter(mechanism, slot) {
+            let turns = ((value - PI - EQUAL) / TAU).ceil();
+            coordinates[slot] = value - TAU * turns;
+        }
+    }
+}
+
+/// Three rotations in a row about axes that differ from one to the next: they have two sets of angles.
+struct Triple {
+    slots: [usize; 3],
+    /// First and last axis are the same (z, x, z), so that the middle angle changes its sign only.
+    is_proper: bool,
+}
+
+impl Triple {
+    /// The other set: (a + π, π - b, c + π), or (a + π, -b, c + π).
+    fn rename(&self, coordinates: &mut [f64]) {
+        let [a, b, c] = self.slots;
+        coordinates[a] += PI;
+        coordinates[c] += PI;
+        coordinates[b] = if self.is_proper { 0.0 } else { PI } - coordinates[b];
+    }
+}
+
+/// The ball joints of all loops whose three angles are unknowns of their own.
+fn triples(mechanism: &Mechanism) -> Vec<Triple> {
+    let angle = |step: &Step| match *step {
+        Step::Joint {
+            motion: Motion::Rotation,
+            axis,
+            argument,
+            ..
+        } => match &mechanism.arguments[argument] {
+            Argument::Affine(affine) => match affine.terms[..] {
+                [(slot, factor)] if slot < mechanism.unknowns.len() => {
+                    (affine.constant == 0.0 && factor.abs() == 1.0).then_some((axis, slot))
+                }
+                _ => None,
+            },
+            Argument::Formula(_) => None,
+        },
+        _ => None,
+    };
+    let chains = mechanism.loops.iter().map(|l| &l.chain);
+    let windows = chains.flat_map(|chain| chain.steps.windows(3));
+    windows
+        .filter_map(|w| {
+            let (a, b, c) = (angle(&w[0])?, angle(&w[1])?, angle(&w[2])?);
+            let differ = a.0 != b.0 && b.0 != c.0;
+            differ.then_some(Triple {
+                slots: [a.1, b.1, c.1],
+                is_proper: a.0 == c.0,
+            })
+        })
+        .collect()
+}
+
+/// Signatures and singular values, and the order of the table.
+fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -> Vec<Mode> {
+    let mut watch = BranchWatch::default();
+    let mut corrector = Corrector::new(structure);
+    let chart = Chart::new(mechanism, structure);
+    let mut list: Vec<Mode> = Vec::new();
+    for group in groups {
+        let coordinates = &group.coordinates;
+        let state = match &chart {
+            // Next to gimbal-locked angles signs and singular values are those of the rotations.
+            Some(chart) if chart.is_needed(coordinates) => {
+                let (own, mut corrector) =
+                    (chart.base(coordinates), Corrector::new(&chart.structure));
+                watch.observe(&chart.mechanism, &chart.structure, &mut corrector, &own)
+            }
+            _ => {
+                let mut state = watch.observe(mechanism, structure, &mut corrector, coordinates);
+                let balls = chart.iter().flat_map(|chart| &chart.balls);
+                for ball in balls {
+                    state.signs[ball.block] *= ball.orientation(coordinates);
+                }
+                state
+            }
+        };
+        list.push(Mode {
+            branch: state.signature(),
+            sigma_min: state.sigma_min,
+            is_singular: state.sigma_min < SINGULAR,
+            closure_error: closure_error(mechanism, &group.coordinates),
+            met: group.met,
+            is_scene: group.is_scene,
+            coordinates: group.coordinates,
+        });
+    }
+    // Rounded, so that coordinates that differ by rounding only do not decide.
+    let key = |mode: &Mode| -> Vec<i64> {
+        let unknowns = 0..mechanism.unknowns.len();
+        unknowns
+            .map(|k| (mode.coordinates[k] / mechanism.scale_of(k) / SAME).round() as i64)
+            .collect()
+    };
+    list.sort_by_cached_key(|mode| (mode.branch.clone(), key(mode)));
+    list
+}

@@ -1,0 +1,178 @@
+//! Newton's method made visible: the iterates from the start values, with residuals, corrections and the opened polygon
+//! of every loop. Plain Newton on every block in its order, without the safeguards of the solver.
+
+use super::newton::CLOSURE_TOLERANCE;
+use crate::kinematics::certificate::{Certificate, Reason};
+use crate::kinematics::loops::forward;
+use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::motion::trajectory::{ClosedPose, Sample, Trajectory};
+use crate::kinematics::structure::block::Structure;
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::linalg::svd::RANK_TOLERANCE;
+use crate::math::{Pose, rotation_log};
+use crate::model::mechanism::{Closes, Mechanism};
+use glam::DVec3;
+
+/// Iterations after which Newton is taken to wander: from a usable start it needs fewer than ten.
+const MOST_ITERATIONS: usize = 50;
+
+/// One iterate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Iterate {
+    /// Number of the block that is being closed.
+    pub block: usize,
+    /// Iterations in this block so far.
+    pub iteration: usize,
+    /// Unknowns: radians, or the scene's length unit.
+    pub unknowns: Vec<f64>,
+    /// What is added to them next; zero outside the block.
+    pub corrections: Vec<f64>,
+    /// How every loop is open.
+    pub loops: Vec<OpenLoop>,
+    /// Values of the scalar equations.
+    pub equations: Vec<f64>,
+}
+
+/// A loop at an iterate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpenLoop {
+    /// From the start of its chain to the end: zero where it is closed.
+    pub gap: DVec3,
+    /// Rotation of the end against the start, radians; zero where the loop may turn.
+    pub turn: f64,
+    /// Corners of the chain from its start on; the first is the origin, the last would be, too.
+    pub polygon: Vec<DVec3>,
+}
+
+/// The iterates as a row of open poses, one a second, for pictures: nothing is proved of them but the last.
+pub fn film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
+    let frame = |(second, iterate): (usize, &Iterate)| {
+        let coordinates = [iterate.unknowns.as_slice(), inputs].concat();
+        let bodies = forward::body_poses(mechanism, &coordinates);
+        let traces = forward::trace_points(mechanism, &bodies);
+        let pose = ClosedPose {
+            unknowns: iterate.unknowns.clone(),
+            outputs: forward::outputs(mechanism, &coordinates, &traces),
+            bodies,
+            traces,
+            rates: vec![0.0; iterate.unknowns.len()],
+            derivatives: Vec::new(),
+            closure_error: forward::closure_error(mechanism, &coordinates),
+            sigma_min: f64::NAN,
+            condition: f64::NAN,
+            rank: 0,
+            branch: String::new(),
+            certificate: Certificate::Refused {
+                reason: Reason::Open,
+            },
+            iterations: iterate.iteration as u32,
+        };
+        Sample {
+            time: second as f64,
+            inputs: inputs.to_vec(),
+            pose: Some(pose),
+        }
+    };
+    let finite = |i: &&Iterate| i.unknowns.iter().all(|v| v.is_finite());
+    let shown = list.iter().filter(finite).enumerate();
+    Trajectory {
+        samples: shown.map(frame).collect(),
+        ..Trajectory::default()
+    }
+}
+
+/// The iterates from `start` (unknowns, then inputs), and whether they end at a closed pose. The last iterate of every
+/// block is the one whose correction is below rounding.
+pub fn iterates(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    start: &[f64],
+) -> (Vec<Iterate>, bool) {
+    let mut coordinates = start.to_vec();
+    let mut list = Vec::new();
+    let (mut workspace, mut qr) = (BlockWorkspace::default(), PivotedQr::default());
+    for (block_index, block) in structure.blocks.iter().enumerate() {
+        let (rows, columns) = (block.rows(), block.unknowns.len());
+        let mut step = vec![0.0; columns];
+        let mut closed = false;
+        for iteration in 0..MOST_ITERATIONS {
+            workspace.evaluate(mechanism, block, &coordinates, Want::Jacobian);
+            qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);
+            let mut right_side: Vec<f64> = workspace.residual.iter().map(|r| -r).collect();
+            qr.solve(&mut right_side, &mut step);
+            let mut corrections = vec![0.0; mechanism.unknowns.len()];
+            for (unknown, step) in block.unknowns.iter().zip(&step) {
+                corrections[*unknown] = mechanism.scale_of(*unknown) * step;
+            }
+            list.push(observed(
+                mechanism,
+                &coordinates,
+                block_index,
+                iteration,
+                corrections.clone(),
+            ));
+            let size = step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+            if !size.is_finite() || step.iter().any(|s| s.is_nan()) {
+                return (list, false);
+            }
+            let is_small = size <= f64::EPSILON * 4.0;
+            closed = workspace.residual_norm() <= CLOSURE_TOLERANCE;
+            if closed && is_small {
+                break;
+            }
+            let n = mechanism.unknowns.len();
+            for (value, correction) in coordinates[..n].iter_mut().zip(&corrections) {
+                *value += correction;
+            }
+        }
+        if !closed {
+            return (list, false);
+        }
+    }
+    (list, true)
+}
+
+fn observed(
+    mechanism: &Mechanism,
+    coordinates: &[f64],
+    block: usize,
+    iteration: usize,
+    corrections: Vec<f64>,
+) -> Iterate {
+    let arguments = mechanism.argument_values(coordinates);
+    let loops = mechanism.loops.iter().map(|item| {
+        let mut pose = Pose::IDENTITY;
+        let mut polygon = vec![DVec3::ZERO];
+        for step in &item.chain.steps {
+            step.advance(&mut pose, &arguments);
+            // Rotations leave the corner where it is.
+            if polygon
+                .last()
+                .is_none_or(|corner| *corner != pose.translation)
+            {
+                polygon.push(pose.translation);
+            }
+        }
+        let turn = match item.closes {
+            Closes::Frame => rotation_log(&pose.rotation).length(),
+            Closes::Point => 0.0,
+        };
+        OpenLoop {
+            gap: pose.translation,
+            turn,
+            polygon,
+        }
+    });
+    let equations = mechanism
+        .equations
+        .iter()
+        .map(|e| e.expression.value(coordinates));
+    Iterate {
+        block,
+        iteration,
+        unknowns: coordinates[..mechanism.unknowns.len()].to_vec(),
+        corrections,
+        loops: loops.collect(),
+        equations: equations.collect(),
+    }
+}

@@ -1,0 +1,9 @@
+//! Closed poses: assembly from start values, Newton corrections, prediction, branches, and the count of assemblies.
+
+pub mod assembly;
+pub mod assembly_modes;
+pub mod branch;
+pub mod iterates;
+pub mod newton;
+pub mod pose_check;
+pub mod predictor;

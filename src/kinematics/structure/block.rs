@@ -1,0 +1,146 @@
+//! Blocks of loops that share unknowns, in the order in which they are solved.
+//!
+//! Plain values. They depend on the mechanism only, not on a pose, and are made once, in
+//! [`analysis`](crate::kinematics::freedoms::analysis).
+
+use super::layout::BlockPlan;
+use super::loop_part::LoopPart;
+use crate::model::mechanism::Mechanism;
+
+/// A group of loops and equations that is solved together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Loops and their equations.
+    pub loops: Vec<LoopPart>,
+    /// Scalar equations.
+    pub equations: Vec<usize>,
+    /// Unknowns it determines.
+    pub unknowns: Vec<usize>,
+    /// Column of each coordinate in the block's Jacobian, if it is one of its unknowns.
+    pub column_of: Vec<Option<usize>>,
+    /// Arguments that its loops use.
+    pub arguments: Vec<usize>,
+    /// Layout for evaluation.
+    pub plan: BlockPlan,
+}
+
+impl Block {
+    /// Number of equations.
+    pub fn rows(&self) -> usize {
+        self.loops
+            .iter()
+            .map(|part| part.components.len())
+            .sum::<usize>()
+            + self.equations.len()
+    }
+}
+
+/// An idle freedom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// The unknown that keeps its start value.
+    pub unknown: usize,
+    /// All unknowns that take part in the motion, ascending.
+    pub moving: Vec<usize>,
+    /// Loop of the link that turns; `None` if the motion only exchanges angles of one joint.
+    pub turning: Option<usize>,
+}
+
+/// The order of solution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    /// Each block needs only unknowns of earlier ones.
+    pub blocks: Vec<Block>,
+    /// Equations that hold at every pose, as (loop, component).
+    pub empty_equations: Vec<(usize, usize)>,
+    /// Unknowns that keep their start value, because nothing but the idle spin of a link depends on them.
+    pub held: Vec<Held>,
+}
+
+/// A mechanism that no pose can solve, or that is not determined.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StructureError {
+    /// A loop has the same gap at every pose.
+    #[error("loop `{name}` cannot close at any pose: {what} always differs by {gap:.6} {unit}")]
+    Impossible {
+        /// Name of the loop.
+        name: String,
+        /// The equation in words.
+        what: String,
+        /// Its constant value.
+        gap: f64,
+        /// Unit of the gap: radians or the scene's length unit.
+        unit: String,
+    },
+    /// More unknowns than independent equations.
+    #[error("{freedoms} more coordinate(s) are free than the inputs drive: {}", names.join(", "))]
+    UnderDetermined {
+        /// How many.
+        freedoms: usize,
+        /// Unknowns that can move while the inputs stand still.
+        names: Vec<String>,
+    },
+    /// Unknowns that change no equation.
+    #[error("no loop and no equation holds `{}`: nothing there changes with it", names.join("`, `"))]
+    Unheld {
+        /// Their names.
+        names: Vec<String>,
+    },
+}
+
+impl Structure {
+    /// The block that solves the loop or equation `name`, if it has more equations than unknowns.
+    pub fn overfull(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {
+        let mut blocks = self.blocks.iter();
+        blocks.find(|block| {
+            let mut loops = block
+                .loops
+                .iter()
+                .map(|part| &mechanism.loops[part.index].name);
+            let mut equations = block
+                .equations
+                .iter()
+                .map(|e| &mechanism.equations[*e].name);
+            let is_here = loops.any(|n| n == name) || equations.any(|n| n == name);
+            is_here && block.rows() > block.unknowns.len()
+        })
+    }
+
+    /// Number of equations that are solved.
+    pub fn equation_count(&self) -> usize {
+        self.blocks.iter().map(Block::rows).sum()
+    }
+}
+
+/// Names of the given unknowns.
+pub fn names(mechanism: &Mechanism, slots: impl Iterator<Item = usize>) -> Vec<String> {
+    slots.map(|u| mechanism.unknowns[u].name.clone()).collect()
+}
+
+/// The block of the given loops, equations and unknowns.
+pub fn block(
+    mechanism: &Mechanism,
+    loops: Vec<LoopPart>,
+    equations: Vec<usize>,
+    unknowns: Vec<usize>,
+) -> Block {
+    let mut column_of = vec![None; mechanism.coordinate_count()];
+    for (column, unknown) in unknowns.iter().enumerate() {
+        column_of[*unknown] = Some(column);
+    }
+    let mut arguments: Vec<usize> = loops
+        .iter()
+        .flat_map(|part| mechanism.loops[part.index].chain.arguments())
+        .collect();
+    arguments.sort_unstable();
+    arguments.dedup();
+    let plan = BlockPlan::new(mechanism, &loops, &equations, &arguments, &column_of);
+    Block {
+        loops,
+        equations,
+        unknowns,
+        column_of,
+        arguments,
+        plan,
+    }
+}

@@ -1,0 +1,354 @@
+//! A block laid out for the walk along its loops: joints in order with the fixed pose before each, and for every
+//! argument the columns that its rate goes into. Made once with the block; holds no values of a pose.
+
+use crate::math::Pose;
+use crate::model::chain::{Argument, Motion, Step};
+use crate::model::mechanism::Mechanism;
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+use super::loop_part::LoopPart;
+use crate::linalg::lanes::{Lanes, groups};
+
+/// Where a part of a rate goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// The coordinate.
+    pub slot: usize,
+    /// Its column: below the number of the block's unknowns a column of the Jacobian, else, after those, of the
+    /// derivative by the coordinates from outside.
+    pub column: usize,
+    /// Scale of the unknown; one for coordinates from outside.
+    pub scale: f64,
+    /// Rate of the argument by the coordinate; of no meaning for formulas.
+    pub coefficient: f64,
+}
+
+/// An argument that the block's loops use.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedArgument {
+    /// Index into the mechanism's arguments.
+    pub index: usize,
+    /// Value with all coordinates at zero; of no meaning for formulas.
+    pub constant: f64,
+    /// Its entries of [`BlockPlan::shares`].
+    pub shares: Range<usize>,
+    /// Not affine.
+    pub is_formula: bool,
+}
+
+/// A joint and the fixed pose before it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedJoint {
+    /// Fixed translation before the joint, then the rotation, if there is one.
+    pub shift: Option<DVec3>,
+    /// Fixed rotation before the joint.
+    pub turn: Option<DMat3>,
+    /// Kind of motion.
+    pub motion: Motion,
+    /// 0 x, 1 y, 2 z.
+    pub axis: usize,
+    /// Place in [`BlockPlan::arguments`].
+    pub argument: usize,
+    /// +1, or -1 for the inverse motion.
+    pub sign: f64,
+}
+
+/// Four neighbours among a loop's joints; the last group is filled up with joints that do not move anything.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct PlannedGroup {
+    /// One for rotations.
+    pub turns: Lanes,
+    /// One for translations.
+    pub slides: Lanes,
+    /// Places in [`BlockPlan::arguments`].
+    pub arguments: [usize; 4],
+}
+
+/// A coordinate's part of an affine argument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Place in [`BlockPlan::arguments`].
+    pub argument: usize,
+    /// The coordinate.
+    pub slot: usize,
+    /// Rate of the argument by the coordinate.
+    pub coefficient: f64,
+}
+
+/// Where a multiple of a joint's column is added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// The joint's place among those of its loop.
+    pub joint: usize,
+    /// Index of the first row in the column-major Jacobian, or in the padded derivative by coordinates from outside.
+    pub start: usize,
+    /// What the column is multiplied by.
+    pub factor: f64,
+}
+
+/// A loop of the block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedLoop {
+    /// Its entries of [`BlockPlan::joints`].
+    pub joints: Range<usize>,
+    /// Its entries of [`BlockPlan::groups`].
+    pub groups: Range<usize>,
+    /// Its affine entries of the Jacobian.
+    pub own: Vec<Entry>,
+    /// Its affine entries of the derivative by coordinates from outside.
+    pub outside: Vec<Entry>,
+    /// Places of the joints whose arguments are formulas.
+    pub formulas: Vec<usize>,
+    /// Fixed pose after the last joint.
+    pub end: Pose,
+    /// Equations that are kept.
+    pub components: Vec<usize>,
+    /// Row of the first of them.
+    pub row: usize,
+}
+
+/// A scalar equation of the block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedEquation {
+    /// Index into the mechanism's equations.
+    pub index: usize,
+    /// Its row.
+    pub row: usize,
+    /// What its value is multiplied by.
+    pub scale: f64,
+    /// Coordinates it depends on.
+    pub shares: Range<usize>,
+}
+
+/// The layout of a block.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct BlockPlan {
+    /// Arguments, as the block lists them.
+    pub arguments: Vec<PlannedArgument>,
+    /// Shares of arguments and equations.
+    pub shares: Vec<Share>,
+    /// Terms of all affine arguments.
+    pub terms: Vec<Term>,
+    /// Scales of the block's unknowns.
+    pub scales: Vec<f64>,
+    /// Joints of all loops.
+    pub joints: Vec<PlannedJoint>,
+    /// The same joints, four at a time.
+    pub groups: Vec<PlannedGroup>,
+    /// Loops in the order of the rows.
+    pub loops: Vec<PlannedLoop>,
+    /// Equations, after the loops.
+    pub equations: Vec<PlannedEquation>,
+    /// Coordinates from outside that the block depends on, in the order of their columns.
+    pub outer: Vec<usize>,
+    /// All arguments and equations are affine, so that series of the unknowns follow from the joints alone.
+    pub is_affine: bool,
+}
+
+impl BlockPlan {
+    /// Lays out loops and equations whose unknowns stand at `column_of`.
+    pub fn new(
+        mechanism: &Mechanism,
+        loops: &[LoopPart],
+        equations: &[usize],
+        arguments: &[usize],
+        column_of: &[Option<usize>],
+    ) -> Self {
+        let mut plan = Self {
+            is_affine: true,
+            ..Self::default()
+        };
+        let columns = column_of.iter().flatten().count();
+        plan.scales.resize(columns, 1.0);
+        for (slot, column) in column_of.iter().enumerate() {
+            if let Some(column) = column {
+                plan.scales[*column] = mechanism.scale_of(slot);
+            }
+        }
+        for &index in arguments {
+            plan.add_argument(mechanism, index, column_of, columns);
+        }
+        let rows = loops
+            .iter()
+            .map(|part| part.components.len())
+            .sum::<usize>()
+            + equations.len();
+        let mut row = 0;
+        for part in loops {
+            plan.add_loop(mechanism, part, arguments, row);
+            plan.add_entries(rows, columns);
+            row += part.components.len();
+        }
+        for (k, &index) in equations.iter().enumerate() {
+            let equation = &mechanism.equations[index];
+            let slots = equation.expression.slots();
+            let terms: Vec<(usize, f64)> = slots.into_iter().map(|slot| (slot, 0.0)).collect();
+            let shares = plan.add_shares(mechanism, &terms, column_of, columns);
+            plan.is_affine &= equation.expression.affine().is_some();
+            plan.equations.push(PlannedEquation {
+                index,
+                row: row + k,
+                scale: mechanism.weight_of(index),
+                shares,
+            });
+        }
+        plan
+    }
+
+    fn add_argument(
+        &mut self,
+        mechanism: &Mechanism,
+        index: usize,
+        column_of: &[Option<usize>],
+        columns: usize,
+    ) {
+        let (constant, terms, is_formula) = match &mechanism.arguments[index] {
+            Argument::Affine(affine) => (affine.constant, affine.terms.clone(), false),
+            Argument::Formula(expression) => {
+                let slots = expression.slots();
+                (
+                    0.0,
+                    slots.into_iter().map(|slot| (slot, 0.0)).collect(),
+                    true,
+                )
+            }
+        };
+        let shares = self.add_shares(mechanism, &terms, column_of, columns);
+        self.is_affine &= !is_formula;
+        if !is_formula {
+            let argument = self.arguments.len();
+            self.terms
+                .extend(terms.iter().map(|&(slot, coefficient)| Term {
+                    argument,
+                    slot,
+                    coefficient,
+                }));
+        }
+        self.arguments.push(PlannedArgument {
+            index,
+            constant,
+            shares,
+            is_formula,
+        });
+    }
+
+    fn add_shares(
+        &mut self,
+        mechanism: &Mechanism,
+        terms: &[(usize, f64)],
+        column_of: &[Option<usize>],
+        columns: usize,
+    ) -> Range<usize> {
+        let start = self.shares.len();
+        for &(slot, coefficient) in terms {
+            let own = column_of.get(slot).copied().flatten();
+            let (column, scale) = match own {
+                Some(column) => (column, mechanism.scale_of(slot)),
+                None => (columns + self.outer_column(slot), 1.0),
+            };
+            self.shares.push(Share {
+                slot,
+                column,
+                scale,
+                coefficient,
+            });
+        }
+        start..self.shares.len()
+    }
+
+    fn outer_column(&mut self, slot: usize) -> usize {
+        let known = self.outer.iter().position(|s| *s == slot);
+        known.unwrap_or_else(|| {
+            self.outer.push(slot);
+            self.outer.len() - 1
+        })
+    }
+
+    fn add_loop(&mut self, mechanism: &Mechanism, part: &LoopPart, used: &[usize], row: usize) {
+        let start = self.joints.len();
+        let mut fixed = Pose::IDENTITY;
+        for step in &mechanism.loops[part.index].chain.steps {
+            match *step {
+                Step::Fixed(pose) => fixed = fixed * pose,
+                Step::Joint {
+                    motion,
+                    axis,
+                    argument,
+                    sign,
+                } => {
+                    let (shift, turn) = parts_of(&fixed);
+                    self.joints.push(PlannedJoint {
+                        shift,
+                        turn,
+                        motion,
+                        axis,
+                        argument: used.iter().position(|a| *a == argument).unwrap_or(0),
+                        sign,
+                    });
+                    fixed = Pose::IDENTITY;
+                }
+            }
+        }
+        let first = self.groups.len();
+        self.groups
+            .extend(self.joints[start..].chunks(4).map(PlannedGroup::new));
+        self.loops.push(PlannedLoop {
+            joints: start..self.joints.len(),
+            groups: first..self.groups.len(),
+            own: Vec::new(),
+            outside: Vec::new(),
+            formulas: Vec::new(),
+            end: fixed,
+            components: part.components.clone(),
+            row,
+        });
+    }
+
+    /// Lists where the columns of the last loop's joints go.
+    fn add_entries(&mut self, rows: usize, columns: usize) {
+        let Some(item) = self.loops.last_mut() else {
+            return;
+        };
+        for (joint, planned) in self.joints[item.joints.clone()].iter().enumerate() {
+            let argument = &self.arguments[planned.argument];
+            if argument.is_formula {
+                item.formulas.push(joint);
+                continue;
+            }
+            for share in &self.shares[argument.shares.clone()] {
+                let (list, start) = match share.column.checked_sub(columns) {
+                    None => (&mut item.own, share.column * rows),
+                    Some(column) => (&mut item.outside, column * 4 * groups(rows)),
+                };
+                list.push(Entry {
+                    joint,
+                    start: start + item.row,
+                    factor: share.coefficient * share.scale,
+                });
+            }
+        }
+    }
+}
+
+impl PlannedGroup {
+    fn new(joints: &[PlannedJoint]) -> Self {
+        let mut group = Self::default();
+        for (lane, joint) in joints.iter().enumerate() {
+            match joint.motion {
+                Motion::Rotation => group.turns[lane] = 1.0,
+                Motion::Translation => group.slides[lane] = 1.0,
+            }
+            group.arguments[lane] = joint.argument;
+        }
+        group
+    }
+}
+
+/// Translation and rotation of a fixed pose, where they move anything.
+fn parts_of(pose: &Pose) -> (Option<DVec3>, Option<DMat3>) {
+    (
+        (pose.translation != DVec3::ZERO).then_some(pose.translation),
+        (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
+    )
+}

@@ -1,0 +1,6 @@
+//! Which loops and equations are solved together, in which order, and how a block is laid out for evaluation.
+
+pub mod block;
+pub mod layout;
+pub mod loop_part;
+pub mod ordering;

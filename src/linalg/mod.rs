@@ -1,0 +1,7 @@
+//! Dense matrices without a mechanism: lanes, elimination, pivoted QR, singular values.
+
+pub mod gauss_jordan;
+pub mod lanes;
+pub mod pivoted_qr;
+pub mod singular_values;
+pub mod svd;

@@ -1,0 +1,238 @@
+//! Smallest and largest singular value of a regular matrix from its inverse and itself, by iteration from the vectors of
+//! the pose before.
+//!
+//! Power iteration on A Aᵀ with a Rayleigh quotient θ and its residual ρ. The sum of all eigenvalues is the squared
+//! Frobenius norm of A, so that all but the largest are at most b = sum - θ; where b is below θ, the largest is at most
+//! θ + ρ² / (θ - b) (Temple's inequality; Parlett, The Symmetric Eigenvalue Problem, chapter 10). The sum of their squares,
+//! the same of A Aᵀ, gives a better b where it is needed. So the smallest singular value is proved; where no b serves, the
+//! caller decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
+//! part in every direction, so that it cannot stay with a value that has been overtaken.
+
+use super::lanes::{LaneMatrix, Lanes, combine, dot, groups, scale, total};
+use wide::f64x4;
+
+/// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much. An inverse of a
+/// pose right beside adds as much again: together a millionth.
+pub const SMALLEST_ERROR: f64 = 5e-7;
+
+/// Relative error of the largest singular value, and with it of the condition number.
+pub const LARGEST_ERROR: f64 = 1e-3;
+
+/// Iterations after which the exact decomposition is cheaper.
+const MOST_ITERATIONS: usize = 24;
+
+/// How much of a fixed vector is mixed into the start of the largest value.
+const MIXED: f64 = 0.01;
+
+/// Others than the largest eigenvalue are bounded well enough below this share of it.
+const CLEAR_SHARE: f64 = 0.9;
+
+/// Entry of a vector without a preferred direction; signs alternate in no regular way.
+fn spread(k: usize) -> f64 {
+    let size = 1.0 + 0.37 * ((k * 7) % 5) as f64;
+    if (k * k + k / 3) % 4 < 2 { size } else { -size }
+}
+
+/// Vectors that a block's iterations start from.
+#[derive(Clone, Debug, Default)]
+pub struct Extremes {
+    small: PowerIteration,
+    large: PowerIteration,
+}
+
+impl Extremes {
+    /// Smallest and largest singular value of a matrix from itself and its inverse (or pseudo-inverse), either of which
+    /// may be transposed. `None` where the iterations do not decide.
+    pub fn of(&mut self, matrix: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
+        let sum: f64 = inverse.rows().map(|row| dot(row, row)).sum();
+        let mut squares = None;
+        // Rounding of the sums is far below what is clear.
+        let small = self.small.largest(inverse, |value, residual| {
+            let mut others = sum - value;
+            if others > CLEAR_SHARE * value {
+                let squares = *squares.get_or_insert_with(|| sum_of_squares(inverse));
+                others = (squares - value * value).max(0.0).sqrt();
+            }
+            others <= CLEAR_SHARE * value
+                && residual <= 2.0 * SMALLEST_ERROR * value * (value - others)
+        })?;
+        self.large.mix();
+        let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
+        let large = self.large.largest(matrix, |value, residual| {
+            residual <= allowed * value * value
+        })?;
+        Some((1.0 / small.sqrt(), large.sqrt()))
+    }
+}
+
+/// Sum of the squares of the eigenvalues of A Aᵀ.
+fn sum_of_squares(a: &LaneMatrix) -> f64 {
+    let mut sum = 0.0;
+    for (i, row) in a.rows().enumerate() {
+        let beside: f64 = a.rows().take(i).map(|other| dot(row, other).powi(2)).sum();
+        sum += dot(row, row).powi(2) + 2.0 * beside;
+    }
+    sum
+}
+
+/// One eigenvector.
+#[derive(Clone, Debug, Default)]
+struct PowerIteration {
+    vector: Vec<Lanes>,
+    image: Vec<Lanes>,
+    inner: Vec<Lanes>,
+    size: usize,
+}
+
+impl PowerIteration {
+    /// An eigenvalue of A Aᵀ, nearly always the largest, once its Rayleigh quotient and the square of its residual are
+    /// accepted.
+    fn largest(&mut self, a: &LaneMatrix, mut accept: impl FnMut(f64, f64) -> bool) -> Option<f64> {
+        let n = a.rows().len();
+        if self.size != n {
+            self.start(n);
+        }
+        for _ in 0..MOST_ITERATIONS {
+            self.multiply(a);
+            let value = dot(&self.vector, &self.image);
+            let square = dot(&self.image, &self.image);
+            if !(value > 0.0 && square.is_finite()) {
+                self.size = 0;
+                return None;
+            }
+            // By Pythagoras, rounding included.
+            let residual = (square - value * value).abs() + 4.0 * f64::EPSILON * square;
+            std::mem::swap(&mut self.vector, &mut self.image);
+            scale(&mut self.vector, 1.0 / square.sqrt());
+            if accept(value, residual) {
+                return Some(value);
+            }
+        }
+        None
+    }
+
+    /// Gives the vector a part in every direction, so that it cannot stay with an eigenvalue that has been overtaken.
+    fn mix(&mut self) {
+        for (k, v) in self.vector.as_flattened_mut()[..self.size]
+            .iter_mut()
+            .enumerate()
+        {
+            *v += MIXED * spread(k);
+        }
+        let length = dot(&self.vector, &self.vector).sqrt();
+        if length > 0.0 {
+            scale(&mut self.vector, 1.0 / length);
+        }
+    }
+
+    /// A vector without a preferred direction.
+    fn start(&mut self, n: usize) {
+        self.size = n;
+        super::lanes::pack(&mut self.vector, (0..n).map(spread));
+        let length = dot(&self.vector, &self.vector).sqrt();
+        scale(&mut self.vector, 1.0 / length);
+    }
+
+    fn multiply(&mut self, a: &LaneMatrix) {
+        self.image.clear();
+        self.image.resize(groups(self.size), [0.0; 4]);
+        let vector = &self.vector.as_flattened()[..self.size];
+        let image = self.image.as_flattened_mut();
+        match a.stride() {
+            1 => multiply_fixed::<1>(a.groups(), vector, image),
+            2 => multiply_fixed::<2>(a.groups(), vector, image),
+            3 => multiply_fixed::<3>(a.groups(), vector, image),
+            4 => multiply_fixed::<4>(a.groups(), vector, image),
+            stride => {
+                self.inner.resize(stride, [0.0; 4]);
+                combine(&mut self.inner, vector, a.groups());
+                for (row, y) in a.rows().zip(image) {
+                    *y = dot(row, &self.inner);
+                }
+            }
+        }
+    }
+}
+
+/// `image = A Aᵀ vector` for rows of `G` groups, so that the sums stay in registers.
+#[inline(always)]
+fn multiply_fixed<const G: usize>(rows: &[Lanes], vector: &[f64], image: &mut [f64]) {
+    let rows = rows.as_chunks::<G>().0;
+    let mut inner = [f64x4::ZERO; G];
+    for (row, factor) in rows.iter().zip(vector) {
+        for g in 0..G {
+            inner[g] += f64x4::new(row[g]) * f64x4::splat(*factor);
+        }
+    }
+    for (row, y) in rows.iter().zip(image) {
+        let mut sum = f64x4::ZERO;
+        for g in 0..G {
+            sum += f64x4::new(row[g]) * inner[g];
+        }
+        *y = total(sum.to_array());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::pivoted_qr::PivotedQr;
+    use crate::linalg::svd::conditioning;
+
+    /// A repeatable matrix with entries in -1..1; the last column leaves the span of the others by `gap`.
+    fn matrix(rows: usize, columns: usize, seed: u64, gap: f64) -> Vec<f64> {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        let mut random = move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut a: Vec<f64> = (0..rows * columns).map(|_| random()).collect();
+        if gap < 1.0 && columns > 1 {
+            for i in 0..rows {
+                let last = (columns - 1) * rows + i;
+                a[last] = a[i] + gap * a[last];
+            }
+        }
+        a
+    }
+
+    #[test]
+    fn iterated_values_are_those_of_the_exact_decomposition() {
+        let (mut decided, mut tried, mut worst) = (0, 0, 0.0_f64);
+        let mut qr = PivotedQr::default();
+        let (mut inverse, mut transposed) = (LaneMatrix::default(), LaneMatrix::default());
+        for (rows, columns) in [(1, 1), (3, 3), (6, 6), (6, 4), (12, 12), (18, 18)] {
+            for gap in [1.0, 1e-2, 1e-4, 1e-6] {
+                let mut extremes = Extremes::default();
+                for seed in 0..50 {
+                    let a = matrix(rows, columns, seed, gap);
+                    qr.factor(&a, rows, columns, 1e-12);
+                    assert!(qr.invert(&mut inverse));
+                    transposed.copy_rows(&a, columns, rows);
+                    let exact = conditioning(&a, rows, columns);
+                    tried += 1;
+                    let Some((small, large)) = extremes.of(&transposed, &inverse) else {
+                        continue;
+                    };
+                    decided += 1;
+                    let small = (small / exact.sigma_min - 1.0).abs();
+                    let large = (large / exact.sigma_max - 1.0).abs();
+                    // The inverse of a matrix with condition 1e8 has lost half of its digits.
+                    assert!(
+                        small <= SMALLEST_ERROR,
+                        "{rows}x{columns} {gap} {seed}: {small:e}"
+                    );
+                    assert!(
+                        large <= LARGEST_ERROR,
+                        "{rows}x{columns} {gap} {seed}: {large:e}"
+                    );
+                    worst = worst.max(large);
+                }
+            }
+        }
+        assert!(worst > 0.0);
+        assert!(10 * decided > 8 * tried, "{decided} of {tried}");
+    }
+}
