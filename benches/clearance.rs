@@ -5,13 +5,16 @@
 //! its z axis) or `torus RING TUBE` (about its z axis), and the twelve numbers of its pose, row by row.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "../tests/driven/mod.rs"]
+mod driven;
+
+use driven::{check, frame_times, knots, solve};
 use glam::{DMat3, DVec3};
-use mechanim::clearance::check::check;
+
 use mechanim::clearance::core::{Element, elements};
 use mechanim::clearance::pair::distance;
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::{frame_times, knots};
+
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid};
 use mechanim::scene::{Overrides, load};
@@ -188,11 +191,10 @@ fn check_scene(path: &str) -> f64 {
         text,
     };
     let scene = load(&source, &Overrides::default()).unwrap();
-    let rules = scene.clearance.as_ref().unwrap();
-    let times = frame_times(&scene.mechanism, scene.view.fps);
+    let times = frame_times(&scene, scene.view.fps);
     let start = Instant::now();
-    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
-    black_box(check(&scene.mechanism, rules, &trajectory, 1e-3, &|_, _| {}).unwrap());
+    let trajectory = solve(&scene, &knots(&scene, &times)).unwrap();
+    black_box(check(&scene, &trajectory, 1e-3));
     start.elapsed().as_secs_f64() * 1e3
 }
 

@@ -8,14 +8,17 @@ use mechanim::diag::Source;
 use mechanim::kinematics::certificate::{Certificate, Certifier};
 use mechanim::kinematics::loops::forward::closure_error;
 use mechanim::kinematics::motion::continuation::solve;
+
 use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
 use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
-use mechanim::kinematics::structure::block::Structure;
-use mechanim::model::mechanism::Mechanism;
+use mechanim::kinematics::structure::system::System;
+
+use mechanim::model::actuation::Actuation;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use std::fmt::Write;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Repetitions; the machine is rarely quiet.
@@ -69,8 +72,7 @@ const DEPTHS: [Depth; 3] = [Depth::Newton, Depth::Branch, Depth::Certificate];
 
 /// A drive to follow: the first pose and all inputs.
 struct Course<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
     first: Vec<f64>,
     inputs: Vec<Vec<f64>>,
 }
@@ -86,33 +88,26 @@ struct Pass {
 
 impl Course<'_> {
     fn run(&self, depth: Depth) -> Pass {
-        let mut corrector = Corrector::new(self.structure);
+        let mut corrector = Corrector::new(self.system);
         let mut predictor = Predictor::default();
         let mut watch = BranchWatch::default();
-        let mut certifier = Certifier::new(self.mechanism, self.structure);
+        let mut certifier = Certifier::new(self.system);
         let mut here = self.first.clone();
-        let mut state = watch.observe(self.mechanism, self.structure, &mut corrector, &here);
+        let mut state = watch.observe(self.system, &mut corrector, &here);
         let mut pass = Pass {
             poses: vec![here.clone(); self.inputs.len()],
             ..Pass::default()
         };
         let start = Instant::now();
         for (inputs, kept) in self.inputs.iter().zip(&mut pass.poses) {
-            let (mechanism, structure) = (self.mechanism, self.structure);
+            let system = self.system;
             let order = HIGHEST_ORDER;
-            predictor.predict(
-                mechanism,
-                structure,
-                &mut corrector,
-                &mut here,
-                inputs,
-                order,
-            );
-            let correction = corrector.correct(mechanism, structure, &mut here, Pace::Brisk);
+            predictor.predict(system, &mut corrector, &mut here, inputs, order);
+            let correction = corrector.correct(system, &mut here, Pace::Brisk);
             assert!(correction.converged);
             pass.iterations += correction.iterations;
             if depth >= Depth::Branch {
-                watch.observe_into(mechanism, structure, &mut corrector, &here, &mut state);
+                watch.observe_into(system, &mut corrector, &here, &mut state);
                 std::hint::black_box(&state);
             }
             kept.copy_from_slice(&here);
@@ -139,24 +134,26 @@ fn summary(mut micros: Vec<f64>) -> (f64, f64) {
     (micros.first().copied().unwrap_or(f64::NAN), middle)
 }
 
-fn timed(mechanism: &Mechanism, times: &[f64]) -> (f64, Option<Trajectory>) {
+fn timed(system: &System, actuation: &Actuation, times: &[f64]) -> (f64, Trajectory) {
     let start = Instant::now();
-    let trajectory = solve(mechanism, times).ok();
+    let trajectory = solve(system, actuation, times);
     let micros = start.elapsed().as_secs_f64() * 1e6 / times.len() as f64;
     (micros, trajectory)
 }
 
 /// One line of the table.
-fn measure(name: &str, mechanism: &Mechanism, count: usize, repetitions: usize) -> Option<()> {
-    let step = mechanism.duration / count as f64;
+fn measure(name: &str, scene: &Scene, count: usize, repetitions: usize) -> Option<()> {
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    let step = actuation.duration / count as f64;
     let times: Vec<f64> = (0..=count).map(|k| step * k as f64).collect();
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).ok()?;
-    let (_, trajectory) = timed(mechanism, &times);
-    let trajectory = trajectory.filter(|t| t.missing() == 0)?;
+    let system = System::new(Arc::clone(mechanism), actuation).ok()?;
+    let (_, trajectory) = timed(&system, actuation, &times);
+    if trajectory.missing() > 0 {
+        return None;
+    }
     let first = &trajectory.samples[0];
     let course = Course {
-        mechanism,
-        structure: &structure,
+        system: &system,
         first: [&first.pose.as_ref()?.unknowns[..], &first.inputs].concat(),
         inputs: trajectory.samples[1..]
             .iter()
@@ -174,7 +171,7 @@ fn measure(name: &str, mechanism: &Mechanism, count: usize, repetitions: usize) 
                 newton = std::mem::take(&mut last);
             }
         }
-        micros[3].push(timed(mechanism, &times).0);
+        micros[3].push(timed(&system, actuation, &times).0);
     }
     let stages = micros.map(|m| {
         let (least, middle) = summary(m);
@@ -233,7 +230,7 @@ fn main() {
     cases.retain(|case| wanted.is_empty() || wanted.iter().any(|w| case.0.contains(w.as_str())));
     for (name, source, count, repetitions) in cases {
         let scene = source.as_ref().and_then(read);
-        let line = scene.and_then(|s| measure(&name, &s.mechanism, count, repetitions));
+        let line = scene.and_then(|s| measure(&name, &s, count, repetitions));
         if line.is_none() {
             println!("| {name} | could not be read or solved |");
         }

@@ -1,26 +1,28 @@
 //! Work against precision: the errors of all routes are those of an independent computation, and the report says them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod program;
 mod reference;
 
+use driven::{Driven, Model};
 use mechanim::analysis::observer::distance;
 use mechanim::analysis::reference::Reference;
 use mechanim::analysis::routes::{RotationForm, Route, Walker};
 use mechanim::analysis::work_precision::{Row, Study, StudyError, study};
 use mechanim::diag::Source;
 use mechanim::kinematics::loops::forward::closure_error;
-use mechanim::model::mechanism::Mechanism;
+
 use program::Workspace;
 use reference::{Table, mechanism};
 
-fn scene_of_data(name: &str) -> Mechanism {
+fn scene_of_data(name: &str) -> Model {
     let path = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap();
     mechanism(&Source { name: path, text }, &[])
 }
 
-fn builtin(name: &str) -> Mechanism {
+fn builtin(name: &str) -> Model {
     mechanism(&mechanim::scene::builtin::find(name).unwrap(), &[])
 }
 
@@ -33,9 +35,19 @@ fn row<'a>(study: &'a Study, family: &str, steps: usize) -> &'a Row {
         .unwrap_or_else(|| panic!("no {family} with {steps} steps"))
 }
 
+/// Routes along a mechanism's motion.
+fn compared(mechanism: &Model, poses: usize, turns: usize) -> Result<Study, StudyError> {
+    study(
+        &mechanism.system().unwrap(),
+        &mechanism.actuation,
+        poses,
+        turns,
+    )
+}
+
 #[test]
 fn integration_errors_are_those_of_the_independent_computation() {
-    let study = study(&scene_of_data("dyads-bars"), 90, 100).unwrap();
+    let study = compared(&scene_of_data("dyads-bars"), 90, 100).unwrap();
     let within_two = |found: f64, expected: f64, what: &str| {
         let ratio = found / expected;
         assert!(
@@ -79,7 +91,7 @@ fn integration_errors_are_those_of_the_independent_computation() {
 
 #[test]
 fn orders_of_the_routes() {
-    let study = study(&builtin("dyads"), 90, 1).unwrap();
+    let study = compared(&builtin("dyads"), 90, 1).unwrap();
     assert!(study.rows.iter().all(|r| r.lost == 0));
     let error = |family, steps| row(&study, family, steps).error;
     let fourth = error("Runge-Kutta 4", 180) / error("Runge-Kutta 4", 360);
@@ -120,9 +132,9 @@ fn the_reference_is_the_closed_form() {
         &mechanim::scene::builtin::find("slider-crank").unwrap(),
         &[],
     );
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
+    let system = mechanism.system().unwrap();
     let times: Vec<f64> = (0..=200).map(|k| 0.02 * f64::from(k)).collect();
-    let reference = Reference::new(&mechanism, &structure, times).unwrap();
+    let reference = Reference::new(&system, &mechanism.actuation, times);
     let h = mechanism
         .unknowns
         .iter()
@@ -145,8 +157,8 @@ fn the_skew_residual_takes_a_half_turn_for_closed() {
         &mechanim::scene::builtin::find("slider-crank").unwrap(),
         &[("phi", "0.5")],
     );
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    let mut walker = Walker::new(&mechanism, &structure);
+    let system = mechanism.system().unwrap();
+    let mut walker = Walker::new(&system, &mechanism.actuation);
     let wrong = [("alpha", 2.8837), ("beta", -0.2421), ("h", 42.5642)];
     let mut start = vec![0.0; mechanism.unknowns.len()];
     for (name, value) in wrong {
@@ -198,7 +210,7 @@ fn motions_with_gaps_are_refused() {
         name: "blocked".into(),
         text: BLOCKED.into(),
     };
-    let found = study(&mechanism(&source, &[]), 90, 1);
+    let found = compared(&mechanism(&source, &[]), 90, 1);
     assert!(
         matches!(found, Err(StudyError::Gap { time }) if time > 0.5 && time < 0.6),
         "{found:?}"

@@ -1,22 +1,24 @@
 //! Allocations: none for a pose once the buffers stand, a small constant for a sample of a solved motion.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
 use allocation_counter::measure;
+use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::{Certificate, Certifier};
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
 use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
-use mechanim::model::mechanism::Mechanism;
+
 use mechanim::scene::{Overrides, builtin, load};
 
-fn read(source: &Source) -> Mechanism {
-    load(source, &Overrides::default()).unwrap().mechanism
+fn read(source: &Source) -> Model {
+    Model::from(load(source, &Overrides::default()).unwrap())
 }
 
-fn mechanisms() -> Vec<Mechanism> {
+fn mechanisms() -> Vec<Model> {
     let bennett = Source {
         name: "Bennett, six equations for three unknowns".into(),
         text: "duration = 1\n[parameters]\na = 1\nb = 1.7320508075688772\n[inputs]\nphi = \"1+t/10\"\n[loops]\n\
@@ -42,25 +44,24 @@ fn mechanisms() -> Vec<Mechanism> {
 #[test]
 fn a_pose_allocates_nothing_once_the_buffers_stand() {
     for mechanism in mechanisms() {
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
+        let system = mechanism.system().unwrap();
         let trajectory = solve(&mechanism, &even_times(&mechanism, 60)).unwrap();
         assert_eq!(trajectory.missing(), 0);
         let first = &trajectory.samples[0];
         let mut here = [&first.pose.as_ref().unwrap().unknowns[..], &first.inputs].concat();
-        let mut corrector = Corrector::new(&structure);
+        let mut corrector = Corrector::new(&system);
         let mut predictor = Predictor::default();
         let mut watch = BranchWatch::default();
-        let mut certifier = Certifier::new(&mechanism, &structure);
-        let mut state = watch.observe(&mechanism, &structure, &mut corrector, &here);
+        let mut certifier = Certifier::new(&system);
+        let mut state = watch.observe(&system, &mut corrector, &here);
         let (mut certified, mut iterations) = (0, 0);
         let is_formula = mechanism.equations.len() == 1;
         let mut pose = |inputs: &[f64]| {
-            let (m, s) = (&mechanism, &structure);
-            predictor.predict(m, s, &mut corrector, &mut here, inputs, HIGHEST_ORDER);
-            let correction = corrector.correct(m, s, &mut here, Pace::Brisk);
+            predictor.predict(&system, &mut corrector, &mut here, inputs, HIGHEST_ORDER);
+            let correction = corrector.correct(&system, &mut here, Pace::Brisk);
             assert!(correction.converged);
             iterations += correction.iterations;
-            watch.observe_into(m, s, &mut corrector, &here, &mut state);
+            watch.observe_into(&system, &mut corrector, &here, &mut state);
             // Proofs of formulas are made with intervals, whose lists come and go.
             if !is_formula {
                 let certificate = certifier.polish(&mut here, watch.bases(), &corrector);

@@ -1,26 +1,28 @@
 //! The certified bound of every pose against its true error, known to 19 digits: more than a thousand poses.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::linalg::pivoted_qr::PivotedQr;
 use mechanim::model::chain::Argument;
 use mechanim::model::expression::Affine;
-use mechanim::model::mechanism::Mechanism;
+
 use mechanim::numbers::double_double::Double;
 use mechanim::numbers::sin_cos::sin_cos;
 use mechanim::scene::{Overrides, builtin, load};
 
-fn scene(name: &str) -> Mechanism {
+fn scene(name: &str) -> Model {
     let source = builtin::find(name).unwrap();
-    load(&source, &Overrides::default()).unwrap().mechanism
+    Model::from(load(&source, &Overrides::default()).unwrap())
 }
 
 /// Error bound and stored unknowns, then inputs, of `count` samples.
-fn poses(mechanism: &Mechanism, count: usize) -> Vec<(f64, Vec<f64>)> {
+fn poses(mechanism: &Model, count: usize) -> Vec<(f64, Vec<f64>)> {
     let trajectory = solve(mechanism, &even_times(mechanism, count)).unwrap();
     assert_eq!(trajectory.missing(), 0);
     let samples = trajectory.samples.iter().map(|sample| {
@@ -35,14 +37,14 @@ fn poses(mechanism: &Mechanism, count: usize) -> Vec<(f64, Vec<f64>)> {
 
 /// A mechanism whose coordinates are sums of two numbers each, the second far below the first.
 struct Refined<'m> {
-    mechanism: &'m Mechanism,
+    mechanism: &'m Model,
     forms: Vec<Affine>,
     plans: Vec<(LoopPlan, Vec<usize>)>,
     qr: PivotedQr,
 }
 
 impl<'m> Refined<'m> {
-    fn new(mechanism: &'m Mechanism) -> Self {
+    fn new(mechanism: &'m Model) -> Self {
         let forms = mechanism.arguments.iter().map(|argument| {
             let Argument::Affine(affine) = argument else {
                 panic!("only affine arguments here")
@@ -56,8 +58,8 @@ impl<'m> Refined<'m> {
                 terms: halves.collect(),
             }
         });
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
-        let parts = structure.blocks.iter().flat_map(|block| &block.loops);
+        let system = mechanism.system().unwrap();
+        let parts = system.blocks().iter().flat_map(|block| &block.loops);
         let plans = parts.map(|part| {
             let steps = &mechanism.loops[part.index].chain.steps;
             (LoopPlan::new(steps, |a| a), part.components.clone())
@@ -157,7 +159,7 @@ fn bounds_are_never_below_the_true_error_and_close_to_it() {
 }
 
 /// Six four-bars, the last of which drives the first: one block of 18 unknowns, more than fit into four groups.
-fn ring() -> Mechanism {
+fn ring() -> Model {
     let mut text = String::from("duration = 1\n[inputs]\nphi = \"1.9 + t/10\"\n[loops]\n");
     for k in 1..=6 {
         let driven_by = if k == 1 {
@@ -175,15 +177,15 @@ fn ring() -> Mechanism {
     }
     let name = "a ring of four-bars".into();
     let scene = load(&Source { name, text }, &Overrides::default());
-    scene.unwrap().mechanism
+    scene.unwrap().into()
 }
 
 #[test]
 fn bounds_of_a_large_block_hold() {
     let mechanism = ring();
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    assert_eq!(structure.blocks.len(), 1);
-    assert_eq!(structure.blocks[0].unknowns.len(), 18);
+    let system = mechanism.system().unwrap();
+    assert_eq!(system.blocks().len(), 1);
+    assert_eq!(system.blocks()[0].unknowns.len(), 18);
     let mut refined = Refined::new(&mechanism);
     let mut ratio = 0.0_f64;
     for (bound, coordinates) in poses(&mechanism, 60) {

@@ -1,18 +1,20 @@
 //! Certificates of poses: never below the true error, not far above it, and refused where there is nothing to prove.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
 use mechanim::kinematics::certificate::{Certificate, Certifier, Reason};
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::expression::Affine;
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use reference::{Table, drive_by_rows};
@@ -39,7 +41,7 @@ fn slider_crank(r: f64, l: f64) -> Scene {
 }
 
 /// The motion whose samples are the rows of a table.
-fn solve_rows(mechanism: &mut Mechanism, table: &Table) -> Trajectory {
+fn solve_rows(mechanism: &mut Model, table: &Table) -> Trajectory {
     let times = drive_by_rows(mechanism, table);
     solve(mechanism, &times).unwrap()
 }
@@ -64,12 +66,12 @@ fn worst(bounds: &[(f64, f64)]) -> (f64, f64) {
 }
 
 /// The certificate of given coordinates, on the basis that those same coordinates choose.
-fn certify(mechanism: &Mechanism, coordinates: &[f64]) -> Certificate {
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
+fn certify(mechanism: &Model, coordinates: &[f64]) -> Certificate {
+    let system = mechanism.system().unwrap();
     let mut watch = BranchWatch::default();
-    let mut corrector = Corrector::new(&structure);
-    watch.observe(mechanism, &structure, &mut corrector, coordinates);
-    Certifier::new(mechanism, &structure).certify(coordinates, watch.bases())
+    let mut corrector = Corrector::new(&system);
+    watch.observe(&system, &mut corrector, coordinates);
+    Certifier::new(&system).certify(coordinates, watch.bases())
 }
 
 /// Largest error of a sample's unknowns against a function of their names, in the measure of the bound.
@@ -101,7 +103,7 @@ fn built_in_motions_are_certified_throughout() {
         ("seven-r", 2e-12, 1e-2),
         ("dyads", 1e-12, 0.7),
     ] {
-        let mechanism = scene(name).mechanism;
+        let mechanism = Model::from(scene(name));
         let trajectory = solve(&mechanism, &even_times(&mechanism, 300)).unwrap();
         let (e, u) = worst(&certified(&trajectory));
         assert!(e <= error_bound, "{name}: {e:e}");
@@ -117,7 +119,7 @@ fn bounds_hold_against_the_references_of_seventeen_digits() {
         ("gearshift-optimised", "gearshift_opt_30"),
     ] {
         let table = Table::read(file);
-        let mut mechanism = scene(name).mechanism;
+        let mut mechanism = Model::from(scene(name));
         let trajectory = solve_rows(&mut mechanism, &table);
         let bounds = certified(&trajectory);
         for (row, pose) in trajectory.poses().enumerate() {
@@ -135,7 +137,7 @@ fn bounds_hold_against_the_references_of_seventeen_digits() {
         }
     }
     let table = Table::read("crank_cycle");
-    let mut mechanism = scene("slider-crank").mechanism;
+    let mut mechanism = Model::from(scene("slider-crank"));
     let trajectory = solve_rows(&mut mechanism, &table);
     for (row, (pose, bound)) in trajectory.poses().zip(certified(&trajectory)).enumerate() {
         let e = error(&mechanism, &pose.unknowns, |n| {
@@ -150,12 +152,12 @@ fn bounds_hold_against_the_references_of_seventeen_digits() {
 #[test]
 fn bounds_hold_against_the_torus_pair() {
     let table = Table::read("torus_ref");
-    let mut mechanism = scene("seven-r").mechanism;
+    let mut mechanism = Model::from(scene("seven-r"));
     let rows: Vec<usize> = (0..table.len())
         .filter(|r| table.text(*r, "mechanism") == "torus-torus")
         .collect();
     let times: Vec<f64> = rows.iter().map(|r| *r as f64).collect();
-    mechanism.drives = vec![Drive::Keys {
+    mechanism.actuation.drives = vec![Drive::Keys {
         times: times.clone(),
         values: rows
             .iter()
@@ -163,7 +165,7 @@ fn bounds_hold_against_the_torus_pair() {
             .collect(),
         ease: Ease::Linear,
     }];
-    mechanism.duration = times[times.len() - 1];
+    mechanism.actuation.duration = times[times.len() - 1];
     let trajectory = solve(&mechanism, &times).unwrap();
     for (row, (pose, bound)) in rows
         .iter()
@@ -182,7 +184,7 @@ fn bounds_hold_against_the_torus_pair() {
 
 #[test]
 fn bounds_hold_against_the_closed_form_of_the_slider_crank() {
-    let mechanism = slider_crank(40.0, 80.0).mechanism;
+    let mechanism = Model::from(slider_crank(40.0, 80.0));
     let trajectory = solve(&mechanism, &even_times(&mechanism, 1200)).unwrap();
     let bounds = certified(&trajectory);
     let (mut ratio, mut count) = (0.0_f64, 0);
@@ -209,7 +211,7 @@ fn bounds_hold_against_the_closed_form_of_the_slider_crank() {
 #[test]
 fn wrong_pose_is_seen_by_its_bound() {
     for name in ["gearshift", "seven-r", "slider-crank"] {
-        let mechanism = scene(name).mechanism;
+        let mechanism = Model::from(scene(name));
         let trajectory = solve(&mechanism, &[0.0]).unwrap();
         let sample = &trajectory.samples[0];
         let good = [&sample.pose.as_ref().unwrap().unknowns[..], &sample.inputs].concat();
@@ -231,8 +233,8 @@ fn wrong_pose_is_seen_by_its_bound() {
 
 #[test]
 fn half_turn_and_far_poses_are_refused() {
-    let mut mechanism = scene("slider-crank").mechanism;
-    mechanism.drives = vec![Drive::Keys {
+    let mut mechanism = Model::from(scene("slider-crank"));
+    mechanism.actuation.drives = vec![Drive::Keys {
         times: vec![0.0],
         values: vec![0.5],
         ease: Ease::Linear,
@@ -253,7 +255,7 @@ fn half_turn_and_far_poses_are_refused() {
 
 #[test]
 fn change_point_is_refused_and_its_surroundings_lose_digits() {
-    let mechanism = slider_crank(80.0, 80.0).mechanism;
+    let mechanism = Model::from(slider_crank(80.0, 80.0));
     let trajectory = solve(&mechanism, &even_times(&mechanism, 80)).unwrap();
     let mut refused = 0;
     for sample in &trajectory.samples {
@@ -307,11 +309,10 @@ fn formulas_are_proved_but_for_kinks_and_so_are_affine_equations() {
         ("hypot(q, 0.1)", 0.03_f64.sqrt()),
         ("atan2(q, 2)", 2.0 * 0.2_f64.tan()),
     ] {
-        let mechanism = read(&format!(
+        let mechanism = Model::from(read(&format!(
             "[inputs]\nphi = 0.3\n[loops]\nA = \"Rz(phi) Rz({formula}) Rz(-0.5)\"\n[guess]\nq = {}\n",
             exact + 0.01
-        ))
-        .mechanism;
+        )));
         let trajectory = solve(&mechanism, &[0.0]).unwrap();
         let (bound, radius) = certified(&trajectory)[0];
         let off = (trajectory.poses().next().unwrap().unknowns[0] - exact).abs();
@@ -326,7 +327,7 @@ fn formulas_are_proved_but_for_kinks_and_so_are_affine_equations() {
     }
     let kink =
         read("[inputs]\nphi = 0\n[loops]\nA = \"Rz(phi) Rz(abs(q) + 2*q)\"\n[guess]\nq = 0.001\n");
-    let trajectory = solve(&kink.mechanism, &[0.0]).unwrap();
+    let trajectory = solve(&kink, &[0.0]).unwrap();
     let reason = Reason::Formula;
     let pose = trajectory.poses().next().unwrap();
     assert_eq!(pose.certificate, Certificate::Refused { reason });
@@ -334,7 +335,7 @@ fn formulas_are_proved_but_for_kinks_and_so_are_affine_equations() {
         "[inputs]\nphi = 1\n[loops]\nquad = \"Rz(q) Tx(40) Rz(a) Tx(100) Rz(b) Tx(70) Rz(c) Tx(-90)\"\n\
          [equations]\nhold = \"q - phi/3\"\n[guess]\nq = 0.3\na = 0.3\nb = -1\n",
     );
-    let trajectory = solve(&affine.mechanism, &[0.0]).unwrap();
+    let trajectory = solve(&affine, &[0.0]).unwrap();
     let (error, _) = worst(&certified(&trajectory));
     assert!(error < 1e-12, "{error:e}");
     let q = trajectory.poses().next().unwrap().unknowns[0];
@@ -349,7 +350,7 @@ fn over_determined_loops_are_proved_on_their_row_basis() {
          A = \"Rz(phi) Tx(a) Rx(pi/6) Rz(t2) Tx(b) Rx(pi/3) Rz(t3) Tx(a) Rx(pi/6) Rz(t4) Tx(b) Rx(pi/3)\"\n\
          [guess]\nt2 = 2.7\nt3 = -1\nt4 = -2.7\n",
     );
-    let trajectory = solve(&bennett.mechanism, &[0.0]).unwrap();
+    let trajectory = solve(&bennett, &[0.0]).unwrap();
     let bounds = certified(&trajectory);
     let pose = trajectory.poses().next().unwrap();
     let t2 = 2.746_877_324_015_33;
@@ -368,9 +369,9 @@ fn second_derivatives_are_bounded_as_said() {
                   [equations]\nhold = \"g - 5\"\n[guess]\nh = 20\ng = 5\n";
     let mut tightest = 0.0_f64;
     for mechanism in [
-        scene("gearshift").mechanism,
-        scene("seven-r").mechanism,
-        read(slider).mechanism,
+        Model::from(scene("gearshift")),
+        Model::from(scene("seven-r")),
+        Model::from(read(slider)),
     ] {
         let size = mechanism.size;
         let count = mechanism.arguments.len();

@@ -1,14 +1,16 @@
 //! Half-spaces against every other solid: depths and distances against closed forms and dense surface points.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::{check, even_times, knots, solve};
 use glam::DVec3;
-use mechanim::clearance::check::{Judgement, check};
+use mechanim::clearance::check::Judgement;
 use mechanim::clearance::core::{Element, elements};
 use mechanim::clearance::pair::{distance, is_inside};
 use mechanim::diag::Source;
 use mechanim::geometry::mesh_of;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::{even_times, knots};
+
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};
 use mechanim::scene::{Overrides, load};
@@ -176,10 +178,9 @@ fn the_ground_is_kept_clear_over_the_motion() {
     };
     let scene =
         load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    let times = even_times(&scene.mechanism, 30);
-    let rules = scene.clearance.as_ref().unwrap();
-    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
-    let report = check(&scene.mechanism, rules, &trajectory, 1e-3, &|_, _| {}).unwrap();
+    let times = even_times(&scene, 30);
+    let trajectory = solve(&scene, &knots(&scene, &times)).unwrap();
+    let report = check(&scene, &trajectory, 1e-3);
     let pair = &report.judged[0];
     assert_eq!(pair.judgement, Judgement::Passed);
     // The end of the pendulum is lowest where tan a = -1/100, at the height -sqrt(100² + 1²) - 4.

@@ -2,11 +2,14 @@
 //! mutated scenes that fail with the right pair.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::{Driven, Model, check, even_times, frame_times, knots, solve};
 use mechanim::clearance::bodies::{Hull, nearest};
-use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport, check};
+use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::{even_times, frame_times, knots, only};
+
+use mechanim::kinematics::motion::sampling::only;
 use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use mechanim::scene::{Overrides, Scene, load};
 
@@ -27,10 +30,9 @@ fn data(name: &str) -> String {
 }
 
 fn report(scene: &Scene, samples: usize, tolerance: f64) -> ClearanceReport {
-    let times = even_times(&scene.mechanism, samples);
-    let rules = scene.clearance.as_ref().expect("a [clearance] section");
-    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
-    check(&scene.mechanism, rules, &trajectory, tolerance, &|_, _| {}).unwrap()
+    let times = even_times(scene, samples);
+    let trajectory = solve(scene, &knots(scene, &times)).unwrap();
+    check(scene, &trajectory, tolerance)
 }
 
 fn names(scene: &Scene, p: &PairReport) -> [String; 2] {
@@ -92,7 +94,7 @@ fn bounds_hold_against_dense_samples() {
     let texts = scenes.map(|name| (name, builtin(name)));
     for (name, text) in texts.into_iter().chain([("bars", data("dyad-bars.toml"))]) {
         let scene = open(&text);
-        let truth = solve(&scene.mechanism, &even_times(&scene.mechanism, 10_000)).unwrap();
+        let truth = solve(&scene, &even_times(&scene, 10_000)).unwrap();
         let touching = &scene.clearance.as_ref().unwrap().touching;
         let reports = [120, 40].map(|samples| report(&scene, samples, 1e-3));
         for p in &reports[0].judged {
@@ -128,10 +130,14 @@ fn joints_stay_within_their_bounds() {
     use mechanim::clearance::motion::Motion;
 
     let scene = open(&builtin("gearshift"));
-    let mechanism = &scene.mechanism;
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
+    let mechanism = &Model::from(scene.clone());
+    let system = mechanism.system().unwrap();
     let times = knots(mechanism, &even_times(mechanism, 120));
-    let mut motion = Motion::new(mechanism, &structure, &solve(mechanism, &times).unwrap());
+    let mut motion = Motion::new(
+        &system,
+        &mechanism.actuation,
+        &solve(mechanism, &times).unwrap(),
+    );
     let (mut proved, mut closest) = (0, 0.0_f64);
     for root in (0..motion.roots).step_by(7) {
         let halves = motion.halves(root).unwrap();
@@ -268,11 +274,11 @@ fn neighbours_of_the_gearshift() {
 fn distances_are_those_of_every_pose_alone() {
     for (name, samples) in [("gearshift", 24), ("seven-r", 24), ("dyads", 12)] {
         let scene = open(&builtin(name));
-        let times = knots(&scene.mechanism, &even_times(&scene.mechanism, samples));
+        let times = knots(&scene, &even_times(&scene, samples));
         assert!(times.len() >= samples);
-        let trajectory = solve(&scene.mechanism, &times).unwrap();
-        let rules = scene.clearance.as_ref().unwrap();
-        let report = check(&scene.mechanism, rules, &trajectory, 1.0, &|_, _| {}).unwrap();
+        let trajectory = solve(&scene, &times).unwrap();
+        let _rules = scene.clearance.as_ref().unwrap();
+        let report = check(&scene, &trajectory, 1.0);
         let rounding = 1e-12 * scene.mechanism.size;
         for p in &report.judged {
             let alone: Vec<f64> = distances(&scene, p.pair, &trajectory).collect();
@@ -427,14 +433,13 @@ fn what_cannot_be_proved_is_called_estimated() {
 #[test]
 fn frames_and_ends_of_the_drive_are_all_sampled() {
     let scene = open(&builtin("slider-crank"));
-    let times = frame_times(&scene.mechanism, scene.view.fps);
-    let rules = scene.clearance.as_ref().unwrap();
-    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
-    let report = check(&scene.mechanism, rules, &trajectory, 1.0, &|_, _| {}).unwrap();
+    let times = frame_times(&scene, scene.view.fps);
+    let trajectory = solve(&scene, &knots(&scene, &times)).unwrap();
+    let report = check(&scene, &trajectory, 1.0);
     assert_eq!(report.times.first(), Some(&0.0));
-    assert_eq!(report.times.last(), Some(&scene.mechanism.duration));
+    assert_eq!(report.times.last(), Some(&scene.actuation.duration));
     // Sums and means are taken over what was asked for.
-    let asked = only(&scene.mechanism, &trajectory, &times);
+    let asked = only(&scene.actuation, &trajectory, &times);
     assert!(trajectory.samples.len() > times.len());
     let kept: Vec<f64> = asked.samples.iter().map(|s| s.time).collect();
     assert_eq!(kept, times);

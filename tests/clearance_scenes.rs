@@ -1,10 +1,12 @@
 //! Every built-in scene passes its own check, and bodies in contact stay in contact.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement, check};
+mod driven;
+
+use driven::{check, even_times, knots, solve};
+use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement};
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::{even_times, knots};
+
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use std::process::Command;
 
@@ -17,10 +19,9 @@ fn open(text: &str) -> Scene {
 }
 
 fn report(scene: &Scene, samples: usize) -> ClearanceReport {
-    let times = even_times(&scene.mechanism, samples);
-    let rules = scene.clearance.as_ref().expect("a [clearance] section");
-    let trajectory = solve(&scene.mechanism, &knots(&scene.mechanism, &times)).unwrap();
-    check(&scene.mechanism, rules, &trajectory, 1e-2, &|_, _| {}).unwrap()
+    let times = even_times(scene, samples);
+    let trajectory = solve(scene, &knots(scene, &times)).unwrap();
+    check(scene, &trajectory, 1e-2)
 }
 
 #[test]

@@ -4,16 +4,18 @@
 // References keep the digits they were given with.
 #![allow(clippy::excessive_precision)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, add_derivatives, certify_motion, solve};
 use glam::DVec3;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::certificate::tube::certify_motion;
+
 use mechanim::kinematics::freedoms::mobility::Mobility;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
+
+use mechanim::kinematics::rates::higher_order::{By, RateColumns};
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, find_modes};
-use mechanim::model::mechanism::Mechanism;
+
 use reference::Table;
 use reference::scenes::{scene, turned, value, whole, written};
 use std::f64::consts::TAU;
@@ -187,7 +189,7 @@ fn higher_pairs_and_their_lower_pair_twins_turn_alike() {
             order: 1,
             by: By::Input(0),
         };
-        add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+        add_derivatives(&mechanism, &mut trajectory, columns);
         let ratio = columns
             .headings(&mechanism)
             .iter()
@@ -220,14 +222,14 @@ fn higher_pairs_and_their_lower_pair_twins_turn_alike() {
 
 /// Largest deviation of the ratio from 0.1 over 180 samples after `start` degrees, largest pressure angle of the turn,
 /// and length of the range in which driver and output turn alike.
-fn figures(mechanism: &Mechanism, start: usize) -> [f64; 3] {
+fn figures(mechanism: &Model, start: usize) -> [f64; 3] {
     let times: Vec<f64> = (0..=1440).map(|k| k as f64 / 240.0).collect();
     let mut trajectory = solve(mechanism, &times).unwrap();
     let columns = RateColumns {
         order: 1,
         by: By::Input(0),
     };
-    add_derivatives(mechanism, &mut trajectory, columns).unwrap();
+    add_derivatives(mechanism, &mut trajectory, columns);
     let place = columns
         .headings(mechanism)
         .iter()
@@ -284,7 +286,7 @@ fn motion_of_contacts_is_proved_between_the_samples() {
         let mechanism = scene(name, &[], &[]);
         let times: Vec<f64> = (0..120).map(|k| 0.05 * k as f64).collect();
         let trajectory = solve(&mechanism, &times).unwrap();
-        let proved = certify_motion(&mechanism, &trajectory).unwrap();
+        let proved = certify_motion(&mechanism, &trajectory);
         let refused = proved.iter().filter(|i| i.refused.is_some());
         assert_eq!((proved.len(), refused.count()), (119, 0), "{name}");
     }
@@ -294,8 +296,8 @@ fn motion_of_contacts_is_proved_between_the_samples() {
 fn contacts_leave_the_driver_as_the_only_freedom() {
     for name in ["torus-torus", "sphere-torus", "sphere-sphere"] {
         let mechanism = scene(name, &[], &[]);
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-        let mobility = Mobility::new(&mechanism, &structure);
+        let system = mechanism.system().unwrap();
+        let mobility = Mobility::new(&system, &mechanism.actuation);
         assert_eq!(mobility.generic.map(|n| n.mobility), Some(1), "{name}");
     }
 }
@@ -311,9 +313,10 @@ fn nearest_and_farthest_normals_are_assemblies() {
         ("sphere-sphere", 0.0, 2),
     ] {
         let mechanism = scene(name, &[], &[]);
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
+        let system = mechanism.system().unwrap();
         let inputs = [degrees.to_radians()];
-        let found = find_modes(&mechanism, &structure, &inputs, DEFAULT_STARTS, &|| false);
+        let first = [&mechanism.actuation.guess[..], &inputs].concat();
+        let found = find_modes(&system, &first, DEFAULT_STARTS, &|| false);
         assert_eq!(found.list.len(), count, "{name} at {degrees}");
     }
 }
@@ -321,8 +324,13 @@ fn nearest_and_farthest_normals_are_assemblies() {
 #[test]
 fn torus_pair_has_eight_assemblies_at_the_start() {
     let mechanism = scene("torus-torus", &[], &[]);
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    let found = find_modes(&mechanism, &structure, &[0.0], DEFAULT_STARTS, &|| false);
+    let system = mechanism.system().unwrap();
+    let found = find_modes(
+        &system,
+        &mechanism.actuation.start_at(0.0),
+        DEFAULT_STARTS,
+        &|| false,
+    );
     let k = mechanism
         .unknowns
         .iter()

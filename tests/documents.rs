@@ -1,6 +1,9 @@
 //! The documents say what the program does: every scene key, every exit code, every verb.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::solve;
 use std::collections::BTreeSet;
 
 fn read(path: &str) -> String {
@@ -155,8 +158,7 @@ fn the_scene_of_the_readme_works() {
     };
     let scene = mechanim::scene::load(&source, &Default::default())
         .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    let trajectory =
-        mechanim::kinematics::motion::continuation::solve(&scene.mechanism, &[0.0, 1.0]).unwrap();
+    let trajectory = solve(&scene, &[0.0, 1.0]).unwrap();
     assert_eq!(trajectory.missing(), 0);
 }
 

@@ -1,20 +1,23 @@
 //! The eight-link mechanism against its reference positions, over a hundred turns, and its assemblies.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, solve, solve_unproved};
 use mechanim::kinematics::loops::forward::{body_poses, trace_points};
-use mechanim::kinematics::motion::continuation::{solve, solve_unproved};
+
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::drive::{Drive, Ease};
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, builtin, load};
 use reference::Table;
 use std::f64::consts::TAU;
 
-fn dyads() -> Mechanism {
+fn dyads() -> Model {
     let source = builtin::find("dyads").unwrap();
-    load(&source, &Overrides::default()).unwrap().mechanism
+    Model::from(load(&source, &Overrides::default()).unwrap())
 }
 
 /// Index of the trace of point `k`.
@@ -57,12 +60,12 @@ fn positions_are_those_of_the_reference() {
 #[test]
 fn hundred_turns_end_where_they_began() {
     let mut mechanism = dyads();
-    mechanism.drives = vec![Drive::Keys {
+    mechanism.actuation.drives = vec![Drive::Keys {
         times: vec![0.0, 100.0],
         values: vec![0.0, 100.0 * TAU],
         ease: Ease::Linear,
     }];
-    mechanism.duration = 100.0;
+    mechanism.actuation.duration = 100.0;
     let times: Vec<f64> = (0..=36_000).map(|k| f64::from(k) / 360.0).collect();
     let trajectory = solve_unproved(&mechanism, &times).unwrap();
     assert_eq!((trajectory.missing(), trajectory.events.len()), (0, 0));
@@ -80,8 +83,13 @@ fn hundred_turns_end_where_they_began() {
 #[test]
 fn four_assemblies_are_found_at_the_start() {
     let mechanism = dyads();
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    let modes = find_modes(&mechanism, &structure, &[0.0], DEFAULT_STARTS, &|| false);
+    let system = mechanism.system().unwrap();
+    let modes = find_modes(
+        &system,
+        &mechanism.actuation.start_at(0.0),
+        DEFAULT_STARTS,
+        &|| false,
+    );
     let table = Table::read("hard_mech10_modes");
     let points = [0, 1, 2, 5, 6, 7, 8];
     assert_eq!((modes.list.len(), table.len()), (4, 4));

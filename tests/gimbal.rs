@@ -2,28 +2,29 @@
 //! the motion goes on smoothly, the place is named, and the rotation is proved there, not the single angles.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::{Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, load};
 use std::f64::consts::FRAC_PI_2;
 
-fn read(text: &str) -> Mechanism {
+fn read(text: &str) -> Model {
     let source = Source {
         name: "test".into(),
         text: text.into(),
     };
     let scene = load(&source, &Overrides::default());
-    scene
-        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
-        .mechanism
+    Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 
 /// A body in a ball joint that is turned by three driven rotations: the joint's angles are the driven ones.
-fn driven(inputs: &str, guess: &str) -> Mechanism {
+fn driven(inputs: &str, guess: &str) -> Model {
     read(&format!(
         "units = {{ length = \"mm\", angle = \"deg\" }}\nduration = 4\n[inputs]\n{inputs}\n[loops]\n\
          A = \"Rx(a) Ry(b) Rz(c) Rz(-w) Ry(-v) Rx(-u)\"\n[guess]\n{guess}\n\

@@ -4,10 +4,12 @@
 // Published numbers keep the digits they were published with.
 #![allow(clippy::excessive_precision)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, solve};
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::motion::continuation::solve;
+
 use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind};
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::mechanism::{Kind, Mechanism};
@@ -15,7 +17,7 @@ use reference::{Table, hard, slot, turned};
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
 /// The only pose at the start of the drive.
-fn pose(mechanism: &Mechanism) -> ClosedPose {
+fn pose(mechanism: &Model) -> ClosedPose {
     let trajectory = solve(mechanism, &[0.0]).unwrap();
     let pose = trajectory.samples[0].pose.clone();
     pose.unwrap_or_else(|| panic!("{}: {:?}", mechanism.title, trajectory.events))
@@ -26,10 +28,10 @@ fn value(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
 }
 
 /// The named unknowns of all assemblies at the start of the drive.
-fn assemblies(mechanism: &Mechanism, names: &[&str]) -> Vec<Vec<f64>> {
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
-    let inputs = mechanism.inputs_at(0.0);
-    let modes = find_modes(mechanism, &structure, &inputs, DEFAULT_STARTS, &|| false);
+fn assemblies(mechanism: &Model, names: &[&str]) -> Vec<Vec<f64>> {
+    let system = mechanism.system().unwrap();
+    let first = mechanism.actuation.start_at(0.0);
+    let modes = find_modes(&system, &first, DEFAULT_STARTS, &|| false);
     let modes = modes.list.iter();
     let named = |coordinates: &[f64]| {
         let values = names.iter().map(|name| coordinates[slot(mechanism, name)]);
@@ -51,7 +53,7 @@ fn distance(mechanism: &Mechanism, names: &[&str], a: &[f64], b: &[f64]) -> f64 
 }
 
 /// The assemblies are exactly the expected ones, in any order.
-fn assert_set(mechanism: &Mechanism, names: &[&str], expected: &[Vec<f64>], tolerance: f64) {
+fn assert_set(mechanism: &Model, names: &[&str], expected: &[Vec<f64>], tolerance: f64) {
     let found = assemblies(mechanism, names);
     assert_eq!(
         found.len(),
@@ -270,7 +272,7 @@ fn a_large_angle_is_taken_as_the_number_it_is() {
     ] {
         let mechanism = hard("h25-angle-wrap", &[("param", "turns", turns)]);
         assert_eq!(
-            mechanism.inputs_at(0.0)[0],
+            mechanism.actuation.inputs_at(0.0)[0],
             TAU * turns.parse::<f64>().unwrap() + 0.5
         );
         let pose = pose(&mechanism);

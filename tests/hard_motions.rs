@@ -3,14 +3,14 @@
 //! and backwards, two turns, against closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Model, even_times, feasible_inputs, solve};
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::feasible::feasible_inputs;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
-use mechanim::model::mechanism::Mechanism;
+
 use reference::{hard, slot, turned};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -45,13 +45,13 @@ fn two_turns(
     changes: &[(&str, &str, &str)],
     input: &str,
     (start, turn): (f64, f64),
-    mut judge: impl FnMut(&Mechanism, &Trajectory),
+    mut judge: impl FnMut(&Model, &Trajectory),
 ) {
     for direction in [1.0, -1.0] {
         let formula = format!("{start} + {}*t", direction * turn);
         let driven = [changes, &[("input", input, formula.as_str())]].concat();
         let mut mechanism = hard(scene, &driven);
-        mechanism.duration = 2.0;
+        mechanism.actuation.duration = 2.0;
         for samples in SAMPLES {
             let times: Vec<f64> = (0..=samples)
                 .map(|k| 2.0 * (k as f64 / samples as f64))
@@ -64,9 +64,12 @@ fn two_turns(
 
 /// The located singular poses lie where they should, one for each time the drive passes one of `places` (modulo a
 /// turn); the ends of the drive do not count.
-fn assert_passed(mechanism: &Mechanism, trajectory: &Trajectory, places: &[f64]) {
+fn assert_passed(mechanism: &Model, trajectory: &Trajectory, places: &[f64]) {
     let passed = inputs_of(trajectory, &EventKind::SingularPosePassed);
-    let (start, end) = (mechanism.inputs_at(0.0)[0], mechanism.inputs_at(2.0)[0]);
+    let (start, end) = (
+        mechanism.actuation.inputs_at(0.0)[0],
+        mechanism.actuation.inputs_at(2.0)[0],
+    );
     let (low, high) = (start.min(end) + 1e-6, start.max(end) - 1e-6);
     let turns = (-3..=3).flat_map(|k| places.iter().map(move |p| p + TAU * f64::from(k)));
     let expected = turns.filter(|p| (low..high).contains(p)).count();
@@ -319,7 +322,7 @@ fn a_drive_that_begins_without_a_pose_says_where_poses_begin() {
     let drive = [("input", "phi", "90 + 80*t")];
     for samples in [3, 40, 500] {
         let mut mechanism = hard("h10-rod-too-short", &drive);
-        mechanism.duration = 1.0;
+        mechanism.actuation.duration = 1.0;
         let trajectory = solve(&mechanism, &even_times(&mechanism, samples)).unwrap();
         let [gap] = &trajectory.gaps[..] else {
             panic!("{:?}", trajectory.gaps)

@@ -3,19 +3,20 @@
 // Published numbers keep the digits they were published with.
 #![allow(clippy::excessive_precision)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::rates::higher_order::rates;
-use mechanim::model::mechanism::Mechanism;
+
 use mechanim::numbers::series::Series;
 use reference::{hard, mechanism, slot, turned};
 use std::fmt::Write;
 
-fn written(text: String) -> Mechanism {
+fn written(text: String) -> Model {
     let name = "row".to_owned();
     mechanism(&Source { name, text }, &[])
 }
@@ -28,7 +29,7 @@ fn drag(phi: f64) -> f64 {
 }
 
 /// `n` drag links in a row from phi = 1 on, with start values right to a tenth.
-fn drag_links(n: usize, drive: &str) -> Mechanism {
+fn drag_links(n: usize, drive: &str) -> Model {
     let mut text = format!("duration = 4\n[inputs]\nphi = \"{drive}\"\n[loops]\n");
     let (mut guess, mut before, mut input) = (String::new(), "phi".to_owned(), 1.0_f64);
     for k in 1..=n {
@@ -77,13 +78,7 @@ fn a_hundred_drag_links_keep_their_digits() {
             error_bound >= 100.0 * error && error_bound < 1e-9,
             "{error_bound:e}"
         );
-        assert_eq!(
-            mechanim::kinematics::freedoms::analysis::analyse(&row)
-                .unwrap()
-                .blocks
-                .len(),
-            n
-        );
+        assert_eq!(row.system().unwrap().blocks().len(), n);
     }
     for (scene, n) in [("h28-four-bar-1", 1), ("h28-four-bars-10", 10)] {
         let row = hard(scene, &[]);
@@ -113,7 +108,7 @@ fn a_hundred_drag_links_turn_all_the_way_round() {
 }
 
 /// `n` scissor cells with half bars of 50, all driven by the first one's angle.
-fn lazy_tongs(n: usize, drive: &str) -> Mechanism {
+fn lazy_tongs(n: usize, drive: &str) -> Model {
     let mut text = format!("duration = 4\n[inputs]\nu = \"{drive}\"\n[loops]\n");
     let mut reach = "2*50*cos(u)".to_owned();
     let (mut a, mut b) = ("u".to_owned(), "(-u)".to_owned());
@@ -148,13 +143,13 @@ fn lazy_tongs_reach_as_far_as_their_angle_says() {
             let error = pose.outputs[0] - full * sample.inputs[0].cos();
             assert!(error.abs() < 1e-11 * full, "{n}: {error:e}");
         }
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&row).unwrap();
-        assert_eq!(structure.blocks.len(), n - 1);
+        let system = row.system().unwrap();
+        assert_eq!(system.blocks().len(), n - 1);
         let first = &trajectory.samples[0];
         let unknowns = &first.pose.as_ref().unwrap().unknowns;
         let coordinates = [unknowns.as_slice(), &first.inputs].concat();
         let input = Series::linear(first.inputs[0], 1.0, 1);
-        let series = rates(&row, &structure, &coordinates, &[input], 1).unwrap();
+        let series = rates(&system, &coordinates, &[input], 1).unwrap();
         let u = first.inputs[0];
         let slope: f64 = (2..=n)
             .flat_map(|k| [format!("a{k}"), format!("b{k}")])

@@ -2,23 +2,23 @@
 //! rests makes no limit positions.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod program;
 mod reference;
 
+use driven::{Model, add_limits, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::limits::add_limits;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::motion::trajectory::EventKind;
-use mechanim::model::mechanism::Mechanism;
+
 use program::Workspace;
 use reference::{hard, mechanism, turned};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI};
 
 /// (input, value, is largest) of the limit positions of a coordinate.
-fn limits(mechanism: &Mechanism, samples: usize, coordinate: &str) -> Vec<(f64, f64, bool)> {
+fn limits(mechanism: &Model, samples: usize, coordinate: &str) -> Vec<(f64, f64, bool)> {
     let mut trajectory = solve(mechanism, &even_times(mechanism, samples)).unwrap();
-    add_limits(mechanism, &mut trajectory).unwrap();
+    add_limits(mechanism, &mut trajectory);
     let times: Vec<f64> = trajectory.events.iter().map(|e| e.time).collect();
     assert!(times.is_sorted());
     let events = trajectory.events.iter();
@@ -38,7 +38,7 @@ fn limits(mechanism: &Mechanism, samples: usize, coordinate: &str) -> Vec<(f64, 
 fn the_slider_turns_back_at_its_dead_points() {
     for drive in ["0.3 + 4*pi*t/4", "-4*pi*t/4 - 1", "4*pi*t/4", "2*pi*t"] {
         let mut mechanism = hard("h01-slider-crank", &[("input", "phi", drive)]);
-        mechanism.duration = if drive.contains("/4") { 4.0 } else { 2.0 };
+        mechanism.actuation.duration = if drive.contains("/4") { 4.0 } else { 2.0 };
         for samples in [5, 80, 1001] {
             let found = limits(&mechanism, samples, "h");
             assert_eq!(found.len(), 4, "{drive} {samples}: {found:?}");

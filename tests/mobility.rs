@@ -1,29 +1,29 @@
 //! Mobility by count and by rank, idle freedoms, over-constrained loops that move, and the order of solution.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod program;
 
+use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::freedoms::mobility::Mobility;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, builtin, load};
 use program::Workspace;
 use std::f64::consts::PI;
 
-fn read(text: &str) -> Mechanism {
+fn read(text: &str) -> Model {
     let source = Source {
         name: "test".into(),
         text: text.into(),
     };
     let scene = load(&source, &Overrides::default());
-    scene
-        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
-        .mechanism
+    Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 
 fn file(name: &str) -> String {
@@ -47,7 +47,7 @@ fn gearshift_with_ball() -> String {
     ball
 }
 
-fn run(mechanism: &Mechanism, samples: usize) -> Trajectory {
+fn run(mechanism: &Model, samples: usize) -> Trajectory {
     let trajectory = solve(mechanism, &even_times(mechanism, samples)).unwrap();
     assert_eq!(trajectory.missing(), 0, "{:?}", trajectory.events);
     for pose in trajectory.poses() {
@@ -86,9 +86,8 @@ fn count_and_rank_of_known_mechanisms() {
     ];
     for (name, count, rank, redundant, idle) in known {
         let mechanism = read(&text_of(name));
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism)
-            .unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mobility = Mobility::new(&mechanism, &structure);
+        let system = mechanism.system().unwrap_or_else(|e| panic!("{name}: {e}"));
+        let mobility = Mobility::new(&system, &mechanism.actuation);
         assert_eq!(mobility.count(), count, "{name}");
         assert_eq!(mobility.generic.unwrap().mobility, rank, "{name}");
         assert_eq!(mobility.at_start, mobility.generic, "{name}");
@@ -109,8 +108,8 @@ fn count_and_rank_of_known_mechanisms() {
 fn loops_that_close_in_a_point_are_counted_with_their_three_equations() {
     for name in ["sphere-torus", "sphere-sphere", "torus-torus"] {
         let mechanism = read(&text_of(name));
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-        let mobility = Mobility::new(&mechanism, &structure);
+        let system = mechanism.system().unwrap();
+        let mobility = Mobility::new(&system, &mechanism.actuation);
         let inputs = mechanism.inputs.len();
         assert_eq!(mobility.at_start.unwrap().mobility, inputs, "{name}");
         assert_eq!(mobility.count(), inputs as i64, "{name}");
@@ -124,8 +123,8 @@ fn planar_mechanisms_are_counted_as_vector_loops_wherever_their_plane_lies() {
         A = \"R(1, 2, 3, 0.7) Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(-h) R(1, 2, 3, -0.7)\"\n[guess]\nh = 120\n";
     for text in [text_of("slider-crank"), tilted.to_owned()] {
         let mechanism = read(&text);
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-        let mobility = Mobility::new(&mechanism, &structure);
+        let system = mechanism.system().unwrap();
+        let mobility = Mobility::new(&system, &mechanism.actuation);
         assert_eq!(
             (mobility.count(), mobility.planar_dependents()),
             (1, Some(2))
@@ -176,15 +175,20 @@ fn two_rods_have_two_idle_freedoms_and_a_missing_input_is_still_named() {
     let mechanism = read(&format!(
         "duration = 1\n[inputs]\ns = \"10 + 5*t\"\n{loops}"
     ));
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
+    let system = mechanism.system().unwrap();
     let name = |u: usize| mechanism.unknowns[u].name.as_str();
-    let held: Vec<&str> = structure.held.iter().map(|h| name(h.unknown)).collect();
+    let held: Vec<&str> = system
+        .structure()
+        .held
+        .iter()
+        .map(|h| name(h.unknown))
+        .collect();
     assert_eq!(held, ["c1", "c2"]);
     run(&mechanism, 20);
     // With `s` an unknown the parallelogram moves: that is no spin of a link.
-    let error =
-        mechanim::kinematics::freedoms::analysis::analyse(&read(&format!("duration = 1\n{loops}")))
-            .unwrap_err();
+    let error = read(&format!("duration = 1\n{loops}"))
+        .system()
+        .unwrap_err();
     let StructureError::UnderDetermined { freedoms, names } = error else {
         panic!("{error:?}")
     };
@@ -200,7 +204,7 @@ fn what_a_trace_or_an_output_shows_is_not_idle() {
         "[outputs]\nspin = \"d\"\n",
     ] {
         let mechanism = read(&format!("{text}\n{seen}"));
-        let error = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap_err();
+        let error = mechanism.system().unwrap_err();
         let StructureError::UnderDetermined { freedoms, .. } = error else {
             panic!("{error:?}")
         };
@@ -213,7 +217,7 @@ fn what_a_trace_or_an_output_shows_is_not_idle() {
 
 /// Solves an over-constrained scene and compares every sample with `truth`, which names unknowns and their values
 /// for an input.
-fn compare(name: &str, mechanism: &Mechanism, truth: impl Fn(f64) -> Vec<(&'static str, f64)>) {
+fn compare(name: &str, mechanism: &Model, truth: impl Fn(f64) -> Vec<(&'static str, f64)>) {
     let trajectory = run(mechanism, 121);
     for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
         for (unknown_name, value) in truth(sample.inputs[0]) {
@@ -331,11 +335,11 @@ fn scissors(count: usize) -> String {
 #[test]
 fn long_chains_of_loops_are_blocks_of_one_loop_each() {
     let mechanism = read(&four_bars(100));
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    assert_eq!(structure.blocks.len(), 100);
+    let system = mechanism.system().unwrap();
+    assert_eq!(system.blocks().len(), 100);
     assert!(
-        structure
-            .blocks
+        system
+            .blocks()
             .iter()
             .all(|b| b.rows() == 3 && b.unknowns.len() == 3)
     );
@@ -344,21 +348,15 @@ fn long_chains_of_loops_are_blocks_of_one_loop_each() {
     let (head, loops) = text.split_once("[loops]\n").unwrap();
     let back: Vec<&str> = loops.lines().rev().collect();
     let mechanism = read(&format!("{head}[loops]\n{}\n", back.join("\n")));
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    assert_eq!(structure.blocks.len(), 100);
-    assert_eq!(structure.blocks[0].loops[0].index, 99);
+    let system = mechanism.system().unwrap();
+    assert_eq!(system.blocks().len(), 100);
+    assert_eq!(system.blocks()[0].loops[0].index, 99);
 }
 
 #[test]
 fn a_hundred_scissor_cells_are_two_hundred_blocks_and_keep_their_digits() {
     let mechanism = read(&scissors(100));
-    assert_eq!(
-        mechanim::kinematics::freedoms::analysis::analyse(&mechanism)
-            .unwrap()
-            .blocks
-            .len(),
-        200
-    );
+    assert_eq!(mechanism.system().unwrap().blocks().len(), 200);
     let trajectory = solve(&mechanism, &[0.0, 0.5, 1.0]).unwrap();
     assert_eq!(trajectory.missing(), 0);
     for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
@@ -379,8 +377,8 @@ fn a_long_chain_of_coupled_pairs_is_as_many_blocks() {
             k + 1
         );
     }
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&read(&text)).unwrap();
-    let sizes: Vec<usize> = structure.blocks.iter().map(|b| b.unknowns.len()).collect();
+    let system = read(&text).system().unwrap();
+    let sizes: Vec<usize> = system.blocks().iter().map(|b| b.unknowns.len()).collect();
     assert_eq!(sizes.iter().filter(|n| **n == 2).count(), 100);
     assert_eq!(sizes.iter().filter(|n| **n == 1).count(), 100);
 }
@@ -406,7 +404,7 @@ fn mechanisms_of_any_size_take_the_same_steps() {
 }
 
 /// The mechanism with all lengths multiplied.
-fn scaled(mechanism: &Mechanism, scale: f64) -> Mechanism {
+fn scaled(mechanism: &Model, scale: f64) -> Model {
     use mechanim::model::chain::{Argument, Motion, Step};
     use mechanim::model::drive::Drive;
     use mechanim::model::mechanism::Kind;
@@ -429,14 +427,14 @@ fn scaled(mechanism: &Mechanism, scale: f64) -> Mechanism {
             Step::Joint { .. } => {}
         }
     }
-    for (guess, unknown) in other.guess.iter_mut().zip(&mechanism.unknowns) {
+    for (guess, unknown) in other.actuation.guess.iter_mut().zip(&mechanism.unknowns) {
         *guess *= if unknown.kind == Kind::Length {
             scale
         } else {
             1.0
         };
     }
-    for (drive, input) in other.drives.iter_mut().zip(&mechanism.inputs) {
+    for (drive, input) in other.actuation.drives.iter_mut().zip(&mechanism.inputs) {
         if let (Drive::Keys { values, .. }, Kind::Length) = (drive, input.kind) {
             values.iter_mut().for_each(|v| *v *= scale);
         }

@@ -1,13 +1,14 @@
 //! 3-D files read back by other people's readers: the motion is the trajectory's, the shapes are where they stand.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::{frame_times, solve};
 use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
 use mechanim::export::glb::write_glb;
 use mechanim::export::model::Model;
 use mechanim::export::solid::{write_obj, write_stl};
 use mechanim::export::{ExportError, ExportSummary, Output, Target};
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::frame_times;
 use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::math::Pose;
 use mechanim::scene::{Overrides, Scene, builtin, load};
@@ -19,8 +20,8 @@ const NAMES: [&str; 3] = ["gearshift", "slider-crank", "seven-r"];
 
 fn solved(name: &str) -> (Scene, Trajectory) {
     let scene = load(&builtin::find(name).unwrap(), &Overrides::default()).unwrap();
-    let times = frame_times(&scene.mechanism, scene.view.fps);
-    let trajectory = solve(&scene.mechanism, &times).unwrap();
+    let times = frame_times(&scene, scene.view.fps);
+    let trajectory = solve(&scene, &times).unwrap();
     (scene, trajectory)
 }
 
@@ -260,7 +261,7 @@ fn nothing_is_invented_where_there_is_no_pose() {
         text: GAP.into(),
     };
     let scene = load(&source, &Overrides::default()).unwrap();
-    let trajectory = solve(&scene.mechanism, &frame_times(&scene.mechanism, 20.0)).unwrap();
+    let trajectory = solve(&scene, &frame_times(&scene, 20.0)).unwrap();
     let closed: Vec<bool> = trajectory
         .samples
         .iter()

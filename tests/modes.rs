@@ -1,13 +1,16 @@
 //! Assemblies found from many starts, against closed forms and published counts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod program;
 mod reference;
 
+use driven::{Driven, Model};
 use mechanim::diag::Source;
 use mechanim::kinematics::loops::forward::{body_poses, closure_error};
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::math::Pose;
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::builtin;
 use program::Workspace;
@@ -34,18 +37,21 @@ frame = "arm"
 shapes = [{ sphere = { radius = 0.1 } }]
 "#;
 
-fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Mechanism {
+fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Model {
     mechanism(&builtin::find(name).unwrap(), inputs)
 }
 
 /// All assemblies at the start of the drive; every one of them is checked to close.
-fn modes(mechanism: &Mechanism, starts: usize) -> Modes {
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
-    let inputs = mechanism.inputs_at(0.0);
-    let modes = find_modes(mechanism, &structure, &inputs, starts, &|| false);
+fn modes(mechanism: &Model, starts: usize) -> Modes {
+    let system = mechanism.system().unwrap();
+    let first = mechanism.actuation.start_at(0.0);
+    let modes = find_modes(&system, &first, starts, &|| false);
     for mode in &modes.list {
         assert!(closure_error(mechanism, &mode.coordinates) <= 1e-12);
-        assert_eq!(mode.coordinates[mechanism.unknowns.len()..], inputs);
+        assert_eq!(
+            mode.coordinates[mechanism.unknowns.len()..],
+            mechanism.actuation.inputs_at(0.0)
+        );
     }
     modes
 }

@@ -1,9 +1,11 @@
 //! What the engine says where a motion ends, resumes, or passes a singular pose; never a stretched link.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
+
+use driven::{even_times, frame_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::{even_times, frame_times};
+
 use mechanim::kinematics::motion::trajectory::{EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::scene::{Overrides, Scene, load};
@@ -26,7 +28,7 @@ fn slider_crank(r: f64, l: f64) -> Scene {
 
 /// Time per sample, or the events on failure.
 fn run(scene: &Scene, samples: usize) -> Trajectory {
-    solve(&scene.mechanism, &even_times(&scene.mechanism, samples)).unwrap()
+    solve(scene, &even_times(scene, samples)).unwrap()
 }
 
 fn assert_all_closed(trajectory: &Trajectory) {
@@ -72,7 +74,7 @@ fn motion_that_starts_without_a_pose_resumes_when_there_is_one() {
     let times: Vec<f64> = (0..=100)
         .map(|k| 0.1 + 0.9 * f64::from(k) / 100.0)
         .collect();
-    let trajectory = solve(&arm.mechanism, &times).unwrap();
+    let trajectory = solve(&arm, &times).unwrap();
     assert_eq!(
         trajectory.missing(),
         25,
@@ -121,7 +123,7 @@ fn mechanism_that_cannot_be_assembled_names_loop_and_gap() {
         "[inputs]\nphi = 0.3\n[loops]\nquad = \"Rz(q) Tx(50) Rz(a) Tx(60) Rz(b) Tx(30) Rz(c) Tx(-150)\"\n\
          [equations]\nhold = \"q - phi\"\n",
     );
-    let trajectory = solve(&scene.mechanism, &[0.0]).unwrap();
+    let trajectory = solve(&scene, &[0.0]).unwrap();
     assert_eq!(trajectory.missing(), 1);
     let EventKind::StartNotClosed { name, distance, .. } = &trajectory.events[0].kind else {
         panic!("{:?}", trajectory.events)
@@ -135,8 +137,7 @@ fn free_coordinates_are_named() {
     let scene = scene(
         "[inputs]\nphi = 0\n[loops]\nA = \"Rz(phi) Tx(40) Rz(a) Tx(80) Rz(b) Tx(60) Rz(c) Tx(-h)\"\n[guess]\nh = 100\n",
     );
-    let Err(StructureError::UnderDetermined { freedoms, names }) = solve(&scene.mechanism, &[0.0])
-    else {
+    let Err(StructureError::UnderDetermined { freedoms, names }) = solve(&scene, &[0.0]) else {
         panic!("one freedom too many must be refused")
     };
     assert_eq!(freedoms, 1);
@@ -150,7 +151,7 @@ fn loop_with_a_constant_gap_is_impossible() {
     );
     let Err(StructureError::Impossible {
         name, what, gap, ..
-    }) = solve(&scene.mechanism, &[0.0])
+    }) = solve(&scene, &[0.0])
     else {
         panic!("an offset out of the plane can never close")
     };
@@ -211,9 +212,9 @@ fn size_of_the_mechanism_does_not_matter() {
 #[test]
 fn many_turns_do_not_drift() {
     let mut scene = slider_crank(40.0, 80.0);
-    scene.mechanism.duration = 400.0;
-    let times = frame_times(&scene.mechanism, 10.0);
-    let trajectory = solve(&scene.mechanism, &times).unwrap();
+    scene.actuation.duration = 400.0;
+    let times = frame_times(&scene, 10.0);
+    let trajectory = solve(&scene, &times).unwrap();
     assert_eq!(trajectory.missing(), 0);
     for sample in &trajectory.samples {
         let phi = sample.inputs[0];

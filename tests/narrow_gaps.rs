@@ -2,14 +2,15 @@
 //! drive turns back, starts where branches meet. Against closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Model, even_times, feasible_inputs, solve};
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::feasible::feasible_inputs;
-use mechanim::kinematics::motion::sampling::even_times;
-use mechanim::kinematics::motion::trajectory::EventKind;
 use mechanim::model::mechanism::Mechanism;
+
+use mechanim::kinematics::motion::trajectory::EventKind;
+
 use reference::scenes::written;
 use reference::{slot, turned};
 use std::f64::consts::PI;
@@ -19,7 +20,7 @@ fn unknown(mechanism: &Mechanism, unknowns: &[f64], name: &str) -> f64 {
 }
 
 /// A crank longer than its rod by a share `excess`.
-fn slider_crank(excess: f64) -> Mechanism {
+fn slider_crank(excess: f64) -> Model {
     written(&format!(
         "duration = 4\n[parameters]\nL = 80\nr = \"L*(1 + {excess})\"\n[inputs]\nphi = \"2*pi*t/4\"\n[loops]\n\
          A = \"Rz(phi) Tx(r) Rz(a) Tx(L) Rz(b) Tx(-h)\"\n[guess]\nh = 160\n"

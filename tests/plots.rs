@@ -1,10 +1,12 @@
 //! Plots: what is drawn is the motion, nothing is drawn where there is none, and the files can be read.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod program;
 
+use driven::{Driven, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
+
 use mechanim::plot::motion::chart;
 use mechanim::plot::playhead::playhead;
 use mechanim::plot::primitive::Primitive;
@@ -54,10 +56,15 @@ fn charted(text: &str, samples: usize) -> Chart {
         load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let last = (samples - 1) as f64;
     let times: Vec<f64> = (0..samples)
-        .map(|k| scene.mechanism.duration * k as f64 / last)
+        .map(|k| scene.actuation.duration * k as f64 / last)
         .collect();
-    let trajectory = solve(&scene.mechanism, &times).unwrap();
-    chart(&scene.mechanism, &scene.plots, &trajectory).unwrap()
+    let trajectory = solve(&scene, &times).unwrap();
+    chart(
+        &scene.system().unwrap(),
+        &scene.actuation,
+        &scene.plots,
+        &trajectory,
+    )
 }
 
 fn drawn(chart: &Chart) -> Drawing {

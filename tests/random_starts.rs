@@ -2,8 +2,10 @@
 //! is not returned is refused with a reason. No loop closed up to a half-turn, no stretched link.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model};
 use glam::{DMat4, DVec3};
 use mechanim::kinematics::solve::assembly::assemble;
 use mechanim::kinematics::solve::newton::Corrector;
@@ -60,11 +62,11 @@ fn random(state: &mut u64) -> f64 {
 }
 
 /// Poses reached from random starts; the rest is counted by the loop that stayed open.
-fn run(mechanism: &Mechanism) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
-    let mut corrector = Corrector::new(&structure);
+fn run(mechanism: &Model) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
+    let system = mechanism.system().unwrap();
+    let mut corrector = Corrector::new(&system);
     let (mut poses, mut refused) = (Vec::new(), BTreeMap::new());
-    let inputs = mechanism.inputs_at(0.0);
+    let inputs = mechanism.actuation.inputs_at(0.0);
     let mut state = 20_240_229;
     for _ in 0..STARTS {
         let mut start: Vec<f64> = mechanism
@@ -76,7 +78,7 @@ fn run(mechanism: &Mechanism) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
             })
             .collect();
         start.extend(&inputs);
-        match assemble(mechanism, &structure, &mut corrector, &start, false) {
+        match assemble(&system, &mut corrector, &start, false) {
             Ok(found) => {
                 let left = gap(mechanism, &found.coordinates);
                 assert!(left < 1e-11, "{}: open by {left:e}", mechanism.title);

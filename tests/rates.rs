@@ -3,18 +3,20 @@
 // Published numbers keep the digits they were published with.
 #![allow(clippy::excessive_precision)]
 
+mod driven;
 mod program;
 mod reference;
 
+use driven::{Driven, Model, add_derivatives, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::even_times;
+
 use mechanim::kinematics::motion::trajectory::ClosedPose;
-use mechanim::kinematics::rates::higher_order::{By, RateColumns, add_derivatives, rates};
+use mechanim::kinematics::rates::higher_order::{By, RateColumns, rates};
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
 use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
 use mechanim::model::drive::Drive;
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::numbers::series::Series;
 use mechanim::scene::builtin;
@@ -22,7 +24,7 @@ use program::Workspace;
 use reference::{Table, mechanism};
 use std::f64::consts::FRAC_PI_2;
 
-fn written(text: &str) -> Mechanism {
+fn written(text: &str) -> Model {
     let source = Source {
         name: "test".to_owned(),
         text: text.to_owned(),
@@ -30,7 +32,7 @@ fn written(text: &str) -> Mechanism {
     mechanism(&source, &[])
 }
 
-fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Mechanism {
+fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Model {
     mechanism(&builtin::find(name).unwrap(), inputs)
 }
 
@@ -40,18 +42,18 @@ fn slot(mechanism: &Mechanism, name: &str) -> usize {
 }
 
 /// The pose at the start of the drive.
-fn start(mechanism: &Mechanism) -> Vec<f64> {
+fn start(mechanism: &Model) -> Vec<f64> {
     let trajectory = solve(mechanism, &[0.0]).unwrap();
     let unknowns = &trajectory.samples[0].pose.as_ref().unwrap().unknowns;
-    [unknowns.as_slice(), &mechanism.inputs_at(0.0)].concat()
+    [unknowns.as_slice(), &mechanism.actuation.inputs_at(0.0)].concat()
 }
 
 /// Series of all coordinates by the first input at the start of the drive.
-fn series_by_input(mechanism: &Mechanism, order: usize) -> Vec<Series> {
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(mechanism).unwrap();
-    let value = mechanism.inputs_at(0.0)[0];
+fn series_by_input(mechanism: &Model, order: usize) -> Vec<Series> {
+    let system = mechanism.system().unwrap();
+    let value = mechanism.actuation.inputs_at(0.0)[0];
     let input = Series::linear(value, 1.0, order);
-    rates(mechanism, &structure, &start(mechanism), &[input], order).unwrap()
+    rates(&system, &start(mechanism), &[input], order).unwrap()
 }
 
 fn binomial(n: usize, k: usize) -> f64 {
@@ -229,7 +231,7 @@ fn the_gearshift_agrees_with_differences_of_its_motion() {
     let mut trajectory = solve(&mechanism, &[&[0.0], &times[..]].concat()).unwrap();
     let (order, by) = (2, By::Time);
     let columns = RateColumns { order, by };
-    add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+    add_derivatives(&mechanism, &mut trajectory, columns);
     let headings = columns.headings(&mechanism);
     let poses: Vec<&ClosedPose> = trajectory.poses().skip(1).collect();
     let shown = |pose: &ClosedPose| -> Vec<f64> {
@@ -268,7 +270,7 @@ fn six_orders_of_the_gearshift_agree_with_high_order_differences() {
     let mut trajectory = solve(&mechanism, &[&[0.0], &times[..]].concat()).unwrap();
     let (order, by) = (6, By::Time);
     let columns = RateColumns { order, by };
-    add_derivatives(&mechanism, &mut trajectory, columns).unwrap();
+    add_derivatives(&mechanism, &mut trajectory, columns);
     let poses: Vec<&ClosedPose> = trajectory.poses().skip(1).collect();
     let weights = [-1.0 / 280.0, 4.0 / 105.0, -0.2, 0.8].map(|w| w / h);
     for unknown in 0..mechanism.unknowns.len() {
@@ -296,13 +298,14 @@ fn a_singular_pose_has_no_rates() {
         "units = { angle = \"rad\" }\n[inputs]\nphi = \"pi/2\"\n\
          [loops]\nA = \"Rz(phi) Tx(2) Rz(a) Tx(2) Rz(b) Tx(-h)\"\n[guess]\na = 3.1415926535897931\nb = -1.5707963267948966\n",
     );
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-    let coordinates = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+    let system = mechanism.system().unwrap();
+    let coordinates = [
+        mechanism.actuation.guess.clone(),
+        mechanism.actuation.inputs_at(0.0),
+    ]
+    .concat();
     let input = Series::linear(FRAC_PI_2, 1.0, 2);
-    assert_eq!(
-        rates(&mechanism, &structure, &coordinates, &[input], 2),
-        None
-    );
+    assert_eq!(rates(&system, &coordinates, &[input], 2), None);
 }
 
 /// beta2' by beta1 of the torus pair, 40-digit arithmetic; and second derivatives in the scene's own degrees.
@@ -348,11 +351,11 @@ fn the_table_has_transfer_functions_in_the_units_of_the_scene() {
 #[test]
 fn rates_by_time_follow_the_drive() {
     let mut mechanism = builtin_scene("slider-crank", &[("phi", "0.5 + t*t")]);
-    assert!(matches!(mechanism.drives[0], Drive::Formula(_)));
-    mechanism.duration = 1.0;
+    assert!(matches!(mechanism.actuation.drives[0], Drive::Formula(_)));
+    mechanism.actuation.duration = 1.0;
     let mut trajectory = solve(&mechanism, &[0.0, 0.6]).unwrap();
     let (order, by) = (3, By::Time);
-    add_derivatives(&mechanism, &mut trajectory, RateColumns { order, by }).unwrap();
+    add_derivatives(&mechanism, &mut trajectory, RateColumns { order, by });
     let pose = trajectory.poses().last().unwrap();
     let (k, d) = (slot(&mechanism, "h"), stroke_derivatives(0.5 + 0.36, 3));
     // Chain rule with phi' = 2t, phi'' = 2, phi''' = 0.
@@ -396,26 +399,25 @@ fn a_mechanism_without_inputs_has_rates_of_zero() {
 #[test]
 fn tangents_signs_and_singular_values_by_a_shared_inverse_are_those_of_the_pose() {
     let mechanism = builtin_scene("gearshift", &[]);
-    let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
+    let system = mechanism.system().unwrap();
     let trajectory = solve(&mechanism, &even_times(&mechanism, 300)).unwrap();
     let (n, first) = (mechanism.unknowns.len(), &trajectory.samples[0]);
     let mut here = [&first.pose.as_ref().unwrap().unknowns[..], &first.inputs].concat();
-    let (mut shared, mut predictor) = (Corrector::new(&structure), Predictor::default());
+    let (mut shared, mut predictor) = (Corrector::new(&system), Predictor::default());
     let (mut watch, mut beside) = (BranchWatch::default(), 0);
     for sample in &trajectory.samples[1..] {
-        let (m, s) = (&mechanism, &structure);
         let order = HIGHEST_ORDER;
-        predictor.predict(m, s, &mut shared, &mut here, &sample.inputs, order);
-        assert!(shared.correct(m, s, &mut here, Pace::Brisk).converged);
-        let mut own = Corrector::new(&structure);
-        let state = watch.observe(m, s, &mut shared, &here);
-        let exact = BranchWatch::default().observe(m, s, &mut own, &here);
+        predictor.predict(&system, &mut shared, &mut here, &sample.inputs, order);
+        assert!(shared.correct(&system, &mut here, Pace::Brisk).converged);
+        let mut own = Corrector::new(&system);
+        let state = watch.observe(&system, &mut shared, &here);
+        let exact = BranchWatch::default().observe(&system, &mut own, &here);
         assert_eq!(state.signs, exact.signs);
         assert!((state.sigma_min / exact.sigma_min - 1.0).abs() < 2e-6);
         let tangent = |corrector: &mut Corrector| {
             let mut rates = vec![0.0; n + 2];
             rates[n..].copy_from_slice(&[1.0, 0.01]);
-            corrector.tangent(m, s, &here, &mut rates);
+            corrector.tangent(&system, &here, &mut rates);
             rates
         };
         for (a, b) in tangent(&mut shared).iter().zip(tangent(&mut own)) {

@@ -2,12 +2,13 @@
 //! threads.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod snapshot;
 
+use driven::{frame_times, solve};
 use image::RgbaImage;
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::motion::sampling::frame_times;
+
 use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::render::Renderer;
 use mechanim::render::cpu::CpuRenderer;
@@ -29,11 +30,7 @@ fn solved(name: &str) -> (Scene, Trajectory) {
     let source = builtin::find(name).unwrap();
     let scene =
         load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    let trajectory = solve(
-        &scene.mechanism,
-        &frame_times(&scene.mechanism, scene.view.fps),
-    )
-    .unwrap();
+    let trajectory = solve(&scene, &frame_times(&scene, scene.view.fps)).unwrap();
     (scene, trajectory)
 }
 

@@ -2,32 +2,32 @@
 //! plain equations at any size: all samples have their pose, on one branch, against closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certificate;
-use mechanim::kinematics::motion::continuation::{solve, solve_until};
-use mechanim::kinematics::motion::sampling::even_times;
+use mechanim::kinematics::motion::continuation::solve_until;
+
 use mechanim::kinematics::motion::trajectory::{EventKind, Trajectory};
-use mechanim::model::mechanism::Mechanism;
+
 use mechanim::scene::{Overrides, load};
 use reference::{hard, slot, turned};
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
-fn read(text: &str) -> Mechanism {
+fn read(text: &str) -> Model {
     let source = Source {
         name: "test".into(),
         text: text.into(),
     };
     let scene = load(&source, &Overrides::default());
-    scene
-        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
-        .mechanism
+    Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 
 /// The motion at even times; every sample has a pose and every pose closes.
-fn whole(mechanism: &Mechanism, samples: usize) -> Trajectory {
+fn whole(mechanism: &Model, samples: usize) -> Trajectory {
     let trajectory = solve(mechanism, &even_times(mechanism, samples)).unwrap();
     assert_eq!(trajectory.missing(), 0, "{:?}", trajectory.events);
     assert!(trajectory.gaps.is_empty(), "{:?}", trajectory.gaps);
@@ -35,7 +35,7 @@ fn whole(mechanism: &Mechanism, samples: usize) -> Trajectory {
     trajectory
 }
 
-fn four_bar(start: f64, [mu, nu, theta]: [f64; 3]) -> Mechanism {
+fn four_bar(start: f64, [mu, nu, theta]: [f64; 3]) -> Model {
     read(&format!(
         "units = {{ length = \"mm\", angle = \"deg\" }}\nduration = 4\n[inputs]\nphi = \"{start} + 360*t/4\"\n[loops]\n\
          A = \"Rz(phi) Tx(40) Rz(mu) Tx(100) Rz(nu) Tx(-40) Rz(-theta) Tx(-100)\"\n\
@@ -215,22 +215,21 @@ fn a_position_at_gimbal_lock_is_exact_and_its_free_angle_is_held() {
         assert!((found - expected).abs() < 1e-12, "{tip}");
     }
     // One of the outer angles is named as exchangeable for the other, and held.
-    let held = mechanim::kinematics::freedoms::analysis::analyse(&mechanism)
-        .unwrap()
-        .held;
+    let held = mechanism.system().unwrap().structure().held.clone();
     assert_eq!(held.len(), 1, "{held:?}");
 }
 
 #[test]
 fn a_solve_that_is_cancelled_keeps_what_it_has() {
     let mechanism = four_bar(30.0, [-30.0, 30.0, 30.0]);
+    let system = mechanism.system().unwrap();
     let times: Vec<f64> = (0..1000).map(|k| TAU * f64::from(k) / 2000.0).collect();
     let asked = Cell::new(0);
     let stop = || {
         asked.set(asked.get() + 1);
         asked.get() > 100
     };
-    let trajectory = solve_until(&mechanism, &times, true, &stop).unwrap();
+    let trajectory = solve_until(&system, &mechanism.actuation, &times, true, &stop);
     let count = trajectory.samples.len();
     assert!((10..101).contains(&count), "{count}");
 }

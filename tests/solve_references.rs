@@ -5,11 +5,13 @@
 // References keep the digits they were given with.
 #![allow(clippy::excessive_precision)]
 
+mod driven;
 mod reference;
 
-use mechanim::kinematics::motion::continuation::solve;
+use driven::{Driven, Model, solve};
 use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use mechanim::kinematics::solve::pose_check::{Verdict, judge};
+
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use reference::{Table, drive_by_rows};
@@ -53,10 +55,10 @@ fn gearshift_coordinates_match_the_reference_at_all_30_poses() {
         ("gearshift-optimised", "gearshift_opt_30"),
     ] {
         let table = Table::read(file);
-        let mut scene = scene(name);
-        assert_eq!(scene.mechanism.guess, vec![0.0; 18], "start values of zero");
-        let times = drive_by_rows(&mut scene.mechanism, &table);
-        let trajectory = solve(&scene.mechanism, &times).unwrap();
+        let mut scene = Model::from(scene(name));
+        assert_eq!(scene.actuation.guess, vec![0.0; 18], "start values of zero");
+        let times = drive_by_rows(&mut scene, &table);
+        let trajectory = solve(&scene, &times).unwrap();
         for (row, pose) in poses(&trajectory).into_iter().enumerate() {
             for k in 1..=18 {
                 let name = format!("a{k}");
@@ -75,25 +77,24 @@ fn gearshift_coordinates_match_the_reference_at_all_30_poses() {
 
 #[test]
 fn gearshift_is_solved_in_blocks_with_18_equations() {
-    let structure =
-        mechanim::kinematics::freedoms::analysis::analyse(&scene("gearshift").mechanism).unwrap();
-    let sizes: Vec<(usize, usize)> = structure
-        .blocks
+    let system = scene("gearshift").system().unwrap();
+    let sizes: Vec<(usize, usize)> = system
+        .blocks()
         .iter()
         .map(|b| (b.rows(), b.unknowns.len()))
         .collect();
     assert_eq!(sizes, [(6, 6), (12, 12)]);
-    assert!(structure.empty_equations.is_empty());
+    assert!(system.structure().empty_equations.is_empty());
 }
 
 #[test]
 fn optimised_scene_differs_from_the_original_in_two_dimensions_only() {
     let (a, b) = (
-        scene("gearshift").mechanism,
-        scene("gearshift-optimised").mechanism,
+        Model::from(scene("gearshift")),
+        Model::from(scene("gearshift-optimised")),
     );
     let dimensions = Table::read("gearshift_dims");
-    assert_eq!(a.drives, b.drives);
+    assert_eq!(a.actuation.drives, b.actuation.drives);
     let source = |name: &str| builtin::find(name).unwrap().text;
     let differing = source("gearshift")
         .lines()
@@ -137,9 +138,9 @@ fn slider_crank_cycle_is_exact_on_both_assemblies() {
             pairs(&[("alpha", "3.1"), ("beta", "-3.1"), ("h", "-40")]),
         ),
     ] {
-        let mut scene = scene_with("slider-crank", |o| o.guess = guess);
-        let times = drive_by_rows(&mut scene.mechanism, &table);
-        let trajectory = solve(&scene.mechanism, &times).unwrap();
+        let mut scene = Model::from(scene_with("slider-crank", |o| o.guess = guess));
+        let times = drive_by_rows(&mut scene, &table);
+        let trajectory = solve(&scene, &times).unwrap();
         for (row, pose) in poses(&trajectory).into_iter().enumerate() {
             let expected = table.value(row, &format!("h_{mode}"));
             let h = unknown(&scene.mechanism, pose, "h");
@@ -186,7 +187,7 @@ fn slider_crank_finds_the_true_pose_from_the_lecture_starts_and_the_crossed_one_
             o.guess = pairs(guess);
             o.inputs = pairs(&[("phi", "0.5")]);
         });
-        let trajectory = solve(&scene.mechanism, &[0.0]).unwrap();
+        let trajectory = solve(&scene, &[0.0]).unwrap();
         let h = unknown(&scene.mechanism, poses(&trajectory)[0], "h");
         if expected.is_nan() {
             let true_poses = [112.77081077023263, -42.564205819002808];
@@ -231,12 +232,10 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
 
 #[test]
 fn planar_slider_crank_solves_three_equations() {
-    let structure =
-        mechanim::kinematics::freedoms::analysis::analyse(&scene("slider-crank").mechanism)
-            .unwrap();
-    assert_eq!(structure.equation_count(), 3);
+    let system = scene("slider-crank").system().unwrap();
+    assert_eq!(system.structure().equation_count(), 3);
     assert_eq!(
-        structure.empty_equations,
+        system.structure().empty_equations,
         [(0, 0), (0, 1), (0, 5)],
         "rotation about x and y, translation along z"
     );
@@ -254,7 +253,7 @@ fn seven_r_output_follows_the_torus_pair_over_a_full_turn() {
         .iter()
         .map(|r| 6.0 * table.value(*r, "beta1_deg") / 360.0)
         .collect();
-    let trajectory = solve(&scene.mechanism, &times).unwrap();
+    let trajectory = solve(&scene, &times).unwrap();
     for (row, pose) in rows.iter().zip(poses(&trajectory)) {
         for (ours, theirs) in [
             ("beta2", "beta2_deg"),
@@ -276,7 +275,7 @@ fn seven_r_output_follows_the_torus_pair_over_a_full_turn() {
 #[test]
 fn seven_r_contact_point_lies_on_both_tori_and_the_normals_agree() {
     let scene = scene("seven-r");
-    let mechanism = &scene.mechanism;
+    let mechanism = &Model::from(scene.clone());
     let times: Vec<f64> = (0..120).map(|k| 0.05 * k as f64).collect();
     let trajectory = solve(mechanism, &times).unwrap();
     let tori: Vec<_> = mechanism
@@ -351,7 +350,7 @@ fn bodies_stay_joined_in_every_frame() {
         ),
     ];
     let scene = scene("gearshift");
-    let mechanism = &scene.mechanism;
+    let mechanism = &Model::from(scene.clone());
     let body = |name: &str| {
         mechanism
             .bodies
@@ -377,7 +376,7 @@ fn rates_match_differences_of_the_motion() {
     for name in ["gearshift", "slider-crank", "seven-r", "dyads"] {
         let scene = scene(name);
         let (time, h) = (1.37, 1e-5);
-        let trajectory = solve(&scene.mechanism, &[time - h, time, time + h]).unwrap();
+        let trajectory = solve(&scene, &[time - h, time, time + h]).unwrap();
         let poses = poses(&trajectory);
         for k in 0..poses[1].unknowns.len() {
             let difference = (poses[2].unknowns[k] - poses[0].unknowns[k]) / (2.0 * h);

@@ -32,7 +32,7 @@ fn measures_and_gradients_agree_with_forty_digits() {
     assert_eq!(measured.measures, found.measures);
     let (heads, values) = table("gearshift_orig_characteristics.csv");
     let (columns, rows) = table("gearshift_orig_sensitivity.csv");
-    for (index, measure) in family.mechanism.measures.iter().enumerate() {
+    for (index, measure) in family.measures.list.iter().enumerate() {
         let column = heads.iter().position(|h| *h == measure.name).unwrap();
         let wanted: f64 = values[0][column].parse().unwrap();
         assert!(
@@ -75,7 +75,7 @@ fn a_stand_with_other_values_has_the_measures_of_the_optimised_lever() {
     };
     let stand = evaluator.reach(&nominal, &[of("L6s"), of("ZR1")]).unwrap();
     let measured = evaluator.measure(&stand).unwrap();
-    for (measure, got) in family.mechanism.measures.iter().zip(&measured.measures) {
+    for (measure, got) in family.measures.list.iter().zip(&measured.measures) {
         let column = heads.iter().position(|h| *h == measure.name).unwrap();
         let wanted: f64 = values[0][column].parse().unwrap();
         assert!(
@@ -136,7 +136,7 @@ fn gradients_of_a_contact_agree_with_differences() {
         };
         let h = 1e-6;
         let (up, down) = (moved(h), moved(-h));
-        for (m, measure) in family.mechanism.measures.iter().enumerate() {
+        for (m, measure) in family.measures.list.iter().enumerate() {
             let slope = (up[m] - down[m]) / (2.0 * h);
             let found = exact.rows[m][k];
             let name = &family.study.variables[k].name;
@@ -159,7 +159,11 @@ fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
     let found = optimise(&family, method, 12, Box::new(|_, _, _| true)).unwrap();
     assert!((found.first_value - 0.00903136).abs() < 1e-7);
     assert!(found.minimum.value < 0.004, "{found:?}");
-    let units = |k: usize| family.mechanism.file_units(family.study.variables[k].kind);
+    let units = |k: usize| {
+        family
+            .mechanism()
+            .file_units(family.study.variables[k].kind)
+    };
     let parameters: Vec<(String, String)> = (0..found.minimum.x.len())
         .map(|k| {
             let value = found.minimum.x[k] * units(k);
@@ -197,7 +201,7 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
     let made = pieces(&family, &stand, &tolerances, batch, &never, &|_| {});
     assert_eq!((made.made, made.failed), (3000, 0));
     let of = |name: &str| {
-        let measures = &family.mechanism.measures;
+        let measures = &family.measures.list;
         measures.iter().position(|m| m.name == name).unwrap()
     };
     for (name, wanted) in [("S_R1", 1.00), ("S_23", 1.00), ("S_45", 1.18)] {

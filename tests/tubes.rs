@@ -1,21 +1,21 @@
 //! The proof of the motion between samples: it holds what it claims, joins whole turns, and ends where it must.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod driven;
 mod reference;
 
+use driven::{Driven, Model, certify_motion, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Reason;
-use mechanim::kinematics::certificate::tube::{
-    IntervalCertificate, Obstacle, Prover, Tube, certify_motion,
-};
-use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::certificate::tube::{IntervalCertificate, Obstacle, Prover, Tube};
+
 use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::model::mechanism::{Kind, Mechanism};
 use mechanim::scene::{Overrides, builtin, load};
 use reference::mechanism;
 use std::f64::consts::{PI, TAU};
 
-fn read(text: &str) -> Mechanism {
+fn read(text: &str) -> Model {
     let source = Source {
         name: "test".into(),
         text: text.into(),
@@ -23,12 +23,12 @@ fn read(text: &str) -> Mechanism {
     mechanism(&source, &[])
 }
 
-fn scene(name: &str) -> Mechanism {
+fn scene(name: &str) -> Model {
     let source = builtin::find(name).unwrap();
-    load(&source, &Overrides::default()).unwrap().mechanism
+    Model::from(load(&source, &Overrides::default()).unwrap())
 }
 
-fn slider_crank(r: f64, l: f64) -> Mechanism {
+fn slider_crank(r: f64, l: f64) -> Model {
     read(&format!(
         "duration = 4\n[parameters]\nr = {r}\nL = {l}\n[inputs]\nphi = \"2*pi*t/4\"\n\
          [loops]\nA = \"Rz(phi) Tx(r) Rz(alpha) Tx(L) Rz(beta) Tx(-h)\"\n[guess]\nh = {}\n",
@@ -37,7 +37,7 @@ fn slider_crank(r: f64, l: f64) -> Mechanism {
 }
 
 /// Rocker of length `c`, crank 40, rod and frame 100; in line at half a second and two seconds later.
-fn parallelogram(c: f64) -> Mechanism {
+fn parallelogram(c: f64) -> Model {
     read(&format!(
         "duration = 4\n[inputs]\nphi = \"2*pi*(t - 0.5)/4\"\n\
          [loops]\nA = \"Rz(phi) Tx(40) Rz(a - phi) Tx(100) Rz(b - a) Tx(-{c}) Rz(-b) Tx(-100)\"\n[guess]\nb = -0.785\n"
@@ -45,13 +45,13 @@ fn parallelogram(c: f64) -> Mechanism {
 }
 
 /// The whole drive in equal steps, both ends included.
-fn steps(mechanism: &Mechanism, count: usize) -> Trajectory {
-    let time = |k: usize| mechanism.duration * (k as f64 / count as f64);
+fn steps(mechanism: &Model, count: usize) -> Trajectory {
+    let time = |k: usize| mechanism.actuation.duration * (k as f64 / count as f64);
     solve(mechanism, &(0..=count).map(time).collect::<Vec<_>>()).unwrap()
 }
 
-fn certificates(mechanism: &Mechanism, count: usize) -> Vec<IntervalCertificate> {
-    certify_motion(mechanism, &steps(mechanism, count)).unwrap()
+fn certificates(mechanism: &Model, count: usize) -> Vec<IntervalCertificate> {
+    certify_motion(mechanism, &steps(mechanism, count))
 }
 
 fn all_certified(certificates: &[IntervalCertificate]) -> usize {
@@ -150,8 +150,8 @@ fn motion_lies_within_its_tubes() {
     {
         let mut closest_here = 0.0_f64;
         let coarse = steps(&mechanism, count);
-        let structure = mechanim::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-        let mut prover = Prover::new(&mechanism, &structure);
+        let system = mechanism.system().unwrap();
+        let mut prover = Prover::new(&system, &mechanism.actuation);
         let mut state = 0x5eed_u64;
         let mut start = mechanism.clone();
         for pair in coarse.samples.windows(2) {
@@ -159,7 +159,7 @@ fn motion_lies_within_its_tubes() {
             assert!(certificate.refused.is_none(), "{name}");
             assert_eq!(tubes[0].start, pair[0].time);
             assert_eq!(tubes[tubes.len() - 1].end, pair[1].time);
-            start.guess = pair[0].pose.as_ref().unwrap().unknowns.clone();
+            start.actuation.guess = pair[0].pose.as_ref().unwrap().unknowns.clone();
             let times = moments(&tubes, &mut state);
             let truth = solve(&start, &times).unwrap();
             let mut rest = truth.samples.as_slice();
@@ -194,7 +194,7 @@ fn nothing_is_certified_across_change_points() {
         // Samples on the change points, and beside them.
         for count in [80, 81, 83] {
             for (k, certificate) in certificates(&mechanism, count).iter().enumerate() {
-                let step = mechanism.duration / count as f64;
+                let step = mechanism.actuation.duration / count as f64;
                 let (from, to) = (k as f64 * step, (k + 1) as f64 * step);
                 let near = |t: f64| t >= from - 1e-9 && t <= to + 1e-9;
                 let crosses = at.into_iter().any(near);
@@ -219,7 +219,7 @@ fn close_assemblies_are_told_apart() {
     ] {
         let almost = parallelogram(40.0 * (1.0 + defect));
         let trajectory = steps(&almost, 80);
-        let certificates = certify_motion(&almost, &trajectory).unwrap();
+        let certificates = certify_motion(&almost, &trajectory);
         let tubes = all_certified(&certificates);
         assert!(
             tubes > 80,
@@ -239,12 +239,12 @@ fn jumps_between_certified_samples_are_seen() {
     let phi = trajectory.samples[20].inputs[0];
     let beta = PI - (0.5 * phi.sin()).asin();
     let mut other = mechanism.clone();
-    other.guess = vec![-phi - beta, beta, -40.0];
+    other.actuation.guess = vec![-phi - beta, beta, -40.0];
     let there = solve(&other, &[trajectory.samples[20].time]).unwrap();
     let crossed = there.samples[0].clone();
     assert!(crossed.pose.as_ref().unwrap().unknowns[2] < 0.0);
     trajectory.samples[20] = crossed;
-    let certificates = certify_motion(&mechanism, &trajectory).unwrap();
+    let certificates = certify_motion(&mechanism, &trajectory);
     let refused: Vec<usize> = (0..60)
         .filter(|k| certificates[*k].refused.is_some())
         .collect();
@@ -309,7 +309,7 @@ fn missing_poses_and_formulas_are_named() {
     // The rod is shorter than the crank: no pose from 48.6 to 131.4 degrees.
     let mechanism = slider_crank(80.0, 60.0);
     let trajectory = steps(&mechanism, 40);
-    let certificates = certify_motion(&mechanism, &trajectory).unwrap();
+    let certificates = certify_motion(&mechanism, &trajectory);
     for (k, certificate) in certificates.iter().enumerate() {
         let both = (k..k + 2).all(|i| trajectory.samples[i].pose.is_some());
         let refusal = certificate.refused.map(|r| r.obstacle);
@@ -334,6 +334,6 @@ fn missing_poses_and_formulas_are_named() {
     assert_eq!(reason, Obstacle::Test(Reason::Formula));
 }
 
-fn certificates_of(mechanism: &Mechanism) -> Vec<IntervalCertificate> {
+fn certificates_of(mechanism: &Model) -> Vec<IntervalCertificate> {
     certificates(mechanism, 20)
 }

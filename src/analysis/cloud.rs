@@ -41,7 +41,7 @@ pub fn clouds(
 ) -> Option<Vec<PathCloud>> {
     let mut evaluator = Evaluator::new(family);
     let mut clouds = Vec::new();
-    let traces = &family.mechanism.traces;
+    let traces = &family.mechanism().traces;
     for (track, poses) in family.rows() {
         for (index, trace) in traces.iter().enumerate() {
             let cloud = PathCloud {

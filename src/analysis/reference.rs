@@ -4,10 +4,10 @@ use super::observer::{distance, positions};
 use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;
-use crate::model::mechanism::Mechanism;
+use crate::model::actuation::Actuation;
 
 /// The true motion at some instants, as well as f64 can say it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,16 +25,10 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Solves `mechanism` at `times`.
-    ///
-    /// # Errors
-    /// Only where the mechanism itself is ill-posed.
-    pub fn new(
-        mechanism: &Mechanism,
-        structure: &Structure,
-        times: Vec<f64>,
-    ) -> Result<Self, StructureError> {
-        let trajectory = solve(mechanism, &times)?;
+    /// Solves `system` along `actuation` at `times`.
+    pub fn new(system: &System, actuation: &Actuation, times: Vec<f64>) -> Self {
+        let mechanism = system.mechanism();
+        let trajectory = solve(system, actuation, &times);
         let mut reference = Self {
             times,
             bound: Some(0.0),
@@ -59,7 +53,7 @@ impl Reference {
             let next = if pose.certificate == singular {
                 coordinates.clone()
             } else {
-                newton_step(mechanism, structure, &coordinates)
+                newton_step(system, &coordinates)
             };
             let here = positions(mechanism, &coordinates);
             let moved = distance(&here, &positions(mechanism, &next));
@@ -67,15 +61,16 @@ impl Reference {
             reference.moved_at_end = moved;
             reference.poses.push(Some(coordinates));
         }
-        Ok(reference)
+        reference
     }
 }
 
 /// The pose after one more step, block by block.
-fn newton_step(mechanism: &Mechanism, structure: &Structure, coordinates: &[f64]) -> Vec<f64> {
+fn newton_step(system: &System, coordinates: &[f64]) -> Vec<f64> {
+    let mechanism = system.mechanism();
     let mut coordinates = coordinates.to_vec();
     let (mut workspace, mut qr) = (BlockWorkspace::default(), PivotedQr::default());
-    for block in &structure.blocks {
+    for block in system.blocks() {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         workspace.evaluate(mechanism, block, &coordinates, Want::Jacobian);
         qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);

@@ -5,11 +5,12 @@
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::rates::higher_order::{By, rates};
 use crate::kinematics::solve::newton::Corrector;
-use crate::kinematics::structure::block::{Block, Structure};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;
 use crate::math::left_jacobian_inverse;
-use crate::model::mechanism::Mechanism;
+use crate::model::actuation::Actuation;
 use crate::numbers::series::drive;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -51,8 +52,8 @@ pub enum Route {
 
 /// Goes along the drive of one mechanism, with buffers that all steps reuse.
 pub struct Walker<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
+    actuation: &'m Actuation,
     corrector: Corrector,
     workspace: BlockWorkspace,
     qr: PivotedQr,
@@ -63,12 +64,12 @@ pub struct Walker<'m> {
 }
 
 impl<'m> Walker<'m> {
-    /// For `mechanism`, whose structure is `structure`.
-    pub fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+    /// For `system` along `actuation`.
+    pub fn new(system: &'m System, actuation: &'m Actuation) -> Self {
         Self {
-            mechanism,
-            structure,
-            corrector: Corrector::new(structure),
+            system,
+            actuation,
+            corrector: Corrector::new(system),
             workspace: BlockWorkspace::default(),
             qr: PivotedQr::default(),
             right_side: Vec::new(),
@@ -108,8 +109,8 @@ impl<'m> Walker<'m> {
     }
 
     fn set_inputs(&self, coordinates: &mut [f64], time: f64) {
-        let inputs = self.mechanism.inputs_at(time);
-        coordinates[self.mechanism.unknowns.len()..].copy_from_slice(&inputs);
+        let inputs = self.actuation.inputs_at(time);
+        coordinates[self.system.mechanism().unknowns.len()..].copy_from_slice(&inputs);
     }
 
     fn predict(&mut self, order: usize, coordinates: &mut [f64], from: f64, to: f64) -> Option<()> {
@@ -124,9 +125,9 @@ impl<'m> Walker<'m> {
                     .for_each(|(q, v)| *q += h * v);
             }
             _ => {
-                let n = self.mechanism.unknowns.len();
-                let inputs = By::Time.inputs(self.mechanism, &coordinates[n..], from, order);
-                let series = rates(self.mechanism, self.structure, coordinates, &inputs, order)?;
+                let n = self.system.mechanism().unknowns.len();
+                let inputs = By::Time.inputs(self.actuation, &coordinates[n..], from, order);
+                let series = rates(self.system, coordinates, &inputs, order)?;
                 coordinates
                     .iter_mut()
                     .zip(&series)
@@ -139,12 +140,16 @@ impl<'m> Walker<'m> {
 
     /// Newton's method, block by block, until the residual is at most `tolerance`.
     fn close(&mut self, coordinates: &mut [f64], tolerance: f64, form: RotationForm) -> Option<()> {
-        let structure = self.structure;
+        let structure = self.system.structure();
         for block in &structure.blocks {
             let mut left = MOST_ITERATIONS;
             loop {
-                self.workspace
-                    .evaluate(self.mechanism, block, coordinates, Want::Jacobian);
+                self.workspace.evaluate(
+                    self.system.mechanism(),
+                    block,
+                    coordinates,
+                    Want::Jacobian,
+                );
                 if form == RotationForm::Skew {
                     self.take_skew_part(block);
                 }
@@ -174,7 +179,7 @@ impl<'m> Walker<'m> {
         self.step.resize(columns, 0.0);
         self.qr.solve(&mut self.right_side, &mut self.step);
         for (unknown, step) in block.unknowns.iter().zip(&self.step) {
-            coordinates[*unknown] += self.mechanism.scale_of(*unknown) * step;
+            coordinates[*unknown] += self.system.mechanism().scale_of(*unknown) * step;
         }
     }
 
@@ -209,12 +214,12 @@ impl<'m> Walker<'m> {
     /// Rates per second of all coordinates at `time`; the inputs' own rates are the drive's.
     fn velocity(&mut self, coordinates: &[f64], time: f64) -> Vec<f64> {
         let mut velocity = vec![0.0; coordinates.len()];
-        let n = self.mechanism.unknowns.len();
-        for (rate, input) in velocity[n..].iter_mut().zip(&self.mechanism.drives) {
+        let n = self.system.mechanism().unknowns.len();
+        for (rate, input) in velocity[n..].iter_mut().zip(&self.actuation.drives) {
             *rate = drive(input, time, 1).derivative(1);
         }
         self.corrector
-            .tangent(self.mechanism, self.structure, coordinates, &mut velocity);
+            .tangent(self.system, coordinates, &mut velocity);
         velocity
     }
 

@@ -119,7 +119,7 @@ pub fn pieces(
     cancel: &AtomicBool,
     watch: &dyn Fn(usize),
 ) -> Pieces {
-    let measures = family.mechanism.measures.len();
+    let measures = family.measures.list.len();
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
         let mut evaluator = Evaluator::new(family);
@@ -180,7 +180,7 @@ fn piece(evaluator: &mut Evaluator, nominal: &Stand, values: &[f64]) -> Option<V
 }
 
 fn summary(family: &Family, values: Vec<f64>, measures: usize, first: usize) -> Pieces {
-    let list = &family.mechanism.measures;
+    let list = &family.measures.list;
     let (mut failed, mut good, mut digest) = (0, 0, 0u64);
     for (item, piece) in values.chunks_exact(measures.max(1)).enumerate() {
         if piece.iter().any(|v| v.is_nan()) {

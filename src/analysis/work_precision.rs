@@ -9,7 +9,8 @@ use super::routes::{RotationForm, Route, Walker};
 use crate::kinematics::loops::forward;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::is_cyclic;
-use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use std::time::Instant;
 
@@ -82,9 +83,6 @@ pub struct Study {
 /// Why there is no study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The mechanism is ill-posed.
-    #[error(transparent)]
-    Structure(#[from] StructureError),
     /// Routes can only be compared where the motion has poses all along.
     #[error(
         "the motion has no pose at t = {time:.9} s: routes are compared on motions without gaps"
@@ -97,22 +95,27 @@ pub enum StudyError {
 
 /// A mechanism with its reference.
 struct Bench<'m> {
-    mechanism: &'m Mechanism,
-    structure: Structure,
+    system: &'m System,
+    actuation: &'m Actuation,
     reference: Reference,
     /// Positions of the reference at its times.
     truth: Vec<Vec<f64>>,
     start: Vec<f64>,
 }
 
-/// Compares routes on `mechanism` at `poses` instants after the start, and drifts over up to `turns` turns.
+/// Compares routes on `system` along `actuation` at `poses` instants after the start, and drifts over up to `turns` turns.
 ///
 /// # Errors
 /// See [`StudyError`].
-pub fn study(mechanism: &Mechanism, poses: usize, turns: usize) -> Result<Study, StudyError> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let times = instants(mechanism, poses);
-    let reference = Reference::new(mechanism, &structure, times)?;
+pub fn study(
+    system: &System,
+    actuation: &Actuation,
+    poses: usize,
+    turns: usize,
+) -> Result<Study, StudyError> {
+    let mechanism = system.mechanism();
+    let times = instants(actuation.duration, poses);
+    let reference = Reference::new(system, actuation, times);
     let mut truth = Vec::with_capacity(poses + 1);
     for (time, pose) in reference.times.iter().zip(&reference.poses) {
         let Some(pose) = pose else {
@@ -122,13 +125,13 @@ pub fn study(mechanism: &Mechanism, poses: usize, turns: usize) -> Result<Study,
     }
     let start = reference.poses[0].clone().unwrap_or_default();
     let bench = Bench {
-        mechanism,
-        structure,
+        system,
+        actuation,
         reference,
         truth,
         start,
     };
-    let mut rows = vec![bench.own_row()?];
+    let mut rows = vec![bench.own_row()];
     let settings = settings().into_iter();
     rows.extend(settings.map(|(family, route, factor)| bench.row(family, route, poses * factor)));
     Ok(Study {
@@ -141,9 +144,9 @@ pub fn study(mechanism: &Mechanism, poses: usize, turns: usize) -> Result<Study,
 }
 
 /// `count` equal steps from the start to the end of the drive.
-fn instants(mechanism: &Mechanism, count: usize) -> Vec<f64> {
+fn instants(duration: f64, count: usize) -> Vec<f64> {
     let share = |k: usize| k as f64 / count as f64;
-    (0..=count).map(|k| mechanism.duration * share(k)).collect()
+    (0..=count).map(|k| duration * share(k)).collect()
 }
 
 /// Families, routes, and steps per pose.
@@ -187,9 +190,13 @@ fn settings() -> Vec<(&'static str, Route, usize)> {
 }
 
 impl Bench<'_> {
+    fn mechanism(&self) -> &Mechanism {
+        self.system.mechanism()
+    }
+
     fn row(&self, family: &'static str, route: Route, steps: usize) -> Row {
         let poses = self.reference.times.len() - 1;
-        let mut walker = Walker::new(self.mechanism, &self.structure);
+        let mut walker = Walker::new(self.system, self.actuation);
         let (found, time) = fastest(|| {
             walker.iterations = 0;
             self.walk(&mut walker, route, steps)
@@ -211,7 +218,7 @@ impl Bench<'_> {
         let mut coordinates = self.start.clone();
         let mut found = Vec::with_capacity(poses);
         // Times are computed from their index, never summed up.
-        let time = |k: usize| self.mechanism.duration * (k as f64 / steps as f64);
+        let time = |k: usize| self.actuation.duration * (k as f64 / steps as f64);
         for k in 0..steps {
             let done = walker.advance(route, &mut coordinates, time(k), time(k + 1));
             if done.is_none() {
@@ -230,13 +237,13 @@ impl Bench<'_> {
         let errors: Vec<f64> = found
             .iter()
             .zip(truth)
-            .map(|(pose, truth)| distance(&positions(self.mechanism, pose), truth))
+            .map(|(pose, truth)| distance(&positions(self.mechanism(), pose), truth))
             .collect();
-        let limit = LOST * self.mechanism.size;
+        let limit = LOST * self.mechanism().size;
         let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
         let closures = found
             .iter()
-            .map(|pose| forward::closure_error(self.mechanism, pose));
+            .map(|pose| forward::closure_error(self.mechanism(), pose));
         let is_whole = found.len() == truth.len();
         Row {
             family: "",
@@ -256,11 +263,10 @@ impl Bench<'_> {
     }
 
     /// What `mechanim solve` does: steps as long as they may be, branch watched, every pose proved.
-    fn own_row(&self) -> Result<Row, StudyError> {
+    fn own_row(&self) -> Row {
         let times = &self.reference.times;
         let poses = times.len() - 1;
-        let (solved, time) = fastest(|| solve(self.mechanism, times));
-        let trajectory = solved?;
+        let (trajectory, time) = fastest(|| solve(self.system, self.actuation, times));
         let samples = trajectory.samples[1..].iter();
         let found: Vec<Vec<f64>> = samples
             .filter_map(|s| Some([s.pose.as_ref()?.unknowns.as_slice(), &s.inputs].concat()))
@@ -272,20 +278,20 @@ impl Bench<'_> {
             ..self.judged(&found)
         };
         let iterations: u32 = trajectory.poses().skip(1).map(|p| p.iterations).sum();
-        Ok(Row {
+        Row {
             family: "mechanim solve",
             steps: poses,
             time: time * 1e6 / poses as f64,
             iterations: f64::from(iterations) / poses as f64,
             ..judged
-        })
+        }
     }
 
     /// Errors after 1, 10, 100 … turns, as far as `turns`.
     fn drift(&self, turns: usize) -> Vec<Drift> {
         let (first, last) = (&self.truth[0], &self.truth[self.truth.len() - 1]);
-        let returns = distance(first, last) <= RETURNS * self.mechanism.size;
-        if !returns || !is_cyclic(self.mechanism) {
+        let returns = distance(first, last) <= RETURNS * self.mechanism().size;
+        if !returns || !is_cyclic(self.mechanism(), self.actuation) {
             return Vec::new();
         }
         let newton = Route::Position {
@@ -310,9 +316,9 @@ impl Bench<'_> {
     }
 
     fn drift_of(&self, name: &'static str, route: Route, turns: usize, list: &mut Vec<Drift>) {
-        let mut walker = Walker::new(self.mechanism, &self.structure);
+        let mut walker = Walker::new(self.system, self.actuation);
         let mut coordinates = self.start.clone();
-        let time = |k: usize| self.mechanism.duration * (k as f64 / DRIFT_STEPS as f64);
+        let time = |k: usize| self.actuation.duration * (k as f64 / DRIFT_STEPS as f64);
         let mut next = 1;
         for turn in 1..=turns {
             for k in 0..DRIFT_STEPS {
@@ -325,12 +331,12 @@ impl Bench<'_> {
             }
             if turn == next {
                 next *= 10;
-                let here = positions(self.mechanism, &coordinates);
+                let here = positions(self.mechanism(), &coordinates);
                 list.push(Drift {
                     name,
                     turns: turn,
                     error: distance(&here, &self.truth[0]),
-                    closure: forward::closure_error(self.mechanism, &coordinates),
+                    closure: forward::closure_error(self.mechanism(), &coordinates),
                 });
             }
         }

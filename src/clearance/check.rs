@@ -9,7 +9,8 @@ use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::sweep::{Least, PairSweep};
 use crate::kinematics::motion::trajectory::Trajectory;
-use crate::kinematics::structure::block::StructureError;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
 
@@ -99,22 +100,20 @@ impl ClearanceReport {
 
 /// Checks the clearances of a mechanism over a motion of certified poses: what lies between them is looked at, too, what
 /// lies before and after them is not.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
 pub fn check(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     rules: &ClearanceRules,
     trajectory: &Trajectory,
     tolerance: f64,
     progress: &dyn Fn(usize, usize),
-) -> Result<ClearanceReport, StructureError> {
+) -> ClearanceReport {
+    let mechanism = system.mechanism();
     let count = mechanism.bodies.len();
     let all = count * count.saturating_sub(1) / 2;
     // Proving the motion and sorting the triangles of meshes may take a while.
     progress(0, all);
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let mut motion = Motion::new(mechanism, &structure, trajectory);
+    let mut motion = Motion::new(system, actuation, trajectory);
     let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
     let neighbours = Neighbours::new(mechanism);
     let mut report = ClearanceReport {
@@ -175,7 +174,7 @@ pub fn check(
     report
         .excluded
         .sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
-    Ok(report)
+    report
 }
 
 fn look_at_excluded(
@@ -200,7 +199,7 @@ fn look_at_excluded(
 /// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
 /// reported is where it is farthest from touching.
 fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
-    let size = motion.mechanism.size;
+    let size = motion.system.mechanism().size;
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
     sweep.sampled(motion, &samples, Some(&mut distances))?;

@@ -53,7 +53,7 @@ impl PairSweep<'_> {
     /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
     /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
     pub fn contact_over(&self, motion: &Motion) -> Contact {
-        let size = motion.mechanism.size;
+        let size = motion.system.mechanism().size;
         let (allowed, slack) = (BETWEEN_SAMPLES * size, POSE_SLACK * size);
         let mut contact = Contact {
             low: f64::INFINITY,
@@ -63,7 +63,7 @@ impl PairSweep<'_> {
         };
         let [a, b] = self
             .bodies
-            .map(|k| &motion.mechanism.bodies[k].world_from_body);
+            .map(|k| &motion.system.mechanism().bodies[k].world_from_body);
         let back = RelativeChain::new(b, a);
         let half = 1.0 / f64::from(PIECES);
         let mut looks = 0;

@@ -8,10 +8,10 @@ use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::loops::forward::body_poses;
 use crate::kinematics::motion::trajectory::{Sample, Trajectory};
 use crate::kinematics::solve::newton::{Corrector, Pace};
-use crate::kinematics::structure::block::Structure;
+use crate::kinematics::structure::system::System;
 use crate::math::Pose;
+use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
-use crate::model::mechanism::Mechanism;
 
 /// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
@@ -66,8 +66,8 @@ enum Way {
 /// The motion of a mechanism over its drive.
 pub struct Motion<'m> {
     /// Whose motion.
-    pub mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    pub system: &'m System,
+    actuation: &'m Actuation,
     corrector: Corrector,
     prover: Prover<'m>,
     /// All poses solved.
@@ -85,16 +85,13 @@ pub struct Motion<'m> {
 impl<'m> Motion<'m> {
     /// Covers a motion with stretches. Poses without a certificate are not as near to the motion as its tubes ask for,
     /// which then take much longer to prove.
-    pub fn new(
-        mechanism: &'m Mechanism,
-        structure: &'m Structure,
-        trajectory: &Trajectory,
-    ) -> Self {
+    pub fn new(system: &'m System, actuation: &'m Actuation, trajectory: &Trajectory) -> Self {
+        let mechanism = system.mechanism();
         let mut motion = Self {
-            mechanism,
-            structure,
-            corrector: Corrector::new(structure),
-            prover: Prover::new(mechanism, structure).up_to_jumps(),
+            system,
+            actuation,
+            corrector: Corrector::new(system),
+            prover: Prover::new(system, actuation).up_to_jumps(),
             instants: Vec::new(),
             samples: Vec::new(),
             stretches: Vec::new(),
@@ -224,8 +221,8 @@ impl<'m> Motion<'m> {
         let share = (time - a.time) / (b.time - a.time);
         let pairs = a.coordinates.iter().zip(&b.coordinates);
         let mut coordinates: Vec<f64> = pairs.map(|(p, q)| p + share * (q - p)).collect();
-        let n = self.mechanism.unknowns.len();
-        coordinates[n..].copy_from_slice(&self.mechanism.inputs_at(time));
+        let n = self.system.mechanism().unknowns.len();
+        coordinates[n..].copy_from_slice(&self.actuation.inputs_at(time));
         self.closed(time, coordinates)
     }
 
@@ -234,20 +231,15 @@ impl<'m> Motion<'m> {
         let closed = finite
             && self
                 .corrector
-                .correct(
-                    self.mechanism,
-                    self.structure,
-                    &mut coordinates,
-                    Pace::Brisk,
-                )
+                .correct(self.system, &mut coordinates, Pace::Brisk)
                 .converged;
         if !closed {
             return None;
         }
         self.instants.push(Instant {
             time,
-            bodies: body_poses(self.mechanism, &coordinates),
-            arguments: self.mechanism.argument_values(&coordinates),
+            bodies: body_poses(self.system.mechanism(), &coordinates),
+            arguments: self.system.mechanism().argument_values(&coordinates),
             coordinates,
         });
         Some(self.instants.len() - 1)
@@ -263,9 +255,9 @@ impl<'m> Motion<'m> {
                 self.between(a, b, time)
             }
             Way::Proved(tube) => {
-                let count = self.mechanism.unknowns.len();
+                let count = self.system.mechanism().unknowns.len();
                 let mut coordinates: Vec<f64> = (0..count).map(|k| tube.centre(k, time)).collect();
-                coordinates.extend(self.mechanism.inputs_at(time));
+                coordinates.extend(self.actuation.inputs_at(time));
                 self.closed(time, coordinates)
             }
         }

@@ -115,7 +115,7 @@ impl<'a> PairSweep<'a> {
         let order = |pair: [usize; 2]| if swap { [pair[1], pair[0]] } else { pair };
         let bodies = order(bodies);
         let hulls = if swap { [hulls[1], hulls[0]] } else { hulls };
-        let chain = |k: usize| &motion.mechanism.bodies[bodies[k]].world_from_body;
+        let chain = |k: usize| &motion.system.mechanism().bodies[bodies[k]].world_from_body;
         let is_endless = |e: &Element| matches!(e.core, Core::HalfSpace(_));
         let back = hulls[1].elements.iter().any(is_endless);
         Self {
@@ -125,7 +125,7 @@ impl<'a> PairSweep<'a> {
             back: back.then(|| RelativeChain::new(chain(1), chain(0))),
             tolerance,
             threshold: threshold.abs(),
-            least_scale: SMALLEST_SCALE * motion.mechanism.size,
+            least_scale: SMALLEST_SCALE * motion.system.mechanism().size,
         }
     }
 
@@ -157,7 +157,7 @@ impl<'a> PairSweep<'a> {
         for &instant in instants {
             let least = best.as_ref().map(|b| b.found.proximity.distance);
             let limit = match (&distances, least) {
-                (None, Some(least)) => least - POSE_SLACK * motion.mechanism.size,
+                (None, Some(least)) => least - POSE_SLACK * motion.system.mechanism().size,
                 _ => f64::INFINITY,
             };
             let Some(found) = track.at(&self.relative(motion, instant), limit) else {
@@ -244,7 +244,7 @@ impl<'a> PairSweep<'a> {
         }
         let least = self.least(motion, &best, bound, is_certified, is_refined)?;
         Some(Least {
-            bound: bound.min(least.distance) - POSE_SLACK * motion.mechanism.size,
+            bound: bound.min(least.distance) - POSE_SLACK * motion.system.mechanism().size,
             // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
             is_certified: is_certified && least.distance > 0.0 && motion.gaps.is_empty(),
             ..least

@@ -16,6 +16,15 @@ pub struct Track {
     pub to: Vec<f64>,
 }
 
+/// Everything that is measured of a motion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// Poses beside the drive.
+    pub tracks: Vec<Track>,
+    /// Scalars of the whole motion, in the order of the scene.
+    pub list: Vec<Measure>,
+}
+
 /// How one number is made of a row of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taking {

@@ -1,9 +1,7 @@
 //! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names only for people.
 
 use super::chain::{Argument, ArgumentValue, Chain};
-use super::drive::Drive;
 use super::expression::Expression;
-use super::measure::{Measure, Track};
 use super::shape::Shape;
 use glam::DVec3;
 
@@ -128,12 +126,8 @@ pub struct Mechanism {
     pub angle_unit: AngleUnit,
     /// What the loops determine.
     pub unknowns: Vec<Coordinate>,
-    /// Start values of the unknowns.
-    pub guess: Vec<f64>,
     /// What is driven.
     pub inputs: Vec<Coordinate>,
-    /// Motion of each input.
-    pub drives: Vec<Drive>,
     /// Arguments of all joints. Slots: unknowns, then inputs.
     pub arguments: Vec<Argument>,
     /// Chains that must be the identity.
@@ -148,27 +142,16 @@ pub struct Mechanism {
     pub traces: Vec<Trace>,
     /// Named scalars.
     pub outputs: Vec<Output>,
-    /// Poses beside the drive.
-    pub tracks: Vec<Track>,
-    /// Scalars of the whole motion.
-    pub measures: Vec<Measure>,
     /// Characteristic length: what residuals and unknown lengths are measured against.
     pub size: f64,
     /// What plain numbers among the unknowns amount to, by unknown; empty where each counts as one.
     pub magnitudes: Vec<f64>,
-    /// Length of the drive in seconds.
-    pub duration: f64,
 }
 
 impl Mechanism {
     /// Number of coordinates: unknowns and inputs.
     pub fn coordinate_count(&self) -> usize {
         self.unknowns.len() + self.inputs.len()
-    }
-
-    /// Values of the inputs at `time`.
-    pub fn inputs_at(&self, time: f64) -> Vec<f64> {
-        self.drives.iter().map(|drive| drive.value(time)).collect()
     }
 
     /// Values of all arguments at the given coordinates (unknowns, then inputs).

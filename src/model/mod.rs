@@ -1,5 +1,6 @@
 //! The mechanism as resolved: immutable, without names to look up or units to convert.
 
+pub mod actuation;
 pub mod camera_path;
 pub mod chain;
 pub mod clearance;

@@ -6,7 +6,8 @@ use super::gaps::{leave_out_outliers, shades, short};
 use super::scale::ScaleKind;
 use crate::kinematics::motion::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::rates::higher_order::{By, observed_slots, rates};
-use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate};
@@ -17,18 +18,18 @@ use std::f64::consts::PI;
 const MOST_DEFAULT_CURVES: usize = 12;
 
 /// Charts `plots` of `trajectory`.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
 pub fn chart(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     plots: &[Plot],
     trajectory: &Trajectory,
-) -> Result<Chart, StructureError> {
+) -> Chart {
+    let mechanism = system.mechanism();
     let mut motion = Motion {
         mechanism,
+        system,
+        actuation,
         trajectory,
-        structure: crate::kinematics::freedoms::analysis::analyse(mechanism)?,
         slots: slots(mechanism, trajectory),
         series: Vec::new(),
     };
@@ -56,12 +57,12 @@ pub fn chart(
         panels.join("; "),
         trajectory.samples.len()
     );
-    Ok(chart)
+    chart
 }
 
 /// What is plotted of a scene that says nothing about it: its outputs, else its traced points, else its unknowns,
 /// against its only moving input if that goes one way, else against time.
-pub fn default_plot(mechanism: &Mechanism) -> Plot {
+pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
     let slot = |slot: usize, label: &str, kind: Kind| Curve {
         label: label.to_owned(),
         unit: match kind {
@@ -95,7 +96,7 @@ pub fn default_plot(mechanism: &Mechanism) -> Plot {
         y = unknowns.map(|(k, c)| slot(k, &c.name, c.kind)).collect();
     }
     y.truncate(MOST_DEFAULT_CURVES);
-    let x = match lone_input(mechanism) {
+    let x = match lone_input(actuation) {
         Some(k) => {
             let input = &mechanism.inputs[k];
             Abscissa::Quantity(slot(mechanism.unknowns.len() + k, &input.name, input.kind))
@@ -113,15 +114,15 @@ pub fn default_plot(mechanism: &Mechanism) -> Plot {
 }
 
 /// The only input that moves, if it never turns back.
-fn lone_input(mechanism: &Mechanism) -> Option<usize> {
+fn lone_input(actuation: &Actuation) -> Option<usize> {
     const LOOKS: usize = 240;
-    let moving: Vec<usize> = (0..mechanism.drives.len())
-        .filter(|k| !mechanism.drives[*k].is_constant())
+    let moving: Vec<usize> = (0..actuation.drives.len())
+        .filter(|k| !actuation.drives[*k].is_constant())
         .collect();
     let [only] = moving.as_slice() else {
         return None;
     };
-    let at = |k: usize| mechanism.drives[*only].value(mechanism.duration * k as f64 / LOOKS as f64);
+    let at = |k: usize| actuation.drives[*only].value(actuation.duration * k as f64 / LOOKS as f64);
     let steps: Vec<f64> = (0..LOOKS).map(|k| at(k + 1) - at(k)).collect();
     let one_way = steps.iter().all(|s| *s >= 0.0) || steps.iter().all(|s| *s <= 0.0);
     one_way.then_some(*only)
@@ -147,8 +148,9 @@ type SeriesOfSamples = Vec<Option<Vec<Taylor>>>;
 /// A trajectory and what has been computed of it.
 struct Motion<'a> {
     mechanism: &'a Mechanism,
+    system: &'a System,
+    actuation: &'a Actuation,
     trajectory: &'a Trajectory,
-    structure: Structure,
     slots: Vec<Option<Vec<f64>>>,
     series: Vec<(Rate, SeriesOfSamples)>,
 }
@@ -274,7 +276,8 @@ impl Motion<'_> {
         if let Some(known) = self.series.iter().position(|(r, _)| *r == rate) {
             return &self.series[known].1;
         }
-        let (mechanism, structure) = (self.mechanism, &self.structure);
+        let system = self.system;
+        let mechanism = system.mechanism();
         let by = match rate.per {
             Per::Time => By::Time,
             Per::Input(k) => By::Input(k),
@@ -282,8 +285,8 @@ impl Motion<'_> {
         let of = |sample: &Sample| {
             let pose = sample.pose.as_ref()?;
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-            let inputs = by.inputs(mechanism, &sample.inputs, sample.time, rate.order);
-            let series = rates(mechanism, structure, &coordinates, &inputs, rate.order)?;
+            let inputs = by.inputs(self.actuation, &sample.inputs, sample.time, rate.order);
+            let series = rates(system, &coordinates, &inputs, rate.order)?;
             Some(observed_slots(mechanism, &series, rate.order))
         };
         let all = self.trajectory.samples.iter().map(of).collect();

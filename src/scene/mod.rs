@@ -18,13 +18,16 @@ pub mod values;
 pub mod views;
 
 use crate::diag::{Diagnostics, SceneError, Source};
+use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
 use crate::model::drive::Drive;
+use crate::model::measure::Measures;
 use crate::model::mechanism::Mechanism;
 use crate::model::plot::Plot;
 use crate::model::study::Study;
 use crate::model::view::View;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A scene ready to be solved and drawn.
 #[derive(Clone, Debug)]
@@ -32,7 +35,11 @@ pub struct Scene {
     /// One line for lists.
     pub description: String,
     /// The mechanism.
-    pub mechanism: Mechanism,
+    pub mechanism: Arc<Mechanism>,
+    /// What drives it, and where the search for a first pose starts.
+    pub actuation: Actuation,
+    /// What is measured of its motion.
+    pub measures: Measures,
     /// How it wants to be seen.
     pub view: View,
     /// Which clearances it asks for, if any.
@@ -62,6 +69,8 @@ pub struct Overrides {
     pub folder: PathBuf,
     /// Parameters that are to be inputs, behind the scene's own: what a study varies.
     pub vary: Vec<String>,
+    /// Characteristic length in place of the mechanism's own: what a study compares with its scene keeps the scene's.
+    pub size: Option<f64>,
     /// `--inputs`: other drives of the scene's own inputs.
     pub drives: Option<OtherDrives>,
 }
@@ -99,14 +108,19 @@ pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError>
     }
     resolve::apply_overrides(&mut file, overrides, &mut diagnostics);
     let vary = &overrides.vary;
-    let scene = resolve::resolve(&file, &overrides.folder, vary, &mut diagnostics);
+    let scene = resolve::resolve(
+        &file,
+        &overrides.folder,
+        vary,
+        overrides.size,
+        &mut diagnostics,
+    );
     match scene {
         Some(mut scene) if !diagnostics.has_errors() => {
             scene.warnings = diagnostics;
             if let Some(other) = &overrides.drives {
-                let mechanism = &mut scene.mechanism;
-                mechanism.duration = other.duration;
-                let own = mechanism.drives.iter_mut().zip(&other.drives);
+                scene.actuation.duration = other.duration;
+                let own = scene.actuation.drives.iter_mut().zip(&other.drives);
                 own.for_each(|(drive, other)| *drive = other.clone());
             }
             Ok(scene)

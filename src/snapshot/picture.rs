@@ -6,6 +6,7 @@ use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::kinematics::structure::block::StructureError;
+use crate::kinematics::structure::system::System;
 use crate::render::cpu::CpuRenderer;
 use crate::render::overlay::Overlay;
 
@@ -61,7 +62,8 @@ pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
 pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaImage, DrawError> {
     let scene = scene(picture, folder)?;
     let (times, index) = times(&scene, picture.instant)?;
-    let trajectory = solve(&scene.mechanism, &times)?;
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+    let trajectory = solve(&system, &scene.actuation, &times);
     let options = PictureOptions {
         size: picture.size,
         samples: picture.samples,
@@ -134,8 +136,8 @@ fn scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
 
 /// The times that are solved, as `render` does: the whole motion frames the picture and leads to its branch.
 fn times(scene: &Scene, instant: Instant) -> Result<(Vec<f64>, usize), DrawError> {
-    let duration = scene.mechanism.duration;
-    let mut times = frame_times(&scene.mechanism, scene.view.fps);
+    let duration = scene.actuation.duration;
+    let mut times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
     match instant {
         Instant::Frame(index) if index < times.len() => Ok((times, index)),
         Instant::Frame(index) => {

@@ -50,7 +50,7 @@ impl DecorParts {
             axes: AxisSigns::new(decor.axes, extent, meshes),
             traces: Vec::new(),
             arrows: None,
-            ghosts: ghosts::samples(&decor.ghosts, trajectory, mechanism.duration),
+            ghosts: ghosts::samples(&decor.ghosts, trajectory, scene.actuation.duration),
         }
     }
 
@@ -67,7 +67,7 @@ impl DecorParts {
             background: view.background,
             pixel,
         };
-        self.traces = trails::of_traces(mechanism, trajectory, look, meshes);
+        self.traces = trails::of_traces(scene, trajectory, look, meshes);
         let traces = &mechanism.traces;
         let sizes = [self.extent, pixel];
         self.arrows = Arrows::new(traces, trajectory, &view.decor, sizes, meshes);

@@ -169,8 +169,10 @@ mod tests {
     use super::*;
     use crate::kinematics::motion::continuation::solve;
     use crate::kinematics::motion::sampling::even_times;
+    use crate::kinematics::structure::system::System;
     use crate::scene::{Overrides, builtin, load};
     use crate::staging::joints;
+    use std::sync::Arc;
 
     #[test]
     fn a_sign_stands_where_two_solids_meet() {
@@ -191,8 +193,11 @@ mod tests {
     #[test]
     fn signs_stand_on_the_bodies_that_the_joint_connects() {
         let source = builtin::find("rsrrr").unwrap();
-        let mechanism = load(&source, &Overrides::default()).unwrap().mechanism;
-        let trajectory = solve(&mechanism, &even_times(&mechanism, 9)).unwrap();
+        let scene = load(&source, &Overrides::default()).unwrap();
+        let (mechanism, actuation) = (scene.mechanism, &scene.actuation);
+        let system = System::new(Arc::clone(&mechanism), actuation).unwrap();
+        let times = even_times(&mechanism, actuation, 9);
+        let trajectory = solve(&system, actuation, &times);
         let samples = trajectory.samples.iter();
         let closed = samples.filter_map(|s| Some((s, s.pose.as_ref()?)));
         let values: Vec<Vec<ArgumentValue>> = closed

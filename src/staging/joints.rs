@@ -214,14 +214,18 @@ fn rotations(steps: &[Step], at: usize, bodies: &[&Chain]) -> (JointKind, usize)
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
+    use crate::kinematics::motion::continuation::solve;
+    use crate::kinematics::structure::system::System;
     use crate::scene::{Overrides, builtin, load};
+    use std::sync::Arc;
 
     fn kinds(scene: &str) -> Vec<JointKind> {
         let source = builtin::find(scene).unwrap();
         let scene = load(&source, &Overrides::default()).unwrap();
         let mechanism = &scene.mechanism;
         // Two ways to a joint meet only where the loops are closed.
-        let trajectory = crate::kinematics::motion::continuation::solve(mechanism, &[0.0]).unwrap();
+        let system = System::new(Arc::clone(mechanism), &scene.actuation).unwrap();
+        let trajectory = solve(&system, &scene.actuation, &[0.0]);
         let sample = &trajectory.samples[0];
         let pose = sample.pose.as_ref().unwrap();
         let found = find(mechanism, &arguments(mechanism, sample, pose));

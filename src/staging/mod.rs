@@ -93,7 +93,7 @@ impl<'a> Staging<'a> {
         let mut decor = DecorParts::before_camera(moving, (&mut bounds, up), &mut meshes);
         let aspect = aspect(options);
         let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
-        let duration = scene.mechanism.duration;
+        let duration = scene.actuation.duration;
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let ground = ground(view, &bounds, up);
         let pixel = parts::pixel_size(cameras.all(), options.size, &bounds);

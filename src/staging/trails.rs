@@ -5,9 +5,9 @@ use crate::geometry::trace::trace_mesh;
 use crate::kinematics::motion::sampling::is_cyclic;
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::math::Pose;
-use crate::model::mechanism::Mechanism;
 use crate::model::view::Trails;
 use crate::render::Instance;
+use crate::scene::Scene;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -116,22 +116,24 @@ pub struct TrailLook {
 
 /// One part per trace that is to be seen.
 pub fn of_traces(
-    mechanism: &Mechanism,
+    scene: &Scene,
     trajectory: &Trajectory,
     look: TrailLook,
     meshes: &mut Vec<Mesh>,
 ) -> Vec<TracePart> {
+    let mechanism = &scene.mechanism;
     let count = trajectory.samples.len();
     let fading = match look.trails {
         Trails::None => return Vec::new(),
         Trails::Full => None,
         Trails::Fading(seconds) => {
-            let share = seconds.map_or(LENGTH, |s| s / mechanism.duration);
+            let share = seconds.map_or(LENGTH, |s| s / scene.actuation.duration);
             Some(((share * count as f64) as usize).clamp(SHADES.min(count), count))
         }
     };
     let complete = trajectory.samples.iter().all(|s| s.pose.is_some());
-    let closed = fading.is_some() && complete && count > 2 && is_cyclic(mechanism);
+    let closed =
+        fading.is_some() && complete && count > 2 && is_cyclic(mechanism, &scene.actuation);
     let mut parts = Vec::new();
     for (index, trace) in mechanism.traces.iter().enumerate() {
         let radius = trace.radius.unwrap_or(TRACE_RADIUS_PIXELS * look.pixel);

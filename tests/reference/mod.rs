@@ -4,26 +4,28 @@
 
 pub mod scenes;
 
+use crate::driven::Model;
 use mechanim::diag::Source;
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::mechanism::Mechanism;
+
 use mechanim::scene::{Overrides, load};
 
 /// The mechanism of a scene, with some of its inputs driven otherwise.
-pub fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Mechanism {
+pub fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Model {
     let pairs = inputs.iter().map(|(n, v)| (n.to_string(), v.to_string()));
     let overrides = Overrides {
         inputs: pairs.collect(),
         ..Overrides::default()
     };
     let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    scene.mechanism
+    scene.into()
 }
 
 /// Drives the inputs by the columns of a table that bear their names; returns the times of the rows.
-pub fn drive_by_rows(mechanism: &mut Mechanism, table: &Table) -> Vec<f64> {
+pub fn drive_by_rows(mechanism: &mut Model, table: &Table) -> Vec<f64> {
     let times: Vec<f64> = (0..table.len()).map(|k| k as f64).collect();
-    mechanism.drives = mechanism
+    mechanism.actuation.drives = mechanism
         .inputs
         .iter()
         .map(|input| Drive::Keys {
@@ -32,7 +34,7 @@ pub fn drive_by_rows(mechanism: &mut Mechanism, table: &Table) -> Vec<f64> {
             ease: Ease::Linear,
         })
         .collect();
-    mechanism.duration = times[times.len() - 1];
+    mechanism.actuation.duration = times[times.len() - 1];
     times
 }
 
@@ -87,7 +89,7 @@ impl Table {
 }
 
 /// The mechanism of `tests/hard/NAME.toml` with some parameters, inputs or start values replaced.
-pub fn hard(name: &str, changes: &[(&str, &str, &str)]) -> Mechanism {
+pub fn hard(name: &str, changes: &[(&str, &str, &str)]) -> Model {
     let path = format!("{}/tests/hard/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
     let source = Source {
@@ -107,7 +109,7 @@ pub fn hard(name: &str, changes: &[(&str, &str, &str)]) -> Mechanism {
         ..Overrides::default()
     };
     let scene = load(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
-    scene.mechanism
+    scene.into()
 }
 
 /// Index of an unknown.

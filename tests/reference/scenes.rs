@@ -1,12 +1,13 @@
 //! Built-in and written scenes for tests, and the values of their poses by name.
 
+use crate::driven::Model;
 use mechanim::diag::Source;
 use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
-use mechanim::model::mechanism::Mechanism;
+
 use mechanim::scene::{Overrides, builtin, load};
 
 /// A built-in scene with some parameters and start values of its own.
-pub fn scene(name: &str, parameters: &[(&str, &str)], guess: &[(&str, &str)]) -> Mechanism {
+pub fn scene(name: &str, parameters: &[(&str, &str)], guess: &[(&str, &str)]) -> Model {
     let pairs = |list: &[(&str, &str)]| -> Vec<(String, String)> {
         let owned = list.iter().map(|(n, v)| (n.to_string(), v.to_string()));
         owned.collect()
@@ -17,25 +18,21 @@ pub fn scene(name: &str, parameters: &[(&str, &str)], guess: &[(&str, &str)]) ->
         ..Overrides::default()
     };
     let loaded = load(&builtin::find(name).unwrap(), &overrides);
-    loaded
-        .unwrap_or_else(|e| panic!("{name}: {:#?}", e.diagnostics))
-        .mechanism
+    Model::from(loaded.unwrap_or_else(|e| panic!("{name}: {:#?}", e.diagnostics)))
 }
 
 /// The scene of a text.
-pub fn written(text: &str) -> Mechanism {
+pub fn written(text: &str) -> Model {
     let source = Source {
         name: "test".to_owned(),
         text: text.to_owned(),
     };
     let loaded = load(&source, &Overrides::default());
-    loaded
-        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
-        .mechanism
+    Model::from(loaded.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 
 /// An unknown or output by its name, in the file's units.
-pub fn value(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
+pub fn value(mechanism: &Model, pose: &ClosedPose, name: &str) -> f64 {
     if let Some(k) = mechanism.unknowns.iter().position(|c| c.name == name) {
         return pose.unknowns[k] * mechanism.file_units(mechanism.unknowns[k].kind);
     }

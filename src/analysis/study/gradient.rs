@@ -82,7 +82,7 @@ impl Evaluator<'_> {
     /// # Errors
     /// A measure without a value or derivative (names it), or a singular pose.
     pub fn gradients(&self, stand: &Stand) -> Result<Gradients, Rejection> {
-        let mechanism = &self.family.mechanism;
+        let list = &self.family.measures.list;
         let (own, count) = (self.family.own_inputs(), stand.values.len());
         let shown = self.shown(stand);
         let (numbers, reductions) = self.numbers(stand, &shown);
@@ -90,7 +90,7 @@ impl Evaluator<'_> {
         // Derivatives of the slots of the measures' formulas: inputs, then measures.
         let mut rows = vec![vec![0.0; count]; own + count];
         (0..count).for_each(|k| rows[own + k][k] = 1.0);
-        for (measure, reduced) in mechanism.measures.iter().zip(&reductions) {
+        for (measure, reduced) in list.iter().zip(&reductions) {
             let mut row = vec![0.0; count];
             match (&measure.source, reduced) {
                 (MeasureSource::Formula(formula), _) => chain(formula, &numbers, &rows, &mut row),
@@ -108,9 +108,9 @@ impl Evaluator<'_> {
             }
             rows.push(row);
         }
-        let first = mechanism.inputs.len();
+        let first = self.family.mechanism().inputs.len();
         let (measures, rows) = (numbers[first..].to_vec(), rows.split_off(first));
-        for (index, measure) in mechanism.measures.iter().enumerate() {
+        for (index, measure) in list.iter().enumerate() {
             let finite = measures[index].is_finite() && rows[index].iter().all(|v| v.is_finite());
             if !finite {
                 return Err(Rejection::NoValue(measure.name.clone()));
@@ -133,7 +133,7 @@ impl Evaluator<'_> {
                 settled.sensitivities().unwrap_or_default()
             }
         };
-        let mechanism = &self.family.mechanism;
+        let mechanism = self.family.mechanism();
         let count = stand.values.len();
         let work = |first: usize, poses: &[Vec<f64>]| -> Vec<Option<Changes>> {
             let poses = poses.iter().enumerate().map(|(k, pose)| (first + k, pose));
@@ -183,8 +183,7 @@ impl Evaluator<'_> {
                 mixed: Vec::new(),
             });
         }
-        let series =
-            |moving: &[usize]| along(&family.mechanism, &family.structure, pose, moving, 2);
+        let series = |moving: &[usize]| along(family.system(), pose, moving, 2);
         let variables: Option<Vec<_>> = (0..count).map(|k| series(&[first + k])).collect();
         let mixed: Option<Vec<Mixed>> = inputs
             .into_iter()

@@ -64,11 +64,11 @@ impl Evaluator<'_> {
 
     fn shown_at(&self, index: usize, pose: &[f64]) -> Shown {
         let family = self.family;
-        let (mechanism, structure) = (&family.mechanism, &family.structure);
+        let system = family.system();
         let inputs = self.derived_by(index);
-        let series = |input: usize| (input, along(mechanism, structure, pose, &[input], 1));
+        let series = |input: usize| (input, along(system, pose, &[input], 1));
         Shown {
-            slots: slots(mechanism, pose),
+            slots: slots(system.mechanism(), pose),
             along: inputs.into_iter().map(series).collect(),
         }
     }
@@ -76,7 +76,7 @@ impl Evaluator<'_> {
     /// Inputs by which measures derive at pose `index`.
     pub(super) fn derived_by(&self, index: usize) -> Vec<usize> {
         let mut inputs = Vec::new();
-        for measure in &self.family.mechanism.measures {
+        for measure in &self.family.measures.list {
             if let MeasureSource::Over {
                 track,
                 per: Some(input),
@@ -93,7 +93,7 @@ impl Evaluator<'_> {
 
     /// Whether any measure derives by an input.
     pub(super) fn derives_by_inputs(&self) -> bool {
-        let measures = self.family.mechanism.measures.iter();
+        let measures = self.family.measures.list.iter();
         let derives = |m: &Measure| matches!(m.source, MeasureSource::Over { per: Some(_), .. });
         measures.into_iter().any(derives)
     }
@@ -105,10 +105,10 @@ impl Evaluator<'_> {
     pub fn measure(&self, stand: &Stand) -> Result<Measured, Rejection> {
         let shown = self.shown(stand);
         let (numbers, _) = self.numbers(stand, &shown);
-        let measures = numbers[self.family.mechanism.inputs.len()..].to_vec();
+        let measures = numbers[self.family.mechanism().inputs.len()..].to_vec();
         match measures.iter().position(|v| !v.is_finite()) {
             Some(bad) => {
-                let name = self.family.mechanism.measures[bad].name.clone();
+                let name = self.family.measures.list[bad].name.clone();
                 Err(Rejection::NoValue(name))
             }
             None => Ok(Measured { measures }),
@@ -117,7 +117,7 @@ impl Evaluator<'_> {
 
     /// Why the measure called `name` has no value at a stand: which operation, at which pose.
     pub fn why(&self, stand: &Stand, name: &str) -> String {
-        let (measures, shown) = (&self.family.mechanism.measures, self.shown(stand));
+        let (measures, shown) = (&self.family.measures.list, self.shown(stand));
         let (numbers, _) = self.numbers(stand, &shown);
         let source = measures.iter().find(|m| m.name == name).map(|m| &m.source);
         let fault = match source {
@@ -141,13 +141,12 @@ impl Evaluator<'_> {
         stand: &Stand,
         shown: &[Shown],
     ) -> (Vec<f64>, Vec<Option<Reduced>>) {
-        let mechanism = &self.family.mechanism;
-        let mut numbers = mechanism.inputs_at(0.0);
+        let mut numbers = self.family.actuation.inputs_at(0.0);
         let own = self.family.own_inputs();
         numbers[own..].copy_from_slice(&stand.values);
         let mut scratch = Vec::new();
-        let mut reductions = Vec::with_capacity(mechanism.measures.len());
-        for measure in &mechanism.measures {
+        let mut reductions = Vec::with_capacity(self.family.measures.list.len());
+        for measure in &self.family.measures.list {
             let (value, reduced) = match &measure.source {
                 MeasureSource::Formula(formula) => {
                     (formula.value_with(&numbers, &mut scratch), None)

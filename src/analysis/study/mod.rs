@@ -17,10 +17,12 @@ use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::motion::continuation::{solve, solve_whole};
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::motion::trajectory::Sample;
-use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::kinematics::structure::block::StructureError;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::expression::Expression;
-use crate::model::measure::{Measure, MeasureSource};
+use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::Mechanism;
 use crate::model::study::Study;
 use crate::scene::{Overrides, load};
@@ -30,6 +32,7 @@ pub use measure::Measured;
 pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, Search, Watch};
 pub use stand::{Evaluator, Rejection, Stand};
+use std::sync::Arc;
 
 /// Poses at which measures along the drive itself are taken in a study.
 const DRIVE_SAMPLES: usize = 180;
@@ -37,11 +40,14 @@ const DRIVE_SAMPLES: usize = 180;
 /// A mechanism whose last inputs are the variables of its study.
 #[derive(Clone, Debug)]
 pub struct Family {
-    /// The mechanism; traced points have frames of their own in it, bodies are as in the file.
-    pub mechanism: Mechanism,
+    /// Traced points have frames of their own in its mechanism, bodies are as in the file.
+    system: Arc<System>,
+    /// The scene's drives; the variables rest.
+    pub actuation: Actuation,
+    /// What is measured.
+    pub measures: Measures,
     /// What is varied and asked.
     pub study: Study,
-    structure: Structure,
     /// Number of poses of every track, and of the drive behind them if a measure looks along it.
     counts: Vec<usize>,
 }
@@ -115,39 +121,50 @@ impl Family {
         }
         let overrides = Overrides {
             vary: names,
+            // Fixed offsets become joints of this mechanism; its residuals keep their scale.
+            size: Some(nominal.mechanism.size),
             ..overrides.clone()
         };
         let scene = load(source, &overrides).map_err(Box::new)?;
-        let mut mechanism = scene.mechanism;
-        // Fixed offsets became joints of this mechanism; its residuals keep their scale.
-        mechanism.size = nominal.mechanism.size;
-        let structure = crate::kinematics::freedoms::analysis::analyse(&mechanism)?;
+        let system = System::new(scene.mechanism, &scene.actuation)?;
+        let mut measures = scene.measures;
         let study = scene.study.unwrap_or_default();
         for (index, [min, max]) in &study.limits {
-            let measure = &mut mechanism.measures[*index];
+            let measure = &mut measures.list[*index];
             measure.min = min.or(measure.min);
             measure.max = max.or(measure.max);
         }
-        if mechanism.measures.is_empty() {
+        if measures.list.is_empty() {
             let message = "the scene has no `[measures]`: a study asks what becomes of them";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
-        let mut counts: Vec<usize> = mechanism.tracks.iter().map(|t| t.samples).collect();
+        let mut counts: Vec<usize> = measures.tracks.iter().map(|t| t.samples).collect();
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
-        if mechanism.measures.iter().any(along_drive) {
+        if measures.list.iter().any(along_drive) {
             counts.push(DRIVE_SAMPLES);
         }
         Ok(Self {
-            mechanism,
+            system: Arc::new(system),
+            actuation: scene.actuation,
+            measures,
             study,
-            structure,
             counts,
         })
     }
 
+    /// The mechanism with its variables as inputs, ready to be solved.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// The mechanism with its variables as inputs.
+    pub fn mechanism(&self) -> &Mechanism {
+        self.system.mechanism()
+    }
+
     /// Number of the scene's own inputs; the variables follow them.
     pub fn own_inputs(&self) -> usize {
-        self.mechanism.inputs.len() - self.study.variables.len()
+        self.mechanism().inputs.len() - self.study.variables.len()
     }
 
     /// The file's values of the variables.
@@ -160,9 +177,9 @@ impl Family {
         let mut family = self.clone();
         let first = self.own_inputs();
         for (k, value) in values.iter().enumerate() {
-            family.mechanism.drives[first + k] = Drive::Formula(Expression::constant(*value));
+            family.actuation.drives[first + k] = Drive::Formula(Expression::constant(*value));
             family.study.variables[k].start = *value;
-            for track in &mut family.mechanism.tracks {
+            for track in &mut family.measures.tracks {
                 (track.from[first + k], track.to[first + k]) = (*value, *value);
             }
         }
@@ -172,7 +189,7 @@ impl Family {
     /// The same family with so many steps on its tracks for each of its own.
     pub fn with_finer_tracks(&self, times: usize) -> Self {
         let mut family = self.clone();
-        let tracks = family.mechanism.tracks.iter_mut();
+        let tracks = family.measures.tracks.iter_mut();
         for (track, count) in tracks.zip(&mut family.counts) {
             *count = times * (*count - 1) + 1;
             track.samples = *count;
@@ -187,11 +204,11 @@ impl Family {
     pub fn nominal(&self) -> Result<Nominal, FamilyError> {
         let mut nominal = Nominal::default();
         for row in 0..self.counts.len() {
-            let samples = match self.mechanism.tracks.get(row) {
-                Some(track) => poses_of(&self.mechanism, track)?,
+            let samples = match self.measures.tracks.get(row) {
+                Some(track) => poses_of(&self.system, &self.actuation, track),
                 None => {
-                    let times = even_times(&self.mechanism, DRIVE_SAMPLES);
-                    solve(&self.mechanism, &times)?.of_one_motion()
+                    let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
+                    solve(&self.system, &self.actuation, &times).of_one_motion()
                 }
             };
             self.add_samples(row, &samples, &mut nominal)?;
@@ -201,8 +218,8 @@ impl Family {
 
     /// The same family with the pose at the start of its drive as start values; `None` where there is none.
     pub fn assembled(mut self) -> Option<Self> {
-        let start = solve_whole(&self.mechanism, &self.structure, &[0.0])?;
-        self.mechanism.guess = start.samples.into_iter().next()?.pose?.unknowns;
+        let start = solve_whole(&self.system, &self.actuation, &[0.0])?;
+        self.actuation.guess = start.samples.into_iter().next()?.pose?.unknowns;
         Some(self)
     }
 
@@ -210,14 +227,14 @@ impl Family {
     pub fn whole_motion(&self) -> Option<Vec<Vec<f64>>> {
         let mut poses = Vec::new();
         for row in 0..self.counts.len() {
-            let (samples, skipped) = match self.mechanism.tracks.get(row) {
+            let (samples, skipped) = match self.measures.tracks.get(row) {
                 Some(track) => {
-                    let (moved, times) = driven_along(&self.mechanism, track);
-                    (solve_whole(&moved, &self.structure, &times)?.samples, 1)
+                    let (moved, times) = driven_along(&self.actuation, track);
+                    (solve_whole(&self.system, &moved, &times)?.samples, 1)
                 }
                 None => {
-                    let times = even_times(&self.mechanism, DRIVE_SAMPLES);
-                    let motion = solve_whole(&self.mechanism, &self.structure, &times)?;
+                    let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
+                    let motion = solve_whole(&self.system, &self.actuation, &times)?;
                     (motion.samples, 0)
                 }
             };
@@ -259,10 +276,10 @@ impl Family {
 
     /// Where traced point `trace` is in the world at the `poses` of a stand.
     pub fn path(&self, stand: &Stand, poses: std::ops::Range<usize>, trace: usize) -> Vec<DVec3> {
-        let trace = &self.mechanism.traces[trace];
-        let chain = &self.mechanism.bodies[trace.body].world_from_body;
+        let trace = &self.mechanism().traces[trace];
+        let chain = &self.mechanism().bodies[trace.body].world_from_body;
         let place = |pose: &Vec<f64>| {
-            let arguments = self.mechanism.argument_values(pose);
+            let arguments = self.mechanism().argument_values(pose);
             chain.pose(&arguments).transform_point(trace.point)
         };
         stand.poses[poses].iter().map(place).collect()
@@ -270,13 +287,13 @@ impl Family {
 
     /// Name of a track, or of the drive behind them.
     fn row_name(&self, row: usize) -> String {
-        let track = self.mechanism.tracks.get(row);
+        let track = self.measures.tracks.get(row);
         track.map_or_else(|| "the drive".to_owned(), |t| t.name.clone())
     }
 
     /// Which of all poses belong to a track, or to the drive.
     fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
-        let row = track.unwrap_or(self.mechanism.tracks.len());
+        let row = track.unwrap_or(self.measures.tracks.len());
         let start: usize = self.counts[..row].iter().sum();
         start..start + self.counts[row]
     }

@@ -203,7 +203,7 @@ pub fn verify(
     let measures = measured
         .map_err(|r| FamilyError::Lacks(r.to_string()))?
         .measures;
-    let pairs = family.mechanism.measures.iter().zip(&measures);
+    let pairs = family.measures.list.iter().zip(&measures);
     let violations = pairs.map(|(m, value)| m.violation(*value));
     let violation = violations.fold(f64::NEG_INFINITY, f64::max);
     Ok(Verified {

@@ -50,7 +50,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         start: Stand,
         watch: Box<Watch<'w>>,
     ) -> Result<Self, FamilyError> {
-        let measures = &family.mechanism.measures;
+        let measures = &family.measures.list;
         let objective = family.study.objective.map(|index| &measures[index]);
         let peaks = objective.and_then(|m| Rows::of(family, m));
         let Some(peaks) = peaks.filter(|rows| rows.signs[0] > 0.0) else {
@@ -122,8 +122,8 @@ impl<'f, 'w> Peaks<'f, 'w> {
     /// Unknowns at the start of the drive at that point, where a track has this pose.
     pub fn unknowns_at_start(&self) -> Option<Vec<f64>> {
         let family = self.evaluator.family();
-        let (n, own) = (family.mechanism.unknowns.len(), family.own_inputs());
-        let start = &family.mechanism.inputs_at(0.0)[..own];
+        let (n, own) = (family.mechanism().unknowns.len(), family.own_inputs());
+        let start = &family.actuation.inputs_at(0.0)[..own];
         let mut poses = self.base.poses.iter();
         let pose = poses.find(|pose| &pose[n..n + own] == start)?;
         Some(pose[..n].to_vec())

@@ -77,7 +77,7 @@ impl<'f> Rows<'f> {
 
 /// The number of slots that must be known for a formula, and whether no trace is among those that count.
 fn needs(family: &Family, formula: &Expression) -> (usize, bool) {
-    let mechanism = &family.mechanism;
+    let mechanism = family.mechanism();
     let coordinates = mechanism.coordinate_count();
     let base = coordinates + 3 * mechanism.traces.len();
     let mut slots = formula.slots();
@@ -119,13 +119,13 @@ impl<'f> Reader<'f> {
     fn new(family: &'f Family) -> Self {
         Self {
             family,
-            variation: Variation::new(&family.mechanism, &family.structure),
+            variation: Variation::new(&family.system),
             numbers: Vec::new(),
             gradient: Vec::new(),
             values: Vec::new(),
             adjoints: Vec::new(),
             twofold: Vec::new(),
-            rest: vec![0.0; family.mechanism.coordinate_count()],
+            rest: vec![0.0; family.mechanism().coordinate_count()],
             along: Vec::new(),
             rates: Vec::new(),
         }
@@ -218,7 +218,7 @@ impl<'f> Reader<'f> {
 
     /// Coordinates and outputs; no traces.
     fn fill_numbers(&mut self, rows: &Rows, pose: &[f64]) {
-        let mechanism = &self.family.mechanism;
+        let mechanism = self.family.mechanism();
         self.numbers.clear();
         self.numbers.extend_from_slice(pose);
         if rows.reach <= pose.len() {
@@ -243,7 +243,7 @@ impl<'f> Reader<'f> {
         gradient.resize(numbers.len(), 0.0);
         rows.formula
             .add_gradient(numbers, 1.0, gradient, values, adjoints);
-        let mechanism = &self.family.mechanism;
+        let mechanism = self.family.mechanism();
         let base = pose.len() + 3 * mechanism.traces.len();
         for slot in (base..numbers.len()).rev() {
             let adjoint = gradient[slot];

@@ -102,7 +102,7 @@ impl<'f, 'w> Search<'f, 'w> {
                 } else if width.is_finite() {
                     width
                 } else {
-                    family.mechanism.size
+                    family.mechanism().size
                 }
             })
             .collect()
@@ -110,7 +110,7 @@ impl<'f, 'w> Search<'f, 'w> {
 
     /// Typical sizes of the constraints: the measures' limits.
     pub fn constraint_scales(&self) -> Vec<f64> {
-        let measures = self.evaluator.family().mechanism.measures.iter();
+        let measures = self.evaluator.family().measures.list.iter();
         let size = |bound: f64| if bound == 0.0 { 1.0 } else { bound.abs() };
         measures
             .flat_map(|m| m.max.into_iter().chain(m.min))
@@ -157,14 +157,7 @@ impl Constrained for Search<'_, '_> {
     fn values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
         let (measures, _) = self.look(x, false)?;
         let mut values = vec![measures[self.objective]];
-        for (measure, value) in self
-            .evaluator
-            .family()
-            .mechanism
-            .measures
-            .iter()
-            .zip(&measures)
-        {
+        for (measure, value) in self.evaluator.family().measures.list.iter().zip(&measures) {
             values.extend(measure.max.map(|high| value - high));
             values.extend(measure.min.map(|low| low - value));
         }
@@ -175,7 +168,7 @@ impl Constrained for Search<'_, '_> {
         let (measures, rows) = self.look(x, true)?;
         let mut values = vec![measures[self.objective]];
         let mut gradients = vec![rows[self.objective].clone()];
-        let list = self.evaluator.family().mechanism.measures.iter();
+        let list = self.evaluator.family().measures.list.iter();
         for ((measure, value), row) in list.zip(&measures).zip(&rows) {
             if let Some(high) = measure.max {
                 values.push(value - high);

@@ -85,7 +85,7 @@ impl<'f> Evaluator<'f> {
     pub fn new(family: &'f Family) -> Self {
         Self {
             family,
-            corrector: Corrector::new(&family.structure),
+            corrector: Corrector::new(family.system()),
             watch: BranchWatch::default(),
         }
     }
@@ -110,29 +110,23 @@ impl<'f> Evaluator<'f> {
 
     /// On which side of its singular poses a pose is, and how far from them.
     fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
-        let Family {
-            mechanism,
-            structure,
-            ..
-        } = self.family;
+        let system = self.family.system();
         let watch = &mut self.watch;
-        let state = watch.observe(mechanism, structure, &mut self.corrector, pose);
+        let state = watch.observe(system, &mut self.corrector, pose);
         (state.signs, state.sigma_min)
     }
 
     /// d(unknowns)/d(variable) at a pose, variable after variable.
     fn sensitivity(&mut self, pose: &[f64]) -> Vec<f64> {
         let family = self.family;
-        let mechanism = &family.mechanism;
+        let mechanism = family.mechanism();
         let (n, count) = (mechanism.unknowns.len(), family.study.variables.len());
         let mut rates = vec![0.0; mechanism.coordinate_count()];
         let mut all = Vec::with_capacity(n * count);
         for variable in rates.len() - count..rates.len() {
             rates.fill(0.0);
             rates[variable] = 1.0;
-            let structure = &family.structure;
-            self.corrector
-                .tangent(mechanism, structure, pose, &mut rates);
+            self.corrector.tangent(family.system(), pose, &mut rates);
             all.extend_from_slice(&rates[..n]);
         }
         all
@@ -221,21 +215,21 @@ impl<'f> Evaluator<'f> {
         values: &[f64],
     ) -> Option<Vec<f64>> {
         let family = self.family;
-        let n = family.mechanism.unknowns.len();
+        let n = family.mechanism().unknowns.len();
         let mut pose = stand.poses[index].clone();
         let mut length = 0.0_f64;
         let sensitivity = &stand.sensitivities[index];
         for k in 0..n {
             let columns = sensitivity.chunks_exact(n).zip(change);
             let moved: f64 = columns.map(|(column, d)| column[k] * d).sum();
-            length = length.max((moved / family.mechanism.scale_of(k)).abs());
+            length = length.max((moved / family.mechanism().scale_of(k)).abs());
             pose[k] += moved;
         }
         let first = pose.len() - values.len();
         pose[first..].copy_from_slice(values);
-        let (mechanism, structure) = (&family.mechanism, &family.structure);
+        let system = &family.system;
         let corrector = &mut self.corrector;
-        let correction = corrector.correct(mechanism, structure, &mut pose, Pace::Brisk);
+        let correction = corrector.correct(system, &mut pose, Pace::Brisk);
         let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
         let trusted = correction.converged && correction.first_step <= allowed;
         if !trusted {

@@ -8,8 +8,7 @@ use crate::analysis::observer::{distance, positions};
 use crate::kinematics::motion::continuation::solve_whole;
 use crate::kinematics::motion::trajectory::EventKind;
 use crate::kinematics::solve::newton::Pace;
-use crate::model::drive::{Drive, Ease};
-use crate::model::mechanism::Mechanism;
+use crate::model::actuation::Actuation;
 
 /// Numbers of equal parts in which the way from a pose to the next is tried with nothing but Newton steps.
 const PARTS: [usize; 2] = [1, 4];
@@ -35,7 +34,7 @@ impl Evaluator<'_> {
     }
 
     fn scaled<'s>(&'s self, change: impl Fn(usize) -> f64 + 's) -> f64 {
-        let mechanism = &self.family.mechanism;
+        let mechanism = self.family.mechanism();
         let unknowns = 0..mechanism.unknowns.len();
         let moves = unknowns.map(|k| (change(k) / mechanism.scale_of(k)).abs());
         moves.fold(0.0, f64::max)
@@ -52,16 +51,10 @@ impl Evaluator<'_> {
 
     /// The same by a motion with all its care: through locked joints, past change points.
     fn moves_to(&self, from: &[f64], to: &[f64]) -> bool {
-        let mechanism = &self.family.mechanism;
+        let mechanism = self.family.mechanism();
         let n = mechanism.unknowns.len();
-        let ends = from[n..].iter().zip(&to[n..]);
-        let moved = Mechanism {
-            drives: ends.map(|(from, to)| straight(*from, *to)).collect(),
-            duration: 1.0,
-            guess: from[..n].to_vec(),
-            ..mechanism.clone()
-        };
-        let Some(motion) = solve_whole(&moved, &self.family.structure, &[0.0, 1.0]) else {
+        let moved = Actuation::straight(&from[n..], &to[n..], from[..n].to_vec());
+        let Some(motion) = solve_whole(self.family.system(), &moved, &[0.0, 1.0]) else {
             return false;
         };
         let mut events = motion.events.iter();
@@ -79,8 +72,8 @@ impl Evaluator<'_> {
     /// Where the motion from one pose is at the inputs of another; `None` where so many parts are too few.
     fn follow(&mut self, from: &[f64], to: &[f64], parts: usize) -> Option<Vec<f64>> {
         let family = self.family;
-        let (mechanism, structure) = (&family.mechanism, &family.structure);
-        let n = mechanism.unknowns.len();
+        let system = family.system();
+        let n = system.mechanism().unknowns.len();
         let mut pose = from.to_vec();
         let mut rates = vec![0.0; pose.len()];
         for part in 1..=parts {
@@ -88,13 +81,10 @@ impl Evaluator<'_> {
             for k in n..pose.len() {
                 rates[k] = from[k] + (to[k] - from[k]) * share - pose[k];
             }
-            self.corrector
-                .tangent(mechanism, structure, &pose, &mut rates);
+            self.corrector.tangent(system, &pose, &mut rates);
             let mut next: Vec<f64> = pose.iter().zip(&rates).map(|(x, d)| x + d).collect();
             let length = self.scaled(|k| rates[k]);
-            let correction = self
-                .corrector
-                .correct(mechanism, structure, &mut next, Pace::Brisk);
+            let correction = self.corrector.correct(system, &mut next, Pace::Brisk);
             let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
             if !correction.converged || correction.first_step > allowed {
                 return None;
@@ -102,13 +92,5 @@ impl Evaluator<'_> {
             pose = next;
         }
         Some(pose)
-    }
-}
-
-fn straight(from: f64, to: f64) -> Drive {
-    Drive::Keys {
-        times: vec![0.0, 1.0],
-        values: vec![from, to],
-        ease: Ease::Linear,
     }
 }

@@ -90,7 +90,7 @@ fn polish(run: &Run, family: &Family, start: &Start, phase: Phase) -> Start {
 fn standing(family: &Family, found: &Start) -> Option<Family> {
     let mut family = family.with_start(&found.minimum.as_ref()?.x);
     if let Some(unknowns) = &found.unknowns {
-        family.mechanism.guess.clone_from(unknowns);
+        family.actuation.guess.clone_from(unknowns);
     }
     Some(family)
 }
@@ -105,7 +105,7 @@ fn tighten(family: &mut Family, asked: &Family, found: &Start) -> Option<bool> {
     let limits = &asked.study.limits;
     let mut missed = false;
     for (index, [min, max]) in limits {
-        let (value, measure) = (measures[*index], &mut family.mechanism.measures[*index]);
+        let (value, measure) = (measures[*index], &mut family.measures.list[*index]);
         if let (Some(max), Some(present)) = (max, &mut measure.max)
             && value > *max
         {

@@ -68,7 +68,7 @@ impl Touching<'_> {
 
 /// Where the coordinates of the scene stand among those of the family, whose further inputs are its variables.
 fn order_of(family: &Family, mechanism: &Mechanism) -> Option<Vec<usize>> {
-    let theirs = &family.mechanism;
+    let theirs = family.mechanism();
     let all: Vec<&str> = theirs
         .unknowns
         .iter()

@@ -8,11 +8,13 @@ use crate::analysis::study::FamilyError;
 use crate::clearance::check::{ClearanceReport, Judgement, check};
 use crate::diag::Source;
 use crate::kinematics::certificate::Certificate;
-use crate::kinematics::measures::measures;
+use crate::kinematics::measures::measure;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{is_cyclic, knots};
+use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};
+use std::sync::Arc;
 
 /// Steps of the drive: a quarter of a degree of a full turn.
 const STEPS: usize = 1440;
@@ -67,14 +69,15 @@ impl Proof {
 /// A scene that cannot be read with these values, or has no motion.
 pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     let mut scene = load(source, overrides).map_err(Box::new)?;
-    for track in &mut scene.mechanism.tracks {
+    for track in &mut scene.measures.tracks {
         track.samples = FINER * (track.samples - 1) + 1;
     }
-    let mechanism = &scene.mechanism;
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    let system = System::new(Arc::clone(mechanism), actuation)?;
     let times: Vec<f64> = (0..=STEPS)
-        .map(|k| mechanism.duration * k as f64 / STEPS as f64)
+        .map(|k| actuation.duration * k as f64 / STEPS as f64)
         .collect();
-    let trajectory = solve(mechanism, &times)?;
+    let trajectory = solve(&system, actuation, &times);
     let mut proof = Proof {
         poses: trajectory.samples.len(),
         missing: trajectory.missing(),
@@ -83,7 +86,7 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
         one_branch: true,
         open: None,
         closed: true,
-        measures: measures(mechanism, &trajectory)?,
+        measures: measure(&system, actuation, &scene.measures, &trajectory),
         cutting: Vec::new(),
         meeting: Vec::new(),
         pairs: 0,
@@ -101,7 +104,7 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     }
     let ends = [trajectory.samples.first(), trajectory.samples.last()];
     if let [Some(first), Some(last)] = ends
-        && is_cyclic(mechanism)
+        && is_cyclic(mechanism, actuation)
     {
         let at = |sample: &crate::kinematics::motion::trajectory::Sample| {
             let pose = sample.pose.as_ref()?;
@@ -113,10 +116,11 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     }
     if let Some(rules) = &scene.clearance {
         let times: Vec<f64> = (0..CLEARANCE_SAMPLES)
-            .map(|k| mechanism.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)
+            .map(|k| actuation.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)
             .collect();
-        let coarse = solve(mechanism, &knots(mechanism, &times))?;
-        let report = check(mechanism, rules, &coarse, CLEARANCE_TOLERANCE, &|_, _| {})?;
+        let coarse = solve(&system, actuation, &knots(actuation, &times));
+        let tolerance = CLEARANCE_TOLERANCE;
+        let report = check(&system, actuation, rules, &coarse, tolerance, &|_, _| {});
         proof.note(mechanism, &rules.touching, &report);
     }
     Ok(proof)

@@ -6,6 +6,7 @@ use crate::cli::args::charts::ThemeArg;
 use crate::cli::args::files::ProgressArg;
 use crate::cli::motion::plot::PlotFormat;
 use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::OpenScene;
 use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
@@ -14,7 +15,6 @@ use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::plot::clearance::chart;
-use crate::scene::Scene;
 use serde_json::Value;
 use std::path::Path;
 
@@ -34,10 +34,11 @@ pub struct Part {
 /// Checks the clearances that the scene asks for; `None` if it asks for none.
 pub fn run(
     args: &CheckArgs,
-    scene: &Scene,
+    opened: &OpenScene,
     trajectory: &Trajectory,
     term: &Term,
 ) -> Result<Option<Part>, Failure> {
+    let OpenScene { scene, system } = opened;
     let Some(rules) = &scene.clearance else {
         for (option, path) in [
             ("--junit", &args.junit),
@@ -57,7 +58,8 @@ pub fn run(
     let mechanism = &scene.mechanism;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
     let found = check(
-        mechanism,
+        system,
+        &scene.actuation,
         rules,
         trajectory,
         args.tolerance,
@@ -66,7 +68,6 @@ pub fn run(
         },
     );
     progress.end();
-    let found = found?;
     for warning in &found.warnings {
         term.warning(warning);
     }
@@ -80,7 +81,7 @@ pub fn run(
         plot(args, mechanism, &found, path)?;
     }
     if let Some(path) = &args.render {
-        crate::cli::pictures::clearance::write(args, scene, trajectory, &found, path, term)?;
+        crate::cli::pictures::clearance::write(args, opened, trajectory, &found, path, term)?;
     }
     Ok(Some(Part {
         text: table(mechanism, &found, args.worst),

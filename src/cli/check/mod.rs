@@ -10,7 +10,8 @@ use super::report::measures::Measured;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
 
-use super::open::{inputs_table, scene as open_scene};
+use super::open::inputs_table;
+use super::open::scene::{self as open_scene, OpenScene};
 use super::report::{events as report, freedoms};
 use crate::diag::nearest;
 use crate::export::events::gaps;
@@ -33,11 +34,11 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let scene = open_scene::open(&args.scene, term)?;
+    let opened = open_scene::open(&args.scene, term)?;
     let (text, document, outcome) = if args.pose.is_empty() {
-        motion(args, &scene, term)?
+        motion(args, &opened, term)?
     } else {
-        pose(args, &scene.mechanism)?
+        pose(args, &opened.scene)?
     };
     if let Some(path) = &args.json {
         report::write_json(&args.scene, path, &document)?;
@@ -53,29 +54,27 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
 type Report = (String, Value, Outcome);
 
 /// Closure over the whole motion.
-fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failure> {
-    let mechanism = &scene.mechanism;
+fn motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Report, Failure> {
+    let OpenScene { scene, system } = opened;
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let times = match args.samples {
-        Some(count) => even_times(mechanism, count),
-        None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
-        None => frame_times(mechanism, scene.view.fps),
+        Some(count) => even_times(mechanism, actuation, count),
+        None if args.scene.table.is_some() => inputs_table::row_times(actuation),
+        None => frame_times(mechanism, actuation, scene.view.fps),
     };
     // Tubes, which clearances are bounded by, join certified poses.
     let needed = match args.certify {
         CertifyArg::None if scene.clearance.is_some() => CertifyArg::Pose,
         asked => asked,
     };
-    let trajectory = certify::motion(mechanism, &knots(mechanism, &times), needed)?;
-    let mobility = Mobility::new(
-        mechanism,
-        &crate::kinematics::freedoms::analysis::analyse(mechanism)?,
-    );
-    let closed = report::events(mechanism, &trajectory, term)?;
+    let trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
+    let mobility = Mobility::new(system, actuation);
+    let closed = report::events(system, actuation, &trajectory, term)?;
     let worst = trajectory.closure_error();
     // Sums and means are over the samples that were asked for.
-    let measured = measures::take(mechanism, &only(mechanism, &trajectory, &times))?;
+    let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));
     let motion = MotionProof::of(&trajectory, args.certify);
-    let clearances = clearance::run(args, scene, &trajectory, term)?;
+    let clearances = clearance::run(args, opened, &trajectory, term)?;
     let fails = [
         worst > args.closure,
         !motion.as_ref().is_none_or(MotionProof::is_whole),
@@ -96,13 +95,16 @@ fn motion(args: &CheckArgs, scene: &Scene, term: &Term) -> Result<Report, Failur
     let verdict = verdict(outcome);
     let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
     let lines: String = lines.collect();
-    let assumptions = certify::assumptions(mechanism, args.certify)?;
+    let assumptions = certify::assumptions(system.structure(), args.certify);
     let assumed = match assumptions.is_empty() {
         true => String::new(),
         false => format!("  assumed          {}\n", assumptions.join("; ")),
     };
     let motion_line = motion.as_ref().map_or_else(String::new, |proof| {
-        format!("  motion           {}\n", proof.sentence(mechanism))
+        format!(
+            "  motion           {}\n",
+            proof.sentence(mechanism, actuation)
+        )
     });
     let text = format!(
         "{}\n  samples          {} ({} without a pose)\n  closure error    {worst:.2e} (allowed {:.0e}, relative to {} {})\n  \
@@ -250,8 +252,9 @@ fn verdict(outcome: Outcome) -> &'static str {
 }
 
 /// Judges the pose given with `--pose`.
-fn pose(args: &CheckArgs, mechanism: &Mechanism) -> Result<Report, Failure> {
-    let coordinates = offered(args, mechanism)?;
+fn pose(args: &CheckArgs, scene: &Scene) -> Result<Report, Failure> {
+    let mechanism = &scene.mechanism;
+    let coordinates = offered(args, scene)?;
     let loops = judge(mechanism, &coordinates, args.closure);
     let outcome = if loops.iter().all(|l| l.verdict == Verdict::Closed) {
         Outcome::Done
@@ -306,7 +309,8 @@ fn sentence(item: &OfferedLoop, mechanism: &Mechanism) -> String {
 }
 
 /// Coordinates of the offered pose: all unknowns from `--pose`, inputs at the start of the drive.
-fn offered(args: &CheckArgs, mechanism: &Mechanism) -> Result<Vec<f64>, Failure> {
+fn offered(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+    let mechanism = &scene.mechanism;
     let mut values = vec![None; mechanism.unknowns.len()];
     for (name, text) in &args.pose {
         let Some(index) = mechanism.unknowns.iter().position(|c| c.name == *name) else {
@@ -340,6 +344,6 @@ fn offered(args: &CheckArgs, mechanism: &Mechanism) -> Result<Vec<f64>, Failure>
         ));
     }
     let mut coordinates: Vec<f64> = values.into_iter().flatten().collect();
-    coordinates.extend(mechanism.inputs_at(0.0));
+    coordinates.extend(scene.actuation.inputs_at(0.0));
     Ok(coordinates)
 }

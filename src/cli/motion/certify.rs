@@ -7,21 +7,24 @@ use crate::kinematics::certificate::tube::{IntervalCertificate, certify_motion};
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::sampling::is_cyclic;
 use crate::kinematics::motion::trajectory::Trajectory;
-use crate::kinematics::structure::block::StructureError;
+use crate::kinematics::structure::block::Structure;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 
 /// The motion at `times`. A cyclic motion is proved up to its end, where it is solved once more for that purpose.
 pub fn motion(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     times: &[f64],
     certify: CertifyArg,
 ) -> Result<Trajectory, Failure> {
     let trajectory = match certify {
-        CertifyArg::None => solve_until(mechanism, times, false, &interrupted)?,
-        CertifyArg::Pose => solve_until(mechanism, times, true, &interrupted)?,
-        CertifyArg::Motion => proved(mechanism, times)?,
+        CertifyArg::None => solve_until(system, actuation, times, false, &interrupted),
+        CertifyArg::Pose => solve_until(system, actuation, times, true, &interrupted),
+        CertifyArg::Motion => proved(system, actuation, times),
     };
     super::solve::refuse_interrupted()?;
     Ok(trajectory)
@@ -31,30 +34,26 @@ fn interrupted() -> bool {
     crate::cli::CANCEL.load(Ordering::Relaxed)
 }
 
-fn proved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
+fn proved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
     let mut wanted = times.to_vec();
     let last = times.last().copied().unwrap_or(0.0);
-    if times.len() > 1 && last < mechanism.duration && is_cyclic(mechanism) {
-        wanted.push(mechanism.duration);
+    if times.len() > 1 && last < actuation.duration && is_cyclic(system.mechanism(), actuation) {
+        wanted.push(actuation.duration);
     }
-    let mut trajectory = solve_until(mechanism, &wanted, true, &interrupted)?;
+    let mut trajectory = solve_until(system, actuation, &wanted, true, &interrupted);
     if interrupted() {
-        return Ok(trajectory);
+        return trajectory;
     }
-    trajectory.intervals = certify_motion(mechanism, &trajectory)?;
+    trajectory.intervals = certify_motion(system, actuation, &trajectory);
     trajectory.samples.truncate(times.len());
-    Ok(trajectory)
+    trajectory
 }
 
 /// What the proofs rest on, one sentence each; none where nothing was to be proved.
-pub fn assumptions(
-    mechanism: &Mechanism,
-    certify: CertifyArg,
-) -> Result<Vec<String>, StructureError> {
+pub fn assumptions(structure: &Structure, certify: CertifyArg) -> Vec<String> {
     if certify == CertifyArg::None {
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
     let mut list = vec![
         "sine and cosine right within one unit in the last place".to_owned(),
         "inputs as printed".to_owned(),
@@ -70,7 +69,7 @@ pub fn assumptions(
             "{empty} equations empty at random poses hold at all"
         ));
     }
-    Ok(list)
+    list
 }
 
 /// The intervals of a motion, summed up.
@@ -113,7 +112,7 @@ impl<'t> MotionProof<'t> {
     }
 
     /// One line.
-    pub fn sentence(&self, mechanism: &Mechanism) -> String {
+    pub fn sentence(&self, mechanism: &Mechanism, actuation: &Actuation) -> String {
         let unit = &mechanism.length_unit;
         let mut text = format!(
             "{} of {} intervals certified in {} tubes",
@@ -130,7 +129,7 @@ impl<'t> MotionProof<'t> {
         }
         let refusal = self.first_refused().and_then(|(_, i)| i.refused);
         if let Some(refusal) = refusal {
-            let inputs = report::inputs(mechanism, &mechanism.inputs_at(refusal.time));
+            let inputs = report::inputs(mechanism, &actuation.inputs_at(refusal.time));
             let word = refusal.obstacle.word();
             let time = refusal.time;
             text.push_str(&format!(

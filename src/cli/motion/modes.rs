@@ -2,11 +2,13 @@
 
 use crate::cli::CANCEL;
 use crate::cli::args::{ModeChoice, ModesArgs};
-use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::{self as open_scene, OpenScene};
 use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use serde_json::{Map, Value, json};
 use std::io::Write;
@@ -21,24 +23,29 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let scene = open_scene::open(&args.scene, term)?;
-    let mechanism = &scene.mechanism;
-    if !(0.0..=mechanism.duration).contains(&args.at) {
+    let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    if !(0.0..=actuation.duration).contains(&args.at) {
         return Err(Failure::usage(
             format!(
                 "the motion lasts from 0 to {} s, {} is outside",
-                mechanism.duration, args.at
+                actuation.duration, args.at
             ),
             Vec::new(),
         ));
     }
-    let modes = search(mechanism, args.at, args.starts)?;
+    let modes = search(&system, actuation, args.at, args.starts)?;
+    let inputs = &actuation.inputs_at(args.at);
     if let Some(path) = &args.json {
-        report::write_json(&args.scene, path, &document(mechanism, args.at, &modes))?;
+        report::write_json(
+            &args.scene,
+            path,
+            &document(mechanism, inputs, args.at, &modes),
+        )?;
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         let mut out = std::io::stdout().lock();
-        out.write_all(text(mechanism, args.at, &modes).as_bytes())?;
+        out.write_all(text(mechanism, inputs, args.at, &modes).as_bytes())?;
         out.flush()?;
     }
     Ok(if modes.list.is_empty() {
@@ -51,15 +58,19 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
 /// Share of the drive after which the branches are listed that meet at its start.
 const BESIDE_START: f64 = 1e-3;
 
-/// Makes a mode at the start of the drive the start of the motion.
-pub fn start_from(mechanism: &mut Mechanism, choice: &ModeChoice) -> Result<(), Failure> {
-    let modes = search(mechanism, 0.0, DEFAULT_STARTS)?;
-    let coordinates = match choice {
+/// Unknowns of a mode at the start of the drive: start values that lead to it.
+pub fn start_of(
+    system: &System,
+    actuation: &Actuation,
+    choice: &ModeChoice,
+) -> Result<Vec<f64>, Failure> {
+    let modes = search(system, actuation, 0.0, DEFAULT_STARTS)?;
+    let mut coordinates = match choice {
         ModeChoice::Number(number) => numbered(&modes, *number)?,
-        ModeChoice::Signature(signature) => signed(mechanism, &modes, signature)?,
+        ModeChoice::Signature(signature) => signed(system, actuation, &modes, signature)?,
     };
-    mechanism.guess = coordinates[..mechanism.unknowns.len()].to_vec();
-    Ok(())
+    coordinates.truncate(system.mechanism().unknowns.len());
+    Ok(coordinates)
 }
 
 fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
@@ -76,12 +87,22 @@ fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
 }
 
 /// The only mode with that signature. Where branches meet at the start, that of the branch right after it.
-fn signed(mechanism: &Mechanism, modes: &Modes, signature: &str) -> Result<Vec<f64>, Failure> {
+fn signed(
+    system: &System,
+    actuation: &Actuation,
+    modes: &Modes,
+    signature: &str,
+) -> Result<Vec<f64>, Failure> {
     if let Some(mode) = only(modes, signature)? {
         return Ok(mode.coordinates.clone());
     }
     if modes.list.iter().any(|mode| mode.is_singular) {
-        let beside = search(mechanism, BESIDE_START * mechanism.duration, DEFAULT_STARTS)?;
+        let beside = search(
+            system,
+            actuation,
+            BESIDE_START * actuation.duration,
+            DEFAULT_STARTS,
+        )?;
         if let Some(mode) = only(&beside, signature)? {
             return Ok(mode.coordinates.clone());
         }
@@ -115,18 +136,23 @@ fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failu
     }
 }
 
-fn search(mechanism: &Mechanism, time: f64, starts: usize) -> Result<Modes, Failure> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let inputs = mechanism.inputs_at(time);
+fn search(
+    system: &System,
+    actuation: &Actuation,
+    time: f64,
+    starts: usize,
+) -> Result<Modes, Failure> {
+    let first = actuation.start_at(time);
+    let (_, inputs) = first.split_at(actuation.guess.len());
     if let Some(k) = inputs.iter().position(|v| !v.is_finite()) {
-        let name = &mechanism.inputs[k].name;
+        let name = &system.mechanism().inputs[k].name;
         return Err(Failure::usage(
             format!("input `{name}` has no value at t = {time} s"),
             Vec::new(),
         ));
     }
     let cancelled = || CANCEL.load(Ordering::Relaxed);
-    let modes = find_modes(mechanism, &structure, &inputs, starts, &cancelled);
+    let modes = find_modes(system, &first, starts, &cancelled);
     super::solve::refuse_interrupted()?;
     Ok(modes)
 }
@@ -139,8 +165,8 @@ fn count(modes: &Modes) -> String {
 }
 
 /// The table, and what it is worth.
-fn text(mechanism: &Mechanism, time: f64, modes: &Modes) -> String {
-    let inputs = report::inputs(mechanism, &mechanism.inputs_at(time));
+fn text(mechanism: &Mechanism, inputs: &[f64], time: f64, modes: &Modes) -> String {
+    let inputs = report::inputs(mechanism, inputs);
     let mut text = format!(
         "{}\n{} found at t = {time} s ({inputs})\n",
         mechanism.title,
@@ -220,11 +246,11 @@ fn in_file<'a>(
     pairs.map(|(c, v)| (c.name.as_str(), v * mechanism.file_units(c.kind)))
 }
 
-fn document(mechanism: &Mechanism, time: f64, modes: &Modes) -> Value {
+fn document(mechanism: &Mechanism, inputs: &[f64], time: f64, modes: &Modes) -> Value {
     let inputs: Map<String, Value> = mechanism
         .inputs
         .iter()
-        .zip(mechanism.inputs_at(time))
+        .zip(inputs)
         .map(|(c, v)| (c.name.clone(), json!(v * mechanism.file_units(c.kind))))
         .collect();
     let list: Vec<Value> = modes

@@ -1,7 +1,7 @@
 //! `mechanim plot`: curves of the motion as SVG or PNG.
 
 use crate::cli::args::charts::{PlotArgs, ThemeArg};
-use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::{self as open_scene, OpenScene};
 use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
@@ -9,7 +9,8 @@ use crate::export::png::{Effort, encode};
 use crate::export::{ExportError, Output, Stream, Target};
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::trajectory::{EventKind, Trajectory};
-use crate::model::mechanism::Mechanism;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;
 use crate::plot::companion::Companion;
 use crate::plot::motion::{chart, default_plot};
@@ -30,14 +31,15 @@ pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let scene = open_scene::open_with_plot(&args.scene, asked(args)?, term)?;
+    let OpenScene { scene, system } = open_scene::open_with_plot(&args.scene, asked(args)?, term)?;
+    let actuation = &scene.actuation;
     let plots = chosen(args.only.as_deref(), &scene)?;
-    let times = times(args, &scene.mechanism);
+    let times = times(args, actuation);
     let mut output = open(&args.out)?;
-    let trajectory = solve_with_ends(&scene.mechanism, times)?;
+    let trajectory = solve_with_ends(&system, actuation, times);
     super::solve::refuse_interrupted()?;
-    let outcome = report::events(&scene.mechanism, &trajectory, term)?;
-    let chart = chart(&scene.mechanism, &plots, &trajectory)?;
+    let outcome = report::events(&system, actuation, &trajectory, term)?;
+    let chart = chart(&system, actuation, &plots, &trajectory);
     write(&chart, format, args.size, args.theme, output.as_mut())?;
     output.commit()?;
     Ok(outcome)
@@ -168,7 +170,7 @@ fn split(list: &str) -> Vec<String> {
 pub fn chosen(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> {
     let Some(title) = title else {
         return Ok(match scene.plots.as_slice() {
-            [] => vec![default_plot(&scene.mechanism)],
+            [] => vec![default_plot(&scene.mechanism, &scene.actuation)],
             plots => plots.to_vec(),
         });
     };
@@ -191,38 +193,41 @@ pub fn chosen(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> 
 /// frames in `trajectory`.
 pub fn companion(
     title: &str,
-    scene: &Scene,
+    (scene, system): (&Scene, &System),
     trajectory: &Trajectory,
     size: [u32; 2],
 ) -> Result<Companion, Failure> {
     let mut plots = chosen(Some(title).filter(|t| !t.is_empty()), scene)?;
     plots.truncate(1);
-    let mechanism = &scene.mechanism;
-    let fine = solve_with_ends(mechanism, even(mechanism, USUAL_SAMPLES))?;
-    let mut whole = chart(mechanism, &plots, &fine)?;
+    let actuation = &scene.actuation;
+    let fine = solve_with_ends(system, actuation, even(actuation.duration, USUAL_SAMPLES));
+    let mut whole = chart(system, actuation, &plots, &fine);
     // The animation bears the title.
     whole.title.clear();
-    let frames = chart(mechanism, &plots, trajectory)?;
+    let frames = chart(system, actuation, &plots, trajectory);
     Ok(Companion::new(&whole, frames, size, scene.view.background))
 }
 
 /// Evenly over the motion, both ends included.
-fn even(mechanism: &Mechanism, count: usize) -> Vec<f64> {
+fn even(duration: f64, count: usize) -> Vec<f64> {
     let share = |k: usize| k as f64 / (count - 1) as f64;
-    (0..count).map(|k| mechanism.duration * share(k)).collect()
+    (0..count).map(|k| duration * share(k)).collect()
 }
 
 /// The samples asked for.
-fn times(args: &PlotArgs, mechanism: &Mechanism) -> Vec<f64> {
+fn times(args: &PlotArgs, actuation: &Actuation) -> Vec<f64> {
     if args.samples.is_none() && args.scene.table.is_some() {
-        return crate::cli::open::inputs_table::row_times(mechanism);
+        return crate::cli::open::inputs_table::row_times(actuation);
     }
-    even(mechanism, args.samples.unwrap_or(USUAL_SAMPLES).max(2))
+    even(
+        actuation.duration,
+        args.samples.unwrap_or(USUAL_SAMPLES).max(2),
+    )
 }
 
 /// Solves at `times` and once more with the places where the motion ends and resumes, so that curves reach there.
-fn solve_with_ends(mechanism: &Mechanism, mut times: Vec<f64>) -> Result<Trajectory, Failure> {
-    let trajectory = solve(mechanism, &times)?;
+fn solve_with_ends(system: &System, actuation: &Actuation, mut times: Vec<f64>) -> Trajectory {
+    let trajectory = solve(system, actuation, &times);
     let ends = trajectory.events.iter().filter(|event| {
         matches!(
             event.kind,
@@ -234,11 +239,11 @@ fn solve_with_ends(mechanism: &Mechanism, mut times: Vec<f64>) -> Result<Traject
         .filter(|time| !times.contains(time))
         .collect();
     if ends.is_empty() {
-        return Ok(trajectory);
+        return trajectory;
     }
     times.extend(ends);
     times.sort_by(f64::total_cmp);
-    Ok(solve(mechanism, &times)?)
+    solve(system, actuation, &times)
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@ use crate::cli::args::view as view_args;
 use crate::cli::args::{RenderArgs, ShowArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::Film;
-use crate::cli::open::{inputs_table, scene as open_scene};
+use crate::cli::open::inputs_table;
+use crate::cli::open::scene::{self as open_scene, OpenScene};
 use crate::cli::pictures::clearance as clearance_picture;
 use crate::cli::pictures::frames::Pictures;
 use crate::cli::report::events as report;
@@ -18,6 +19,7 @@ use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{film, iterates};
+use crate::kinematics::structure::system::System;
 use crate::model::view::Ghosts;
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
@@ -37,28 +39,29 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let mut scene = open_scene::open(&args.scene, term)?;
+    let OpenScene { mut scene, system } = open_scene::open(&args.scene, term)?;
     view_args::apply(args, &format, &mut scene, term)?;
     clock.lap("read");
     let (plan, trajectory, outcome) = if args.trace_iterations {
-        iterations(args, &mut scene, &format)?
+        iterations(args, &system, &mut scene, &format)?
     } else {
         let plan = Plan::new(args, &scene, &format)?;
-        let trajectory = solve(&scene.mechanism, &plan.times)?;
-        let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+        let trajectory = solve(&system, &scene.actuation, &plan.times);
+        let outcome = report::events(&system, &scene.actuation, &trajectory, term)?;
         (plan, trajectory, outcome)
     };
     let scene = scene;
     clock.lap("solve");
     let panel = args.panel.as_deref();
-    let panel = panel.map(|title| plot::companion(title, &scene, &trajectory, args.size));
+    let panel =
+        panel.map(|title| plot::companion(title, (&scene, &system), &trajectory, args.size));
     let panel = panel.transpose()?;
     let options = PictureOptions {
         size: panel.as_ref().map_or(args.size, |p| p.animation),
         samples: args.samples,
     };
     let marks = match args.show {
-        Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &trajectory)?,
+        Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &system, &trajectory)?,
         None => Marks::default(),
     };
     let views = if scene.view.four && !format.is_model() {
@@ -106,21 +109,17 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
 /// Newton's iterates in place of a motion; the earlier ones stay as ghosts.
 fn iterations(
     args: &RenderArgs,
+    system: &System,
     scene: &mut Scene,
     format: &Format,
 ) -> Result<(Plan, Trajectory, Outcome), Failure> {
     let mechanism = &scene.mechanism;
-    let inputs = mechanism.inputs_at(0.0);
-    let start = [mechanism.guess.as_slice(), &inputs].concat();
-    let (list, closed) = iterates(
-        mechanism,
-        &crate::kinematics::freedoms::analysis::analyse(mechanism)?,
-        &start,
-    );
-    let trajectory = film(mechanism, &inputs, &list);
+    let start = scene.actuation.start_at(0.0);
+    let (list, closed) = iterates(system, &start);
+    let trajectory = film(mechanism, &start[mechanism.unknowns.len()..], &list);
     let count = trajectory.samples.len();
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
-    scene.mechanism.duration = count as f64;
+    scene.actuation.duration = count as f64;
     scene.view.decor.ghosts = Ghosts::Times(times.clone());
     let still = format.is_still();
     let plan = Plan {
@@ -183,17 +182,17 @@ struct Plan {
 
 impl Plan {
     fn new(args: &RenderArgs, scene: &Scene, format: &Format) -> Result<Self, Failure> {
-        let mechanism = &scene.mechanism;
+        let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
         let fps = args.fps.unwrap_or(scene.view.fps);
         let frames = match args.frames {
-            Some(count) => even_times(mechanism, count),
-            None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
-            None => frame_times(mechanism, fps),
+            Some(count) => even_times(mechanism, actuation, count),
+            None if args.scene.table.is_some() => inputs_table::row_times(actuation),
+            None => frame_times(mechanism, actuation, fps),
         };
         // Frames asked for by number play in the scene's duration.
         let fps = args
             .frames
-            .map_or(fps, |count| count as f64 / mechanism.duration);
+            .map_or(fps, |count| count as f64 / actuation.duration);
         let still = match (args.at, args.frame) {
             (Some(at), _) => Some(at),
             (None, Some(frame)) => Some(frame_time(&frames, frame)?),
@@ -204,8 +203,8 @@ impl Plan {
             None => {
                 let mut frames = frames;
                 // A model is not shown frame by frame: its last key is the end of the drive, cyclic or not.
-                if format.is_model() && frames.last().is_some_and(|t| *t < mechanism.duration) {
-                    frames.push(mechanism.duration);
+                if format.is_model() && frames.last().is_some_and(|t| *t < actuation.duration) {
+                    frames.push(actuation.duration);
                 }
                 Ok(Self {
                     first: 0,
@@ -217,7 +216,7 @@ impl Plan {
             Some(at) => {
                 // The frames around it are solved too: the camera holds the whole motion in every still, and the
                 // branch is the one that the motion reaches.
-                let mut times = up_to(at, mechanism.duration, &frames)?;
+                let mut times = up_to(at, actuation.duration, &frames)?;
                 let first = times.len() - 1;
                 times.extend(frames.iter().copied().filter(|t| *t > at));
                 Ok(Self {

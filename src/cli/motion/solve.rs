@@ -4,7 +4,8 @@ use super::certify;
 use super::certify::MotionProof;
 use crate::cli::CANCEL;
 use crate::cli::args::{CertifyArg, SolveArgs, TableFormat};
-use crate::cli::open::{inputs_table, scene as open_scene};
+use crate::cli::open::inputs_table;
+use crate::cli::open::scene::{self as open_scene, OpenScene};
 use crate::cli::report::{events as report, freedoms};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
@@ -14,6 +15,8 @@ use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
 use crate::kinematics::solve::iterates::iterates;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use crate::scene::Scene;
 use std::path::Path;
@@ -36,7 +39,8 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
             hints,
         ));
     }
-    let scene = open_scene::open(&args.scene, term)?;
+    let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
+    let actuation = &scene.actuation;
     let derivatives = derivatives(args, &scene.mechanism)?;
     let times = times(args, &scene)?;
     let mut output: Box<dyn Output> = if to_stdout {
@@ -45,27 +49,30 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         Box::new(Target::create(&args.out)?)
     };
     if args.trace_iterations {
-        return trace_iterations(&scene.mechanism, format, output, term);
+        return trace_iterations(&system, actuation, format, output, term);
     }
-    let mut trajectory = certify::motion(&scene.mechanism, &times, args.certify)?;
+    let mut trajectory = certify::motion(&system, actuation, &times, args.certify)?;
     refuse_interrupted()?;
     if args.events {
-        add_limits(&scene.mechanism, &mut trajectory)?;
+        add_limits(&system, actuation, &mut trajectory);
     }
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
-    let outcome = report::events(&scene.mechanism, &trajectory, term)?;
+    let outcome = report::events(&system, actuation, &trajectory, term)?;
     let proof = MotionProof::of(&trajectory, args.certify);
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {
-        term.warning(&format!("motion: {}", proof.sentence(&scene.mechanism)));
+        term.warning(&format!(
+            "motion: {}",
+            proof.sentence(&scene.mechanism, actuation)
+        ));
     }
-    for held in &crate::kinematics::freedoms::analysis::analyse(&scene.mechanism)?.held {
+    for held in &system.structure().held {
         let idle = freedoms::idle(&scene.mechanism, held);
         term.note(&format!("idle: {idle} at its start value"));
     }
     if let Some(wanted) = derivatives {
-        add_derivatives(&scene.mechanism, &mut trajectory, wanted)?;
+        add_derivatives(&system, actuation, &mut trajectory, wanted);
     }
     let columns = Columns {
         rates: args.rates,
@@ -82,14 +89,14 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
 
 /// Newton's iterates from the start values, as a table.
 fn trace_iterations(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     format: TableFormat,
     mut output: Box<dyn Output>,
     term: &Term,
 ) -> Result<Outcome, Failure> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
-    let (list, closed) = iterates(mechanism, &structure, &start);
+    let mechanism = system.mechanism();
+    let (list, closed) = iterates(system, &actuation.start_at(0.0));
     match format {
         TableFormat::Csv => iterate_table::write_csv(mechanism, &list, output.as_mut())?,
         TableFormat::Json => iterate_table::write_json(mechanism, &list, closed, output.as_mut())?,
@@ -111,16 +118,16 @@ pub fn refuse_interrupted() -> Result<(), Failure> {
 }
 
 fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
-    let mechanism = &scene.mechanism;
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     if let Some(at) = args.at {
-        let frames = frame_times(mechanism, scene.view.fps);
-        return up_to(at, mechanism.duration, &frames);
+        let frames = frame_times(mechanism, actuation, scene.view.fps);
+        return up_to(at, actuation.duration, &frames);
     }
     Ok(match args.samples {
-        Some(count) => even_times(mechanism, count),
-        None if args.scene.table.is_some() => inputs_table::row_times(mechanism),
-        None if mechanism.drives.iter().all(|d| d.is_constant()) => vec![0.0],
-        None => frame_times(mechanism, scene.view.fps),
+        Some(count) => even_times(mechanism, actuation, count),
+        None if args.scene.table.is_some() => inputs_table::row_times(actuation),
+        None if actuation.drives.iter().all(|d| d.is_constant()) => vec![0.0],
+        None => frame_times(mechanism, actuation, scene.view.fps),
     })
 }
 

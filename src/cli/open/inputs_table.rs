@@ -2,6 +2,7 @@
 
 use crate::cli::term::outcome::Failure;
 use crate::diag::nearest;
+use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::Mechanism;
 use std::path::Path;
@@ -10,7 +11,7 @@ use std::path::Path;
 const MAX_ROWS: usize = crate::kinematics::motion::sampling::MAX_SAMPLES;
 
 /// Replaces the drives: row k is met at second k. Columns are found by name, others are ignored.
-pub fn apply(mechanism: &mut Mechanism, path: &Path) -> Result<(), Failure> {
+pub fn apply(mechanism: &Mechanism, actuation: &mut Actuation, path: &Path) -> Result<(), Failure> {
     let name = path.display();
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::usage(format!("cannot read {name}: {error}"), Vec::new()))?;
@@ -68,7 +69,7 @@ pub fn apply(mechanism: &mut Mechanism, path: &Path) -> Result<(), Failure> {
         ));
     }
     let times: Vec<f64> = (0..rows).map(|k| k as f64).collect();
-    mechanism.drives = values
+    actuation.drives = values
         .into_iter()
         .map(|values| Drive::Keys {
             times: times.clone(),
@@ -76,13 +77,13 @@ pub fn apply(mechanism: &mut Mechanism, path: &Path) -> Result<(), Failure> {
             ease: Ease::Linear,
         })
         .collect();
-    mechanism.duration = (rows - 1).max(1) as f64;
+    actuation.duration = (rows - 1).max(1) as f64;
     Ok(())
 }
 
 /// The sample times that belong to a table: one per row.
-pub fn row_times(mechanism: &Mechanism) -> Vec<f64> {
-    match mechanism.drives.first() {
+pub fn row_times(actuation: &Actuation) -> Vec<f64> {
+    match actuation.drives.first() {
         Some(Drive::Keys { times, .. }) => times.clone(),
         _ => vec![0.0],
     }

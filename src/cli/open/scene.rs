@@ -7,15 +7,25 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::announced;
 use crate::diag::{Source, nearest};
+use crate::kinematics::structure::system::System;
 use crate::scene::{Overrides, PlotText, Scene, builtin, load};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Largest scene file that is read: a hundred times the largest hand-written one.
 const MAX_SCENE_BYTES: u64 = 4 << 20;
 
-/// Reads, resolves and adapts the scene; warnings are printed.
-pub fn open(args: &SceneArgs, term: &Term) -> Result<Scene, Failure> {
+/// A scene and its mechanism ready to be solved.
+pub struct OpenScene {
+    /// As the file and the command line say.
+    pub scene: Scene,
+    /// Made once, from the scene's mechanism.
+    pub system: System,
+}
+
+/// Reads, resolves and adapts the scene, and analyses its mechanism; warnings are printed.
+pub fn open(args: &SceneArgs, term: &Term) -> Result<OpenScene, Failure> {
     open_with_plot(args, None, term)
 }
 
@@ -24,19 +34,20 @@ pub fn open_with_plot(
     args: &SceneArgs,
     plot: Option<PlotText>,
     term: &Term,
-) -> Result<Scene, Failure> {
+) -> Result<OpenScene, Failure> {
     let (source, mut overrides) = text_of(args)?;
     overrides.plot = plot;
     let read = || load(&source, &overrides).map_err(Box::new);
     let mut scene = announced("reading the scene and its meshes", term.quiet(), read)?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
-        inputs_table::apply(&mut scene.mechanism, path)?;
+        inputs_table::apply(&scene.mechanism, &mut scene.actuation, path)?;
     }
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     if let Some(choice) = &args.mode {
-        modes::start_from(&mut scene.mechanism, choice)?;
+        scene.actuation.guess = modes::start_of(&system, &scene.actuation, choice)?;
     }
-    Ok(scene)
+    Ok(OpenScene { scene, system })
 }
 
 /// The scene's text, and what the command line changes in it.
@@ -45,10 +56,8 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         parameters: args.parameters.clone(),
         inputs: args.inputs.clone(),
         guess: args.guess.clone(),
-        plot: None,
         folder: folder(&args.scene),
-        vary: Vec::new(),
-        drives: None,
+        ..Overrides::default()
     };
     Ok((source(&args.scene)?, overrides))
 }

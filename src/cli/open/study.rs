@@ -8,9 +8,11 @@ use crate::cli::motion::modes;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
+use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::model::mechanism::{Kind, Mechanism};
-use crate::scene::{OtherDrives, Overrides, load};
+use crate::model::mechanism::Kind;
+use crate::scene::{OtherDrives, Overrides, Scene, load};
+use std::sync::Arc;
 
 /// A scene that is to be studied.
 pub struct Opened {
@@ -31,7 +33,7 @@ pub fn open(
 ) -> Result<Opened, Failure> {
     let (source, mut overrides) = open_scene::text_of(scene)?;
     let mut nominal = load(&source, &overrides).map_err(Box::new)?;
-    apply(scene, &mut nominal.mechanism, &mut overrides)?;
+    apply(scene, &mut nominal, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);
     let all = vary.vary.iter().any(|v| v == "all") || (vary.vary.is_empty() && all_by_default);
     let names = if all {
@@ -56,28 +58,26 @@ pub fn open(
 }
 
 /// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.
-fn apply(
-    scene: &SceneArgs,
-    mechanism: &mut Mechanism,
-    overrides: &mut Overrides,
-) -> Result<(), Failure> {
-    if let Some(path) = &scene.table {
+fn apply(args: &SceneArgs, scene: &mut Scene, overrides: &mut Overrides) -> Result<(), Failure> {
+    let (mechanism, actuation) = (&scene.mechanism, &mut scene.actuation);
+    if let Some(path) = &args.table {
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
-        if !mechanism.measures.iter().any(along_drive) {
+        if !scene.measures.list.iter().any(along_drive) {
             return Err(Failure::usage(
                 "all measures of the scene look along tracks: --inputs would change nothing",
                 vec!["a measure without `track` looks along the drive".to_owned()],
             ));
         }
-        inputs_table::apply(mechanism, path)?;
+        inputs_table::apply(mechanism, actuation, path)?;
         overrides.drives = Some(OtherDrives {
-            drives: mechanism.drives.clone(),
-            duration: mechanism.duration,
+            drives: actuation.drives.clone(),
+            duration: actuation.duration,
         });
     }
-    if let Some(choice) = &scene.mode {
-        modes::start_from(mechanism, choice)?;
-        let start = mechanism.unknowns.iter().zip(&mechanism.guess);
+    if let Some(choice) = &args.mode {
+        let system = System::new(Arc::clone(mechanism), actuation)?;
+        let guess = modes::start_of(&system, actuation, choice)?;
+        let start = mechanism.unknowns.iter().zip(&guess);
         overrides.guess = start
             .map(|(unknown, value)| {
                 let value = value * mechanism.file_units(unknown.kind);
@@ -108,7 +108,7 @@ impl From<FamilyError> for Failure {
 impl Opened {
     /// Factor from internal values to the file's units.
     pub fn units(&self, kind: Kind) -> f64 {
-        self.family.mechanism.file_units(kind)
+        self.family.mechanism().file_units(kind)
     }
 
     /// What is said of a stand that cannot be studied.
@@ -123,7 +123,7 @@ impl Opened {
 
     /// The scene's measures.
     pub fn measures(&self) -> &[Measure] {
-        &self.family.mechanism.measures
+        &self.family.measures.list
     }
 
     /// The measure that is to be made small.

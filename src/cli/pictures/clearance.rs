@@ -2,12 +2,14 @@
 
 use crate::clearance::check::{ClearanceReport, check};
 use crate::cli::args::CheckArgs;
+use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::export::png::{Effort, PngSettings, StillSink};
 use crate::export::{Format, FrameSink, Target};
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
 use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
 use crate::scene::Scene;
@@ -29,12 +31,13 @@ const COARSE: f64 = 1.0;
 /// Draws the worst pair at its worst moment.
 pub fn write(
     args: &CheckArgs,
-    scene: &Scene,
+    opened: &OpenScene,
     motion: &Trajectory,
     report: &ClearanceReport,
     path: &Path,
     term: &Term,
 ) -> Result<(), Failure> {
+    let OpenScene { scene, system } = opened;
     let Some(worst) = report.worst() else {
         term.warning("no pair is judged: there is nothing to draw");
         return Ok(());
@@ -58,7 +61,7 @@ pub fn write(
     if all.get(index) != Some(&least.time) {
         all.insert(index, least.time);
     }
-    let trajectory = solve(&scene.mechanism, &all)?;
+    let trajectory = solve(system, &scene.actuation, &all);
     let unit = &scene.mechanism.length_unit;
     let marks = Marks {
         measure: Some(Measure {
@@ -91,7 +94,7 @@ pub fn write(
 }
 
 /// For every sample the bodies that are nearer to another one than the scene allows.
-pub fn alarms(scene: &Scene, trajectory: &Trajectory) -> Result<Marks, Failure> {
+pub fn alarms(scene: &Scene, system: &System, trajectory: &Trajectory) -> Result<Marks, Failure> {
     let Some(rules) = &scene.clearance else {
         return Err(Failure::usage(
             "the scene asks for no clearances",
@@ -99,7 +102,8 @@ pub fn alarms(scene: &Scene, trajectory: &Trajectory) -> Result<Marks, Failure> 
         ));
     };
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
-    let report = check(&scene.mechanism, rules, trajectory, COARSE, &|_, _| {})?;
+    let actuation = &scene.actuation;
+    let report = check(system, actuation, rules, trajectory, COARSE, &|_, _| {});
     let alarmed = times.iter().map(|time| report.offenders(*time)).collect();
     Ok(Marks {
         alarmed,

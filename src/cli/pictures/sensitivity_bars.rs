@@ -40,7 +40,7 @@ impl BarFile {
 }
 
 fn chart(table: &Table, rank: usize) -> BarChart {
-    let mechanism = &table.opened.family.mechanism;
+    let mechanism = &table.opened.family.mechanism();
     let (measures, variables) = (
         table.opened.measures(),
         &table.opened.family.study.variables,

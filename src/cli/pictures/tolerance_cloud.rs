@@ -15,6 +15,7 @@ use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
 use crate::plot::cloud::chart;
 use crate::plot::primitive::Stroke;
@@ -22,6 +23,7 @@ use crate::scene::load;
 use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
 use image::RgbaImage;
+use std::sync::Arc;
 
 /// Size and sampling of the picture.
 const OPTIONS: PictureOptions = PictureOptions {
@@ -52,7 +54,7 @@ pub fn write(
         return Ok(());
     }
     let family = &opened.family;
-    if family.mechanism.traces.is_empty() {
+    if family.mechanism().traces.is_empty() {
         return Err(Failure::usage(
             "the cloud is drawn around the paths of traced points, and the scene traces none",
             vec!["name a point: [[traces]] with name, body and point".to_owned()],
@@ -65,7 +67,7 @@ pub fn write(
     let found = clouds(family, nominal, tolerances, few, &CANCEL).ok_or(Failure::Interrupted)?;
     if let Some(path) = &args.plot {
         let format = PlotFormat::of(path)?;
-        let mechanism = &family.mechanism;
+        let mechanism = family.mechanism();
         let chart = chart(&mechanism.title, &mechanism.length_unit, &found);
         let mut output = plot::open(path)?;
         plot::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
@@ -97,11 +99,12 @@ fn picture(
     let mut scene = load(&opened.source, &opened.overrides).map_err(Box::new)?;
     scene.view.decor.trails = Trails::None;
     // The camera holds the whole motion; the pose is the one that the drive reaches.
-    let even = even_times(&scene.mechanism, CAMERA_SAMPLES);
-    let mut times = up_to(args.at, scene.mechanism.duration, &even)?;
+    let even = even_times(&scene.mechanism, &scene.actuation, CAMERA_SAMPLES);
+    let mut times = up_to(args.at, scene.actuation.duration, &even)?;
     let index = times.len() - 1;
     times.extend(even.into_iter().filter(|t| *t > args.at));
-    let trajectory = solve(&scene.mechanism, &times)?;
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+    let trajectory = solve(&system, &scene.actuation, &times);
     let staging = Staging::new(&scene, &trajectory, OPTIONS);
     let factor = args.enlarge.unwrap_or_else(|| {
         let all = clouds.iter().map(|c| c.enlargement(SEEN));

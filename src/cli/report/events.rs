@@ -7,6 +7,8 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::{ExportError, Output, Stream, Target};
 use crate::kinematics::motion::feasible::feasible_inputs;
 use crate::kinematics::motion::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 use serde_json::Value;
 use std::path::Path;
@@ -22,13 +24,15 @@ const LOCKED: f64 = 1e-9;
 
 /// Says what happened; a motion without any pose is a failure.
 pub fn events(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     trajectory: &Trajectory,
     term: &Term,
 ) -> Result<Outcome, Failure> {
     if trajectory.poses().next().is_none() {
-        return Err(never_closed(mechanism, trajectory));
+        return Err(never_closed(system, actuation, trajectory));
     }
+    let mechanism = system.mechanism();
     // What a gap says is not said again as an event.
     let told = |e: &&Event| {
         !matches!(
@@ -227,7 +231,8 @@ fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
     format!("{:.9}{unit}", value * mechanism.file_units(kind))
 }
 
-fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
+fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory) -> Failure {
+    let mechanism = system.mechanism();
     let first = trajectory.events.first();
     let message = first.map_or_else(
         || "no pose was found".to_owned(),
@@ -235,14 +240,14 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
     );
     let mut hints: Vec<String> = first
         .into_iter()
-        .filter_map(|e| contradiction(mechanism, e))
+        .filter_map(|e| contradiction(system, e))
         .collect();
     hints.extend([
         "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
             .to_owned(),
         "or change the inputs: the mechanism may not reach this far".to_owned(),
     ]);
-    for feasible in feasible_inputs(mechanism) {
+    for feasible in feasible_inputs(system, actuation) {
         let input = &mechanism.inputs[feasible.input];
         let value = |v: f64| with_unit(mechanism, input.kind, v);
         let stretches = feasible.stretches.iter();
@@ -259,12 +264,12 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory) -> Failure {
 }
 
 /// What to say when the loop that does not close has too few unknowns for its equations.
-fn contradiction(mechanism: &Mechanism, event: &Event) -> Option<String> {
+fn contradiction(system: &System, event: &Event) -> Option<String> {
+    let mechanism = system.mechanism();
     let EventKind::StartNotClosed { name, .. } = &event.kind else {
         return None;
     };
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism).ok()?;
-    let block = structure.overfull(mechanism, name)?;
+    let block = system.structure().overfull(mechanism, name)?;
     let slots = block
         .arguments
         .iter()

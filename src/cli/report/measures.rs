@@ -1,10 +1,11 @@
 //! Measures of a motion as `check` and `solve` show them.
 
-use crate::cli::term::outcome::Failure;
-use crate::kinematics::measures::measures;
+use crate::kinematics::measures::measure;
 use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
 use crate::model::measure::Measure;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::Kind;
+use crate::scene::Scene;
 use serde_json::{Value, json};
 
 /// A measure with its value in the file's units.
@@ -16,12 +17,10 @@ pub struct Measured<'m> {
 }
 
 /// Takes the measures of a motion.
-pub fn take<'m>(
-    mechanism: &'m Mechanism,
-    trajectory: &Trajectory,
-) -> Result<Vec<Measured<'m>>, Failure> {
-    let values = measures(mechanism, trajectory)?;
-    let pairs = mechanism.measures.iter().zip(values);
+pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> Vec<Measured<'s>> {
+    let mechanism = &*scene.mechanism;
+    let values = measure(system, &scene.actuation, &scene.measures, trajectory);
+    let pairs = scene.measures.list.iter().zip(values);
     let list = pairs.map(|(measure, value)| Measured {
         measure,
         value,
@@ -32,7 +31,7 @@ pub fn take<'m>(
             Kind::Number => "",
         },
     });
-    Ok(list.collect())
+    list.collect()
 }
 
 /// Ten digits, with an exponent where zeros would fill the line.

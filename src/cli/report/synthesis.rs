@@ -81,7 +81,7 @@ pub fn text(found: &Found) -> String {
     let objective = opened.objective();
     let unit = objective.map_or(1.0, |m| opened.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
-    let mut text = format!("{}\n", opened.family.mechanism.title);
+    let mut text = format!("{}\n", opened.family.mechanism().title);
     if let Some(note) = &opened.family.study.note {
         text.push_str(&format!("  {note}\n"));
     }
@@ -184,7 +184,7 @@ fn proof(found: &Found) -> String {
         Ok(proof) => proof,
         Err(error) => return format!("\n  NOT PROVED: {error}\n"),
     };
-    let unit = &found.opened.family.mechanism.length_unit;
+    let unit = &found.opened.family.mechanism().length_unit;
     let open = proof.open.map_or(String::new(), |open| {
         format!(", back where it began within {open:.1e} {unit}")
     });
@@ -351,7 +351,7 @@ fn scene_document(found: &Found) -> Value {
     });
     json!({
         "name": found.name,
-        "title": opened.family.mechanism.title,
+        "title": opened.family.mechanism().title,
         "note": opened.family.study.note,
         "objective": objective.map(|m| &m.name),
         "value": synthesis.value * unit,

@@ -4,7 +4,7 @@ use crate::analysis::precision_report;
 use crate::analysis::work_precision::{Study, StudyError, study};
 use crate::cli::args::charts::AccuracyArgs;
 use crate::cli::motion::plot::{PlotFormat, open, write};
-use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::{self as open_scene, OpenScene};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::{ExportError, Output};
@@ -35,12 +35,11 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let scene = open_scene::open(&args.scene, term)?;
+    let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
     let mechanism = &scene.mechanism;
     let mut output = args.out.as_deref().map(open).transpose()?;
-    let study = match study(mechanism, args.poses, args.turns) {
+    let study = match study(&system, &scene.actuation, args.poses, args.turns) {
         Ok(study) => study,
-        Err(StudyError::Structure(error)) => return Err(error.into()),
         Err(error @ StudyError::Gap { .. }) => {
             return Err(Failure::NeverClosed {
                 message: error.to_string(),

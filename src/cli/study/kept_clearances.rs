@@ -8,7 +8,9 @@ use crate::cli::open::study::{Opened, six};
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{frame_times, knots};
+use crate::kinematics::structure::system::System;
 use crate::scene::{Overrides, load};
+use std::sync::Arc;
 
 /// Nearness of the bound where the instants between the samples count only roughly.
 const COARSE: f64 = 1.0;
@@ -37,10 +39,11 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
     let Some(rules) = &scene.clearance else {
         return Ok(None);
     };
-    let mechanism = &scene.mechanism;
-    let times = frame_times(mechanism, scene.view.fps);
-    let trajectory = solve(mechanism, &knots(mechanism, &times))?;
-    let report = check(mechanism, rules, &trajectory, COARSE, &|_, _| {})?;
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    let system = System::new(Arc::clone(mechanism), actuation)?;
+    let times = frame_times(mechanism, actuation, scene.view.fps);
+    let trajectory = solve(&system, actuation, &knots(actuation, &times));
+    let report = check(&system, actuation, rules, &trajectory, COARSE, &|_, _| {});
     Ok(report.worst().map(|pair| {
         let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
         let (distance, unit) = (six(pair.least.distance), &mechanism.length_unit);

@@ -244,7 +244,7 @@ impl Report<'_> {
         };
         let mut text = format!(
             "{}\n  {name}: {} to {} ({change})\n",
-            self.opened.family.mechanism.title,
+            self.opened.family.mechanism().title,
             six(self.optimum.first_value * unit),
             six(minimum.value * unit),
         );
@@ -276,7 +276,7 @@ impl Report<'_> {
             Ok(v) => {
                 text.push_str(&format!(
                     "\nFollowed again from the start values: {} poses, {} without a certificate, error at most {:.1e} {}.\n",
-                    v.poses, v.unproved, v.error_bound, self.opened.family.mechanism.length_unit
+                    v.poses, v.unproved, v.error_bound, self.opened.family.mechanism().length_unit
                 ));
                 let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
                 let measures = self.opened.measures().iter().zip(&v.measures);
@@ -323,7 +323,7 @@ impl Report<'_> {
         });
         json!({
             "schema": format!("mechanim-optimise-{SCHEMA}"),
-            "title": self.opened.family.mechanism.title,
+            "title": self.opened.family.mechanism().title,
             "objective": name,
             "from": self.optimum.first_value * unit,
             "to": minimum.value * unit,

@@ -87,7 +87,7 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
         let rows: Vec<Value> = ranked.iter().map(|p| pair_document(opened, p)).collect();
         let document = json!({
             "schema": format!("mechanim-pairs-{SCHEMA}"),
-            "title": opened.family.mechanism.title,
+            "title": opened.family.mechanism().title,
             "pairs": rows,
         });
         report::write_json(&args.scene, path, &document)?;
@@ -140,7 +140,7 @@ fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> Strin
     }
     format!(
         "{}\n  {} pairs optimised in {seconds:.2} s, the best {} of them:\n\n{}",
-        opened.family.mechanism.title,
+        opened.family.mechanism().title,
         ranked.len(),
         rows.len() - 1,
         aligned(&rows)

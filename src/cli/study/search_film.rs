@@ -13,7 +13,7 @@ use crate::kinematics::measures::poses_of;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::motion::trajectory::{Sample, Trajectory};
-use crate::kinematics::structure::block::StructureError;
+use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;
 use crate::plot::theme::Dashes;
@@ -23,6 +23,7 @@ use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
 use image::RgbaImage;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Size and sampling of the film.
 const OPTIONS: PictureOptions = PictureOptions {
@@ -166,8 +167,9 @@ fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
     scene.view.decor.trails = Trails::None;
     // Labels on a trace need the whole drive; the path is drawn beside it.
     scene.view.labels.clear();
-    let paths = paths(&scene)?;
-    let trajectory = solve(&scene.mechanism, &[0.0])?;
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+    let paths = paths(&scene, &system);
+    let trajectory = solve(&system, &scene.actuation, &[0.0]);
     let (name, unit) = opened
         .objective()
         .map_or(("objective", 1.0), |m| (&m.name, opened.units(m.kind)));
@@ -185,14 +187,15 @@ fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
 }
 
 /// Paths of all traced points along all tracks, or along the drive where there are none.
-fn paths(scene: &Scene) -> Result<Vec<ColouredPath>, StructureError> {
-    let mechanism = &scene.mechanism;
+fn paths(scene: &Scene, system: &System) -> Vec<ColouredPath> {
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let mut rows: Vec<Vec<Sample>> = Vec::new();
-    for track in &mechanism.tracks {
-        rows.push(poses_of(mechanism, track)?);
+    for track in &scene.measures.tracks {
+        rows.push(poses_of(system, actuation, track));
     }
     if rows.is_empty() {
-        rows.push(solve(mechanism, &even_times(mechanism, DRIVE_SAMPLES))?.samples);
+        let times = even_times(mechanism, actuation, DRIVE_SAMPLES);
+        rows.push(solve(system, actuation, &times).samples);
     }
     let traces = mechanism.traces.iter().enumerate();
     let paths = traces.flat_map(|(index, trace)| {
@@ -201,5 +204,5 @@ fn paths(scene: &Scene) -> Result<Vec<ColouredPath>, StructureError> {
             (poses.map(|p| p.traces[index]).collect(), trace.colour)
         })
     });
-    Ok(paths.collect())
+    paths.collect()
 }

@@ -138,7 +138,7 @@ impl Table<'_> {
             .zip(&self.gradients.measures)
             .map(|(m, v)| format!("{} = {}", m.name, six(self.opened.shown(m, *v))))
             .collect();
-        let title = &self.opened.family.mechanism.title;
+        let title = &self.opened.family.mechanism().title;
         let ranked = &list[rank].name;
         let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
         text.push_str(&aligned(&rows));
@@ -184,7 +184,7 @@ impl Table<'_> {
         });
         json!({
             "schema": format!("mechanim-sensitivity-{SCHEMA}"),
-            "title": self.opened.family.mechanism.title,
+            "title": self.opened.family.mechanism().title,
             "measures": measures,
             "dimensions": rows.collect::<Vec<_>>(),
         })

@@ -163,7 +163,7 @@ fn one<'a>(
 /// The found values as changes of the scene, and as the text of a scene of its own.
 fn written(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String), Failure> {
     let parameters = opened.parameters(&synthesis.best);
-    let unknowns = &opened.family.mechanism.unknowns;
+    let unknowns = &opened.family.mechanism().unknowns;
     let guess: Vec<(String, String)> = match &synthesis.unknowns {
         None => Vec::new(),
         Some(values) => unknowns

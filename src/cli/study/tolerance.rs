@@ -179,7 +179,7 @@ impl Report<'_> {
         let samples = self.pieces.made;
         let mut text = format!(
             "{}\n  {} dimensions scatter, {samples} pieces, {} of them cannot be assembled\n\n",
-            self.opened.family.mechanism.title,
+            self.opened.family.mechanism().title,
             study.variables.len(),
             self.pieces.failed,
         );
@@ -229,7 +229,7 @@ impl Report<'_> {
         }
         json!({
             "schema": format!("mechanim-tolerance-{SCHEMA}"),
-            "title": self.opened.family.mechanism.title,
+            "title": self.opened.family.mechanism().title,
             "dimensions": study.variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
             "samples": self.pieces.made,
             "first": self.args.first,

@@ -4,77 +4,74 @@
 //! the same unknowns. The angles of the base are inputs of the chart, so that its chains hold no rounded rotation and can
 //! be proved. What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
 
-use super::joint::{Ball, balls};
-use crate::kinematics::structure::block::{Structure, block};
+use super::joint::Ball;
+use crate::kinematics::structure::block::block;
+use crate::kinematics::structure::system::System;
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
-use crate::model::drive::Drive;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
-/// The mechanism with its ball joints described from a pose on.
-#[derive(Clone, Debug)]
-pub struct Chart {
+/// The mechanism of a system with its ball joints described from a pose on.
+#[derive(Clone, Copy, Debug)]
+pub struct Chart<'s> {
     /// Loops and coordinates only; the unknowns of ball joints are small rotations about x, y, z, and after the scene's
     /// inputs stand those angles of every ball joint that the chart is based on.
-    pub mechanism: Mechanism,
-    /// The scene's order of solution, for `mechanism`.
-    pub structure: Structure,
+    pub system: &'s System,
     /// The ball joints, none of which is held.
-    pub balls: Vec<Ball>,
+    pub balls: &'s [Ball],
     /// Coordinates of the scene.
     count: usize,
 }
 
-impl Chart {
+/// The system that a chart solves: the scene's order of solution for loops in which `balls` are small rotations.
+pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
+    let mechanism = system.mechanism();
+    let mut charted = Mechanism {
+        bodies: Vec::new(),
+        traces: Vec::new(),
+        outputs: Vec::new(),
+        ..mechanism.clone()
+    };
+    let mut small = Vec::new();
+    for ball in balls {
+        for (argument, slot) in ball.arguments().into_iter().zip(ball.slots) {
+            let base = charted.coordinate_count();
+            charted.inputs.push(Coordinate {
+                name: mechanism.unknowns[slot].name.clone(),
+                kind: Kind::Angle,
+            });
+            rebase(&mut charted.arguments[argument], base);
+        }
+        let first = charted.arguments.len();
+        charted.arguments.extend(ball.slots.map(|slot| {
+            Argument::Affine(Affine {
+                terms: vec![(slot, 1.0)],
+                constant: 0.0,
+            })
+        }));
+        small.push(first);
+    }
+    for item in &mut charted.loops {
+        rewrite(&mut item.chain, balls, &small, mechanism.size);
+    }
+    let mut structure = system.structure().clone();
+    for item in &mut structure.blocks {
+        let (loops, equations) = (item.loops.clone(), item.equations.clone());
+        *item = block(&charted, loops, equations, item.unknowns.clone());
+    }
+    System::bare(Arc::new(charted), structure)
+}
+
+impl<'s> Chart<'s> {
     /// `None` if there is no ball joint.
-    pub fn new(mechanism: &Mechanism, structure: &Structure) -> Option<Self> {
-        let balls = balls(mechanism, structure);
-        if balls.is_empty() {
-            return None;
-        }
-        let count = mechanism.coordinate_count();
-        let mut charted = Mechanism {
-            bodies: Vec::new(),
-            traces: Vec::new(),
-            outputs: Vec::new(),
-            ..mechanism.clone()
-        };
-        let mut small = Vec::new();
-        for ball in &balls {
-            for (argument, slot) in ball.arguments().into_iter().zip(ball.slots) {
-                let base = charted.coordinate_count();
-                charted.inputs.push(Coordinate {
-                    name: mechanism.unknowns[slot].name.clone(),
-                    kind: Kind::Angle,
-                });
-                charted.drives.push(Drive::constant(0.0));
-                rebase(&mut charted.arguments[argument], base);
-            }
-            let first = charted.arguments.len();
-            charted.arguments.extend(ball.slots.map(|slot| {
-                Argument::Affine(Affine {
-                    terms: vec![(slot, 1.0)],
-                    constant: 0.0,
-                })
-            }));
-            small.push(first);
-        }
-        let size = mechanism.size;
-        for item in &mut charted.loops {
-            rewrite(&mut item.chain, &balls, &small, size);
-        }
-        let mut structure = structure.clone();
-        for item in &mut structure.blocks {
-            let (loops, equations) = (item.loops.clone(), item.equations.clone());
-            *item = block(&charted, loops, equations, item.unknowns.clone());
-        }
+    pub fn new(system: &'s System) -> Option<Self> {
         Some(Self {
-            mechanism: charted,
-            structure,
-            balls,
-            count,
+            system: system.chart()?,
+            balls: system.balls(),
+            count: system.mechanism().coordinate_count(),
         })
     }
 
@@ -86,7 +83,7 @@ impl Chart {
     /// The chart's coordinates of the pose at the scene's `coordinates`, which it is based on.
     pub fn base(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut own = coordinates.to_vec();
-        for ball in &self.balls {
+        for ball in self.balls {
             own.extend(ball.slots.map(|slot| coordinates[slot]));
             ball.slots.iter().for_each(|slot| own[*slot] = 0.0);
         }
@@ -120,7 +117,7 @@ impl Chart {
 
     /// Gives the joints of a pose in the scene's `coordinates` the names nearest to `near`, without moving them.
     pub fn rename(&self, coordinates: &mut [f64], near: &[f64]) {
-        for ball in &self.balls {
+        for ball in self.balls {
             let rotation = ball.rotation(coordinates);
             ball.slots
                 .iter()
@@ -132,7 +129,7 @@ impl Chart {
     /// Rates of the scene's unknowns for rates at the pose `coordinates` that the chart was based on: those of a joint's
     /// first and last angle are NaN where they are locked.
     pub fn scene_rates(&self, coordinates: &[f64], rates: &mut [f64]) {
-        for ball in &self.balls {
+        for ball in self.balls {
             let base = ball.rotation(coordinates);
             let turn = base * DVec3::from_array(ball.slots.map(|slot| rates[slot]));
             for (slot, rate) in ball.slots.iter().zip(ball.rates(coordinates, turn)) {

@@ -29,10 +29,9 @@ pub mod pose;
 pub mod tube;
 
 use super::solve::newton::Corrector;
-use super::structure::block::Structure;
+use crate::kinematics::structure::system::System;
 use crate::model::chain::Argument;
 use crate::model::expression::Affine;
-use crate::model::mechanism::Mechanism;
 use crate::numbers::double_double::Double;
 use pose::chain::{ArgumentDouble, U};
 use pose::kantorovich::{Earlier, Kantorovich};
@@ -106,8 +105,7 @@ type Forms = [Option<Affine>];
 /// involved.
 #[derive(Clone, Debug)]
 pub struct Certifier<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
     forms: Vec<Option<Affine>>,
     systems: Vec<BlockSystem>,
     kantorovich: Kantorovich,
@@ -117,7 +115,9 @@ pub struct Certifier<'m> {
 
 impl<'m> Certifier<'m> {
     /// Prepares the proof.
-    pub fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+    pub fn new(system: &'m System) -> Self {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let arguments = mechanism.arguments.iter().map(|a| match a {
             Argument::Affine(affine) => Some(affine.clone()),
             Argument::Formula(expression) => expression.affine(),
@@ -126,8 +126,7 @@ impl<'m> Certifier<'m> {
         let forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
         let blocks = structure.blocks.iter();
         Self {
-            mechanism,
-            structure,
+            system,
             systems: blocks
                 .map(|block| BlockSystem::new(mechanism, block, &forms))
                 .collect(),
@@ -165,7 +164,7 @@ impl<'m> Certifier<'m> {
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
         for system in &self.systems {
             for &slot in &system.unknowns {
-                let scale = self.mechanism.scale_of(slot);
+                let scale = self.system.mechanism().scale_of(slot);
                 let (step, rest) = (self.earlier.step[slot], self.earlier.rest[slot]);
                 let old = coordinates[slot];
                 let new = old - scale * step;
@@ -182,7 +181,7 @@ impl<'m> Certifier<'m> {
 
     /// The proof where arguments or equations are no affine forms.
     fn certify_formulas(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
-        match tube::pose(self.mechanism, self.structure, coordinates, bases) {
+        match tube::pose(self.system, coordinates, bases) {
             Ok((error, radius)) => self.certificate(error, radius),
             Err(reason) => Certificate::Refused { reason },
         }
@@ -190,7 +189,7 @@ impl<'m> Certifier<'m> {
 
     /// From radians and sizes, so that both hold for every unknown in its own unit.
     fn certificate(&self, error: f64, radius: f64) -> Certificate {
-        let [least, largest] = self.mechanism.distance_units();
+        let [least, largest] = self.system.mechanism().distance_units();
         Certificate::Certified {
             error_bound: error * largest * (1.0 + 1e-12),
             unique_radius: radius * least * (1.0 - 1e-12),
@@ -206,17 +205,17 @@ impl<'m> Certifier<'m> {
     ) -> Result<f64, Reason> {
         let blank = Affine::default();
         self.arguments.clear();
-        let arguments = self.forms[..self.mechanism.arguments.len()].iter();
+        let arguments = self.forms[..self.system.mechanism().arguments.len()].iter();
         self.arguments.extend(
             arguments.map(|form| ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates)),
         );
-        self.earlier.reset(self.mechanism.unknowns.len());
+        self.earlier.reset(self.system.mechanism().unknowns.len());
         let mut radius = f64::INFINITY;
         for (index, (system, basis)) in self.systems.iter_mut().zip(bases).enumerate() {
             if system.has_formula {
                 return Err(Reason::Formula);
             }
-            system.evaluate(self.mechanism, coordinates, &self.arguments)?;
+            system.evaluate(self.system.mechanism(), coordinates, &self.arguments)?;
             if system.left_out_rows_are_open(basis) {
                 return Err(Reason::Open);
             }

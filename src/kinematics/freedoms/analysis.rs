@@ -1,4 +1,4 @@
-//! From a mechanism to its [`Structure`]: which equations say something, and in which order they can be solved.
+//! From a mechanism to a [`System`]: which equations say something, and in which order they can be solved.
 //!
 //! Everything here depends on the mechanism only, not on a pose. The order itself is found in
 //! [`ordering`](crate::kinematics::structure::ordering), the poses that decide on ranks in [`generic_rank`](super::generic_rank),
@@ -6,79 +6,82 @@
 
 use super::generic_rank::{Ranks, closed_poses, random_poses};
 use super::passive;
+use crate::kinematics::ball::chart::charted;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::structure::block::{Block, Structure, StructureError, block, names};
+use crate::kinematics::structure::block::{Block, Held, Structure, StructureError, block, names};
 use crate::kinematics::structure::loop_part::{LoopPart, component_name, components_of};
 use crate::kinematics::structure::ordering::{Incidence, Member, of_group, unknowns_of};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use std::sync::Arc;
 
 /// An equation counts as empty when it stays below this (residuals are scaled, of order one) at all probes.
 /// Rounding of a long chain stays far below, a real equation far above.
 const EMPTY: f64 = 1e-12;
 
-/// The structure of `mechanism`.
-///
-/// Ranks are taken at random poses. Loops with more equations than unknowns, and those that seem to lack
-/// equations, are judged at closed poses too: an over-constrained loop has its true rank only there, and only
-/// there it shows whether a freedom is idle.
-pub fn analyse(mechanism: &Mechanism) -> Result<Structure, StructureError> {
-    let probes = random_poses(mechanism);
-    let (parts, empty_equations) = live_equations(mechanism, &probes)?;
-    let incidence = Incidence::new(mechanism, parts);
-    let generic = Ranks::new(mechanism, &probes);
-    refuse_unheld(mechanism, &incidence, &generic)?;
-    let mut structure = Structure {
-        blocks: generic.blocks(&incidence, incidence.groups(&[])),
-        empty_equations,
-        held: Vec::new(),
-    };
-    let square = |b: &Block| b.rows() == b.unknowns.len();
-    if structure
-        .blocks
-        .iter()
-        .all(|b| square(b) && !generic.lacks(b))
-    {
-        return Ok(structure);
+impl System {
+    /// Analyses `mechanism` and lays it out for solving.
+    ///
+    /// Ranks are taken at random poses. Loops with more equations than unknowns, and those that seem to lack
+    /// equations, are judged at closed poses on `actuation`, too: an over-constrained loop has its true rank only
+    /// there, and only there it shows whether a freedom is passive.
+    ///
+    /// # Errors
+    /// A loop that closes nowhere, unknowns that nothing determines.
+    pub fn new(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<Self, StructureError> {
+        Ok(analyse(mechanism, actuation)?.with_ball_joints(charted))
     }
-    let poses = poses_of_unsure(mechanism, &structure, &incidence);
-    if poses.is_empty() {
-        // Nothing closes: solving will say so, unless the mechanism is not determined anyway.
-        let lacking = structure.blocks.iter().find(|b| generic.lacks(b));
-        return match lacking {
-            Some(block) => Err(generic.under_determined(block)),
-            None => Ok(structure),
-        };
-    }
-    let closed = Ranks::new(mechanism, &poses);
-    structure.blocks = closed.blocks(&incidence, incidence.groups(&[]));
-    let held = passive::find(mechanism, &structure, &closed)?;
-    if !held.is_empty() {
-        let slots: Vec<usize> = held.iter().map(|h| h.unknown).collect();
-        structure.blocks = closed.blocks(&incidence, incidence.groups(&slots));
-        structure.held = held;
-    }
-    Ok(structure)
 }
 
-/// Closed poses of a mechanism whose blocks are not sure yet: by blocks, else with everything in one.
-fn poses_of_unsure(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    incidence: &Incidence,
-) -> Vec<Vec<f64>> {
-    let poses = closed_poses(mechanism, structure);
-    if !poses.is_empty() || structure.blocks.len() < 2 {
-        return poses;
-    }
-    let groups = incidence.merged(&[]);
-    let merged = Structure {
-        blocks: groups
-            .iter()
-            .map(|g| of_group(mechanism, incidence, g))
-            .collect(),
-        ..structure.clone()
+fn analyse(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<System, StructureError> {
+    let probes = random_poses(&mechanism);
+    let (parts, empty_equations) = live_equations(&mechanism, &probes)?;
+    let incidence = Incidence::new(&mechanism, parts);
+    let generic = Ranks::new(&mechanism, &probes);
+    refuse_unheld(&mechanism, &incidence, &generic)?;
+    let trial = |blocks: Vec<Block>, held: Vec<Held>| {
+        let structure = Structure {
+            blocks,
+            empty_equations: empty_equations.clone(),
+            held,
+        };
+        System::bare(Arc::clone(&mechanism), structure)
     };
-    closed_poses(mechanism, &merged)
+    let system = trial(
+        generic.blocks(&incidence, incidence.groups(&[])),
+        Vec::new(),
+    );
+    let is_sure = |b: &Block| b.rows() == b.unknowns.len() && !generic.lacks(b);
+    if system.blocks().iter().all(is_sure) {
+        return Ok(system);
+    }
+    // Closed poses by blocks, else with everything in one.
+    let mut poses = closed_poses(&system, actuation);
+    if poses.is_empty() && system.blocks().len() > 1 {
+        let groups = incidence.merged(&[]);
+        let merged = groups.iter().map(|g| of_group(&mechanism, &incidence, g));
+        poses = closed_poses(&trial(merged.collect(), Vec::new()), actuation);
+    }
+    if poses.is_empty() {
+        // Nothing closes: solving will say so, unless the mechanism is not determined anyway.
+        let lacking = system.blocks().iter().find(|b| generic.lacks(b));
+        return match lacking {
+            Some(block) => Err(generic.under_determined(block)),
+            None => Ok(system),
+        };
+    }
+    let closed = Ranks::new(&mechanism, &poses);
+    let system = trial(closed.blocks(&incidence, incidence.groups(&[])), Vec::new());
+    let held = passive::find(&system, &closed)?;
+    if held.is_empty() {
+        return Ok(system);
+    }
+    let slots: Vec<usize> = held.iter().map(|h| h.unknown).collect();
+    Ok(trial(
+        closed.blocks(&incidence, incidence.groups(&slots)),
+        held,
+    ))
 }
 
 /// An unknown that changes no equation at any pose stands in the formulas only in vain.

@@ -3,9 +3,11 @@
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble;
 use crate::kinematics::solve::newton::Corrector;
-use crate::kinematics::structure::block::{Block, Structure, StructureError, names};
+use crate::kinematics::structure::block::{Block, StructureError, names};
 use crate::kinematics::structure::ordering::{Group, Incidence, of_group};
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 
 /// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
@@ -51,13 +53,14 @@ pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
 const PLACES: [(f64, f64); 4] = [(0.0, 0.0), (0.0, 1e-2), (0.37, -7e-3), (0.73, 5e-3)];
 
 /// Closed poses (unknowns, then inputs) here and there on the drive, the start of the drive first if it has one.
-pub fn closed_poses(mechanism: &Mechanism, structure: &Structure) -> Vec<Vec<f64>> {
-    let mut corrector = Corrector::new(structure);
+pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
+    let mechanism = system.mechanism();
+    let mut corrector = Corrector::new(system);
     let mut poses: Vec<Vec<f64>> = Vec::new();
     for (part, shift) in PLACES {
         let mut start =
-            poses.first().unwrap_or(&mechanism.guess)[..mechanism.unknowns.len()].to_vec();
-        let inputs = mechanism.inputs_at(part * mechanism.duration);
+            poses.first().unwrap_or(&actuation.guess)[..mechanism.unknowns.len()].to_vec();
+        let inputs = actuation.inputs_at(part * actuation.duration);
         let shifted = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
             let scale = if input.kind == Kind::Length {
                 mechanism.size
@@ -72,7 +75,7 @@ pub fn closed_poses(mechanism: &Mechanism, structure: &Structure) -> Vec<Vec<f64
         }
         // A search is worth its time once.
         let search = part == 0.0 && shift == 0.0;
-        if let Ok(found) = assemble(mechanism, structure, &mut corrector, &start, search) {
+        if let Ok(found) = assemble(system, &mut corrector, &start, search) {
             poses.push(found.coordinates);
         }
     }

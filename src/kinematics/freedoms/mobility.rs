@@ -10,10 +10,12 @@ use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
-use crate::kinematics::structure::block::{Block, Held, Structure, block};
+use crate::kinematics::structure::block::{Block, Held, block};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::math::Pose;
+use crate::model::actuation::Actuation;
 use crate::model::chain::{Motion, Step};
 use crate::model::mechanism::{Closes, Mechanism};
 
@@ -63,9 +65,11 @@ pub struct Mobility {
 
 impl Mobility {
     /// Counts the freedoms of `mechanism`, whose order of solution is `structure`.
-    pub fn new(mechanism: &Mechanism, structure: &Structure) -> Self {
+    pub fn new(system: &System, actuation: &Actuation) -> Self {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let whole = Whole::new(mechanism);
-        let poses = closed_poses(mechanism, structure);
+        let poses = closed_poses(system, actuation);
         let numeric: Vec<Numeric> = poses.iter().map(|pose| whole.numeric(pose)).collect();
         let used = whole.block.unknowns.iter();
         let mut mobility = Self {
@@ -73,14 +77,14 @@ impl Mobility {
             inputs: used.filter(|u| **u >= mechanism.unknowns.len()).count(),
             loops: loop_spaces(mechanism),
             couplings: mechanism.equations.len(),
-            at_start: start(mechanism, structure).map(|pose| whole.numeric(&pose)),
+            at_start: start(system, actuation).map(|pose| whole.numeric(&pose)),
             generic: numeric.into_iter().min_by_key(|n| n.mobility),
             redundant: Vec::new(),
             conditions: Vec::new(),
             idle: structure.held.clone(),
         };
         if let Some(pose) = poses.first() {
-            mobility.left_out(mechanism, structure, &whole, pose);
+            mobility.left_out(system, &whole, pose);
         }
         mobility
     }
@@ -99,16 +103,12 @@ impl Mobility {
     }
 
     /// Sorts the equations that are not solved: implied by others, or conditions on the inputs.
-    fn left_out(
-        &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
-        whole: &Whole,
-        pose: &[f64],
-    ) {
+    fn left_out(&mut self, system: &System, whole: &Whole, pose: &[f64]) {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let mut watch = BranchWatch::default();
-        let mut corrector = Corrector::new(structure);
-        watch.observe(mechanism, structure, &mut corrector, pose);
+        let mut corrector = Corrector::new(system);
+        watch.observe(system, &mut corrector, pose);
         let (mut solved, mut others) = (Vec::new(), Vec::new());
         for (block, basis) in structure.blocks.iter().zip(watch.bases()) {
             for (row, name) in row_names(block).enumerate() {
@@ -145,11 +145,11 @@ impl Mobility {
 }
 
 /// Where the drive starts.
-fn start(mechanism: &Mechanism, structure: &Structure) -> Option<Vec<f64>> {
-    let start = [mechanism.guess.clone(), mechanism.inputs_at(0.0)].concat();
+fn start(system: &System, actuation: &Actuation) -> Option<Vec<f64>> {
+    let start = actuation.start_at(0.0);
     let finite = start.iter().all(|v| v.is_finite());
-    let mut corrector = Corrector::new(structure);
-    let found = finite.then(|| assemble(mechanism, structure, &mut corrector, &start, true));
+    let mut corrector = Corrector::new(system);
+    let found = finite.then(|| assemble(system, &mut corrector, &start, true));
     Some(found?.ok()?.coordinates)
 }
 

@@ -13,7 +13,8 @@ use super::generic_rank::{RANK, Ranks};
 use super::twists::{Line, STILL, Twist, Walk, line_of, same_line, with};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::rates::higher_order::observed;
-use crate::kinematics::structure::block::{Block, Held, Structure, StructureError, names};
+use crate::kinematics::structure::block::{Block, Held, StructureError, names};
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::null_space;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -23,11 +24,9 @@ use crate::numbers::series::Series;
 const IMPURE: f64 = 0.05;
 
 /// The idle freedoms of all blocks; the mechanism is refused if some freedom is not idle.
-pub fn find(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    closed: &Ranks,
-) -> Result<Vec<Held>, StructureError> {
+pub fn find(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
+    let mechanism = system.mechanism();
+    let structure = system.structure();
     let mut list = Vec::new();
     for block in structure.blocks.iter().filter(|b| closed.lacks(b)) {
         list.extend(of_block(mechanism, block, closed)?);

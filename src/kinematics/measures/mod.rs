@@ -5,32 +5,29 @@ pub mod reduce;
 use super::motion::continuation::solve;
 use super::motion::trajectory::{ClosedPose, Sample, Trajectory};
 use super::rates::higher_order::{observed_slots, rates};
-use super::structure::block::{Structure, StructureError};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
-use crate::model::measure::{MeasureSource, Track};
-use crate::model::mechanism::Mechanism;
+use crate::model::measure::{MeasureSource, Measures, Track};
 use crate::numbers::series::{Series, evaluate};
 use reduce::reduce;
 
-/// Values of all measures in internal units, in the order of the mechanism; `None` where a pose is missing on the way
-/// or a formula has no value. `trajectory` is the motion along the drive.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
-pub fn measures(
-    mechanism: &Mechanism,
+/// Values of all measures in internal units, in the order of the list; `None` where a pose is missing on the way
+/// or a formula has no value. `trajectory` is the motion along `actuation`.
+pub fn measure(
+    system: &System,
+    actuation: &Actuation,
+    measures: &Measures,
     trajectory: &Trajectory,
-) -> Result<Vec<Option<f64>>, StructureError> {
-    let tracks = mechanism
-        .tracks
-        .iter()
-        .map(|track| poses_of(mechanism, track));
-    let tracks: Vec<Vec<Sample>> = tracks.collect::<Result<_, _>>()?;
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let inputs = mechanism.inputs_at(0.0);
+) -> Vec<Option<f64>> {
+    let tracks = measures.tracks.iter();
+    let tracks: Vec<Vec<Sample>> = tracks
+        .map(|track| poses_of(system, actuation, track))
+        .collect();
+    let inputs = actuation.inputs_at(0.0);
     let mut values: Vec<Option<f64>> = Vec::new();
-    for measure in &mechanism.measures {
+    for measure in &measures.list {
         let value = match &measure.source {
             MeasureSource::Formula(formula) => {
                 // A slot that has no value spoils what uses it.
@@ -47,7 +44,7 @@ pub fn measures(
             } => {
                 let samples = track.map_or(&trajectory.samples, |k| &tracks[k]);
                 let at = |formula: &Expression| -> Option<Vec<f64>> {
-                    let one = |s: &Sample| value_at(mechanism, &structure, s, formula, *per);
+                    let one = |s: &Sample| value_at(system, s, formula, *per);
                     samples.iter().map(one).collect()
                 };
                 let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
@@ -57,13 +54,12 @@ pub fn measures(
         };
         values.push(value.filter(|v| v.is_finite()));
     }
-    Ok(values)
+    values
 }
 
 /// The value of a formula at a pose, or its derivative by an input.
 fn value_at(
-    mechanism: &Mechanism,
-    structure: &Structure,
+    system: &System,
     sample: &Sample,
     formula: &Expression,
     per: Option<usize>,
@@ -73,7 +69,7 @@ fn value_at(
         return Some(formula.value(&slots(pose, &sample.inputs)));
     };
     let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-    let series = along(mechanism, structure, &coordinates, &[input], 1)?;
+    let series = along(system, &coordinates, &[input], 1)?;
     Some(evaluate(formula, &series, 1).coefficients()[1])
 }
 
@@ -88,12 +84,12 @@ fn slots(pose: &ClosedPose, inputs: &[f64]) -> Vec<f64> {
 /// Series of coordinates, traces and outputs at a closed pose when the inputs `moving` change at unit rate (an input
 /// named twice, at twice that); `None` at a singular pose.
 pub fn along(
-    mechanism: &Mechanism,
-    structure: &Structure,
+    system: &System,
     coordinates: &[f64],
     moving: &[usize],
     order: usize,
 ) -> Option<Vec<Series>> {
+    let mechanism = system.mechanism();
     let n = mechanism.unknowns.len();
     let inputs: Vec<Series> = (0..mechanism.inputs.len())
         .map(|k| {
@@ -101,26 +97,23 @@ pub fn along(
             Series::linear(coordinates[n + k], rate, order)
         })
         .collect();
-    let all = rates(mechanism, structure, coordinates, &inputs, order)?;
+    let all = rates(system, coordinates, &inputs, order)?;
     Some(observed_slots(mechanism, &all, order))
 }
 
 /// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples that it
 /// does not lead to have no pose.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
-pub fn poses_of(mechanism: &Mechanism, track: &Track) -> Result<Vec<Sample>, StructureError> {
-    let (moved, times) = driven_along(mechanism, track);
-    let mut samples = solve(&moved, &times)?.of_one_motion();
+pub fn poses_of(system: &System, actuation: &Actuation, track: &Track) -> Vec<Sample> {
+    let (moved, times) = driven_along(actuation, track);
+    let mut samples = solve(system, &moved, &times).of_one_motion();
     samples.remove(0);
-    Ok(samples)
+    samples
 }
 
-/// The mechanism with a drive that leads from where its own begins to the start of a track and along it, and the times:
-/// that of the beginning, then those of the track's samples.
-pub fn driven_along(mechanism: &Mechanism, track: &Track) -> (Mechanism, Vec<f64>) {
-    let start = mechanism.inputs_at(0.0);
+/// Drives that lead from where those of `actuation` begin to the start of a track and along it, and the times: that of the
+/// beginning, then those of the track's samples.
+pub fn driven_along(actuation: &Actuation, track: &Track) -> (Actuation, Vec<f64>) {
+    let start = actuation.inputs_at(0.0);
     let count = track.samples;
     let times: Vec<f64> = (0..=count).map(|k| k as f64).collect();
     let drives = start.iter().zip(track.from.iter().zip(&track.to));
@@ -132,10 +125,10 @@ pub fn driven_along(mechanism: &Mechanism, track: &Track) -> (Mechanism, Vec<f64
             ease: Ease::Linear,
         }
     });
-    let moved = Mechanism {
+    let moved = Actuation {
         drives: drives.collect(),
         duration: count as f64,
-        ..mechanism.clone()
+        guess: actuation.guess.clone(),
     };
     (moved, times)
 }

@@ -6,7 +6,8 @@
 
 use super::continuation::solve;
 use super::trajectory::Trajectory;
-use crate::model::drive::{Drive, Ease};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::PI;
 
@@ -35,13 +36,13 @@ pub struct Feasible {
 }
 
 /// The feasible stretches of every input by itself; inputs without any are left out.
-pub fn feasible_inputs(mechanism: &Mechanism) -> Vec<Feasible> {
-    let given = mechanism.inputs_at(0.0);
+pub fn feasible_inputs(system: &System, actuation: &Actuation) -> Vec<Feasible> {
+    let given = actuation.inputs_at(0.0);
     let inputs = (0..given.len()).filter_map(|input| {
         // A value far out says nothing about where the mechanism is: then around zero.
         let middles = [given[input], 0.0];
         let found = middles.iter().find_map(|middle| {
-            let stretches = sweep(mechanism, &given, input, *middle)?;
+            let stretches = sweep(system, actuation, input, *middle);
             (!stretches.is_empty()).then_some(stretches)
         });
         found.map(|stretches| Feasible { input, stretches })
@@ -54,24 +55,20 @@ fn steps(mechanism: &Mechanism) -> usize {
     (STEPS * SMALL / work.max(SMALL)).max(FEWEST_STEPS)
 }
 
-fn sweep(mechanism: &Mechanism, given: &[f64], input: usize, middle: f64) -> Option<Vec<[f64; 2]>> {
+fn sweep(system: &System, actuation: &Actuation, input: usize, middle: f64) -> Vec<[f64; 2]> {
+    let mechanism = system.mechanism();
     let reach = match mechanism.inputs[input].kind {
         Kind::Angle => PI,
         Kind::Length => REACH * mechanism.size,
         Kind::Number => REACH,
     };
-    let mut swept = mechanism.clone();
-    swept.duration = 1.0;
-    swept.drives = given.iter().map(|v| Drive::constant(*v)).collect();
-    swept.drives[input] = Drive::Keys {
-        times: vec![0.0, 1.0],
-        values: vec![middle - reach, middle + reach],
-        ease: Ease::Linear,
-    };
+    let mut from = actuation.inputs_at(0.0);
+    let mut to = from.clone();
+    (from[input], to[input]) = (middle - reach, middle + reach);
+    let swept = Actuation::straight(&from, &to, actuation.guess.clone());
     let steps = steps(mechanism);
     let times: Vec<f64> = (0..=steps).map(|k| k as f64 / steps as f64).collect();
-    let trajectory = solve(&swept, &times).ok()?;
-    Some(stretches(&trajectory, input))
+    stretches(&solve(system, &swept, &times), input)
 }
 
 /// What the gaps of a motion leave.

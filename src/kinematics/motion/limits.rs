@@ -7,9 +7,11 @@
 use super::continuation::solve;
 use super::sampling::is_cyclic;
 use super::trajectory::{Event, EventKind, Sample, Trajectory};
+use crate::kinematics::loops::forward;
 use crate::kinematics::rates::higher_order::{By, RateColumns};
 use crate::kinematics::solve::newton::{Corrector, Pace};
-use crate::kinematics::structure::block::{Structure, StructureError};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::series::drive;
 
@@ -38,34 +40,26 @@ const FIRST: RateColumns = RateColumns {
 };
 
 /// Adds an event for every limit position of an unknown or output to those of a solved motion.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
-pub fn add_limits(
-    mechanism: &Mechanism,
-    trajectory: &mut Trajectory,
-) -> Result<(), StructureError> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let times = refined(mechanism, &trajectory.samples);
-    let fine = solve(mechanism, &times)?;
-    let mut search = Search::new(mechanism, &structure, &fine.samples);
+pub fn add_limits(system: &System, actuation: &Actuation, trajectory: &mut Trajectory) {
+    let times = refined(system.mechanism(), actuation, &trajectory.samples);
+    let fine = solve(system, actuation, &times);
+    let mut search = Search::new(system, actuation, &fine.samples);
     for quantity in 0..search.names.len() {
         search.run(quantity);
     }
     trajectory.events.append(&mut search.events);
     trajectory.events.sort_by(|a, b| a.time.total_cmp(&b.time));
-    Ok(())
 }
 
 /// The samples' times and as many between them as it takes. The last sample of a cyclic drive is one before its end.
-fn refined(mechanism: &Mechanism, samples: &[Sample]) -> Vec<f64> {
+fn refined(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]) -> Vec<f64> {
     let mut ends: Vec<f64> = samples.iter().map(|s| s.time).collect();
     if let [.., before, last] = ends[..]
-        && is_cyclic(mechanism)
-        && mechanism.duration > last
-        && mechanism.duration - last < 1.5 * (last - before)
+        && is_cyclic(mechanism, actuation)
+        && actuation.duration > last
+        && actuation.duration - last < 1.5 * (last - before)
     {
-        ends.push(mechanism.duration);
+        ends.push(actuation.duration);
     }
     let parts = INTERVALS.div_ceil(ends.len().saturating_sub(1).max(1));
     let between = ends.windows(2).flat_map(|pair| {
@@ -76,8 +70,8 @@ fn refined(mechanism: &Mechanism, samples: &[Sample]) -> Vec<f64> {
 }
 
 struct Search<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
+    actuation: &'m Actuation,
     corrector: Corrector,
     samples: &'m [Sample],
     /// Rates of all quantities at every sample that has them.
@@ -90,13 +84,14 @@ struct Search<'m> {
 }
 
 impl<'m> Search<'m> {
-    fn new(mechanism: &'m Mechanism, structure: &'m Structure, samples: &'m [Sample]) -> Self {
+    fn new(system: &'m System, actuation: &'m Actuation, samples: &'m [Sample]) -> Self {
+        let mechanism = system.mechanism();
         let rates: Vec<Option<Vec<f64>>> = samples
             .iter()
             .map(|sample| {
                 let pose = sample.pose.as_ref()?;
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                FIRST.values(mechanism, structure, &coordinates, sample.time)
+                FIRST.values(system, actuation, &coordinates, sample.time)
             })
             .collect();
         let (n, traces) = (mechanism.unknowns.len(), 3 * mechanism.traces.len());
@@ -107,12 +102,12 @@ impl<'m> Search<'m> {
             .map(|o| o.name.clone())
             .zip(n + traces..);
         let times = samples.iter().map(|s| s.time);
-        let fastest_input = times.map(|t| input_rate(mechanism, t)).fold(0.0, f64::max);
+        let fastest_input = times.map(|t| input_rate(actuation, t)).fold(0.0, f64::max);
         let all = rates.iter().flatten().flatten().map(|r| r.abs());
         Self {
-            mechanism,
-            structure,
-            corrector: Corrector::new(structure),
+            system,
+            actuation,
+            corrector: Corrector::new(system),
             samples,
             names: unknowns.chain(outputs).collect(),
             fastest_input,
@@ -154,7 +149,7 @@ impl<'m> Search<'m> {
         if let Some((k, rate)) = last
             && k + 1 == end
             && rates[end].is_some()
-            && !is_cyclic(self.mechanism)
+            && !is_cyclic(self.system.mechanism(), self.actuation)
         {
             self.note(quantity, end, rate > 0.0);
         }
@@ -211,39 +206,31 @@ impl<'m> Search<'m> {
         let (p, q) = (low.pose.as_ref()?, high.pose.as_ref()?);
         let pairs = p.unknowns.iter().zip(&q.unknowns);
         let mut coordinates: Vec<f64> = pairs.map(|(p, q)| p + share * (q - p)).collect();
-        coordinates.extend(self.mechanism.inputs_at(time));
+        coordinates.extend(self.actuation.inputs_at(time));
         let corrector = &mut self.corrector;
-        let correction = corrector.correct(
-            self.mechanism,
-            self.structure,
-            &mut coordinates,
-            Pace::Brisk,
-        );
+        let correction = corrector.correct(self.system, &mut coordinates, Pace::Brisk);
         if !correction.converged {
             return None;
         }
-        let rates = FIRST.values(self.mechanism, self.structure, &coordinates, time)?;
+        let rates = FIRST.values(self.system, self.actuation, &coordinates, time)?;
         let rate = rates[self.names[quantity].1];
         rate.is_finite().then_some((rate, coordinates))
     }
 
     fn push(&mut self, quantity: usize, time: f64, coordinates: &[f64], is_largest: bool) {
-        if input_rate(self.mechanism, time) <= RESTING * self.fastest_input {
+        if input_rate(self.actuation, time) <= RESTING * self.fastest_input {
             return;
         }
-        let n = self.mechanism.unknowns.len();
-        let value = if quantity < n {
-            coordinates[quantity]
-        } else {
-            let bodies = crate::kinematics::loops::forward::body_poses(self.mechanism, coordinates);
-            let traces = crate::kinematics::loops::forward::trace_points(self.mechanism, &bodies);
-            crate::kinematics::loops::forward::outputs(self.mechanism, coordinates, &traces)
-                [quantity - n]
-        };
-        let kind = if quantity < n {
-            self.mechanism.unknowns[quantity].kind
-        } else {
-            self.mechanism.outputs[quantity - n].kind
+        let mechanism = self.system.mechanism();
+        let n = mechanism.unknowns.len();
+        let (value, kind) = match quantity.checked_sub(n) {
+            None => (coordinates[quantity], mechanism.unknowns[quantity].kind),
+            Some(output) => {
+                let bodies = forward::body_poses(mechanism, coordinates);
+                let traces = forward::trace_points(mechanism, &bodies);
+                let values = forward::outputs(mechanism, coordinates, &traces);
+                (values[output], mechanism.outputs[output].kind)
+            }
         };
         self.events.push(Event {
             time,
@@ -259,8 +246,8 @@ impl<'m> Search<'m> {
 }
 
 /// The largest rate of an input, each in its own unit.
-fn input_rate(mechanism: &Mechanism, time: f64) -> f64 {
-    let drives = mechanism.drives.iter();
+fn input_rate(actuation: &Actuation, time: f64) -> f64 {
+    let drives = actuation.drives.iter();
     let rates = drives.map(|d| drive(d, time, 1).derivative(1).abs());
     rates.filter(|r| r.is_finite()).fold(0.0, f64::max)
 }

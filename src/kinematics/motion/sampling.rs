@@ -1,6 +1,7 @@
 //! At which times a drive is sampled. Times are computed from their index, never summed up.
 
 use super::trajectory::{Sample, Trajectory};
+use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
@@ -15,10 +16,10 @@ const SAME_INPUT: f64 = 1e-9;
 const SAME_TIME: f64 = 1e-12;
 
 /// Whether the drive ends where it began, angles up to whole turns: a loop of frames then needs no end frame.
-pub fn is_cyclic(mechanism: &Mechanism) -> bool {
+pub fn is_cyclic(mechanism: &Mechanism, actuation: &Actuation) -> bool {
     let (start, end) = (
-        mechanism.inputs_at(0.0),
-        mechanism.inputs_at(mechanism.duration),
+        actuation.inputs_at(0.0),
+        actuation.inputs_at(actuation.duration),
     );
     mechanism
         .inputs
@@ -35,43 +36,43 @@ pub fn is_cyclic(mechanism: &Mechanism) -> bool {
 }
 
 /// Times of frames at `fps` from 0 on: the end of the drive is a frame of its own unless the drive is cyclic.
-pub fn frame_times(mechanism: &Mechanism, fps: f64) -> Vec<f64> {
-    let intervals = (mechanism.duration * fps)
+pub fn frame_times(mechanism: &Mechanism, actuation: &Actuation, fps: f64) -> Vec<f64> {
+    let intervals = (actuation.duration * fps)
         .round()
         .max(1.0)
         .min(MAX_SAMPLES as f64) as usize;
-    let count = if is_cyclic(mechanism) {
+    let count = if is_cyclic(mechanism, actuation) {
         intervals
     } else {
         intervals + 1
     };
     (0..count)
-        .map(|k| (k as f64 / fps).min(mechanism.duration))
+        .map(|k| (k as f64 / fps).min(actuation.duration))
         .collect()
 }
 
 /// `count` equal steps over the drive; both ends are included unless the drive is cyclic.
-pub fn even_times(mechanism: &Mechanism, count: usize) -> Vec<f64> {
-    let intervals = if is_cyclic(mechanism) {
+pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) -> Vec<f64> {
+    let intervals = if is_cyclic(mechanism, actuation) {
         count
     } else {
         count.saturating_sub(1)
     }
     .max(1);
     (0..count)
-        .map(|k| mechanism.duration * (k as f64 / intervals as f64))
+        .map(|k| actuation.duration * (k as f64 / intervals as f64))
         .collect()
 }
 
 /// The given times with both ends of the drive and every key of an input, ascending: what has to be solved for a statement
 /// about the whole motion.
-pub fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
-    let last = mechanism.duration;
+pub fn knots(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
+    let last = actuation.duration;
     let keys = |drive: &Drive| match drive {
         Drive::Keys { times, .. } => times.clone(),
         Drive::Formula(_) => Vec::new(),
     };
-    let keys = mechanism.drives.iter().flat_map(keys);
+    let keys = actuation.drives.iter().flat_map(keys);
     let own = keys.chain([0.0, last]).filter(|t| (0.0..=last).contains(t));
     let mut all: Vec<f64> = own.chain(times.iter().copied()).collect();
     all.sort_by(f64::total_cmp);
@@ -80,8 +81,8 @@ pub fn knots(mechanism: &Mechanism, times: &[f64]) -> Vec<f64> {
 }
 
 /// The samples of a trajectory at the given times, ascending: what was solved beside them left out again.
-pub fn only(mechanism: &Mechanism, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
-    let slack = SAME_TIME * mechanism.duration;
+pub fn only(actuation: &Actuation, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
+    let slack = SAME_TIME * actuation.duration;
     let is_given = |sample: &&Sample| {
         let next = times.partition_point(|t| *t < sample.time - slack);
         times.get(next).is_some_and(|t| *t <= sample.time + slack)

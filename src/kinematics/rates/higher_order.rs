@@ -6,8 +6,10 @@
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::motion::trajectory::Trajectory;
-use crate::kinematics::structure::block::{Block, Structure, StructureError};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
+use crate::model::actuation::Actuation;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::numbers::series::{Series, drive, evaluate};
@@ -38,12 +40,13 @@ struct ArgumentSeries {
 /// `coordinates` are the pose's; the constant coefficients of `inputs`, which go up to `order` too, are its inputs. `None` at a singular
 /// pose, where the unknowns have no such series, or where a formula has no value.
 pub fn rates(
-    mechanism: &Mechanism,
-    structure: &Structure,
+    system: &System,
     coordinates: &[f64],
     inputs: &[Series],
     order: usize,
 ) -> Option<Vec<Series>> {
+    let mechanism = system.mechanism();
+    let structure = system.structure();
     let n = mechanism.unknowns.len();
     let mut series: Vec<Series> = coordinates[..n]
         .iter()
@@ -238,14 +241,14 @@ impl By {
     /// Series of the inputs, whose values are `given`, along it.
     pub fn inputs(
         self,
-        mechanism: &Mechanism,
+        actuation: &Actuation,
         given: &[f64],
         time: f64,
         order: usize,
     ) -> Vec<Series> {
         match self {
             Self::Time => {
-                let drives = mechanism.drives.iter();
+                let drives = actuation.drives.iter();
                 drives.map(|d| drive(d, time, order)).collect()
             }
             Self::Input(moving) => (0..given.len())
@@ -301,14 +304,15 @@ impl RateColumns {
     /// Values of the columns at a pose, in internal units; `None` where there are none.
     pub fn values(
         &self,
-        mechanism: &Mechanism,
-        structure: &Structure,
+        system: &System,
+        actuation: &Actuation,
         coordinates: &[f64],
         time: f64,
     ) -> Option<Vec<f64>> {
+        let mechanism = system.mechanism();
         let given = &coordinates[mechanism.unknowns.len()..];
-        let inputs = self.by.inputs(mechanism, given, time, self.order);
-        let series = rates(mechanism, structure, coordinates, &inputs, self.order)?;
+        let inputs = self.by.inputs(actuation, given, time, self.order);
+        let series = rates(system, coordinates, &inputs, self.order)?;
         let all = observed(mechanism, &series, self.order);
         let derivatives = all
             .iter()
@@ -318,21 +322,17 @@ impl RateColumns {
 }
 
 /// Fills the derivatives of every pose of a trajectory; those of singular poses stay empty.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
 pub fn add_derivatives(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     trajectory: &mut Trajectory,
     columns: RateColumns,
-) -> Result<(), StructureError> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
+) {
     for sample in &mut trajectory.samples {
         if let Some(pose) = &mut sample.pose {
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-            let values = columns.values(mechanism, &structure, &coordinates, sample.time);
+            let values = columns.values(system, actuation, &coordinates, sample.time);
             pose.derivatives = values.unwrap_or_default();
         }
     }
-    Ok(())
 }

@@ -5,11 +5,11 @@
 //! are the mixed derivative of the rotation vector, which the unknowns' own mixed derivative must cancel.
 
 use crate::kinematics::solve::newton::{Corrector, REFINEMENTS};
-use crate::kinematics::structure::block::{Block, Structure};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::groups;
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
-use crate::model::mechanism::Mechanism;
 use crate::numbers::hyper_dual::{Twofold, evaluate};
 use glam::{DMat3, DVec3};
 
@@ -30,8 +30,7 @@ struct Moving {
 /// Derivatives at closed poses of a mechanism; one for each thread.
 #[derive(Clone, Debug)]
 pub struct Variation<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
     corrector: Corrector,
     slots: Vec<Twofold>,
     turns: Vec<Turn>,
@@ -57,11 +56,11 @@ const MAX_TURNS: usize = 40;
 
 impl<'m> Variation<'m> {
     /// Buffers for a mechanism.
-    pub fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+    pub fn new(system: &'m System) -> Self {
+        let mechanism = system.mechanism();
         Self {
-            mechanism,
-            structure,
-            corrector: Corrector::new(structure),
+            system,
+            corrector: Corrector::new(system),
             slots: Vec::new(),
             turns: vec![Turn::default(); mechanism.arguments.len()],
             scratch: Vec::new(),
@@ -74,9 +73,8 @@ impl<'m> Variation<'m> {
     pub fn tangent(&mut self, pose: &[f64], moving: usize, rates: &mut Vec<f64>) {
         rates.clear();
         rates.resize(pose.len(), 0.0);
-        rates[self.mechanism.unknowns.len() + moving] = 1.0;
-        self.corrector
-            .tangent(self.mechanism, self.structure, pose, rates);
+        rates[self.system.mechanism().unknowns.len() + moving] = 1.0;
+        self.corrector.tangent(self.system, pose, rates);
     }
 
     /// The slots that formulas of a pose may use (coordinates, x, y, z of traces, outputs), at least `count` of them,
@@ -88,7 +86,9 @@ impl<'m> Variation<'m> {
         second: &[f64],
         count: usize,
     ) -> &[Twofold] {
-        let (mechanism, structure) = (self.mechanism, self.structure);
+        let system = self.system;
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         self.slots.clear();
         let rates = first.iter().zip(second);
         self.slots
@@ -130,7 +130,7 @@ impl<'m> Variation<'m> {
     /// The mixed derivative of a block's residual with the slots as they are. One of the directions must be a tangent
     /// of the motion.
     fn fill_bend(&mut self, block: &Block) {
-        let mechanism = self.mechanism;
+        let mechanism = self.system.mechanism();
         self.fill_turns(&block.arguments);
         let mut bend = std::mem::take(&mut self.bend);
         bend.clear();
@@ -158,7 +158,9 @@ impl<'m> Variation<'m> {
     /// The smallest singular value of all blocks at a closed pose: how far from a singular pose it is. Zero where a
     /// block has no inverse.
     pub fn regularity(&mut self, pose: &[f64]) -> f64 {
-        let (mechanism, structure) = (self.mechanism, self.structure);
+        let system = self.system;
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let mut weakest = Weakest {
             sigma: f64::INFINITY,
             ..Weakest::default()
@@ -218,8 +220,8 @@ impl<'m> Variation<'m> {
 
     /// Rate of the [`regularity`](Self::regularity) that was asked for last, at the same pose, along a tangent.
     pub fn regularity_rate(&mut self, pose: &[f64], tangent: &[f64]) -> f64 {
-        let (mechanism, index) = (self.mechanism, self.weakest.block);
-        let block = &self.structure.blocks[index];
+        let (mechanism, index) = (self.system.mechanism(), self.weakest.block);
+        let block = &self.system.structure().blocks[index];
         self.slots.clear();
         let rates = pose.iter().zip(tangent);
         self.slots.extend(rates.map(|(q, t)| Twofold {
@@ -238,7 +240,7 @@ impl<'m> Variation<'m> {
 
     fn fill_turns(&mut self, used: &[usize]) {
         for index in used {
-            let value = match &self.mechanism.arguments[*index] {
+            let value = match &self.system.mechanism().arguments[*index] {
                 Argument::Affine(affine) => {
                     let constant = Twofold::constant(affine.constant);
                     affine.terms.iter().fold(constant, |sum, (slot, c)| {
@@ -255,8 +257,8 @@ impl<'m> Variation<'m> {
     }
 
     fn add_traces(&mut self) {
-        for trace in &self.mechanism.traces {
-            let path = &self.mechanism.bodies[trace.body].world_from_body;
+        for trace in &self.system.mechanism().traces {
+            let path = &self.system.mechanism().bodies[trace.body].world_from_body;
             self.fill_turns(&path.arguments());
             let end = self.walk(path);
             let [p, s, t, st] =
@@ -348,20 +350,18 @@ mod tests {
     use crate::kinematics::motion::continuation::solve;
     use crate::kinematics::solve::newton::Pace;
     use crate::numbers::series::Series;
-    use crate::scene::{Overrides, builtin, load};
+    use crate::scene::{Overrides, Scene, builtin, load};
 
     /// Built-in scenes with loops of frames, loops of points and equations, with these parameters as inputs.
-    fn varied(name: &str, vary: &[&str]) -> Mechanism {
+    fn varied(name: &str, vary: &[&str]) -> Scene {
         let overrides = Overrides {
             vary: vary.iter().map(|v| (*v).to_owned()).collect(),
             ..Overrides::default()
         };
-        load(&builtin::find(name).unwrap(), &overrides)
-            .unwrap()
-            .mechanism
+        load(&builtin::find(name).unwrap(), &overrides).unwrap()
     }
 
-    fn each_pose(mut test: impl FnMut(&Mechanism, &Structure, &[f64])) {
+    fn each_pose(mut test: impl FnMut(&System, &[f64])) {
         let cases: [(&str, &[&str]); 4] = [
             ("torus-torus", &["r1", "gamma1", "q2", "c2"]),
             ("sphere-torus", &["b1", "c2", "gamma2", "s2"]),
@@ -369,21 +369,22 @@ mod tests {
             ("twin-steer", &[]),
         ];
         for (name, vary) in cases {
-            let mechanism = varied(name, vary);
-            let structure = crate::kinematics::freedoms::analysis::analyse(&mechanism).unwrap();
-            let times = [0.13, 0.48, 0.77].map(|share| share * mechanism.duration);
-            for sample in solve(&mechanism, &times).unwrap().samples {
+            let scene = varied(name, vary);
+            let system = System::new(scene.mechanism, &scene.actuation).unwrap();
+            let times = [0.13, 0.48, 0.77].map(|share| share * scene.actuation.duration);
+            for sample in solve(&system, &scene.actuation, &times).samples {
                 let pose = sample.pose.unwrap();
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                test(&mechanism, &structure, &coordinates);
+                test(&system, &coordinates);
             }
         }
     }
 
     #[test]
     fn mixed_derivatives_are_those_of_the_series() {
-        each_pose(|mechanism, structure, pose| {
-            let mut variation = Variation::new(mechanism, structure);
+        each_pose(|system, pose| {
+            let mechanism = system.mechanism();
+            let mut variation = Variation::new(system);
             let n = mechanism.unknowns.len();
             let count = n + mechanism.inputs.len();
             let all = count + 3 * mechanism.traces.len() + mechanism.outputs.len();
@@ -392,8 +393,7 @@ mod tests {
                 variation.tangent(pose, 0, &mut first);
                 variation.tangent(pose, t, &mut second);
                 let slots = variation.slots(pose, &first, &second, all).to_vec();
-                let series =
-                    |moving: &[usize]| along(mechanism, structure, pose, moving, 2).unwrap();
+                let series = |moving: &[usize]| along(system, pose, moving, 2).unwrap();
                 let (s, alone, both) = (series(&[0]), series(&[t]), series(&[0, t]));
                 for (k, slot) in slots.iter().enumerate() {
                     let part = |s: &[Series], order: usize| s[k].coefficients()[order];
@@ -414,9 +414,10 @@ mod tests {
 
     #[test]
     fn the_distance_from_singular_poses_changes_as_said() {
-        each_pose(|mechanism, structure, pose| {
-            let mut variation = Variation::new(mechanism, structure);
-            let mut corrector = Corrector::new(structure);
+        each_pose(|system, pose| {
+            let mechanism = system.mechanism();
+            let mut variation = Variation::new(system);
+            let mut corrector = Corrector::new(system);
             let n = mechanism.unknowns.len();
             for moving in 0..mechanism.inputs.len() {
                 let mut tangent = Vec::new();
@@ -427,7 +428,7 @@ mod tests {
                     let mut moved: Vec<f64> =
                         pose.iter().zip(&tangent).map(|(q, t)| q + h * t).collect();
                     moved[n + moving] = pose[n + moving] + h;
-                    let done = corrector.correct(mechanism, structure, &mut moved, Pace::Brisk);
+                    let done = corrector.correct(system, &mut moved, Pace::Brisk);
                     assert!(done.converged);
                     variation.regularity(&moved)
                 };

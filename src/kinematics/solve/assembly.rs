@@ -2,7 +2,8 @@
 
 use super::newton::{CLOSURE_TOLERANCE, Corrector, Pace};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::structure::block::{Block, Structure};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::chain::{Argument, Motion, Step};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -60,24 +61,18 @@ pub struct Assembled {
 
 /// Closes all loops from the unknowns in `start` (unknowns, then inputs), trying perturbed starts if `persist`.
 pub fn assemble(
-    mechanism: &Mechanism,
-    structure: &Structure,
+    system: &System,
     corrector: &mut Corrector,
     start: &[f64],
     persist: bool,
 ) -> Result<Assembled, NotClosed> {
+    let mechanism = system.mechanism();
     let mut best: Option<NotClosed> = None;
     let mut iterations = 0;
     for attempt in 0..=if persist { EXTRA_STARTS } else { 0 } {
         let mut coordinates = start.to_vec();
         perturb(mechanism, attempt, &mut coordinates);
-        match close(
-            mechanism,
-            structure,
-            corrector,
-            &mut coordinates,
-            &mut iterations,
-        ) {
+        match close(system, corrector, &mut coordinates, &mut iterations) {
             Ok(()) => {
                 return Ok(Assembled {
                     coordinates,
@@ -103,7 +98,9 @@ pub fn assemble(
 
 /// How much is lacking where a mechanism cannot be closed: from the best pose found, rotations are closed first,
 /// then the distance is made small. A plain least-squares pose trades one for the other.
-pub fn smallest_gap(mechanism: &Mechanism, structure: &Structure, best: NotClosed) -> NotClosed {
+pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
+    let mechanism = system.mechanism();
+    let structure = system.structure();
     let mut descent = Descent {
         most: GAP_ITERATIONS,
         enough: CLOSURE_TOLERANCE,
@@ -148,18 +145,18 @@ pub fn shake(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordinates:
 }
 
 fn close(
-    mechanism: &Mechanism,
-    structure: &Structure,
+    system: &System,
     corrector: &mut Corrector,
     coordinates: &mut [f64],
     iterations: &mut u32,
 ) -> Result<(), NotClosed> {
+    let mechanism = system.mechanism();
+    let structure = system.structure();
     let mut descent = Descent::default();
     for (index, block) in structure.blocks.iter().enumerate() {
         *iterations += descent.minimise(mechanism, block, coordinates).0;
         let before = coordinates.to_vec();
-        let correction =
-            corrector.correct_block(mechanism, structure, index, coordinates, Pace::Patient);
+        let correction = corrector.correct_block(system, index, coordinates, Pace::Patient);
         *iterations += correction.iterations;
         if !correction.converged {
             coordinates.copy_from_slice(&before);

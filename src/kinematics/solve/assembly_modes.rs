@@ -9,9 +9,9 @@ use super::assembly::{assemble, turns_matter};
 use super::branch::BranchWatch;
 use super::newton::Corrector;
 use crate::kinematics::ball::chart::Chart;
-use crate::kinematics::ball::joint::{Ball, balls};
+use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::{body_poses, closure_error};
-use crate::kinematics::structure::block::Structure;
+use crate::kinematics::structure::system::System;
 use crate::math::{Pose, sin_cos};
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -69,23 +69,23 @@ pub struct Modes {
     pub closed: usize,
 }
 
-/// Searches the assemblies at `inputs` from the scene's start values and from `starts` random ones.
+/// Searches the assemblies at the inputs of `first` (start values of the unknowns, then inputs), from there and from
+/// `starts` random starts.
 ///
 /// The result depends on nothing but the arguments, in particular not on the number of threads. Ends early, with
 /// what it has, when `cancelled` says so.
 pub fn find_modes(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    inputs: &[f64],
+    system: &System,
+    first: &[f64],
     starts: usize,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Modes {
-    let closures = closures(mechanism, structure, inputs, starts, cancelled);
+    let mechanism = system.mechanism();
+    let closures = closures(system, first, starts, cancelled);
     let closed = closures.len();
-    let balls = balls(mechanism, structure);
     let mut groups: Vec<Group> = Vec::new();
     for (start, coordinates) in closures {
-        let fingerprint = fingerprint(mechanism, &balls, &coordinates);
+        let fingerprint = fingerprint(mechanism, system.balls(), &coordinates);
         let known = groups
             .iter_mut()
             .find(|g| same(&g.fingerprint, &fingerprint));
@@ -100,10 +100,10 @@ pub fn find_modes(
         }
     }
     for group in &mut groups {
-        group.rename(mechanism, &balls);
+        group.rename(mechanism, system.balls());
     }
     Modes {
-        list: described(mechanism, structure, groups),
+        list: described(system, groups),
         starts: starts + 1,
         closed,
     }
@@ -145,12 +145,12 @@ impl Group {
 
 /// All closed poses, in the order of their starts.
 fn closures(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    inputs: &[f64],
+    system: &System,
+    first: &[f64],
     starts: usize,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Vec<(usize, Vec<f64>)> {
+    let mechanism = system.mechanism();
     let next = AtomicUsize::new(0);
     let work = || {
         let mut found = Vec::new();
@@ -159,12 +159,12 @@ fn closures(
             if start > starts || cancelled() {
                 return found;
             }
-            let mut values = [start_values(mechanism, start), inputs.to_vec()].concat();
-            for held in &structure.held {
-                values[held.unknown] = mechanism.guess[held.unknown];
+            let mut values = start_values(mechanism, first, start);
+            for held in &system.structure().held {
+                values[held.unknown] = first[held.unknown];
             }
-            let mut corrector = Corrector::new(structure);
-            if let Ok(pose) = assemble(mechanism, structure, &mut corrector, &values, false)
+            let mut corrector = Corrector::new(system);
+            if let Ok(pose) = assemble(system, &mut corrector, &values, false)
                 && closure_error(mechanism, &pose.coordinates) <= CLOSED
             {
                 found.push((start, pose.coordinates));
@@ -185,22 +185,22 @@ fn closures(
     all
 }
 
-/// Start values of the unknowns: the scene's for start 0, else random numbers that depend on the start's number only.
-fn start_values(mechanism: &Mechanism, start: usize) -> Vec<f64> {
+/// Start values and inputs: the given ones for start 0, else random numbers that depend on the start's number only.
+fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f64> {
     if start == 0 {
-        return mechanism.guess.clone();
+        return first.to_vec();
     }
     let unknowns = mechanism.unknowns.iter().enumerate();
-    unknowns
-        .map(|(slot, unknown)| {
-            let random = random(start as u64, slot as u64);
-            match unknown.kind {
-                Kind::Angle => PI * random,
-                Kind::Length => REACH * mechanism.size * random,
-                Kind::Number => REACH * random,
-            }
-        })
-        .collect()
+    let shaken = unknowns.map(|(slot, unknown)| {
+        let random = random(start as u64, slot as u64);
+        match unknown.kind {
+            Kind::Angle => PI * random,
+            Kind::Length => REACH * mechanism.size * random,
+            Kind::Number => REACH * random,
+        }
+    });
+    let inputs = &first[mechanism.unknowns.len()..];
+    shaken.chain(inputs.iter().copied()).collect()
 }
 
 /// A number in -1..1 from a key and a counter: the finaliser of SplitMix64 (Steele, Lea, Flood 2014), twice.
@@ -359,24 +359,23 @@ fn triples(mechanism: &Mechanism) -> Vec<Triple> {
 }
 
 /// Signatures and singular values, and the order of the table.
-fn described(mechanism: &Mechanism, structure: &Structure, groups: Vec<Group>) -> Vec<Mode> {
+fn described(system: &System, groups: Vec<Group>) -> Vec<Mode> {
+    let mechanism = system.mechanism();
     let mut watch = BranchWatch::default();
-    let mut corrector = Corrector::new(structure);
-    let chart = Chart::new(mechanism, structure);
+    let mut corrector = Corrector::new(system);
+    let chart = Chart::new(system);
     let mut list: Vec<Mode> = Vec::new();
     for group in groups {
         let coordinates = &group.coordinates;
         let state = match &chart {
             // Next to gimbal-locked angles signs and singular values are those of the rotations.
             Some(chart) if chart.is_needed(coordinates) => {
-                let (own, mut corrector) =
-                    (chart.base(coordinates), Corrector::new(&chart.structure));
-                watch.observe(&chart.mechanism, &chart.structure, &mut corrector, &own)
+                let (own, mut corrector) = (chart.base(coordinates), Corrector::new(chart.system));
+                watch.observe(chart.system, &mut corrector, &own)
             }
             _ => {
-                let mut state = watch.observe(mechanism, structure, &mut corrector, coordinates);
-                let balls = chart.iter().flat_map(|chart| &chart.balls);
-                for ball in balls {
+                let mut state = watch.observe(system, &mut corrector, coordinates);
+                for ball in system.balls() {
                     state.signs[ball.block] *= ball.orientation(coordinates);
                 }
                 state

@@ -4,10 +4,9 @@
 //! singular pose or a jump lies between them. Equal signs alone do not prove the same branch.
 
 use super::newton::Corrector;
-use crate::kinematics::structure::block::Structure;
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::Conditioning;
-use crate::model::mechanism::Mechanism;
 
 /// Keeps the row basis of over-determined blocks, so that signs at different poses can be compared.
 #[derive(Clone, Debug, Default)]
@@ -63,25 +62,24 @@ impl BranchWatch {
     /// Signs and singular values at a closed pose. The first call fixes the row basis.
     pub fn observe(
         &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
+        system: &System,
         corrector: &mut Corrector,
         coordinates: &[f64],
     ) -> BranchState {
         let mut state = BranchState::default();
-        self.observe_into(mechanism, structure, corrector, coordinates, &mut state);
+        self.observe_into(system, corrector, coordinates, &mut state);
         state
     }
 
     /// The same into a state whose storage is reused.
     pub fn observe_into(
         &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
+        system: &System,
         corrector: &mut Corrector,
         coordinates: &[f64],
         state: &mut BranchState,
     ) {
+        let structure = system.structure();
         state.signs.clear();
         state.sigma_min = f64::INFINITY;
         state.condition = 1.0;
@@ -89,8 +87,7 @@ impl BranchWatch {
         let (rows_of, qr, square) = (&mut self.rows, &mut self.qr, &mut self.square);
         let turned = &mut self.turned;
         corrector.conditions(
-            mechanism,
-            structure,
+            system,
             coordinates,
             |index, jacobian, c: Conditioning, square_sign| {
                 let (rows, columns) = (
@@ -123,13 +120,8 @@ impl BranchWatch {
 impl BranchWatch {
     /// Chooses other rows for over-determined blocks where the present ones are about to depend on each other though
     /// the block as a whole is regular. Signs go on as they were, so the pose must lie on the motion.
-    pub fn renew(
-        &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
-        corrector: &mut Corrector,
-        coordinates: &[f64],
-    ) {
+    pub fn renew(&mut self, system: &System, corrector: &mut Corrector, coordinates: &[f64]) {
+        let structure = system.structure();
         if structure
             .blocks
             .iter()
@@ -140,8 +132,7 @@ impl BranchWatch {
         let (rows_of, turned) = (&mut self.rows, &mut self.turned);
         let (qr, square) = (&mut self.qr, &mut self.square);
         corrector.conditions(
-            mechanism,
-            structure,
+            system,
             coordinates,
             |index, jacobian, c: Conditioning, _| {
                 let block = &structure.blocks[index];

@@ -6,7 +6,7 @@ use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::loops::forward;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::motion::trajectory::{ClosedPose, Sample, Trajectory};
-use crate::kinematics::structure::block::Structure;
+use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;
 use crate::math::{Pose, rotation_log};
@@ -83,11 +83,9 @@ pub fn film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajecto
 
 /// The iterates from `start` (unknowns, then inputs), and whether they end at a closed pose. The last iterate of every
 /// block is the one whose correction is below rounding.
-pub fn iterates(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    start: &[f64],
-) -> (Vec<Iterate>, bool) {
+pub fn iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
+    let mechanism = system.mechanism();
+    let structure = system.structure();
     let mut coordinates = start.to_vec();
     let mut list = Vec::new();
     let (mut workspace, mut qr) = (BlockWorkspace::default(), PivotedQr::default());

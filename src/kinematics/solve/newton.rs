@@ -4,7 +4,8 @@
 //! its inverse once somebody asks for them, so that tangent, prediction, rank and branch sign of the pose share it.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::structure::block::{Block, Structure};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{
     LaneMatrix, Lanes, add_scaled, combine, dot, groups, square_of_difference,
@@ -116,31 +117,25 @@ pub struct Correction {
 }
 
 impl Corrector {
-    /// Buffers for `structure`.
-    pub fn new(structure: &Structure) -> Self {
+    /// Buffers for the blocks of `system`.
+    pub fn new(system: &System) -> Self {
         Self {
-            blocks: vec![BlockBuffers::default(); structure.blocks.len()],
+            blocks: vec![BlockBuffers::default(); system.blocks().len()],
         }
     }
 
     /// Corrects the unknowns in `coordinates` until all loops close; the inputs stay.
     ///
     /// Stops at the first block that does not converge; `coordinates` are then of no use.
-    pub fn correct(
-        &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
-        coordinates: &mut [f64],
-        pace: Pace,
-    ) -> Correction {
+    pub fn correct(&mut self, system: &System, coordinates: &mut [f64], pace: Pace) -> Correction {
         let mut total = Correction {
             converged: true,
             iterations: 0,
             first_step: 0.0,
             residual: 0.0,
         };
-        for index in 0..structure.blocks.len() {
-            let part = self.correct_block(mechanism, structure, index, coordinates, pace);
+        for index in 0..system.blocks().len() {
+            let part = self.correct_block(system, index, coordinates, pace);
             total.iterations += part.iterations;
             total.first_step = total.first_step.max(part.first_step);
             total.residual = total.residual.max(part.residual);
@@ -157,12 +152,13 @@ impl Corrector {
     /// Newton's method on one block.
     pub fn correct_block(
         &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
+        system: &System,
         index: usize,
         coordinates: &mut [f64],
         pace: Pace,
     ) -> Correction {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let block = &structure.blocks[index];
         let buffers = &mut self.blocks[index];
         let (most, contraction) = match pace {
@@ -220,13 +216,9 @@ impl Corrector {
     /// Rates of all coordinates for the given rates of the inputs, at a closed pose.
     ///
     /// `rates` holds the inputs' rates in its tail; the head is filled block by block from J q' = -∂r/∂u u'.
-    pub fn tangent(
-        &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
-        coordinates: &[f64],
-        rates: &mut [f64],
-    ) {
+    pub fn tangent(&mut self, system: &System, coordinates: &[f64], rates: &mut [f64]) {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
             buffers.linearise(mechanism, block, coordinates);
             buffers.workspace.drift_along(&block.plan, rates);
@@ -239,7 +231,9 @@ impl Corrector {
     }
 
     /// Linearises every block at `coordinates`, unless that is done: what shares the linearisation can rely on it.
-    pub fn prepare(&mut self, mechanism: &Mechanism, structure: &Structure, coordinates: &[f64]) {
+    pub fn prepare(&mut self, system: &System, coordinates: &[f64]) {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
             buffers.linearise(mechanism, block, coordinates);
         }
@@ -255,11 +249,12 @@ impl Corrector {
     /// closed pose.
     pub fn conditions(
         &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
+        system: &System,
         coordinates: &[f64],
         mut each: impl FnMut(usize, &[f64], Conditioning, i8),
     ) {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         for (index, (block, buffers)) in structure.blocks.iter().zip(&mut self.blocks).enumerate() {
             buffers.linearise(mechanism, block, coordinates);
             let values = buffers.singular_values(block);

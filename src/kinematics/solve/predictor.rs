@@ -9,10 +9,10 @@
 use super::newton::{BlockBuffers, Corrector};
 use crate::kinematics::loops::joint_lanes::Twists;
 use crate::kinematics::loops::residual::residual_of;
-use crate::kinematics::structure::block::{Block, Structure};
+use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::layout::{BlockPlan, PlannedGroup};
+use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::Lanes;
-use crate::model::mechanism::Mechanism;
 use wide::f64x4;
 
 /// Highest order. One more costs a pass along the joints, one less an iteration of Newton's method.
@@ -53,13 +53,14 @@ impl Predictor {
     /// polynomial of `order`, 1 to [`HIGHEST_ORDER`]. Where a formula is involved the tangent is all.
     pub fn predict(
         &mut self,
-        mechanism: &Mechanism,
-        structure: &Structure,
+        system: &System,
         corrector: &mut Corrector,
         coordinates: &mut [f64],
         inputs: &[f64],
         order: usize,
     ) -> Prediction {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let (n, count) = (mechanism.unknowns.len(), coordinates.len());
         let affine = structure.blocks.iter().all(|block| block.plan.is_affine);
         let order = if affine {

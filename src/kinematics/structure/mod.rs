@@ -4,3 +4,4 @@ pub mod block;
 pub mod layout;
 pub mod loop_part;
 pub mod ordering;
+pub mod system;

@@ -4,6 +4,7 @@
 //! A coordinate amounts to the change that moves one of its equations as far as the equation's own terms reach at the
 //! start values; an equation to what such changes do to it.
 
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Equation, Kind, Mechanism};
 
 /// Instants of the drive at which equations are looked at, as shares of its duration.
@@ -13,17 +14,14 @@ const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 const POWERS: std::ops::Range<i32> = -100..100;
 
 /// Fills in the magnitudes of unknowns and equations where there is no chain to take a size from.
-pub fn estimate(mechanism: &mut Mechanism) {
+pub fn estimate(mechanism: &mut Mechanism, actuation: &Actuation) {
     let is_number = mechanism.unknowns.iter().any(|u| u.kind == Kind::Number);
     if !mechanism.loops.is_empty() || !mechanism.contacts.is_empty() || !is_number {
         return;
     }
     let poses: Vec<Vec<f64>> = INSTANTS
         .iter()
-        .map(|share| {
-            let inputs = mechanism.inputs_at(share * mechanism.duration);
-            [mechanism.guess.clone(), inputs].concat()
-        })
+        .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
     let of_unknown = |slot: usize| match mechanism.unknowns[slot].kind {
         Kind::Number => unknown(mechanism, &poses, slot),
@@ -58,7 +56,8 @@ fn unknown(mechanism: &Mechanism, poses: &[Vec<f64>], slot: usize) -> f64 {
         POWERS.step_by(2).find(felt).map(|power| 2f64.powi(power))
     });
     let least = changes.fold(f64::INFINITY, f64::min);
-    let given = mechanism.guess[slot].abs();
+    // Every pose begins with the start values.
+    let given = poses[0][slot].abs();
     let least = if least.is_finite() { least } else { 0.0 };
     sound(least.max(given)).unwrap_or(1.0)
 }

@@ -24,13 +24,16 @@ use super::plots::PlotFile;
 use super::reader::{FormulaText, Spanned};
 use super::{Overrides, Scene};
 use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
+use crate::model::measure::Measures;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use contacts::closure::Contacts;
 use names::Names;
 use outputs::Scope;
 use parsed::Parsed;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Offset given to formulas that are not in the file, so that their places are never shown.
 const OUTSIDE: usize = usize::MAX / 2;
@@ -101,11 +104,12 @@ fn outside(text: &str) -> FormulaText {
 }
 
 /// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`. The
-/// parameters called `varied` become inputs that rest.
+/// parameters called `varied` become inputs that rest. `own_size` is the characteristic length if it is known already.
 pub fn resolve(
     file: &SceneFile,
     folder: &Path,
     varied: &[String],
+    own_size: Option<f64>,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
     let angle_unit = angle_unit(file, diagnostics);
@@ -178,9 +182,7 @@ pub fn resolve(
         length_unit: file.length_unit.clone().unwrap_or_else(|| "m".to_owned()),
         angle_unit: angle_unit.clone(),
         unknowns: names.unknowns.clone(),
-        guess: coordinates.guess,
         inputs: names.inputs.clone(),
-        drives: coordinates.drives,
         arguments,
         loops,
         equations,
@@ -192,19 +194,26 @@ pub fn resolve(
         bodies,
         traces,
         outputs,
-        tracks,
-        measures,
         size: 1.0,
         magnitudes: Vec::new(),
-        duration: coordinates.duration,
     };
-    mechanism.size = size(&mechanism, &names);
-    magnitudes::estimate(&mut mechanism);
+    let actuation = Actuation {
+        drives: coordinates.drives,
+        duration: coordinates.duration,
+        guess: coordinates.guess,
+    };
+    mechanism.size = own_size.unwrap_or_else(|| size(&mechanism, &actuation, &names));
+    magnitudes::estimate(&mut mechanism, &actuation);
     loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
-        mechanism,
+        mechanism: Arc::new(mechanism),
+        actuation,
+        measures: Measures {
+            tracks,
+            list: measures,
+        },
         view,
         study,
         dimensions: names.dimensions(&parsed),
@@ -243,7 +252,7 @@ const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
 /// The mechanism's own length: the longest fixed offset between two joints of its loops, else its longest length
 /// parameter, driven length or constant of a chain, else the largest lead of a screw, else one.
-fn size(mechanism: &Mechanism, names: &Names) -> f64 {
+fn size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
     use crate::model::chain::Step;
     let fixed = mechanism
         .loops
@@ -262,10 +271,10 @@ fn size(mechanism: &Mechanism, names: &Names) -> f64 {
         .iter()
         .filter(|p| p.kind == Some(Kind::Length))
         .map(|p| p.value.abs());
-    let drives = mechanism.inputs.iter().zip(&mechanism.drives);
+    let drives = mechanism.inputs.iter().zip(&actuation.drives);
     let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
     let inputs = driven
-        .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * mechanism.duration).abs()));
+        .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * actuation.duration).abs()));
     let known = parameters.chain(inputs).chain(constants(mechanism));
     let finite = known.filter(|v| v.is_finite());
     let longest = finite.fold(0.0, f64::max);

@@ -19,8 +19,8 @@ mod series;
 
 use super::Reason;
 use crate::kinematics::motion::trajectory::Trajectory;
-use crate::kinematics::structure::block::{Structure, StructureError};
-use crate::model::mechanism::Mechanism;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 use form::Form;
 pub use model::{Around, Model, Polynomial};
 use path::Path;
@@ -76,27 +76,24 @@ impl Obstacle {
 }
 
 /// Proves every interval between consecutive samples; one entry less than there are samples.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed.
 pub fn certify_motion(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     trajectory: &Trajectory,
-) -> Result<Vec<IntervalCertificate>, StructureError> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let mut prover = Prover::new(mechanism, &structure);
+) -> Vec<IntervalCertificate> {
+    let mut prover = Prover::new(system, actuation);
     let pairs = trajectory.samples.windows(2);
-    Ok(pairs.map(|pair| prover.interval(pair).0).collect())
+    pairs.map(|pair| prover.interval(pair).0).collect()
 }
 
 /// Proves a single pose whose formulas have no affine form: error bound and radius of uniqueness in radians and sizes.
 pub(crate) fn pose(
-    mechanism: &Mechanism,
-    structure: &Structure,
+    system: &System,
     coordinates: &[f64],
     bases: &[Vec<usize>],
 ) -> Result<(f64, f64), Reason> {
-    let mut blocks = Blocks::new(mechanism, structure);
+    let mechanism = system.mechanism();
+    let mut blocks = Blocks::new(system);
     let mut path = Path::still(mechanism.unknowns.len(), coordinates);
     let proved = blocks.prove(bases, &mut path, false)?;
     Ok((proved.largest, proved.unique))
@@ -112,7 +109,9 @@ struct Blocks<'m> {
 }
 
 impl<'m> Blocks<'m> {
-    fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+    fn new(system: &'m System) -> Self {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
         let forms = Form::all(mechanism);
         let blocks = structure.blocks.iter();
         Self {

@@ -3,7 +3,7 @@
 use super::drive::Stretch;
 use super::model::{Model, Polynomial};
 use super::series::Series;
-use crate::model::mechanism::Mechanism;
+use crate::model::actuation::Actuation;
 use crate::numbers::interval::Interval;
 use std::cell::OnceCell;
 
@@ -28,9 +28,9 @@ pub struct InputPath {
 
 impl InputPath {
     /// The drives over a stretch without keyframes inside.
-    pub fn new(mechanism: &Mechanism, stretch: Stretch) -> Self {
+    pub fn new(actuation: &Actuation, stretch: Stretch) -> Self {
         let over = |everywhere| {
-            let drives = mechanism.drives.iter();
+            let drives = actuation.drives.iter();
             drives.map(|d| stretch.input(d, everywhere)).collect()
         };
         Self {

@@ -10,8 +10,9 @@ use super::{Blocks, IntervalCertificate, Obstacle, Refusal};
 use crate::kinematics::motion::trajectory::Sample;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::{Corrector, Pace};
-use crate::kinematics::structure::block::Structure;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::mechanism::Kind;
 use crate::numbers::interval::Interval;
 
 /// Shortest stretch, as a fraction of the interval between two samples: near a singular pose tubes get as short
@@ -65,8 +66,8 @@ struct Place {
 /// Proves intervals of one mechanism.
 #[derive(Debug)]
 pub struct Prover<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
+    actuation: &'m Actuation,
     blocks: Blocks<'m>,
     corrector: Corrector,
     bases: Option<Vec<Vec<usize>>>,
@@ -78,14 +79,14 @@ pub struct Prover<'m> {
 
 impl<'m> Prover<'m> {
     /// Prepares the proofs.
-    pub fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+    pub fn new(system: &'m System, actuation: &'m Actuation) -> Self {
         Self {
-            mechanism,
-            structure,
-            blocks: Blocks::new(mechanism, structure),
-            corrector: Corrector::new(structure),
+            system,
+            actuation,
+            blocks: Blocks::new(system),
+            corrector: Corrector::new(system),
             bases: None,
-            has_more_rows: structure.blocks.iter().any(|b| b.rows() > b.unknowns.len()),
+            has_more_rows: system.blocks().iter().any(|b| b.rows() > b.unknowns.len()),
             may_jump: false,
         }
     }
@@ -105,7 +106,7 @@ impl<'m> Prover<'m> {
     /// Proves the interval between the two samples of `pair`; the tubes are those up to its end or its refusal.
     pub fn interval(&mut self, pair: &[Sample]) -> (IntervalCertificate, Vec<Tube>) {
         let (tubes, refused) = self.tubes(pair, FLOOR);
-        let [least, largest] = self.mechanism.distance_units();
+        let [least, largest] = self.system.mechanism().distance_units();
         let radius = tubes.iter().map(|t: &Tube| t.radius).fold(0.0, f64::max);
         let unique = tubes.iter().map(|t| t.unique).fold(f64::INFINITY, f64::min);
         let certificate = IntervalCertificate {
@@ -132,8 +133,12 @@ impl<'m> Prover<'m> {
     pub fn halves(&mut self, tube: &Tube) -> Option<[Tube; 2]> {
         let middle = 0.5 * tube.start + 0.5 * tube.end;
         let mut part = |start: f64, end: f64| {
-            let inputs = InputPath::new(self.mechanism, Stretch::new(start, end));
-            let path = inputs.with(tube.path.part(self.mechanism.unknowns.len(), start, end));
+            let inputs = InputPath::new(self.actuation, Stretch::new(start, end));
+            let path = inputs.with(tube.path.part(
+                self.system.mechanism().unknowns.len(),
+                start,
+                end,
+            ));
             let half = self.prove([start, end], path).ok()?;
             self.same_motion(tube, &half).then_some(half)
         };
@@ -144,9 +149,9 @@ impl<'m> Prover<'m> {
     pub fn arguments(&self, tube: &Tube) -> Vec<Model> {
         let mut coordinates = tube.path.coordinates.clone();
         for (k, rest) in tube.rest.iter().enumerate() {
-            coordinates[k].rest += rest * self.mechanism.scale_of(k) * (1.0 + 1e-12);
+            coordinates[k].rest += rest * self.system.mechanism().scale_of(k) * (1.0 + 1e-12);
         }
-        let count = self.mechanism.arguments.len();
+        let count = self.system.mechanism().arguments.len();
         let of = |form: &Form| match form {
             Form::Affine(affine) => Model::of_affine(affine, &coordinates),
             Form::Formula(_) => {
@@ -218,12 +223,7 @@ impl<'m> Prover<'m> {
         if self.bases.is_none() {
             let coordinates = [&pose.unknowns[..], &sample.inputs].concat();
             let mut watch = BranchWatch::default();
-            watch.observe(
-                self.mechanism,
-                self.structure,
-                &mut self.corrector,
-                &coordinates,
-            );
+            watch.observe(self.system, &mut self.corrector, &coordinates);
             self.bases = Some(watch.bases().to_vec());
         }
         Ok(Place {
@@ -232,23 +232,23 @@ impl<'m> Prover<'m> {
             rates: Some(pose.rates.clone()),
             sample: Some((
                 sample.inputs.clone(),
-                error / self.mechanism.distance_units()[1] * (1.0 + 1e-12),
+                error / self.system.mechanism().distance_units()[1] * (1.0 + 1e-12),
             )),
         })
     }
 
     /// The pose to which the drive leads right before `last`, where it jumps to that; else `last` itself.
     fn before_a_jump(&mut self, here: &Place, last: Place) -> Place {
-        let keys = keys_between(&self.mechanism.drives, here.time, last.time);
+        let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.last().copied().unwrap_or(here.time);
-        let inputs = InputPath::new(self.mechanism, Stretch::new(from, last.time));
+        let inputs = InputPath::new(self.actuation, Stretch::new(from, last.time));
         let values = last.sample.iter().flat_map(|(values, _)| values);
         let limit = |k: usize| inputs.at(k, last.time).middle();
         let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
         if !values.enumerate().any(jumps) {
             return last;
         }
-        let limits = (0..self.mechanism.drives.len()).map(limit);
+        let limits = (0..self.actuation.drives.len()).map(limit);
         let mut coordinates: Vec<f64> = here.unknowns.iter().copied().chain(limits).collect();
         let Some(unknowns) = self.corrected(&mut coordinates) else {
             return last;
@@ -263,18 +263,17 @@ impl<'m> Prover<'m> {
 
     /// The unknowns of the closed pose near to `coordinates`.
     fn corrected(&mut self, coordinates: &mut Vec<f64>) -> Option<Vec<f64>> {
-        let (mechanism, structure) = (self.mechanism, self.structure);
         let correction = self
             .corrector
-            .correct(mechanism, structure, coordinates, Pace::Brisk);
-        coordinates.truncate(mechanism.unknowns.len());
+            .correct(self.system, coordinates, Pace::Brisk);
+        coordinates.truncate(self.system.mechanism().unknowns.len());
         correction.converged.then(|| std::mem::take(coordinates))
     }
 
     /// What differences of input `k` are measured in, at a value.
     fn unit(&self, k: usize, value: f64) -> f64 {
-        match self.mechanism.inputs[k].kind {
-            Kind::Length => self.mechanism.size,
+        match self.system.mechanism().inputs[k].kind {
+            Kind::Length => self.system.mechanism().size,
             _ => value.abs().max(1.0),
         }
     }
@@ -282,7 +281,7 @@ impl<'m> Prover<'m> {
     /// The interval's end and the keyframes before it, the first one last.
     fn by_keyframes(&mut self, start: &Place, end: Place) -> Result<Vec<Place>, Refusal> {
         let mut ahead = Vec::new();
-        for time in keys_between(&self.mechanism.drives, start.time, end.time) {
+        for time in keys_between(&self.actuation.drives, start.time, end.time) {
             let place = self.pose_between(start, &end, time).ok_or(Refusal {
                 time: start.time,
                 obstacle: Obstacle::NotJoined,
@@ -300,7 +299,7 @@ impl<'m> Prover<'m> {
         let share = (time - a.time) / (b.time - a.time);
         let pairs = a.unknowns.iter().zip(&b.unknowns);
         let mut coordinates: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
-        coordinates.extend(self.mechanism.inputs_at(time));
+        coordinates.extend(self.actuation.inputs_at(time));
         let unknowns = self.corrected(&mut coordinates)?;
         Some(Place {
             time,
@@ -317,7 +316,7 @@ impl<'m> Prover<'m> {
         next: &Place,
         before: Option<&Tube>,
     ) -> Result<Tube, Obstacle> {
-        let mut inputs = InputPath::new(self.mechanism, Stretch::new(here.time, next.time));
+        let mut inputs = InputPath::new(self.actuation, Stretch::new(here.time, next.time));
         if !inputs.is_finite() {
             return Err(Obstacle::Drive);
         }
@@ -405,14 +404,15 @@ impl<'m> Prover<'m> {
         let unknowns = place.unknowns.iter().enumerate();
         let gap = unknowns.map(|(k, q)| {
             let distance = tube.path.at(k, place.time).distance(*q);
-            distance / self.mechanism.scale_of(k)
+            distance / self.system.mechanism().scale_of(k)
         });
         largest(gap) * (1.0 + 1e-12) + error < tube.unique
     }
 
     /// Whether the enclosed drive goes on where two tubes meet.
     fn same_inputs(&self, before: &Tube, tube: &Tube) -> bool {
-        let slots = self.mechanism.unknowns.len()..self.mechanism.coordinate_count();
+        let slots =
+            self.system.mechanism().unknowns.len()..self.system.mechanism().coordinate_count();
         slots.into_iter().all(|k| {
             let (a, b) = (before.path.at(k, tube.start), tube.path.at(k, tube.start));
             a.lo <= b.hi && b.lo <= a.hi
@@ -421,9 +421,9 @@ impl<'m> Prover<'m> {
 
     /// Whether two consecutive tubes have the same pose where they meet.
     fn same_motion(&self, before: &Tube, tube: &Tube) -> bool {
-        let gap = (0..self.mechanism.unknowns.len()).map(|k| {
+        let gap = (0..self.system.mechanism().unknowns.len()).map(|k| {
             let (a, b) = (before.path.at(k, tube.start), tube.path.at(k, tube.start));
-            (a - b).magnitude() / self.mechanism.scale_of(k)
+            (a - b).magnitude() / self.system.mechanism().scale_of(k)
         });
         let gap = largest(gap) * (1.0 + 1e-12);
         gap + before.radius < tube.unique || gap + tube.radius < before.unique

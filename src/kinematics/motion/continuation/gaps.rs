@@ -26,7 +26,7 @@ impl Follower<'_> {
     pub(crate) fn instant(&self, time: f64) -> Instant {
         Instant {
             time,
-            inputs: self.mechanism.inputs_at(time),
+            inputs: self.actuation.inputs_at(time),
         }
     }
 
@@ -51,7 +51,7 @@ impl Follower<'_> {
         {
             self.open_gap(None);
         }
-        let size = self.mechanism.size;
+        let size = self.system.mechanism().size;
         let amount = |lack: &NotClosed| lack.angle.max(lack.distance / size);
         let known = self.widest.as_ref();
         if known.is_none_or(|(_, known)| amount(known) < amount(&best)) {
@@ -64,7 +64,7 @@ impl Follower<'_> {
         let Some((time, best)) = self.widest.take() else {
             return;
         };
-        let lack = smallest_gap(self.mechanism, self.structure, best);
+        let lack = smallest_gap(self.system, best);
         let at = self.instant(time);
         if let Some(gap) = self.trajectory.gaps.last_mut() {
             gap.widest = Some(Lack {
@@ -81,7 +81,7 @@ impl Follower<'_> {
         self.assembled(start, false).or_else(|gap| {
             let mut beside = start.to_vec();
             shake(
-                self.mechanism,
+                self.system.mechanism(),
                 self.trajectory.samples.len(),
                 ASIDE,
                 &mut beside,
@@ -96,7 +96,7 @@ impl Follower<'_> {
         let Ok(inputs) = self.inputs(time) else {
             return Err(None);
         };
-        let unknowns = &last.coordinates[..self.mechanism.unknowns.len()];
+        let unknowns = &last.coordinates[..self.system.mechanism().unknowns.len()];
         let start = [unknowns, &inputs].concat();
         match self.assembled_from_beside(&start) {
             Ok(found) => {
@@ -180,7 +180,7 @@ impl Follower<'_> {
     fn mirrored(&mut self, fold: &Stand, found: &Stand, time: f64) -> Option<Stand> {
         self.anchor = Some(found.clone());
         let mut coordinates = self.follow(found.clone(), time).ok()?.coordinates;
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         for (q, fold) in coordinates[..n].iter_mut().zip(&fold.coordinates) {
             *q = 2.0 * fold - *q;
         }
@@ -235,13 +235,13 @@ impl Follower<'_> {
         let reached = self.follow(before, found.time);
         self.trajectory.events.truncate(events);
         self.crossing = None;
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         let same = reached.is_ok_and(|there| {
             let pairs = there.coordinates.iter().zip(&found.coordinates).take(n);
             let scaled = pairs.enumerate();
             scaled
                 .into_iter()
-                .all(|(k, (a, b))| (a - b).abs() <= SAME_POSE * self.mechanism.scale_of(k))
+                .all(|(k, (a, b))| (a - b).abs() <= SAME_POSE * self.system.mechanism().scale_of(k))
         });
         if same {
             self.elsewhere = Some(found.clone());

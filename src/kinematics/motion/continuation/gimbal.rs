@@ -35,8 +35,8 @@ impl Follower<'_> {
         start: &[f64],
         persist: bool,
     ) -> Result<Assembled, NotClosed> {
-        let (mechanism, structure) = (self.mechanism, self.structure);
-        let found = assemble(mechanism, structure, &mut self.corrector, start, persist);
+        let system = self.system;
+        let found = assemble(system, &mut self.corrector, start, persist);
         let Some(chart) = &self.chart else {
             return found;
         };
@@ -44,14 +44,8 @@ impl Follower<'_> {
             Ok(found) => found,
             Err(gap) => {
                 let own = chart.base(start);
-                let mut corrector = Corrector::new(&chart.structure);
-                let again = assemble(
-                    &chart.mechanism,
-                    &chart.structure,
-                    &mut corrector,
-                    &own,
-                    persist,
-                );
+                let mut corrector = Corrector::new(chart.system);
+                let again = assemble(chart.system, &mut corrector, &own, persist);
                 let again = again.map_err(|_| gap)?;
                 let coordinates = chart.scene(&again.coordinates, start);
                 Assembled {
@@ -74,8 +68,8 @@ impl Follower<'_> {
     ) -> Option<Correction> {
         let chart = self.chart.as_ref().filter(|c| c.is_needed(coordinates))?;
         let mut own = chart.base(coordinates);
-        let mut corrector = Corrector::new(&chart.structure);
-        let correction = corrector.correct(&chart.mechanism, &chart.structure, &mut own, pace);
+        let mut corrector = Corrector::new(chart.system);
+        let correction = corrector.correct(chart.system, &mut own, pace);
         let found = chart.scene(&own, coordinates);
         coordinates.copy_from_slice(&found);
         Some(correction)
@@ -91,15 +85,15 @@ impl Follower<'_> {
             .chart
             .as_ref()
             .filter(|c| c.is_needed(&here.coordinates))?;
-        let n = chart.mechanism.unknowns.len();
+        let n = chart.system.mechanism().unknowns.len();
         let own = chart.base(&here.coordinates);
         let mut change = vec![0.0; own.len()];
         for (k, input) in inputs.iter().enumerate() {
             change[n + k] = input - own[n + k];
         }
-        let mut corrector = Corrector::new(&chart.structure);
-        corrector.tangent(&chart.mechanism, &chart.structure, &own, &mut change);
-        let scaled = (0..n).map(|k| (change[k] / chart.mechanism.scale_of(k)).abs());
+        let mut corrector = Corrector::new(chart.system);
+        corrector.tangent(chart.system, &own, &mut change);
+        let scaled = (0..n).map(|k| (change[k] / chart.system.mechanism().scale_of(k)).abs());
         let length = scaled.fold(0.0, f64::max);
         let moved: Vec<f64> = own.iter().zip(&change).map(|(q, d)| q + d).collect();
         let mut coordinates = chart.scene(&moved, &here.coordinates);
@@ -127,9 +121,8 @@ impl Follower<'_> {
     /// Has the rows of over-determined blocks replaced where they are worn out.
     pub(crate) fn renew_rows(&mut self, coordinates: &[f64]) {
         if self.chart.is_none() {
-            let (mechanism, structure) = (self.mechanism, self.structure);
-            self.watch
-                .renew(mechanism, structure, &mut self.corrector, coordinates);
+            let system = self.system;
+            self.watch.renew(system, &mut self.corrector, coordinates);
         }
     }
 
@@ -137,23 +130,17 @@ impl Follower<'_> {
     /// angle's singularity.
     pub(crate) fn observe(&mut self, coordinates: &[f64]) -> BranchState {
         let Some(chart) = &self.chart else {
-            let (mechanism, structure) = (self.mechanism, self.structure);
-            return self
-                .watch
-                .observe(mechanism, structure, &mut self.corrector, coordinates);
+            let system = self.system;
+            return self.watch.observe(system, &mut self.corrector, coordinates);
         };
         if chart.is_needed(coordinates) {
             let own = chart.base(coordinates);
-            let mut corrector = Corrector::new(&chart.structure);
-            return self
-                .watch
-                .observe(&chart.mechanism, &chart.structure, &mut corrector, &own);
+            let mut corrector = Corrector::new(chart.system);
+            return self.watch.observe(chart.system, &mut corrector, &own);
         }
-        let (mechanism, structure) = (self.mechanism, self.structure);
-        let mut state = self
-            .watch
-            .observe(mechanism, structure, &mut self.corrector, coordinates);
-        for ball in &chart.balls {
+        let system = self.system;
+        let mut state = self.watch.observe(system, &mut self.corrector, coordinates);
+        for ball in chart.balls {
             state.signs[ball.block] *= ball.orientation(coordinates);
         }
         state
@@ -168,10 +155,8 @@ impl Follower<'_> {
             .is_some_and(|c| c.is_needed(coordinates));
         if needed {
             // The pose was observed in the chart; the proof is about the scene's angles.
-            let (mechanism, structure) = (self.mechanism, self.structure);
-            let _ = self
-                .watch
-                .observe(mechanism, structure, &mut self.corrector, coordinates);
+            let system = self.system;
+            let _ = self.watch.observe(system, &mut self.corrector, coordinates);
         }
         let Some(certifier) = &mut self.certifier else {
             return Certificate::Refused {
@@ -179,8 +164,7 @@ impl Follower<'_> {
             };
         };
         // Poses beside this one may have been looked at since it was observed.
-        self.corrector
-            .prepare(self.mechanism, self.structure, coordinates);
+        self.corrector.prepare(self.system, coordinates);
         let certificate = certifier.polish(coordinates, self.watch.bases(), &self.corrector);
         let is_singular = Certificate::Refused {
             reason: Reason::Singular,
@@ -200,7 +184,7 @@ impl Follower<'_> {
             return locked;
         };
         let own = chart.base(coordinates);
-        let mut certifier = Certifier::new(&chart.mechanism, &chart.structure);
+        let mut certifier = Certifier::new(chart.system);
         match certifier.certify(&own, self.watch.bases()) {
             Certificate::Certified {
                 error_bound,
@@ -220,8 +204,8 @@ impl Follower<'_> {
         let mut own_rates = rates.to_vec();
         // What the chart is based on stands still.
         own_rates.resize(own.len(), 0.0);
-        let mut corrector = Corrector::new(&chart.structure);
-        corrector.tangent(&chart.mechanism, &chart.structure, &own, &mut own_rates);
+        let mut corrector = Corrector::new(chart.system);
+        corrector.tangent(chart.system, &own, &mut own_rates);
         rates.copy_from_slice(&own_rates[..rates.len()]);
         chart.scene_rates(coordinates, rates);
         Some(())
@@ -328,11 +312,11 @@ impl Follower<'_> {
 
     fn report_lock(&mut self, index: usize, time: f64, distance: f64) {
         let Some(chart) = &self.chart else { return };
-        let unknowns = &self.mechanism.unknowns;
+        let unknowns = &self.system.mechanism().unknowns;
         let names = chart.balls[index]
             .slots
             .map(|slot| unknowns[slot].name.clone());
-        let again = SAME_LOCK * self.mechanism.duration;
+        let again = SAME_LOCK * self.actuation.duration;
         let known = self.trajectory.events.iter().rev().any(|event| {
             let is_same =
                 matches!(&event.kind, EventKind::GimbalLock { names: n, .. } if *n == names);

@@ -4,7 +4,7 @@
 use super::{Follower, SINGULAR_START, SMALLEST_STEP, Stand};
 use crate::kinematics::motion::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{assemble, shake, turns_matter};
-use crate::model::drive::{Drive, Ease};
+use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
@@ -28,9 +28,13 @@ impl Follower<'_> {
         let step = (4.0 * SMALLEST_STEP * self.interval).max(4.0 * f64::EPSILON * stand.time.abs());
         let time = stand.time + step;
         let inputs = self.inputs(time).ok()?;
-        let before = &stand.coordinates[self.mechanism.unknowns.len()..];
+        let before = &stand.coordinates[self.system.mechanism().unknowns.len()..];
         let jumps = before.iter().zip(&inputs).any(|(a, b)| {
-            (a - b).abs() > JUMP * a.abs().max(b.abs()).max(JUMP * self.mechanism.size)
+            (a - b).abs()
+                > JUMP
+                    * a.abs()
+                        .max(b.abs())
+                        .max(JUMP * self.system.mechanism().size)
         });
         jumps.then_some((time, inputs))
     }
@@ -38,21 +42,10 @@ impl Follower<'_> {
     /// Over a jump of the drive the motion is followed as if the inputs went straight from their old values to the new.
     pub(crate) fn leap(&mut self, stand: &Stand) -> Option<Stand> {
         let (time, inputs) = self.jump_after(stand)?;
-        let n = self.mechanism.unknowns.len();
-        let bridge = Mechanism {
-            drives: stand.coordinates[n..]
-                .iter()
-                .zip(&inputs)
-                .map(|(from, to)| Drive::Keys {
-                    times: vec![0.0, 1.0],
-                    values: vec![*from, *to],
-                    ease: Ease::Linear,
-                })
-                .collect(),
-            duration: 1.0,
-            ..self.mechanism.clone()
-        };
-        let mut follower = Follower::new(&bridge, self.structure);
+        let n = self.system.mechanism().unknowns.len();
+        let guess = self.actuation.guess.clone();
+        let bridge = Actuation::straight(&stand.coordinates[n..], &inputs, guess);
+        let mut follower = Follower::new(self.system, &bridge);
         follower.cancelled = self.cancelled;
         follower.certifier = None;
         follower.interval = 1.0;
@@ -73,16 +66,16 @@ impl Follower<'_> {
         }
         let beside = stand.time + BESIDE_START * (time - stand.time);
         let inputs = self.inputs(beside).ok()?;
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         let mut best: Option<(f64, Stand)> = None;
         let mut met: Vec<String> = Vec::new();
         for attempt in 0..STARTS {
             let mut start = [&stand.coordinates[..n], &inputs].concat();
             let amplitude = AROUND * attempt as f64 / STARTS as f64;
-            shake(self.mechanism, attempt, amplitude, &mut start);
-            let (mechanism, structure) = (self.mechanism, self.structure);
-            let Ok(mut found) = assemble(mechanism, structure, &mut self.corrector, &start, false)
-            else {
+            shake(self.system.mechanism(), attempt, amplitude, &mut start);
+            let system = self.system;
+            let mechanism = system.mechanism();
+            let Ok(mut found) = assemble(system, &mut self.corrector, &start, false) else {
                 continue;
             };
             self.iterations += found.iterations;
@@ -90,7 +83,7 @@ impl Follower<'_> {
             if self.apart(&found.coordinates, &stand.coordinates) > OTHER_ASSEMBLY {
                 continue;
             }
-            let far = self.apart(&found.coordinates, &self.mechanism.guess);
+            let far = self.apart(&found.coordinates, &self.actuation.guess);
             let beyond = self.stand(beside, found.coordinates);
             let signature = beyond.branch.signature();
             if self.is_usable(&beyond.branch) && !met.contains(&signature) {
@@ -114,10 +107,10 @@ impl Follower<'_> {
 
     /// Largest difference of two poses in scaled unknowns.
     pub(crate) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs = a.iter().zip(b).take(self.mechanism.unknowns.len());
+        let pairs = a.iter().zip(b).take(self.system.mechanism().unknowns.len());
         let scaled = pairs
             .enumerate()
-            .map(|(k, (a, b))| (a - b).abs() / self.mechanism.scale_of(k));
+            .map(|(k, (a, b))| (a - b).abs() / self.system.mechanism().scale_of(k));
         scaled.fold(0.0, f64::max)
     }
 }

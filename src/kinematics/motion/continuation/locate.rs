@@ -65,7 +65,7 @@ impl Follower<'_> {
         let Some(time) = self.zero_between(crossing.before, after.clone()) else {
             return;
         };
-        let inputs = self.mechanism.inputs_at(time);
+        let inputs = self.actuation.inputs_at(time);
         if let Some(event) = self.trajectory.events.get_mut(crossing.event) {
             event.time = time;
             event.inputs = inputs;
@@ -132,7 +132,8 @@ impl Follower<'_> {
         if is_charted {
             return sigma;
         }
-        let (mechanism, structure) = (self.mechanism, self.structure);
+        let system = self.system;
+        let structure = system.structure();
         let (rows, columns) = (
             structure.blocks[block].rows(),
             structure.blocks[block].unknowns.len(),
@@ -143,8 +144,7 @@ impl Follower<'_> {
             }
         };
         let coordinates = &stand.coordinates;
-        self.corrector
-            .conditions(mechanism, structure, coordinates, exact);
+        self.corrector.conditions(system, coordinates, exact);
         sigma
     }
 
@@ -154,7 +154,7 @@ impl Follower<'_> {
         let s = (time - low.stand.time) / width;
         let (a, b) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s));
         let inputs = self.inputs(time).ok()?;
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         let mut coordinates: Vec<f64> = (0..n)
             .map(|k| {
                 let (p, q) = (low.stand.coordinates[k], high.stand.coordinates[k]);

@@ -17,8 +17,8 @@ use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 use crate::kinematics::solve::branch::{BranchState, BranchWatch};
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::predictor::Predictor;
-use crate::kinematics::structure::block::{Structure, StructureError};
-use crate::model::mechanism::Mechanism;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 
 /// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
 /// of that interval.
@@ -34,50 +34,37 @@ const MOST_CREEPING: usize = 1_000;
 /// digits, which leaves a condition of about 1e8.
 const SINGULAR_START: f64 = 1e7;
 
-/// Solves `mechanism` at the given ascending times.
-///
-/// # Errors
-/// Only where the mechanism itself is ill-posed; a pose that does not exist is an event in the trajectory.
-pub fn solve(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    Ok(Follower::new(mechanism, &structure).run(times))
+/// Solves `system` along `actuation` at the given ascending times. A pose that does not exist is an event in the
+/// trajectory.
+pub fn solve(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
+    Follower::new(system, actuation).run(times)
 }
 
 /// The same with certificates or without, which then say that nobody asked for them. Stops early, with the samples it
 /// has, when `cancelled` says so.
-///
-/// # Errors
-/// As [`solve`].
 pub fn solve_until(
-    mechanism: &Mechanism,
+    system: &System,
+    actuation: &Actuation,
     times: &[f64],
     proved: bool,
     cancelled: &dyn Fn() -> bool,
-) -> Result<Trajectory, StructureError> {
-    let structure = crate::kinematics::freedoms::analysis::analyse(mechanism)?;
-    let mut follower = Follower::new(mechanism, &structure);
+) -> Trajectory {
+    let mut follower = Follower::new(system, actuation);
     follower.cancelled = cancelled;
     if !proved {
         follower.certifier = None;
     }
-    Ok(follower.run(times))
+    follower.run(times)
 }
 
 /// [`solve`] without certificates of the poses.
-///
-/// # Errors
-/// As [`solve`].
-pub fn solve_unproved(mechanism: &Mechanism, times: &[f64]) -> Result<Trajectory, StructureError> {
-    solve_until(mechanism, times, false, &|| false)
+pub fn solve_unproved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
+    solve_until(system, actuation, times, false, &|| false)
 }
 
-/// The motion of a mechanism whose structure is known, without certificates, if it has no gap; ends at the first one.
-pub fn solve_whole(
-    mechanism: &Mechanism,
-    structure: &Structure,
-    times: &[f64],
-) -> Option<Trajectory> {
-    let mut follower = Follower::new(mechanism, structure);
+/// The motion without certificates, if it has no gap; ends at the first one.
+pub fn solve_whole(system: &System, actuation: &Actuation, times: &[f64]) -> Option<Trajectory> {
+    let mut follower = Follower::new(system, actuation);
     follower.certifier = None;
     follower.ends_at_gap = true;
     let motion = follower.run(times);
@@ -104,8 +91,8 @@ enum Stop {
 }
 
 struct Follower<'m> {
-    mechanism: &'m Mechanism,
-    structure: &'m Structure,
+    system: &'m System,
+    actuation: &'m Actuation,
     cancelled: &'m dyn Fn() -> bool,
     /// Nobody asks what comes behind a gap.
     ends_at_gap: bool,
@@ -114,7 +101,7 @@ struct Follower<'m> {
     watch: BranchWatch,
     certifier: Option<Certifier<'m>>,
     /// Another description of ball joints, used where their angles are nearly locked; `None` without such joints.
-    chart: Option<Chart>,
+    chart: Option<Chart<'m>>,
     /// The stand before, as far as it is watched for locked angles.
     last_kept: Option<Stand>,
     /// The one before that.
@@ -138,17 +125,17 @@ struct Follower<'m> {
 }
 
 impl<'m> Follower<'m> {
-    fn new(mechanism: &'m Mechanism, structure: &'m Structure) -> Self {
+    fn new(system: &'m System, actuation: &'m Actuation) -> Self {
         Self {
-            mechanism,
-            structure,
+            system,
+            actuation,
             cancelled: &|| false,
             ends_at_gap: false,
-            corrector: Corrector::new(structure),
+            corrector: Corrector::new(system),
             predictor: Predictor::default(),
             watch: BranchWatch::default(),
-            certifier: Some(Certifier::new(mechanism, structure)),
-            chart: Chart::new(mechanism, structure),
+            certifier: Some(Certifier::new(system)),
+            chart: Chart::new(system),
             last_kept: None,
             kept_before: None,
             anchor: None,
@@ -158,7 +145,7 @@ impl<'m> Follower<'m> {
             elsewhere: None,
             widest: None,
             best_sigma: 0.0,
-            interval: mechanism.duration,
+            interval: actuation.duration,
             iterations: 0,
             trajectory: Trajectory::default(),
         }
@@ -174,7 +161,7 @@ impl<'m> Follower<'m> {
             self.interval = if index > 0 {
                 (time - times[index - 1]).abs()
             } else {
-                self.mechanism.duration
+                self.actuation.duration
             };
             self.iterations = 0;
             let reached = match (&stand, lost) {
@@ -204,7 +191,7 @@ impl<'m> Follower<'m> {
 
     /// Inputs at `time`, or the index of one that has no value.
     fn inputs(&self, time: f64) -> Result<Vec<f64>, usize> {
-        let inputs = self.mechanism.inputs_at(time);
+        let inputs = self.actuation.inputs_at(time);
         match inputs.iter().position(|v| !v.is_finite()) {
             None => Ok(inputs),
             Some(index) => Err(index),
@@ -212,12 +199,12 @@ impl<'m> Follower<'m> {
     }
 
     fn event(&mut self, time: f64, kind: EventKind) {
-        let inputs = self.mechanism.inputs_at(time);
+        let inputs = self.actuation.inputs_at(time);
         self.trajectory.events.push(Event { time, inputs, kind });
     }
 
     fn undefined(&mut self, time: f64, index: usize) {
-        let name = self.mechanism.inputs[index].name.clone();
+        let name = self.system.mechanism().inputs[index].name.clone();
         let known = self
             .trajectory
             .events
@@ -234,7 +221,7 @@ impl<'m> Follower<'m> {
             self.undefined(time, index);
             None
         })?;
-        let start = [self.mechanism.guess.clone(), inputs].concat();
+        let start = [self.actuation.guess.clone(), inputs].concat();
         // Perturbed starts are worth their time once, not at every sample of a range without poses.
         let persist = self.trajectory.samples.is_empty();
         let found = match persist {
@@ -260,7 +247,7 @@ impl<'m> Follower<'m> {
             Err(best) => {
                 self.note_lack(time, best.clone());
                 if persist {
-                    let lack = smallest_gap(self.mechanism, self.structure, best);
+                    let lack = smallest_gap(self.system, best);
                     let kind = EventKind::StartNotClosed {
                         name: lack.name,
                         angle: lack.angle,
@@ -334,7 +321,7 @@ impl<'m> Follower<'m> {
             return None;
         }
         let inputs = self.inputs(time).ok()?;
-        let start = [self.mechanism.guess.clone(), inputs].concat();
+        let start = [self.actuation.guess.clone(), inputs].concat();
         let found = self.assembled(&start, false).ok()?;
         self.iterations += found.iterations;
         let beyond = self.stand(time, found.coordinates);

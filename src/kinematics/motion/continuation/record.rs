@@ -9,7 +9,7 @@ const RATE_STEP: f64 = 1e-6;
 
 impl Follower<'_> {
     pub(crate) fn record_missing(&mut self, time: f64) {
-        let inputs = self.mechanism.inputs_at(time);
+        let inputs = self.actuation.inputs_at(time);
         self.trajectory.samples.push(Sample {
             time,
             inputs,
@@ -19,7 +19,7 @@ impl Follower<'_> {
 
     pub(crate) fn record(&mut self, stand: &Stand) {
         let pose = self.closed_pose(stand);
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         self.trajectory.samples.push(Sample {
             time: stand.time,
             inputs: stand.coordinates[n..].to_vec(),
@@ -29,14 +29,14 @@ impl Follower<'_> {
 
     /// Everything that is kept of a pose; `None` if any body's place is not a number.
     pub(crate) fn closed_pose(&mut self, stand: &Stand) -> Option<ClosedPose> {
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         let mut coordinates = stand.coordinates.clone();
         let certificate = self.certified(&mut coordinates);
         let coordinates = &coordinates;
-        let bodies = forward::body_poses(self.mechanism, coordinates);
-        let traces = forward::trace_points(self.mechanism, &bodies);
-        let outputs = forward::outputs(self.mechanism, coordinates, &traces);
-        let closure_error = forward::closure_error(self.mechanism, coordinates);
+        let bodies = forward::body_poses(self.system.mechanism(), coordinates);
+        let traces = forward::trace_points(self.system.mechanism(), &bodies);
+        let outputs = forward::outputs(self.system.mechanism(), coordinates, &traces);
+        let closure_error = forward::closure_error(self.system.mechanism(), coordinates);
         let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
         if !finite {
             return None;
@@ -52,7 +52,7 @@ impl Follower<'_> {
             sigma_min: stand.branch.sigma_min,
             condition: stand.branch.condition,
             // Holding an idle freedom is an equation more.
-            rank: stand.branch.rank + self.structure.held.len(),
+            rank: stand.branch.rank + self.system.structure().held.len(),
             branch: stand.branch.signature(),
             certificate,
             iterations: self.iterations,
@@ -61,11 +61,11 @@ impl Follower<'_> {
 
     /// Rates of the unknowns per second: the tangent along the drive's own rate.
     pub(crate) fn rates(&mut self, stand: &Stand) -> Vec<f64> {
-        let n = self.mechanism.unknowns.len();
-        let h = RATE_STEP * self.mechanism.duration;
+        let n = self.system.mechanism().unknowns.len();
+        let h = RATE_STEP * self.actuation.duration;
         let (before, after) = (
-            self.mechanism.inputs_at(stand.time - h),
-            self.mechanism.inputs_at(stand.time + h),
+            self.actuation.inputs_at(stand.time - h),
+            self.actuation.inputs_at(stand.time + h),
         );
         let mut rates = vec![0.0; stand.coordinates.len()];
         for k in 0..before.len() {
@@ -75,12 +75,8 @@ impl Follower<'_> {
             .rates_in_chart(&stand.coordinates, &mut rates)
             .is_none()
         {
-            self.corrector.tangent(
-                self.mechanism,
-                self.structure,
-                &stand.coordinates,
-                &mut rates,
-            );
+            self.corrector
+                .tangent(self.system, &stand.coordinates, &mut rates);
         }
         rates.truncate(n);
         rates

@@ -93,10 +93,9 @@ impl Follower<'_> {
     }
 
     pub(crate) fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
-        let correction = self.correct_in_chart(coordinates, pace).unwrap_or_else(|| {
-            self.corrector
-                .correct(self.mechanism, self.structure, coordinates, pace)
-        });
+        let correction = self
+            .correct_in_chart(coordinates, pace)
+            .unwrap_or_else(|| self.corrector.correct(self.system, coordinates, pace));
         self.iterations += correction.iterations;
         correction
     }
@@ -113,8 +112,7 @@ impl Follower<'_> {
         }
         let mut coordinates = here.coordinates.clone();
         let prediction = self.predictor.predict(
-            self.mechanism,
-            self.structure,
+            self.system,
             &mut self.corrector,
             &mut coordinates,
             inputs,
@@ -126,7 +124,7 @@ impl Follower<'_> {
     /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
     pub(crate) fn settle(&mut self, end: &Stand, time: f64) -> Option<Stand> {
         let inputs = self.inputs(time).ok()?;
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         let moved = self.inputs_apart(&end.coordinates[n..], &inputs);
         if time - end.time > BESIDE * self.interval && moved > BESIDE_INPUTS {
             return None;
@@ -182,7 +180,7 @@ impl Follower<'_> {
         let Ok(inputs) = self.inputs(time) else {
             return false;
         };
-        let n = self.mechanism.unknowns.len();
+        let n = self.system.mechanism().unknowns.len();
         let pairs = end.coordinates[..n].iter().zip(&first.coordinates);
         let mut coordinates: Vec<f64> = pairs.map(|(a, b)| 0.5 * (a + b)).collect();
         coordinates.extend(inputs);
@@ -191,11 +189,11 @@ impl Follower<'_> {
 
     /// Largest difference of inputs in radians, sizes, and shares of numbers.
     fn inputs_apart(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs = a.iter().zip(b).zip(&self.mechanism.inputs);
+        let pairs = a.iter().zip(b).zip(&self.system.mechanism().inputs);
         let scaled = pairs.map(|((a, b), input)| {
             let unit = match input.kind {
                 Kind::Angle => 1.0,
-                Kind::Length => self.mechanism.size,
+                Kind::Length => self.system.mechanism().size,
                 Kind::Number => a.abs().max(b.abs()).max(f64::MIN_POSITIVE),
             };
             (a - b).abs() / unit

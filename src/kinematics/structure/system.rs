@@ -1,0 +1,67 @@
+//! A mechanism ready to be solved: its chains, the blocks in which they are solved, its ball joints. Made once, never
+//! changed, and passed as one thing to everything that solves, proves or counts.
+
+use super::block::{Block, Structure};
+use crate::kinematics::ball::joint::{Ball, balls};
+use crate::model::mechanism::Mechanism;
+use std::sync::Arc;
+
+/// A resolved mechanism and how it is solved.
+///
+/// What a verb may change (drives, duration, start values) is no part of it: see
+/// [`Actuation`](crate::model::actuation::Actuation).
+#[derive(Clone, Debug)]
+pub struct System {
+    mechanism: Arc<Mechanism>,
+    structure: Structure,
+    balls: Vec<Ball>,
+    chart: Option<Box<System>>,
+}
+
+impl System {
+    /// A system of known structure whose ball joints nobody asks for: a trial while ranks are being found, or a chart.
+    pub(crate) fn bare(mechanism: Arc<Mechanism>, structure: Structure) -> Self {
+        Self {
+            mechanism,
+            structure,
+            balls: Vec::new(),
+            chart: None,
+        }
+    }
+
+    /// The same with its ball joints, and with the system that `describe` makes of it where there are any.
+    pub(crate) fn with_ball_joints(self, describe: impl Fn(&Self, &[Ball]) -> Self) -> Self {
+        let balls = balls(&self.mechanism, &self.structure);
+        let chart = (!balls.is_empty()).then(|| Box::new(describe(&self, &balls)));
+        Self {
+            balls,
+            chart,
+            ..self
+        }
+    }
+
+    /// Coordinates, chains, bodies.
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// Blocks, empty equations, held unknowns.
+    pub fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    /// The blocks in the order of their solution.
+    pub fn blocks(&self) -> &[Block] {
+        &self.structure.blocks
+    }
+
+    /// Ball joints of the loops.
+    pub fn balls(&self) -> &[Ball] {
+        &self.balls
+    }
+
+    /// The same mechanism with every ball joint described by a small rotation from a pose on; `None` if it has none.
+    pub fn chart(&self) -> Option<&System> {
+        self.chart.as_deref()
+    }
+}

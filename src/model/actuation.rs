@@ -1,0 +1,44 @@
+//! What drives a mechanism: the motion of every input over time, and where the search for a first pose starts.
+//!
+//! It is no part of the mechanism. One mechanism is solved along many of these: the scene's own drives, a table of
+//! inputs, the tracks of its measures, a sweep.
+
+use super::drive::{Drive, Ease};
+
+/// Drives of all inputs, their duration, and start values of the unknowns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Actuation {
+    /// Motion of each input, in the order of the mechanism's inputs.
+    pub drives: Vec<Drive>,
+    /// Length of the motion in seconds.
+    pub duration: f64,
+    /// Start values of the unknowns: radians, or the scene's length unit.
+    pub guess: Vec<f64>,
+}
+
+impl Actuation {
+    /// All inputs go straight `from` one set of values `to` another within a second; the unknowns start at `guess`.
+    pub fn straight(from: &[f64], to: &[f64], guess: Vec<f64>) -> Self {
+        let pairs = from.iter().zip(to);
+        let drives = pairs.map(|(from, to)| Drive::Keys {
+            times: vec![0.0, 1.0],
+            values: vec![*from, *to],
+            ease: Ease::Linear,
+        });
+        Self {
+            drives: drives.collect(),
+            duration: 1.0,
+            guess,
+        }
+    }
+
+    /// Values of the inputs at `time`; not finite where a drive has no value.
+    pub fn inputs_at(&self, time: f64) -> Vec<f64> {
+        self.drives.iter().map(|drive| drive.value(time)).collect()
+    }
+
+    /// Start values of all coordinates: the guess, then the inputs at `time`.
+    pub fn start_at(&self, time: f64) -> Vec<f64> {
+        [self.guess.clone(), self.inputs_at(time)].concat()
+    }
+}

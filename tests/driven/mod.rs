@@ -1,0 +1,153 @@
+//! Mechanisms with what drives them, as most tests use them: read, changed here and there, solved at some times.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use mechanim::clearance::check::ClearanceReport;
+use mechanim::kinematics::certificate::tube::{self, IntervalCertificate};
+use mechanim::kinematics::motion::feasible::Feasible;
+use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
+use mechanim::kinematics::rates::higher_order::{self, RateColumns};
+use mechanim::kinematics::structure::block::StructureError;
+use mechanim::kinematics::structure::system::System;
+use mechanim::model::actuation::Actuation;
+use mechanim::model::measure::Measures;
+use mechanim::model::mechanism::Mechanism;
+use mechanim::scene::Scene;
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
+/// Something with a mechanism and its drives.
+pub trait Driven {
+    /// The mechanism.
+    fn mechanism(&self) -> &Arc<Mechanism>;
+    /// What drives it.
+    fn actuation(&self) -> &Actuation;
+    /// Ready to be solved: analysed anew, so that a test may have changed anything.
+    fn system(&self) -> Result<System, StructureError> {
+        System::new(Arc::clone(self.mechanism()), self.actuation())
+    }
+}
+
+impl Driven for Scene {
+    fn mechanism(&self) -> &Arc<Mechanism> {
+        &self.mechanism
+    }
+
+    fn actuation(&self) -> &Actuation {
+        &self.actuation
+    }
+}
+
+/// The mechanism of a scene with its drives and measures. Reads and writes go to the mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Shared until it is changed.
+    pub mechanism: Arc<Mechanism>,
+    /// Drives, duration, start values.
+    pub actuation: Actuation,
+    /// Tracks and measures.
+    pub measures: Measures,
+}
+
+impl From<Scene> for Model {
+    fn from(scene: Scene) -> Self {
+        Self {
+            mechanism: scene.mechanism,
+            actuation: scene.actuation,
+            measures: scene.measures,
+        }
+    }
+}
+
+impl Driven for Model {
+    fn mechanism(&self) -> &Arc<Mechanism> {
+        &self.mechanism
+    }
+
+    fn actuation(&self) -> &Actuation {
+        &self.actuation
+    }
+}
+
+impl Deref for Model {
+    type Target = Mechanism;
+
+    fn deref(&self) -> &Mechanism {
+        &self.mechanism
+    }
+}
+
+impl DerefMut for Model {
+    fn deref_mut(&mut self) -> &mut Mechanism {
+        Arc::make_mut(&mut self.mechanism)
+    }
+}
+
+/// The motion at `times`.
+pub fn solve(driven: &impl Driven, times: &[f64]) -> Result<Trajectory, StructureError> {
+    Ok(continuation::solve(
+        &driven.system()?,
+        driven.actuation(),
+        times,
+    ))
+}
+
+/// The same without certificates.
+pub fn solve_unproved(driven: &impl Driven, times: &[f64]) -> Result<Trajectory, StructureError> {
+    let system = driven.system()?;
+    Ok(continuation::solve_unproved(
+        &system,
+        driven.actuation(),
+        times,
+    ))
+}
+
+/// `count` equal steps over the drive.
+pub fn even_times(driven: &impl Driven, count: usize) -> Vec<f64> {
+    sampling::even_times(driven.mechanism(), driven.actuation(), count)
+}
+
+/// Times of frames.
+pub fn frame_times(driven: &impl Driven, fps: f64) -> Vec<f64> {
+    sampling::frame_times(driven.mechanism(), driven.actuation(), fps)
+}
+
+/// Times with the ends and keys of the drive.
+pub fn knots(driven: &impl Driven, times: &[f64]) -> Vec<f64> {
+    sampling::knots(driven.actuation(), times)
+}
+
+/// Proofs of the intervals of a trajectory.
+pub fn certify_motion(driven: &impl Driven, trajectory: &Trajectory) -> Vec<IntervalCertificate> {
+    tube::certify_motion(&driven.system().unwrap(), driven.actuation(), trajectory)
+}
+
+/// Adds the limit positions.
+pub fn add_limits(driven: &impl Driven, trajectory: &mut Trajectory) {
+    limits::add_limits(&driven.system().unwrap(), driven.actuation(), trajectory);
+}
+
+/// Fills in derivatives.
+pub fn add_derivatives(driven: &impl Driven, trajectory: &mut Trajectory, columns: RateColumns) {
+    let system = driven.system().unwrap();
+    higher_order::add_derivatives(&system, driven.actuation(), trajectory, columns);
+}
+
+/// Values of the inputs that have poses.
+pub fn feasible_inputs(driven: &impl Driven) -> Vec<Feasible> {
+    feasible::feasible_inputs(&driven.system().unwrap(), driven.actuation())
+}
+
+/// Measures of a model's motion.
+pub fn measures(model: &Model, trajectory: &Trajectory) -> Vec<Option<f64>> {
+    let system = model.system().unwrap();
+    let (actuation, measures) = (&model.actuation, &model.measures);
+    mechanim::kinematics::measures::measure(&system, actuation, measures, trajectory)
+}
+
+/// The clearances that a scene asks for.
+pub fn check(scene: &Scene, trajectory: &Trajectory, tolerance: f64) -> ClearanceReport {
+    let system = scene.system().unwrap();
+    let (actuation, rules) = (&scene.actuation, scene.clearance.as_ref().unwrap());
+    mechanim::clearance::check::check(&system, actuation, rules, trajectory, tolerance, &|_, _| {})
+}
