@@ -193,6 +193,36 @@ fn measure(name: &str, scene: &Scene, count: usize, repetitions: usize) -> Optio
     Some(())
 }
 
+/// Calls of `solve` for a single pose, best of several hundred: with the system made for each, with one system from the
+/// scene's start values, and with one system from the pose itself.
+fn single_poses(name: &str) -> Option<[f64; 3]> {
+    let scene = load(&builtin::find(name)?, &Overrides::default()).ok()?;
+    let make = || System::new(Arc::clone(&scene.mechanism), &scene.actuation).ok();
+    let system = make()?;
+    let pose = solve(&system, &scene.actuation, &[0.0])
+        .samples
+        .pop()?
+        .pose?;
+    let near = Actuation {
+        guess: pose.unknowns,
+        ..scene.actuation.clone()
+    };
+    let best = |call: &mut dyn FnMut() -> Trajectory| {
+        let micros = (0..400).map(|_| {
+            let start = Instant::now();
+            std::hint::black_box(call());
+            start.elapsed().as_secs_f64() * 1e6
+        });
+        micros.fold(f64::INFINITY, f64::min)
+    };
+    let anew = best(&mut || {
+        make().map_or_else(Trajectory::default, |s| solve(&s, &scene.actuation, &[0.0]))
+    });
+    let from_guess = best(&mut || solve(&system, &scene.actuation, &[0.0]));
+    let from_pose = best(&mut || solve(&system, &near, &[0.0]));
+    Some([anew, from_guess, from_pose])
+}
+
 fn main() {
     let read = |source: &Source| -> Option<Scene> { load(source, &Overrides::default()).ok() };
     println!(
@@ -233,6 +263,18 @@ fn main() {
         let line = scene.and_then(|s| measure(&name, &s, count, repetitions));
         if line.is_none() {
             println!("| {name} | could not be read or solved |");
+        }
+    }
+    if wanted.is_empty() {
+        println!("\nµs for one pose by itself, certified: best of 400.");
+        println!(
+            "| mechanism | system made anew | one system, start values | one system, from the pose |"
+        );
+        println!("|---|---|---|---|");
+        for name in ["slider-crank", "seven-r", "gearshift"] {
+            if let Some([anew, from_guess, from_pose]) = single_poses(name) {
+                println!("| {name} | {anew:.1} | {from_guess:.1} | {from_pose:.1} |");
+            }
         }
     }
 }

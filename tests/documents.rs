@@ -106,7 +106,7 @@ fn every_verb_and_option_of_pictures_is_documented() {
     for verb in ["render", "encode", "diff", "snapshot"] {
         assert!(documents.contains(&format!("mechanim {verb}")), "{verb}");
     }
-    let source = read("src/cli/file_args.rs");
+    let source = read("src/cli/args/files.rs");
     let mut options = 0;
     for part in source.split("#[arg(").skip(1) {
         let (attributes, rest) = part.split_once(")]\n").unwrap();

@@ -7,7 +7,8 @@
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::loops::forward::body_poses;
 use crate::kinematics::motion::trajectory::{Sample, Trajectory};
-use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::math::Pose;
 use crate::model::actuation::Actuation;
@@ -68,7 +69,7 @@ pub struct Motion<'m> {
     /// Whose motion.
     pub system: &'m System,
     actuation: &'m Actuation,
-    corrector: Corrector,
+    solver: PoseSolver<'m>,
     prover: Prover<'m>,
     /// All poses solved.
     pub instants: Vec<Instant>,
@@ -90,7 +91,7 @@ impl<'m> Motion<'m> {
         let mut motion = Self {
             system,
             actuation,
-            corrector: Corrector::new(system),
+            solver: PoseSolver::new(system),
             prover: Prover::new(system, actuation).up_to_jumps(),
             instants: Vec::new(),
             samples: Vec::new(),
@@ -219,30 +220,22 @@ impl<'m> Motion<'m> {
     fn between(&mut self, start: usize, end: usize, time: f64) -> Option<usize> {
         let (a, b) = (&self.instants[start], &self.instants[end]);
         let share = (time - a.time) / (b.time - a.time);
-        let pairs = a.coordinates.iter().zip(&b.coordinates);
-        let mut coordinates: Vec<f64> = pairs.map(|(p, q)| p + share * (q - p)).collect();
-        let n = self.system.mechanism().unknowns.len();
-        coordinates[n..].copy_from_slice(&self.actuation.inputs_at(time));
-        self.closed(time, coordinates)
+        let inputs = self.actuation.inputs_at(time);
+        let ends = [&a.coordinates[..], &b.coordinates[..]];
+        let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
+        Some(self.instant(time, coordinates))
     }
 
-    fn closed(&mut self, time: f64, mut coordinates: Vec<f64>) -> Option<usize> {
-        let finite = coordinates.iter().all(|v| v.is_finite());
-        let closed = finite
-            && self
-                .corrector
-                .correct(self.system, &mut coordinates, Pace::Brisk)
-                .converged;
-        if !closed {
-            return None;
-        }
+    /// Keeps a closed pose; its index.
+    fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
+        let mechanism = self.system.mechanism();
         self.instants.push(Instant {
             time,
-            bodies: body_poses(self.system.mechanism(), &coordinates),
-            arguments: self.system.mechanism().argument_values(&coordinates),
+            bodies: body_poses(mechanism, &coordinates),
+            arguments: mechanism.argument_values(&coordinates),
             coordinates,
         });
-        Some(self.instants.len() - 1)
+        self.instants.len() - 1
     }
 
     /// The closed pose at place `s` of a stretch.
@@ -258,7 +251,8 @@ impl<'m> Motion<'m> {
                 let count = self.system.mechanism().unknowns.len();
                 let mut coordinates: Vec<f64> = (0..count).map(|k| tube.centre(k, time)).collect();
                 coordinates.extend(self.actuation.inputs_at(time));
-                self.closed(time, coordinates)
+                let closed = self.solver.closed(&mut coordinates, Pace::Brisk);
+                closed.then(|| self.instant(time, coordinates))
             }
         }
     }

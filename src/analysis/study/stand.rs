@@ -2,17 +2,10 @@
 //! values, with the branch checks of any motion.
 
 use super::Family;
-use crate::kinematics::solve::branch::BranchWatch;
-use crate::kinematics::solve::newton::{Corrector, Pace};
-
-/// Largest correction of a prediction, in scaled unknowns; a larger one could have reached another branch.
-pub(super) const MAX_CORRECTION: f64 = 0.05;
-
-/// A correction may be this fraction of the predicted change.
-pub(super) const CORRECTION_OF_STEP: f64 = 0.25;
-
-/// Floor of the above, for changes that are next to nothing.
-pub(super) const CORRECTION_FLOOR: f64 = 1e-9;
+use crate::kinematics::motion::tracker::steps::Steps;
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::{PoseSolver, follows};
+use crate::kinematics::solve::predictor::Prediction;
 
 /// Smallest share of the way that is tried before a candidate is given up.
 const SMALLEST_SHARE: f64 = 1.0 / 256.0;
@@ -76,8 +69,7 @@ pub enum Rejection {
 #[derive(Clone, Debug)]
 pub struct Evaluator<'f> {
     pub(super) family: &'f Family,
-    pub(super) corrector: Corrector,
-    watch: BranchWatch,
+    pub(super) solver: PoseSolver<'f>,
 }
 
 impl<'f> Evaluator<'f> {
@@ -85,8 +77,7 @@ impl<'f> Evaluator<'f> {
     pub fn new(family: &'f Family) -> Self {
         Self {
             family,
-            corrector: Corrector::new(family.system()),
-            watch: BranchWatch::default(),
+            solver: PoseSolver::new(family.system()),
         }
     }
 
@@ -110,9 +101,7 @@ impl<'f> Evaluator<'f> {
 
     /// On which side of its singular poses a pose is, and how far from them.
     fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
-        let system = self.family.system();
-        let watch = &mut self.watch;
-        let state = watch.observe(system, &mut self.corrector, pose);
+        let state = self.solver.observe(pose);
         (state.signs, state.sigma_min)
     }
 
@@ -126,7 +115,7 @@ impl<'f> Evaluator<'f> {
         for variable in rates.len() - count..rates.len() {
             rates.fill(0.0);
             rates[variable] = 1.0;
-            self.corrector.tangent(family.system(), pose, &mut rates);
+            self.solver.tangent(pose, &mut rates);
             all.extend_from_slice(&rates[..n]);
         }
         all
@@ -162,19 +151,26 @@ impl<'f> Evaluator<'f> {
             Ok(reached) => return Ok(reached),
             Err(pose) => pose,
         };
-        let (mut here, mut share, mut step, mut stuck) = (stand.clone(), 0.0, 0.5, first);
-        while share < 1.0 {
-            if step < SMALLEST_SHARE {
+        let (mut here, mut stuck) = (stand.clone(), first);
+        let mut steps = Steps::new(0.0, 1.0, 0.5, SMALLEST_SHARE);
+        while !steps.is_done() {
+            if steps.is_stuck() {
                 let (track, pose) = self.family.place_of(stuck);
                 return Err(Rejection::NotReached { track, pose });
             }
-            let next = f64::min(share + step, 1.0);
+            let next = steps.target();
             let ends = stand.values.iter().zip(values);
             let between: Vec<f64> = ends.map(|(a, b)| a + (b - a) * next).collect();
             let target = if next == 1.0 { values } else { &between };
             match self.step(&here, target, settle || next < 1.0) {
-                Ok(reached) => (here, share, step) = (reached, next, 2.0 * step),
-                Err(pose) => (stuck, step) = (pose, 0.5 * step),
+                Ok(reached) => {
+                    here = reached;
+                    steps.take();
+                }
+                Err(pose) => {
+                    stuck = pose;
+                    steps.refuse();
+                }
             }
         }
         Ok(here)
@@ -227,11 +223,9 @@ impl<'f> Evaluator<'f> {
         }
         let first = pose.len() - values.len();
         pose[first..].copy_from_slice(values);
-        let system = &family.system;
-        let corrector = &mut self.corrector;
-        let correction = corrector.correct(system, &mut pose, Pace::Brisk);
-        let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);
-        let trusted = correction.converged && correction.first_step <= allowed;
+        let correction = self.solver.correct(&mut pose, Pace::Brisk);
+        let prediction = Prediction { length, bend: 0.0 };
+        let trusted = follows(&correction, &prediction);
         if !trusted {
             return None;
         }

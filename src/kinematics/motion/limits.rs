@@ -9,7 +9,8 @@ use super::sampling::is_cyclic;
 use super::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::loops::forward;
 use crate::kinematics::rates::higher_order::{By, RateColumns};
-use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
@@ -72,7 +73,7 @@ fn refined(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]) -> 
 struct Search<'m> {
     system: &'m System,
     actuation: &'m Actuation,
-    corrector: Corrector,
+    solver: PoseSolver<'m>,
     samples: &'m [Sample],
     /// Rates of all quantities at every sample that has them.
     rates: Vec<Option<Vec<f64>>>,
@@ -107,7 +108,7 @@ impl<'m> Search<'m> {
         Self {
             system,
             actuation,
-            corrector: Corrector::new(system),
+            solver: PoseSolver::new(system),
             samples,
             names: unknowns.chain(outputs).collect(),
             fastest_input,
@@ -204,14 +205,9 @@ impl<'m> Search<'m> {
         let (low, high) = (&self.samples[low], &self.samples[high]);
         let share = (time - low.time) / (high.time - low.time);
         let (p, q) = (low.pose.as_ref()?, high.pose.as_ref()?);
-        let pairs = p.unknowns.iter().zip(&q.unknowns);
-        let mut coordinates: Vec<f64> = pairs.map(|(p, q)| p + share * (q - p)).collect();
-        coordinates.extend(self.actuation.inputs_at(time));
-        let corrector = &mut self.corrector;
-        let correction = corrector.correct(self.system, &mut coordinates, Pace::Brisk);
-        if !correction.converged {
-            return None;
-        }
+        let inputs = self.actuation.inputs_at(time);
+        let ends = [&p.unknowns[..], &q.unknowns[..]];
+        let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
         let rates = FIRST.values(self.system, self.actuation, &coordinates, time)?;
         let rate = rates[self.names[quantity].1];
         rate.is_finite().then_some((rate, coordinates))

@@ -4,4 +4,5 @@ pub mod continuation;
 pub mod feasible;
 pub mod limits;
 pub mod sampling;
+pub mod tracker;
 pub mod trajectory;

@@ -6,4 +6,5 @@ pub mod branch;
 pub mod iterates;
 pub mod newton;
 pub mod pose_check;
+pub mod pose_solver;
 pub mod predictor;

@@ -8,8 +8,8 @@ use super::path::{InputPath, Path};
 use super::series::TERMS;
 use super::{Blocks, IntervalCertificate, Obstacle, Refusal};
 use crate::kinematics::motion::trajectory::Sample;
-use crate::kinematics::solve::branch::BranchWatch;
-use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Kind;
@@ -69,7 +69,7 @@ pub struct Prover<'m> {
     system: &'m System,
     actuation: &'m Actuation,
     blocks: Blocks<'m>,
-    corrector: Corrector,
+    solver: PoseSolver<'m>,
     bases: Option<Vec<Vec<usize>>>,
     /// A block has rows that its proof leaves out.
     has_more_rows: bool,
@@ -84,7 +84,7 @@ impl<'m> Prover<'m> {
             system,
             actuation,
             blocks: Blocks::new(system),
-            corrector: Corrector::new(system),
+            solver: PoseSolver::new(system),
             bases: None,
             has_more_rows: system.blocks().iter().any(|b| b.rows() > b.unknowns.len()),
             may_jump: false,
@@ -222,9 +222,8 @@ impl<'m> Prover<'m> {
         };
         if self.bases.is_none() {
             let coordinates = [&pose.unknowns[..], &sample.inputs].concat();
-            let mut watch = BranchWatch::default();
-            watch.observe(self.system, &mut self.corrector, &coordinates);
-            self.bases = Some(watch.bases().to_vec());
+            self.solver.observe(&coordinates);
+            self.bases = Some(self.solver.proof_basis(&coordinates).0.to_vec());
         }
         Ok(Place {
             time: sample.time,
@@ -249,25 +248,17 @@ impl<'m> Prover<'m> {
             return last;
         }
         let limits = (0..self.actuation.drives.len()).map(limit);
-        let mut coordinates: Vec<f64> = here.unknowns.iter().copied().chain(limits).collect();
-        let Some(unknowns) = self.corrected(&mut coordinates) else {
+        let mut unknowns: Vec<f64> = here.unknowns.iter().copied().chain(limits).collect();
+        if !self.solver.closed(&mut unknowns, Pace::Brisk) {
             return last;
-        };
+        }
+        unknowns.truncate(here.unknowns.len());
         Place {
             time: last.time,
             unknowns,
             rates: None,
             sample: None,
         }
-    }
-
-    /// The unknowns of the closed pose near to `coordinates`.
-    fn corrected(&mut self, coordinates: &mut Vec<f64>) -> Option<Vec<f64>> {
-        let correction = self
-            .corrector
-            .correct(self.system, coordinates, Pace::Brisk);
-        coordinates.truncate(self.system.mechanism().unknowns.len());
-        correction.converged.then(|| std::mem::take(coordinates))
     }
 
     /// What differences of input `k` are measured in, at a value.
@@ -297,10 +288,10 @@ impl<'m> Prover<'m> {
     /// out by the proof.
     fn pose_between(&mut self, a: &Place, b: &Place, time: f64) -> Option<Place> {
         let share = (time - a.time) / (b.time - a.time);
-        let pairs = a.unknowns.iter().zip(&b.unknowns);
-        let mut coordinates: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
-        coordinates.extend(self.actuation.inputs_at(time));
-        let unknowns = self.corrected(&mut coordinates)?;
+        let inputs = self.actuation.inputs_at(time);
+        let ends = [&a.unknowns[..], &b.unknowns[..]];
+        let mut unknowns = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
+        unknowns.truncate(a.unknowns.len());
         Some(Place {
             time,
             unknowns,

@@ -4,54 +4,54 @@
 //! as its beginning is. What can be followed back past the beginning of the gap is another assembly, which the motion
 //! cannot reach; taking it up would be a jump.
 
-use super::{Follower, Stand, Stop};
+use super::recorder::Recorder;
+use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
+use crate::kinematics::motion::tracker::singular::Target;
 use crate::kinematics::motion::trajectory::{EventKind, Gap, Instant, Lack};
 use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake, smallest_gap};
-use crate::kinematics::solve::newton::Pace;
-
-/// How far from its end the other of two branches that meet there is looked for, as shares of what was followed back:
-/// as far as mirroring at the fold is a good picture of it.
-const BESIDE_FOLD: [f64; 5] = [3e-2, 3e-3, 3e-4, 3e-5, 3e-6];
 
 /// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
 const ASIDE: f64 = 0.3;
 
-/// A gap is seen if it is wider than this power of one half of the way on which it is looked for.
-const HALVINGS: i32 = 30;
-
 /// Poses (scaled unknowns) that agree within this are the same pose.
 const SAME_POSE: f64 = 1e-6;
 
-impl Follower<'_> {
-    pub(crate) fn instant(&self, time: f64) -> Instant {
-        Instant {
-            time,
-            inputs: self.actuation.inputs_at(time),
-        }
-    }
+/// The gaps of a motion.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gaps {
+    /// In the order of time; the last one may be open.
+    pub list: Vec<Gap>,
+    /// Of the samples of the present gap the one that is farthest from closing.
+    widest: Option<(f64, NotClosed)>,
+    /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
+    elsewhere: Option<PathPoint>,
+}
 
+fn instant(tracker: &PathTracker, time: f64) -> Instant {
+    Instant {
+        time,
+        inputs: tracker.actuation().inputs_at(time),
+    }
+}
+
+impl Gaps {
     /// A stretch without a pose begins.
-    pub(crate) fn open_gap(&mut self, from: Option<f64>) {
+    pub fn open(&mut self, tracker: &PathTracker, from: Option<f64>) {
         self.elsewhere = None;
         self.widest = None;
-        self.trajectory.gaps.push(Gap {
-            from: from.map(|time| self.instant(time)),
+        self.list.push(Gap {
+            from: from.map(|time| instant(tracker, time)),
             until: None,
             widest: None,
         });
     }
 
     /// Keeps the sample of a gap at which most is lacking.
-    pub(crate) fn note_lack(&mut self, time: f64, best: NotClosed) {
-        if self
-            .trajectory
-            .gaps
-            .last()
-            .is_none_or(|g| g.until.is_some())
-        {
-            self.open_gap(None);
+    pub fn note_lack(&mut self, tracker: &PathTracker, time: f64, best: NotClosed) {
+        if self.list.last().is_none_or(|g| g.until.is_some()) {
+            self.open(tracker, None);
         }
-        let size = self.system.mechanism().size;
+        let size = tracker.system().mechanism().size;
         let amount = |lack: &NotClosed| lack.angle.max(lack.distance / size);
         let known = self.widest.as_ref();
         if known.is_none_or(|(_, known)| amount(known) < amount(&best)) {
@@ -60,15 +60,14 @@ impl Follower<'_> {
     }
 
     /// Measures what is lacking at the sample kept: worth its time once a gap.
-    pub(crate) fn measure_gap(&mut self) {
+    pub fn measure(&mut self, tracker: &PathTracker) {
         let Some((time, best)) = self.widest.take() else {
             return;
         };
-        let lack = smallest_gap(self.system, best);
-        let at = self.instant(time);
-        if let Some(gap) = self.trajectory.gaps.last_mut() {
+        let lack = smallest_gap(tracker.system(), best);
+        if let Some(gap) = self.list.last_mut() {
             gap.widest = Some(Lack {
-                at,
+                at: instant(tracker, time),
                 name: lack.name,
                 angle: lack.angle,
                 distance: lack.distance,
@@ -76,176 +75,138 @@ impl Follower<'_> {
         }
     }
 
+    /// Whether `found` belongs to the assembly that was refused at the sample before.
+    fn is_known_elsewhere(&mut self, tracker: &mut PathTracker, found: &PathPoint) -> bool {
+        let Some(before) = self.elsewhere.clone() else {
+            return false;
+        };
+        tracker.anchor = Some(before.clone());
+        let reached = tracker.follow(before, found.time, &mut Unwatched);
+        let same = reached.is_ok_and(|there| {
+            let solver = &tracker.solver;
+            solver.apart(&there.coordinates, &found.coordinates) <= SAME_POSE
+        });
+        if same {
+            self.elsewhere = Some(found.clone());
+        }
+        same
+    }
+}
+
+impl Recorder<'_> {
     /// Assembles from `start`, and from beside it where that fails: from links in line no correction leaves the line.
     pub(crate) fn assembled_from_beside(&mut self, start: &[f64]) -> Result<Assembled, NotClosed> {
-        self.assembled(start, false).or_else(|gap| {
+        let solver = &mut self.tracker.solver;
+        let attempt = self.samples.len();
+        solver.assembled(start, false).or_else(|gap| {
             let mut beside = start.to_vec();
-            shake(
-                self.system.mechanism(),
-                self.trajectory.samples.len(),
-                ASIDE,
-                &mut beside,
-            );
-            let found = self.assembled(&beside, false).map_err(|_| gap)?;
+            shake(solver.system().mechanism(), attempt, ASIDE, &mut beside);
+            let found = solver.assembled(&beside, false).map_err(|_| gap)?;
             Ok(Assembled { start: 1, ..found })
         })
     }
 
     /// After a gap: assembles again from the last pose, without searching.
-    pub(crate) fn resume(&mut self, last: Stand, time: f64) -> Result<Stand, Option<Stand>> {
-        let Ok(inputs) = self.inputs(time) else {
+    pub(crate) fn resume(
+        &mut self,
+        last: PathPoint,
+        time: f64,
+    ) -> Result<PathPoint, Option<PathPoint>> {
+        let Ok(inputs) = self.tracker.inputs(time) else {
             return Err(None);
         };
-        let unknowns = &last.coordinates[..self.system.mechanism().unknowns.len()];
+        let unknowns = &last.coordinates[..self.tracker.unknowns()];
         let start = [unknowns, &inputs].concat();
         match self.assembled_from_beside(&start) {
             Ok(found) => {
-                self.iterations += found.iterations;
-                let stand = self.stand(time, found.coordinates);
-                if self.is_known_elsewhere(&stand) {
+                self.tracker.solver.iterations += found.iterations;
+                let point = self.tracker.point(time, found.coordinates);
+                if self.gaps.is_known_elsewhere(&mut self.tracker, &point) {
                     return Err(None);
                 }
-                self.re_enter(&last, stand)
+                self.re_enter(&last, point)
             }
             Err(best) => {
-                self.note_lack(time, best);
+                self.gaps.note_lack(&self.tracker, time, best);
                 Err(None)
             }
         }
     }
 
     /// The first pose of a motion whose drive begins where there is none.
-    pub(crate) fn enter(&mut self, found: Stand) -> Result<Stand, Option<Stand>> {
+    pub(crate) fn enter(&mut self, found: PathPoint) -> Result<PathPoint, Option<PathPoint>> {
         let first = self.walk_back(&found, None);
         self.close_gap(&found, first.map_or(found.time, |s| s.time), true);
         Ok(self.restart(found))
     }
 
     /// Takes the motion up again at `found`, on the branch of `last` if it can.
-    fn re_enter(&mut self, last: &Stand, found: Stand) -> Result<Stand, Option<Stand>> {
-        let gap = self.trajectory.gaps.last();
+    fn re_enter(
+        &mut self,
+        last: &PathPoint,
+        found: PathPoint,
+    ) -> Result<PathPoint, Option<PathPoint>> {
+        let gap = self.gaps.list.last();
         let began = gap.and_then(|g| g.from.as_ref()).map(|from| from.time);
         let Some(first) = self.walk_back(&found, began) else {
-            self.elsewhere = Some(found);
+            self.gaps.elsewhere = Some(found);
             return Err(None);
         };
-        let found = if found.branch.signs == last.branch.signs {
+        let wanted = &last.branch.signs;
+        let found = if found.branch.signs == *wanted {
             found
         } else {
-            self.other_branch(&first, &found, last).unwrap_or(found)
+            let other = self.tracker.other_branch(&first, &found, wanted);
+            other.unwrap_or(found)
         };
-        let same_branch = found.branch.signs == last.branch.signs;
+        let same_branch = found.branch.signs == *wanted;
         self.close_gap(&found, first.time, same_branch);
         Ok(self.restart(found))
     }
 
-    /// Follows the motion backwards from `found` to where it ends; `None` if it reaches `limit`.
-    pub(crate) fn walk_back(&mut self, found: &Stand, limit: Option<f64>) -> Option<Stand> {
-        let start = self.trajectory.samples.first().map(|s| s.time);
-        let target = limit.or(start)?;
-        let events = self.trajectory.events.len();
-        self.anchor = Some(found.clone());
-        // Ever shorter stretches, so that one of them ends inside of the narrowest gap before the target.
-        let halvings = if limit.is_some() { HALVINGS } else { 0 };
-        let way = found.time - target;
-        let mut targets = (1..=halvings).map(|k| target + way * 0.5_f64.powi(k));
-        let end = targets.try_fold(found.clone(), |here, time| self.follow(here, time));
-        let end = end.and_then(|here| self.follow(here, target));
-        self.trajectory.events.truncate(events);
-        self.crossing = None;
-        match end {
-            Ok(_) => None,
-            Err(Stop::Ends(stand) | Stop::Undefined(_, stand)) => Some(stand),
-        }
+    /// Where the motion to `found` begins; `None` if it can be followed back to where the gap began, or to the first sample.
+    fn walk_back(&mut self, found: &PathPoint, began: Option<f64>) -> Option<PathPoint> {
+        let target = match began {
+            Some(time) => Target::Gap(time),
+            None => Target::Time(self.samples.first()?.time),
+        };
+        self.tracker.walk_back(found, target, &mut Unwatched)
     }
 
-    /// The other of the two branches that meet at `first`, at the time of `found`.
-    fn other_branch(&mut self, first: &Stand, found: &Stand, last: &Stand) -> Option<Stand> {
-        let events = self.trajectory.events.len();
-        let other = BESIDE_FOLD.iter().find_map(|share| {
-            let time = first.time + share * (found.time - first.time);
-            let mirrored = self.mirrored(first, found, time)?;
-            (mirrored.branch.signs == last.branch.signs).then_some(mirrored)
-        });
-        let reached = other.and_then(|stand| {
-            self.anchor = Some(stand.clone());
-            self.follow(stand, found.time).ok()
-        });
-        self.trajectory.events.truncate(events);
-        self.crossing = None;
-        reached
-    }
-
-    /// The pose at `time` of the branch that `found` is not on, mirrored at the fold where both begin.
-    fn mirrored(&mut self, fold: &Stand, found: &Stand, time: f64) -> Option<Stand> {
-        self.anchor = Some(found.clone());
-        let mut coordinates = self.follow(found.clone(), time).ok()?.coordinates;
-        let n = self.system.mechanism().unknowns.len();
-        for (q, fold) in coordinates[..n].iter_mut().zip(&fold.coordinates) {
-            *q = 2.0 * fold - *q;
-        }
-        let correction = self.correct(&mut coordinates, Pace::Brisk);
-        correction.converged.then(|| self.stand(time, coordinates))
-    }
-
-    fn close_gap(&mut self, found: &Stand, time: f64, same_branch: bool) {
-        self.measure_gap();
-        let until = self.instant(time);
-        if let Some(gap) = self.trajectory.gaps.last_mut() {
+    fn close_gap(&mut self, found: &PathPoint, time: f64, same_branch: bool) {
+        self.gaps.measure(&self.tracker);
+        let until = instant(&self.tracker, time);
+        if let Some(gap) = self.gaps.list.last_mut() {
             gap.until = Some(until);
         }
-        let events = self.trajectory.events.len();
         self.fill_back(found, time);
-        self.trajectory.events.truncate(events);
         self.event(time, EventKind::MotionResumes { same_branch });
     }
 
     /// Lost samples behind the end of a gap have poses after all: the search from before the gap has missed them.
-    fn fill_back(&mut self, found: &Stand, time: f64) {
+    fn fill_back(&mut self, found: &PathPoint, time: f64) {
         let mut here = found.clone();
-        for index in (0..self.trajectory.samples.len()).rev() {
-            let sample = &self.trajectory.samples[index];
+        for index in (0..self.samples.len()).rev() {
+            let sample = &self.samples[index];
             if sample.pose.is_some() || sample.time < time {
                 return;
             }
-            self.anchor = Some(here.clone());
-            match self.follow(here, sample.time) {
-                Ok(stand) => {
-                    self.trajectory.samples[index].pose = self.closed_pose(&stand);
-                    here = stand;
+            self.tracker.anchor = Some(here.clone());
+            match self.tracker.follow(here, sample.time, &mut Unwatched) {
+                Ok(point) => {
+                    self.samples[index].pose = self.closed_pose(&point);
+                    here = point;
                 }
                 Err(_) => return,
             }
         }
     }
 
-    /// The motion goes on from `stand`; what was met before is no anchor any more.
-    fn restart(&mut self, stand: Stand) -> Stand {
-        self.anchor = None;
-        self.keep(stand)
-    }
-
-    /// Whether `found` belongs to the assembly that was refused at the sample before.
-    fn is_known_elsewhere(&mut self, found: &Stand) -> bool {
-        let Some(before) = self.elsewhere.clone() else {
-            return false;
-        };
-        self.anchor = Some(before.clone());
-        let events = self.trajectory.events.len();
-        let reached = self.follow(before, found.time);
-        self.trajectory.events.truncate(events);
-        self.crossing = None;
-        let n = self.system.mechanism().unknowns.len();
-        let same = reached.is_ok_and(|there| {
-            let pairs = there.coordinates.iter().zip(&found.coordinates).take(n);
-            let scaled = pairs.enumerate();
-            scaled
-                .into_iter()
-                .all(|(k, (a, b))| (a - b).abs() <= SAME_POSE * self.system.mechanism().scale_of(k))
-        });
-        if same {
-            self.elsewhere = Some(found.clone());
-        }
-        same
+    /// The motion goes on from `point`; what was met before is no anchor any more.
+    fn restart(&mut self, point: PathPoint) -> PathPoint {
+        self.tracker.anchor = None;
+        self.events.crossing = None;
+        self.events.singular_sample = None;
+        self.tracker.keep(point, &mut self.events)
     }
 }

@@ -1,0 +1,142 @@
+//! Where exactly a singular pose was passed: the smallest singular value, with the determinant's sign, goes through
+//! zero there as a smooth function of time. It is read off at some distance, where poses still have their digits.
+
+use super::events::Events;
+use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker};
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::MAX_CORRECTION;
+
+/// Nodes on either side of the singular pose.
+const SIDE: usize = 3;
+
+/// The nodes come closer by this factor from one round to the next.
+const CLOSER: f64 = 0.125;
+
+/// Rounds end when the nearest node's singular value falls below this share of the best one: at a share s a pose is
+/// known to about u / s, and what the interpolation leaves out is of the order of s to the power 2 SIDE.
+const NEAR_ENOUGH: f64 = 3e-3;
+
+/// Most rounds; each takes three binary digits off the distance.
+const ROUNDS: usize = 12;
+
+/// A crossing that waits for a pose behind it.
+#[derive(Clone, Debug)]
+pub(crate) struct Crossing {
+    /// The event that says so.
+    pub event: usize,
+    /// A regular pose before it.
+    pub before: PathPoint,
+}
+
+/// A place on the path with the tangent there.
+struct Node {
+    point: PathPoint,
+    rates: Vec<f64>,
+    /// Signed singular value.
+    value: f64,
+}
+
+impl Events {
+    /// Locates the last crossing, now that there is a regular pose behind it.
+    pub(crate) fn locate_crossing(&mut self, tracker: &mut PathTracker, after: &PathPoint) {
+        let Some(crossing) = self.crossing.take() else {
+            return;
+        };
+        let Some(time) = zero_between(tracker, crossing.before, after.clone()) else {
+            return;
+        };
+        let inputs = tracker.actuation().inputs_at(time);
+        if let Some(event) = self.list.get_mut(crossing.event) {
+            event.time = time;
+            event.inputs = inputs;
+        }
+    }
+}
+
+/// Time at which the determinant of a block vanishes between two poses; `None` where none changes its sign, or
+/// where poses between them cannot be found.
+fn zero_between(tracker: &mut PathTracker, before: PathPoint, after: PathPoint) -> Option<f64> {
+    let mut pairs = before.branch.signs.iter().zip(&after.branch.signs);
+    let block = pairs.position(|(a, b)| a * b < 0)?;
+    let mut low = node(tracker, before, block);
+    let mut high = node(tracker, after, block);
+    let mut zero =
+        low.point.time + (high.point.time - low.point.time) * low.value / (low.value - high.value);
+    let mut spread = CLOSER * (high.point.time - low.point.time);
+    for _ in 0..ROUNDS {
+        let room = (zero - low.point.time).min(high.point.time - zero) / SIDE as f64;
+        spread = spread.min(room);
+        let mut nodes = Vec::with_capacity(2 * SIDE);
+        for k in 1..=SIDE {
+            for sign in [-1.0, 1.0] {
+                let time = zero + sign * spread * k as f64;
+                nodes.push(between(tracker, &low, &high, time, block)?);
+            }
+        }
+        zero = inverse_at_zero(&nodes)?;
+        let values = nodes.iter().map(|n| n.value.abs());
+        if values.fold(f64::INFINITY, f64::min) < NEAR_ENOUGH * tracker.best_sigma {
+            return Some(zero);
+        }
+        for node in nodes {
+            if node.point.time < zero && node.point.time > low.point.time {
+                low = node;
+            } else if node.point.time > zero && node.point.time < high.point.time {
+                high = node;
+            }
+        }
+        spread *= CLOSER;
+    }
+    None
+}
+
+fn node(tracker: &mut PathTracker, point: PathPoint, block: usize) -> Node {
+    // What is iterated at every pose is right to a millionth, which would be seen in the place.
+    let exact = tracker.solver.exact_sigma(&point.coordinates, block);
+    let sigma = exact.unwrap_or(point.branch.sigma_min);
+    Node {
+        value: f64::from(point.branch.signs[block]) * sigma,
+        rates: tracker.rates(&point),
+        point,
+    }
+}
+
+/// The pose at `time`, from the cubic through two others.
+fn between(
+    tracker: &mut PathTracker,
+    low: &Node,
+    high: &Node,
+    time: f64,
+    block: usize,
+) -> Option<Node> {
+    let width = high.point.time - low.point.time;
+    let s = (time - low.point.time) / width;
+    let (a, b) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s));
+    let inputs = tracker.inputs(time).ok()?;
+    let mut coordinates: Vec<f64> = (0..tracker.unknowns())
+        .map(|k| {
+            let (p, q) = (low.point.coordinates[k], high.point.coordinates[k]);
+            let bend = b * width * ((1.0 - s) * low.rates[k] - s * high.rates[k]);
+            p + a * (q - p) + bend
+        })
+        .collect();
+    coordinates.extend(inputs);
+    let correction = tracker.solver.correct(&mut coordinates, Pace::Brisk);
+    if !correction.converged || correction.first_step > MAX_CORRECTION {
+        return None;
+    }
+    let point = tracker.point(time, coordinates);
+    Some(node(tracker, point, block))
+}
+
+/// Time at value zero of the polynomial through (value, time): Neville's scheme.
+fn inverse_at_zero(nodes: &[Node]) -> Option<f64> {
+    let x: Vec<f64> = nodes.iter().map(|n| n.value).collect();
+    let mut p: Vec<f64> = nodes.iter().map(|n| n.point.time).collect();
+    for level in 1..nodes.len() {
+        for i in 0..nodes.len() - level {
+            p[i] = (x[i + level] * p[i] - x[i] * p[i + 1]) / (x[i + level] - x[i]);
+        }
+    }
+    p[0].is_finite().then_some(p[0])
+}

@@ -1,0 +1,55 @@
+//! What happens between samples: singular poses that are passed or met, and locked ball joints. They are told by the
+//! tracker while it goes along.
+
+use super::crossings::Crossing;
+use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, PathWatcher};
+use crate::kinematics::motion::trajectory::{Event, EventKind};
+use crate::model::actuation::Actuation;
+
+/// The events of a motion.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Events {
+    /// In the order in which they were met.
+    pub list: Vec<Event>,
+    /// A singular pose that has been passed and not been located yet.
+    pub crossing: Option<Crossing>,
+    /// Time of a sample that lies on a singular pose, until it is known how the motion goes on.
+    pub singular_sample: Option<f64>,
+}
+
+impl Events {
+    pub fn add(&mut self, actuation: &Actuation, time: f64, kind: EventKind) {
+        let inputs = actuation.inputs_at(time);
+        self.list.push(Event { time, inputs, kind });
+    }
+
+    /// A singular pose near `time` has been passed.
+    pub fn passed_at(&mut self, tracker: &PathTracker, time: f64) {
+        self.singular_sample = None;
+        self.add(tracker.actuation(), time, EventKind::SingularPosePassed);
+        self.crossing = tracker.anchor.clone().map(|before| Crossing {
+            event: self.list.len() - 1,
+            before,
+        });
+    }
+}
+
+impl PathWatcher for Events {
+    fn accepted(&mut self, tracker: &mut PathTracker, point: &PathPoint) {
+        self.watch_locks(tracker, point);
+    }
+
+    fn regular(&mut self, tracker: &mut PathTracker, point: &PathPoint) {
+        self.locate_crossing(tracker, point);
+    }
+
+    fn passed(&mut self, tracker: &PathTracker, time: f64) {
+        self.passed_at(tracker, time);
+    }
+
+    fn turned_back(&mut self, tracker: &PathTracker) {
+        if let Some(time) = self.singular_sample.take() {
+            self.add(tracker.actuation(), time, EventKind::SingularPoseMet);
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
+
+use super::recorder::Recorder;
+use crate::kinematics::certificate::{Certificate, Certifier, Reason};
+use crate::kinematics::loops::forward;
+use crate::kinematics::motion::tracker::path_tracker::PathPoint;
+use crate::kinematics::motion::trajectory::{ClosedPose, Sample};
+
+impl Recorder<'_> {
+    pub(crate) fn record_missing(&mut self, time: f64) {
+        let inputs = self.tracker.actuation().inputs_at(time);
+        self.samples.push(Sample {
+            time,
+            inputs,
+            pose: None,
+        });
+    }
+
+    pub(crate) fn record(&mut self, point: &PathPoint) {
+        let pose = self.closed_pose(point);
+        self.samples.push(Sample {
+            time: point.time,
+            inputs: point.coordinates[self.tracker.unknowns()..].to_vec(),
+            pose,
+        });
+    }
+
+    /// Everything that is kept of a pose; `None` if any body's place is not a number.
+    pub(crate) fn closed_pose(&mut self, point: &PathPoint) -> Option<ClosedPose> {
+        let system = self.tracker.system();
+        let mechanism = system.mechanism();
+        let mut coordinates = point.coordinates.clone();
+        let certificate = self.certified(&mut coordinates);
+        let bodies = forward::body_poses(mechanism, &coordinates);
+        let traces = forward::trace_points(mechanism, &bodies);
+        let outputs = forward::outputs(mechanism, &coordinates, &traces);
+        let closure_error = forward::closure_error(mechanism, &coordinates);
+        let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
+        if !finite {
+            return None;
+        }
+        coordinates.truncate(mechanism.unknowns.len());
+        Some(ClosedPose {
+            unknowns: coordinates,
+            bodies,
+            traces,
+            outputs,
+            rates: self.tracker.rates(point),
+            derivatives: Vec::new(),
+            closure_error,
+            sigma_min: point.branch.sigma_min,
+            condition: point.branch.condition,
+            // Holding an idle freedom is an equation more.
+            rank: point.branch.rank + system.structure().held.len(),
+            branch: point.branch.signature(),
+            certificate,
+            iterations: self.tracker.solver.iterations,
+        })
+    }
+
+    /// The certificate of a pose, which it may move within its error; what fails for the angles alone is called by its
+    /// name.
+    fn certified(&mut self, coordinates: &mut [f64]) -> Certificate {
+        let Some(certifier) = &mut self.certifier else {
+            return Certificate::Refused {
+                reason: Reason::NotAsked,
+            };
+        };
+        let solver = &mut self.tracker.solver;
+        let chart = solver.chart().filter(|c| c.is_needed(coordinates));
+        let (bases, corrector) = solver.proof_basis(coordinates);
+        let certificate = certifier.polish(coordinates, bases, corrector);
+        let is_singular = Certificate::Refused {
+            reason: Reason::Singular,
+        };
+        match chart {
+            Some(chart) if certificate == is_singular => {
+                let own = chart.base(coordinates);
+                locked(Certifier::new(chart.system).certify(&own, bases))
+            }
+            _ => certificate,
+        }
+    }
+}
+
+/// The certificate of a pose whose angles are too nearly locked to have one, from that of the joints' rotations.
+fn locked(certificate: Certificate) -> Certificate {
+    match certificate {
+        Certificate::Certified {
+            error_bound,
+            unique_radius,
+        } => Certificate::Locked {
+            error_bound,
+            unique_radius,
+        },
+        _ => Certificate::Refused {
+            reason: Reason::GimbalLock,
+        },
+    }
+}

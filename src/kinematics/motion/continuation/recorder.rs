@@ -1,0 +1,214 @@
+//! From one sample to the next: where the motion starts, goes on, ends, and resumes.
+
+use super::events::Events;
+use super::gaps::Gaps;
+use crate::kinematics::certificate::Certifier;
+use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
+use crate::kinematics::motion::trajectory::{EventKind, Sample, Trajectory};
+use crate::kinematics::solve::assembly::smallest_gap;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+
+/// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
+/// digits, which leaves a condition of about 1e8.
+pub(crate) const SINGULAR_START: f64 = 1e7;
+
+/// Follows a motion and keeps its samples.
+pub(crate) struct Recorder<'s> {
+    pub(crate) tracker: PathTracker<'s>,
+    pub(crate) events: Events,
+    pub(crate) gaps: Gaps,
+    pub(crate) samples: Vec<Sample>,
+    pub(crate) certifier: Option<Certifier<'s>>,
+    /// Nobody asks what comes behind a gap.
+    ends_at_gap: bool,
+}
+
+impl<'s> Recorder<'s> {
+    pub fn new(
+        system: &'s System,
+        actuation: &'s Actuation,
+        cancelled: &'s dyn Fn() -> bool,
+    ) -> Self {
+        Self {
+            tracker: PathTracker::new(system, actuation, cancelled),
+            events: Events::default(),
+            gaps: Gaps::default(),
+            samples: Vec::new(),
+            certifier: None,
+            ends_at_gap: false,
+        }
+    }
+
+    /// With a certificate of every pose.
+    pub fn proving(mut self) -> Self {
+        self.certifier = Some(Certifier::new(self.tracker.system()));
+        self
+    }
+
+    /// Without what comes behind the first gap.
+    pub fn up_to_gaps(mut self) -> Self {
+        self.ends_at_gap = true;
+        self
+    }
+
+    pub fn run(mut self, times: &[f64]) -> Trajectory {
+        let mut last: Option<PathPoint> = None;
+        let mut lost = false;
+        for (index, &time) in times.iter().enumerate() {
+            if self.tracker.is_cancelled() {
+                break;
+            }
+            self.tracker.interval = match index.checked_sub(1) {
+                Some(before) => (time - times[before]).abs(),
+                None => self.tracker.actuation().duration,
+            };
+            self.tracker.solver.iterations = 0;
+            let reached = match (&last, lost) {
+                (None, _) => self.start(time),
+                (Some(last), true) => self.resume(last.clone(), time),
+                (Some(last), false) => self.advance(last.clone(), time),
+            };
+            match reached {
+                Ok(new) => {
+                    self.record(&new);
+                    last = Some(new);
+                    lost = false;
+                }
+                Err(end) => {
+                    self.record_missing(time);
+                    if self.ends_at_gap {
+                        break;
+                    }
+                    lost = true;
+                    last = end.or(last);
+                }
+            }
+        }
+        self.gaps.measure(&self.tracker);
+        Trajectory {
+            samples: self.samples,
+            events: self.events.list,
+            gaps: self.gaps.list,
+            ..Trajectory::default()
+        }
+    }
+
+    pub(crate) fn event(&mut self, time: f64, kind: EventKind) {
+        self.events.add(self.tracker.actuation(), time, kind);
+    }
+
+    /// First pose, from the start values.
+    fn start(&mut self, time: f64) -> Result<PathPoint, Option<PathPoint>> {
+        let inputs = self.tracker.inputs(time).map_err(|index| {
+            self.undefined(time, index);
+            None
+        })?;
+        let start = [self.tracker.actuation().guess.clone(), inputs].concat();
+        // Perturbed starts are worth their time once, not at every sample of a range without poses.
+        let persist = self.samples.is_empty();
+        let found = match persist {
+            true => self.tracker.solver.assembled(&start, true),
+            false => self.assembled_from_beside(&start),
+        };
+        match found {
+            Ok(found) => {
+                self.tracker.solver.iterations += found.iterations;
+                if found.start > 0 {
+                    self.event(time, EventKind::OtherStart);
+                }
+                let point = self.tracker.point(time, found.coordinates);
+                if persist && point.branch.condition >= SINGULAR_START {
+                    self.event(time, EventKind::StartSingular);
+                }
+                let point = self.tracker.keep(point, &mut self.events);
+                if self.samples.is_empty() {
+                    return Ok(point);
+                }
+                self.enter(point)
+            }
+            Err(best) => {
+                self.gaps.note_lack(&self.tracker, time, best.clone());
+                if persist {
+                    let lack = smallest_gap(self.tracker.system(), best);
+                    let kind = EventKind::StartNotClosed {
+                        name: lack.name,
+                        angle: lack.angle,
+                        distance: lack.distance,
+                    };
+                    self.event(time, kind);
+                }
+                Err(None)
+            }
+        }
+    }
+
+    fn undefined(&mut self, time: f64, index: usize) {
+        let name = self.tracker.system().mechanism().inputs[index].name.clone();
+        let mut known = self.events.list.iter();
+        let is_known =
+            known.any(|e| matches!(&e.kind, EventKind::InputUndefined { name: n } if *n == name));
+        if !is_known {
+            self.event(time, EventKind::InputUndefined { name });
+        }
+    }
+
+    /// From the last sample to `time`, by as many steps as it takes.
+    fn advance(&mut self, last: PathPoint, time: f64) -> Result<PathPoint, Option<PathPoint>> {
+        let mut here = last;
+        let inputs = self.tracker.inputs(time);
+        if inputs.is_ok_and(|inputs| here.coordinates.ends_with(&inputs)) {
+            return Ok(PathPoint { time, ..here });
+        }
+        if let Some(beyond) = self.leave_singular_start(&here, time) {
+            here = beyond;
+        }
+        loop {
+            match self.tracker.follow(here, time, &mut self.events) {
+                Ok(point) => return Ok(point),
+                Err(Stop::Undefined(index, point)) => {
+                    self.undefined(time, index);
+                    return Err(Some(point));
+                }
+                Err(Stop::Ends(end)) => match self.way_on(&end, time) {
+                    Some(beyond)
+                        if beyond.time == time && !self.tracker.is_usable(&beyond.branch) =>
+                    {
+                        self.events.singular_sample = Some(time);
+                        return Ok(beyond);
+                    }
+                    Some(beyond) => {
+                        // Steps also end at kinks of formulas, which have two sides but no other branch.
+                        let is_other_side = beyond.branch.signs != end.branch.signs;
+                        if is_other_side && self.tracker.jump_after(&end).is_none() {
+                            self.events.passed_at(&self.tracker, end.time);
+                        }
+                        here = self.tracker.keep(beyond, &mut self.events);
+                    }
+                    None => return self.end(end, time),
+                },
+            }
+        }
+    }
+
+    /// A pose beyond the end of the steps: behind a jump of the drive, on a singular pose, or through it.
+    fn way_on(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let tracker = &mut self.tracker;
+        let leapt = tracker.leap(end).or_else(|| tracker.settle(end, time));
+        leapt.or_else(|| tracker.cross(end, time))
+    }
+
+    /// The motion ends at `end`, unless it has only just begun there.
+    fn end(&mut self, end: PathPoint, time: f64) -> Result<PathPoint, Option<PathPoint>> {
+        if let Some(beyond) = self.leave_start(&end, time) {
+            return Ok(beyond);
+        }
+        self.event(end.time, EventKind::MotionEnds);
+        if self.ends_at_gap {
+            return Err(Some(end));
+        }
+        self.gaps.open(&self.tracker, Some(end.time));
+        // The drive may be feasible again before the next sample.
+        self.resume(end, time)
+    }
+}

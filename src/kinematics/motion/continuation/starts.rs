@@ -1,0 +1,106 @@
+//! Motions that start on a singular pose: the tangent gives no way on there, though poses exist.
+
+use super::recorder::{Recorder, SINGULAR_START};
+use crate::kinematics::motion::tracker::path_tracker::PathPoint;
+use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::solve::assembly::{shake, turns_matter};
+use crate::model::mechanism::{Kind, Mechanism};
+use std::f64::consts::TAU;
+
+/// Beyond a singular start poses are looked for after this share of the interval between two samples: far enough for
+/// the branches to have parted.
+const BESIDE_START: f64 = 0.1;
+
+/// Starts around the singular pose that are tried, and how far from it they lie at most, in scaled unknowns.
+const STARTS: usize = 16;
+const AROUND: f64 = 0.2;
+
+/// Farther from the singular pose is another assembly, in scaled unknowns.
+const OTHER_ASSEMBLY: f64 = 0.6;
+
+impl Recorder<'_> {
+    /// A motion that starts at a fold has no tangent to leave it by: the next pose is assembled from the start values,
+    /// which say on which of the branches that meet there the motion goes on.
+    pub(crate) fn leave_start(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let is_start = self.samples.len() == 1;
+        if !is_start || end.time > self.samples[0].time {
+            return None;
+        }
+        let inputs = self.tracker.inputs(time).ok()?;
+        let start = [self.tracker.actuation().guess.clone(), inputs].concat();
+        let found = self.tracker.solver.assembled(&start, false).ok()?;
+        self.tracker.solver.iterations += found.iterations;
+        let beyond = self.tracker.point(time, found.coordinates);
+        Some(self.tracker.keep(beyond, &mut self.events))
+    }
+
+    /// A motion that starts where branches meet has several ways on. Poses right beyond are found from many starts
+    /// around; the one nearest to the start values is taken, which then say on which branch the motion goes.
+    pub(crate) fn leave_singular_start(
+        &mut self,
+        from: &PathPoint,
+        time: f64,
+    ) -> Option<PathPoint> {
+        let is_start = self.samples.len() == 1;
+        if !is_start || from.branch.condition < SINGULAR_START {
+            return None;
+        }
+        let beside = from.time + BESIDE_START * (time - from.time);
+        let inputs = self.tracker.inputs(beside).ok()?;
+        let mut best: Option<(f64, PathPoint)> = None;
+        let mut met: Vec<String> = Vec::new();
+        for attempt in 0..STARTS {
+            let Some(beyond) = self.branch_beyond(from, (beside, &inputs), attempt) else {
+                continue;
+            };
+            let guess = &self.tracker.actuation().guess;
+            let far = self.tracker.solver.apart(&beyond.coordinates, guess);
+            let signature = beyond.branch.signature();
+            if self.tracker.is_usable(&beyond.branch) && !met.contains(&signature) {
+                met.push(signature);
+            }
+            if best.as_ref().is_none_or(|(least, _)| far < *least) {
+                best = Some((far, beyond));
+            }
+        }
+        let (_, beyond) = best?;
+        self.tracker.anchor = Some(beyond.clone());
+        if !self.tracker.is_usable(&beyond.branch) {
+            return None;
+        }
+        let taken = beyond.branch.signature();
+        met.retain(|other| *other != taken);
+        met.sort();
+        self.event(from.time, EventKind::BranchChosen { taken, others: met });
+        Some(beyond)
+    }
+
+    /// A pose at the given time and inputs beside the singular pose `from`, assembled from start number `attempt` around it.
+    fn branch_beyond(
+        &mut self,
+        from: &PathPoint,
+        (time, inputs): (f64, &[f64]),
+        attempt: usize,
+    ) -> Option<PathPoint> {
+        let mechanism = self.tracker.system().mechanism();
+        let solver = &mut self.tracker.solver;
+        let mut start = [&from.coordinates[..mechanism.unknowns.len()], inputs].concat();
+        let amplitude = AROUND * attempt as f64 / STARTS as f64;
+        shake(mechanism, attempt, amplitude, &mut start);
+        let mut found = solver.assembled(&start, false).ok()?;
+        solver.iterations += found.iterations;
+        unwind(mechanism, &from.coordinates, &mut found.coordinates);
+        let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;
+        is_near.then(|| self.tracker.point(time, found.coordinates))
+    }
+}
+
+/// Takes whole turns out of angles that only differ by them from those of `near`.
+fn unwind(mechanism: &Mechanism, near: &[f64], coordinates: &mut [f64]) {
+    for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
+        if unknown.kind == Kind::Angle && !turns_matter(mechanism, slot) {
+            let turns = ((coordinates[slot] - near[slot]) / TAU).round();
+            coordinates[slot] -= TAU * turns;
+        }
+    }
+}

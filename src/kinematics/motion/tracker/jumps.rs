@@ -1,0 +1,39 @@
+//! Inputs that jump: the drive gives no way on there, though poses exist.
+
+use super::path_tracker::{PathPoint, PathTracker, SMALLEST_STEP, Unwatched};
+use crate::model::actuation::Actuation;
+
+/// Change of an input, relative to its size, that two times a few smallest steps apart cannot make in a smooth drive.
+const JUMP: f64 = 1e-6;
+
+impl PathTracker<'_> {
+    /// The inputs right after a pose, and the time then, if the drive jumps there.
+    pub fn jump_after(&self, point: &PathPoint) -> Option<(f64, Vec<f64>)> {
+        let step = (4.0 * SMALLEST_STEP * self.interval).max(4.0 * f64::EPSILON * point.time.abs());
+        let time = point.time + step;
+        let inputs = self.inputs(time).ok()?;
+        let before = &point.coordinates[self.unknowns()..];
+        let least = JUMP * self.system().mechanism().size;
+        let mut pairs = before.iter().zip(&inputs);
+        let jumps = pairs.any(|(a, b)| (a - b).abs() > JUMP * a.abs().max(b.abs()).max(least));
+        jumps.then_some((time, inputs))
+    }
+
+    /// Over a jump of the drive the motion is followed as if the inputs went straight from their old values to the new.
+    pub fn leap(&mut self, point: &PathPoint) -> Option<PathPoint> {
+        let (time, inputs) = self.jump_after(point)?;
+        let n = self.unknowns();
+        let guess = self.actuation().guess.clone();
+        let bridge = Actuation::straight(&point.coordinates[n..], &inputs, guess);
+        let cancelled = || self.is_cancelled();
+        let mut tracker = PathTracker::new(self.system(), &bridge, &cancelled);
+        let begin = tracker.point(0.0, point.coordinates.clone());
+        let begin = tracker.keep(begin, &mut Unwatched);
+        let end = tracker.follow(begin, 1.0, &mut Unwatched);
+        let iterations = tracker.solver.iterations;
+        let mut end = end.ok()?;
+        end.coordinates[n..].copy_from_slice(&inputs);
+        self.solver.iterations += iterations;
+        Some(self.point(time, end.coordinates))
+    }
+}

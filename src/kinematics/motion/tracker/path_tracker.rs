@@ -1,0 +1,317 @@
+//! The motion along a drive, step by step, until it ends.
+//!
+//! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
+
+use super::steps::Steps;
+use crate::kinematics::solve::branch::BranchState;
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::kinematics::solve::predictor::HIGHEST_ORDER;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+
+/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
+/// of that interval.
+pub(crate) const SMALLEST_STEP: f64 = 1e-12;
+
+/// A step that moves no unknown by more (radians, sizes) gets nowhere.
+const CREEPING: f64 = 1e-7;
+
+/// Most such steps in a row from one sample to the next: beyond this the motion has come to rest before a singular pose.
+const MOST_CREEPING: usize = 1_000;
+
+/// A step across a singular pose starts from the last pose whose smallest singular value is above this fraction
+/// of the best seen; nearer to the singular pose the tangent is noise.
+const TRUSTED_SIGMA: f64 = 1e-4;
+
+/// Below this fraction of the best smallest singular value no tangent is taken from a pose: it has lost its last
+/// digits. Folds are approached to the square of it.
+const USABLE_SIGMA: f64 = 1e-6;
+
+/// Half width, in seconds relative to the duration, of the difference that gives the drive's rate.
+const RATE_STEP: f64 = 1e-6;
+
+/// A closed pose on the way, with what is needed to go on from it.
+#[derive(Clone, Debug)]
+pub struct PathPoint {
+    /// Seconds.
+    pub time: f64,
+    /// Unknowns, then inputs.
+    pub coordinates: Vec<f64>,
+    /// On which side of its singular poses it is, and how far from them.
+    pub branch: BranchState,
+}
+
+/// Why a motion cannot be followed farther.
+#[derive(Clone, Debug)]
+pub enum Stop {
+    /// No pose beyond; the last good one.
+    Ends(PathPoint),
+    /// The input of this index has no value there; the last good pose.
+    Undefined(usize, PathPoint),
+}
+
+impl Stop {
+    /// The last good pose.
+    pub fn last(self) -> PathPoint {
+        match self {
+            Self::Ends(point) | Self::Undefined(_, point) => point,
+        }
+    }
+}
+
+/// What is told of a motion while it is followed.
+pub trait PathWatcher {
+    /// Whether singular poses may be passed; else the motion ends at the first one.
+    fn crosses(&self) -> bool {
+        true
+    }
+
+    /// A pose was accepted, the last of those that stand in [`PathTracker::recent`] being the one before.
+    fn accepted(&mut self, _: &mut PathTracker, _: &PathPoint) {}
+
+    /// It is well away from singular poses.
+    fn regular(&mut self, _: &mut PathTracker, _: &PathPoint) {}
+
+    /// The motion went through a singular pose near this time.
+    fn passed(&mut self, _: &PathTracker, _: f64) {}
+
+    /// It came back from a singular pose on the side on which it went there.
+    fn turned_back(&mut self, _: &PathTracker) {}
+}
+
+/// Nobody is told.
+pub struct Unwatched;
+
+impl PathWatcher for Unwatched {}
+
+/// Nobody is told, and the motion ends at the first singular pose.
+pub struct UpToSingular;
+
+impl PathWatcher for UpToSingular {
+    fn crosses(&self) -> bool {
+        false
+    }
+}
+
+/// Follows one motion.
+#[derive(Clone)]
+pub struct PathTracker<'s> {
+    /// Predicts and corrects.
+    pub solver: PoseSolver<'s>,
+    actuation: &'s Actuation,
+    cancelled: &'s dyn Fn() -> bool,
+    /// Seconds between two samples: what steps are small against.
+    pub interval: f64,
+    /// Last pose that is well away from singular ones: where crossings start from.
+    pub(crate) anchor: Option<PathPoint>,
+    /// The last accepted pose and the one before it, where ball joints need them.
+    pub(crate) recent: [Option<PathPoint>; 2],
+    /// Largest of the smallest singular values that were met.
+    pub(crate) best_sigma: f64,
+}
+
+impl<'s> PathTracker<'s> {
+    /// For a motion of `system` along `actuation`, which ends early where `cancelled` says so.
+    pub fn new(
+        system: &'s System,
+        actuation: &'s Actuation,
+        cancelled: &'s dyn Fn() -> bool,
+    ) -> Self {
+        Self {
+            solver: PoseSolver::new(system),
+            actuation,
+            cancelled,
+            interval: actuation.duration,
+            anchor: None,
+            recent: [None, None],
+            best_sigma: 0.0,
+        }
+    }
+
+    /// Whose motion it is.
+    pub fn system(&self) -> &'s System {
+        self.solver.system()
+    }
+
+    /// What drives it.
+    pub fn actuation(&self) -> &'s Actuation {
+        self.actuation
+    }
+
+    /// Whether the motion is to end early.
+    pub fn is_cancelled(&self) -> bool {
+        (self.cancelled)()
+    }
+
+    /// Number of unknowns: where the inputs of a pose begin.
+    pub fn unknowns(&self) -> usize {
+        self.system().mechanism().unknowns.len()
+    }
+
+    /// Inputs at `time`, or the index of one that has no value.
+    pub fn inputs(&self, time: f64) -> Result<Vec<f64>, usize> {
+        let inputs = self.actuation.inputs_at(time);
+        match inputs.iter().position(|v| !v.is_finite()) {
+            None => Ok(inputs),
+            Some(index) => Err(index),
+        }
+    }
+
+    /// Observes a closed pose.
+    pub fn point(&mut self, time: f64, coordinates: Vec<f64>) -> PathPoint {
+        let branch = self.solver.observe(&coordinates);
+        if branch.sigma_min.is_finite() {
+            self.best_sigma = self.best_sigma.max(branch.sigma_min);
+        }
+        PathPoint {
+            time,
+            coordinates,
+            branch,
+        }
+    }
+
+    /// Accepts a pose; it is an anchor from then on if it is well away from singular ones.
+    pub fn keep(&mut self, point: PathPoint, watcher: &mut dyn PathWatcher) -> PathPoint {
+        watcher.accepted(self, &point);
+        if self.solver.chart().is_some() {
+            self.recent = [Some(point.clone()), self.recent[0].take()];
+        }
+        if self.is_trusted(&point.branch) {
+            self.solver.renew_rows(&point.coordinates);
+            watcher.regular(self, &point);
+            self.anchor = Some(point.clone());
+        }
+        point
+    }
+
+    /// From `here` to `time`, before or after, by as many steps as it takes.
+    ///
+    /// # Errors
+    /// Where the motion ends on the way.
+    pub fn follow(
+        &mut self,
+        mut here: PathPoint,
+        time: f64,
+        watcher: &mut dyn PathWatcher,
+    ) -> Result<PathPoint, Stop> {
+        let way = (time - here.time).abs();
+        let mut steps = Steps::new(here.time, time, way, SMALLEST_STEP * self.interval);
+        let mut creeping = 0;
+        while !steps.is_done() {
+            if creeping > MOST_CREEPING || self.is_cancelled() {
+                return Err(Stop::Ends(here));
+            }
+            match self.step(&here, steps.target(), watcher) {
+                Ok(Some(point)) => {
+                    steps.take();
+                    let moved = self.solver.apart(&point.coordinates, &here.coordinates);
+                    creeping = if moved < CREEPING { creeping + 1 } else { 0 };
+                    here = self.keep(point, watcher);
+                }
+                Ok(None) => steps.refuse(),
+                Err(index) => return Err(Stop::Undefined(index, here)),
+            }
+            if steps.is_stuck() {
+                return Err(Stop::Ends(here));
+            }
+        }
+        Ok(here)
+    }
+
+    /// One predictor-corrector step; `Ok(None)` where it cannot be trusted.
+    ///
+    /// From a singular pose no tangent is usable; the prediction then starts from the last trusted pose,
+    /// which leads straight through, and the determinant may change its sign.
+    fn step(
+        &mut self,
+        here: &PathPoint,
+        time: f64,
+        watcher: &mut dyn PathWatcher,
+    ) -> Result<Option<PathPoint>, usize> {
+        let inputs = self.inputs(time)?;
+        let usable = self.is_usable(&here.branch);
+        let base = match &self.anchor {
+            Some(anchor) if !usable => anchor.clone(),
+            _ => here.clone(),
+        };
+        let order = if usable && self.is_trusted(&base.branch) {
+            HIGHEST_ORDER
+        } else {
+            1
+        };
+        let Some(mut coordinates) = self.solver.step(&base.coordinates, &inputs, order) else {
+            return Ok(None);
+        };
+        self.rename(&base, time, &mut coordinates);
+        let point = self.point(time, coordinates);
+        let same = point.branch.signs == base.branch.signs;
+        let fine = same || !usable || !self.is_usable(&point.branch);
+        // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
+        if fine && !usable && self.is_usable(&point.branch) {
+            if same {
+                watcher.turned_back(self);
+            } else if watcher.crosses() && self.is_joined(here, &point) {
+                watcher.passed(self, here.time);
+            } else {
+                return Ok(None);
+            }
+        }
+        Ok(fine.then_some(point))
+    }
+
+    /// Whether the tangent of a pose is worth anything.
+    pub fn is_usable(&self, branch: &BranchState) -> bool {
+        branch.sigma_min >= USABLE_SIGMA * self.best_sigma
+    }
+
+    /// Whether a pose is far enough from singular ones to predict from across one.
+    fn is_trusted(&self, branch: &BranchState) -> bool {
+        branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
+    }
+
+    /// Gives angles that are nearly locked the values in which they go on smoothly from the poses before.
+    pub(crate) fn rename(&self, base: &PathPoint, time: f64, coordinates: &mut [f64]) {
+        let chart = self.solver.chart().filter(|c| c.is_needed(coordinates));
+        let Some(chart) = chart else { return };
+        let near: Vec<f64> = match &self.recent[1] {
+            Some(before) if before.time != base.time => {
+                let part = (time - base.time) / (base.time - before.time);
+                let pairs = base.coordinates.iter().zip(&before.coordinates);
+                pairs.map(|(q, p)| q + part * (q - p)).collect()
+            }
+            _ => base.coordinates.clone(),
+        };
+        chart.rename(coordinates, &near);
+    }
+
+    /// Rates of the unknowns per second at a pose: the tangent along the drive's own rate.
+    pub fn rates(&mut self, point: &PathPoint) -> Vec<f64> {
+        let n = self.unknowns();
+        let h = RATE_STEP * self.actuation.duration;
+        let before = self.actuation.inputs_at(point.time - h);
+        let after = self.actuation.inputs_at(point.time + h);
+        let mut rates = vec![0.0; point.coordinates.len()];
+        for k in 0..before.len() {
+            rates[n + k] = (after[k] - before[k]) / (2.0 * h);
+        }
+        self.solver.tangent(&point.coordinates, &mut rates);
+        rates.truncate(n);
+        rates
+    }
+
+    /// The closed pose at `time` near `coordinates`, whose inputs are overwritten.
+    pub fn corrected(
+        &mut self,
+        time: f64,
+        mut coordinates: Vec<f64>,
+        pace: Pace,
+    ) -> Option<PathPoint> {
+        let inputs = self.inputs(time).ok()?;
+        let n = self.unknowns();
+        coordinates.truncate(n);
+        coordinates.extend(inputs);
+        let closed = self.solver.closed(&mut coordinates, pace);
+        closed.then(|| self.point(time, coordinates))
+    }
+}

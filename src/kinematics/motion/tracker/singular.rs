@@ -1,0 +1,156 @@
+//! The ways through, up to and back from a singular pose.
+
+use super::path_tracker::{PathPoint, PathTracker, PathWatcher, Unwatched, UpToSingular};
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, follows};
+use crate::model::mechanism::Kind;
+
+/// A sample this close to the end of the steps, in intervals between samples, is the singular pose itself.
+const BESIDE: f64 = 1e-6;
+
+/// The same in inputs, in radians and sizes: a drive that turns back on a fold lingers there. Steps end a little
+/// nearer to a fold.
+const BESIDE_INPUTS: f64 = 1e-11;
+
+/// Longest stretch, in intervals between samples, over which a singular pose is crossed.
+const LONGEST_CROSSING: f64 = 1.0;
+
+/// A gap is seen if it is wider than this power of one half of the way on which it is looked for.
+const HALVINGS: i32 = 30;
+
+/// How far from its end the other of two branches that meet there is looked for, as shares of what was followed back:
+/// as far as mirroring at the fold is a good picture of it.
+const BESIDE_FOLD: [f64; 5] = [3e-2, 3e-3, 3e-4, 3e-5, 3e-6];
+
+/// Where a way back leads to.
+#[derive(Clone, Copy, Debug)]
+pub enum Target {
+    /// A time.
+    Time(f64),
+    /// A time before which there may be a gap, however narrow: it is approached by ever shorter stretches.
+    Gap(f64),
+}
+
+impl PathTracker<'_> {
+    /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
+    pub fn settle(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let inputs = self.inputs(time).ok()?;
+        let n = self.unknowns();
+        let moved = self.inputs_apart(&end.coordinates[n..], &inputs);
+        if time - end.time > BESIDE * self.interval && moved > BESIDE_INPUTS {
+            return None;
+        }
+        let mut coordinates = [&end.coordinates[..n], &inputs].concat();
+        let correction = self.solver.correct(&mut coordinates, Pace::Patient);
+        self.rename(end, time, &mut coordinates);
+        (correction.converged && correction.first_step <= MAX_CORRECTION)
+            .then(|| self.point(time, coordinates))
+    }
+
+    /// Tries to go straight through a singular pose next to `end`: along the tangent of the last trusted pose, to
+    /// a pose beyond that lies where the tangent says.
+    pub fn cross(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let anchor = self.anchor.clone().filter(|a| a.time < end.time)?;
+        let mut reach = (end.time - anchor.time) * 2.0;
+        let limit = (LONGEST_CROSSING * self.interval).min(time - anchor.time);
+        while reach <= limit * (1.0 + 1e-12) {
+            let beyond = (anchor.time + reach).min(time);
+            let inputs = self.inputs(beyond).ok()?;
+            let (mut coordinates, predicted) = self.solver.predict(&anchor.coordinates, &inputs, 1);
+            let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
+            if follows(&correction, &predicted) && beyond > end.time {
+                self.rename(&anchor, beyond, &mut coordinates);
+                let point = self.point(beyond, coordinates);
+                return self.is_joined(end, &point).then_some(point);
+            }
+            reach = if reach < limit {
+                (reach * 2.0).min(limit)
+            } else {
+                reach * 2.0
+            };
+        }
+        None
+    }
+
+    /// Whether poses join `end` to `beyond`. What looks like a crossing may be two folds that face each other over a
+    /// narrow gap; there the way back ends at the other one, and nothing closes between them.
+    pub(crate) fn is_joined(&mut self, end: &PathPoint, beyond: &PathPoint) -> bool {
+        // A tracker of its own goes back: what this one has met stays as it is. It crosses no singular pose, since it is
+        // to end at the first one.
+        let mut scout = self.clone();
+        let first = scout.walk_back(beyond, Target::Gap(end.time), &mut UpToSingular);
+        self.solver.iterations = scout.solver.iterations;
+        self.best_sigma = scout.best_sigma;
+        let Some(first) = first else { return true };
+        let Ok(inputs) = self.inputs(0.5 * (end.time + first.time)) else {
+            return false;
+        };
+        let ends = [&end.coordinates[..], &first.coordinates[..]];
+        let middle = self.solver.between(ends, 0.5, &inputs, Pace::Patient);
+        middle.is_some()
+    }
+
+    /// Follows the motion backwards from `found` to where it ends; `None` if it reaches the target.
+    pub fn walk_back(
+        &mut self,
+        found: &PathPoint,
+        target: Target,
+        watcher: &mut dyn PathWatcher,
+    ) -> Option<PathPoint> {
+        self.anchor = Some(found.clone());
+        let (time, halvings) = match target {
+            Target::Time(time) => (time, 0),
+            Target::Gap(time) => (time, HALVINGS),
+        };
+        let way = found.time - time;
+        let mut stops = (1..=halvings).map(|k| time + way * 0.5_f64.powi(k));
+        let end = stops.try_fold(found.clone(), |here, stop| self.follow(here, stop, watcher));
+        let end = end.and_then(|here| self.follow(here, time, watcher));
+        end.err().map(|stop| stop.last())
+    }
+
+    /// The other of the two branches that meet at the fold `first`, with the signs of `wanted`, at the time of `found`.
+    pub fn other_branch(
+        &mut self,
+        first: &PathPoint,
+        found: &PathPoint,
+        wanted: &[i8],
+    ) -> Option<PathPoint> {
+        let other = BESIDE_FOLD.iter().find_map(|share| {
+            let time = first.time + share * (found.time - first.time);
+            let mirrored = self.mirrored(first, found, time)?;
+            (mirrored.branch.signs == wanted).then_some(mirrored)
+        })?;
+        self.anchor = Some(other.clone());
+        self.follow(other, found.time, &mut Unwatched).ok()
+    }
+
+    /// The pose at `time` of the branch that `found` is not on, mirrored at the fold where both begin.
+    fn mirrored(&mut self, fold: &PathPoint, found: &PathPoint, time: f64) -> Option<PathPoint> {
+        self.anchor = Some(found.clone());
+        let mut coordinates = self
+            .follow(found.clone(), time, &mut Unwatched)
+            .ok()?
+            .coordinates;
+        let n = self.unknowns();
+        for (q, fold) in coordinates[..n].iter_mut().zip(&fold.coordinates) {
+            *q = 2.0 * fold - *q;
+        }
+        self.corrected(time, coordinates, Pace::Brisk)
+    }
+
+    /// Largest difference of inputs in radians, sizes, and shares of numbers.
+    fn inputs_apart(&self, a: &[f64], b: &[f64]) -> f64 {
+        let mechanism = self.system().mechanism();
+        let pairs = a.iter().zip(b).zip(&mechanism.inputs);
+        let scaled = pairs.map(|((a, b), input)| {
+            let unit = match input.kind {
+                Kind::Angle => 1.0,
+                Kind::Length => mechanism.size,
+                Kind::Number => a.abs().max(b.abs()).max(f64::MIN_POSITIVE),
+            };
+            (a - b).abs() / unit
+        });
+        scaled.fold(0.0, f64::max)
+    }
+}

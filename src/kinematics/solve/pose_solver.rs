@@ -1,0 +1,265 @@
+//! Closed poses beside known ones: predicted, corrected, observed. Whatever follows a motion, varies dimensions or looks
+//! between two samples does it here, with one rule for what may be trusted.
+//!
+//! Next to a pose where the angles of a ball joint are locked everything is solved in a [`Chart`]; the scene's angles are
+//! read from the result.
+
+use super::assembly::{Assembled, NotClosed, assemble};
+use super::branch::{BranchState, BranchWatch};
+use super::newton::{Correction, Corrector, Pace};
+use super::predictor::{Prediction, Predictor};
+use crate::kinematics::ball::chart::Chart;
+use crate::kinematics::structure::system::System;
+
+/// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
+pub const MAX_CORRECTION: f64 = 0.05;
+
+/// A correction may be this fraction of the predicted step (plus a floor for tiny steps): the tangent is
+/// then a good picture of the path.
+const CORRECTION_OF_STEP: f64 = 0.25;
+
+/// Floor of the above: corrections of this size are rounding at a badly conditioned pose.
+const CORRECTION_FLOOR: f64 = 1e-9;
+
+/// Solves poses of one system; one for each thread.
+#[derive(Clone, Debug)]
+pub struct PoseSolver<'s> {
+    system: &'s System,
+    /// `None` without ball joints.
+    chart: Option<Chart<'s>>,
+    corrector: Corrector,
+    predictor: Predictor,
+    watch: BranchWatch,
+    /// Newton iterations so far.
+    pub iterations: u32,
+}
+
+/// Whether a corrected prediction lies where the tangent of the path says: the correction and what the prediction departs
+/// from the tangent by are small against the step.
+pub fn follows(correction: &Correction, prediction: &Prediction) -> bool {
+    let allowed = (CORRECTION_OF_STEP * prediction.length + CORRECTION_FLOOR).min(MAX_CORRECTION);
+    correction.converged && correction.first_step + prediction.bend <= allowed
+}
+
+impl<'s> PoseSolver<'s> {
+    /// Buffers for `system`.
+    pub fn new(system: &'s System) -> Self {
+        Self {
+            system,
+            chart: Chart::new(system),
+            corrector: Corrector::new(system),
+            predictor: Predictor::default(),
+            watch: BranchWatch::default(),
+            iterations: 0,
+        }
+    }
+
+    /// The system whose poses are solved.
+    pub fn system(&self) -> &'s System {
+        self.system
+    }
+
+    /// The other description of its ball joints; `None` if it has none.
+    pub fn chart(&self) -> Option<Chart<'s>> {
+        self.chart
+    }
+
+    /// The chart, where the scene's angles are bad coordinates.
+    fn chart_at(&self, coordinates: &[f64]) -> Option<Chart<'s>> {
+        self.chart.filter(|c| c.is_needed(coordinates))
+    }
+
+    /// Assembles from the scene's angles, and where they fail in the chart. `persist` tries perturbed starts, too.
+    ///
+    /// # Errors
+    /// The pose that comes nearest to closing.
+    pub fn assembled(&mut self, start: &[f64], persist: bool) -> Result<Assembled, NotClosed> {
+        let found = assemble(self.system, &mut self.corrector, start, persist);
+        let Some(chart) = self.chart else {
+            return found;
+        };
+        let mut found = match found {
+            Ok(found) => found,
+            Err(gap) => {
+                let own = chart.base(start);
+                let mut corrector = Corrector::new(chart.system);
+                let again = assemble(chart.system, &mut corrector, &own, persist);
+                let again = again.map_err(|_| gap)?;
+                let coordinates = chart.scene(&again.coordinates, start);
+                Assembled {
+                    coordinates,
+                    ..again
+                }
+            }
+        };
+        // Angles that run into a locked pose get there with half of the digits.
+        let correction = self.correct(&mut found.coordinates, Pace::Patient);
+        found.iterations += correction.iterations;
+        Ok(found)
+    }
+
+    /// Corrects the unknowns until all loops close; the inputs stay.
+    pub fn correct(&mut self, coordinates: &mut [f64], pace: Pace) -> Correction {
+        let correction = match self.chart_at(coordinates) {
+            None => self.corrector.correct(self.system, coordinates, pace),
+            Some(chart) => {
+                let mut own = chart.base(coordinates);
+                let mut corrector = Corrector::new(chart.system);
+                let correction = corrector.correct(chart.system, &mut own, pace);
+                let found = chart.scene(&own, coordinates);
+                coordinates.copy_from_slice(&found);
+                correction
+            }
+        };
+        self.iterations += correction.iterations;
+        correction
+    }
+
+    /// Prediction at new inputs from a closed pose: the tangent, or a polynomial of higher order.
+    pub fn predict(
+        &mut self,
+        from: &[f64],
+        inputs: &[f64],
+        order: usize,
+    ) -> (Vec<f64>, Prediction) {
+        if let Some(chart) = self.chart_at(from) {
+            return predict_in(chart, from, inputs);
+        }
+        let mut coordinates = from.to_vec();
+        let (corrector, place) = (&mut self.corrector, &mut coordinates);
+        let prediction = self
+            .predictor
+            .predict(self.system, corrector, place, inputs, order);
+        (coordinates, prediction)
+    }
+
+    /// One step to new inputs: predicted, corrected, and refused where the correction is not small against the step.
+    pub fn step(&mut self, from: &[f64], inputs: &[f64], order: usize) -> Option<Vec<f64>> {
+        let (mut coordinates, prediction) = self.predict(from, inputs, order);
+        let correction = self.correct(&mut coordinates, Pace::Brisk);
+        follows(&correction, &prediction).then_some(coordinates)
+    }
+
+    /// The closed pose at `inputs` that is corrected from the straight line between two others, at `share` of the way.
+    pub fn between(
+        &mut self,
+        [a, b]: [&[f64]; 2],
+        share: f64,
+        inputs: &[f64],
+        pace: Pace,
+    ) -> Option<Vec<f64>> {
+        let unknowns = self.system.mechanism().unknowns.len();
+        let pairs = a.iter().zip(b).take(unknowns);
+        let mut coordinates: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
+        coordinates.extend(inputs);
+        self.closed(&mut coordinates, pace).then_some(coordinates)
+    }
+
+    /// Corrects `coordinates`; whether that closed them.
+    pub fn closed(&mut self, coordinates: &mut [f64], pace: Pace) -> bool {
+        coordinates.iter().all(|v| v.is_finite()) && self.correct(coordinates, pace).converged
+    }
+
+    /// Rates of the unknowns for the rates of the inputs that stand in the tail of `rates`. Those of gimbal-locked angles
+    /// are NaN.
+    pub fn tangent(&mut self, coordinates: &[f64], rates: &mut [f64]) {
+        let Some(chart) = self.chart_at(coordinates) else {
+            return self.corrector.tangent(self.system, coordinates, rates);
+        };
+        let own = chart.base(coordinates);
+        let mut own_rates = rates.to_vec();
+        // What the chart is based on stands still.
+        own_rates.resize(own.len(), 0.0);
+        Corrector::new(chart.system).tangent(chart.system, &own, &mut own_rates);
+        rates.copy_from_slice(&own_rates[..rates.len()]);
+        chart.scene_rates(coordinates, rates);
+    }
+
+    /// Singular values and signs, with ball joints as rotations: no angle's sign enters, and next to locked poses no
+    /// angle's singularity.
+    pub fn observe(&mut self, coordinates: &[f64]) -> BranchState {
+        if let Some(chart) = self.chart_at(coordinates) {
+            let own = chart.base(coordinates);
+            let mut corrector = Corrector::new(chart.system);
+            return self.watch.observe(chart.system, &mut corrector, &own);
+        }
+        let mut state = self.observe_angles(coordinates);
+        for ball in self.system.balls() {
+            state.signs[ball.block] *= ball.orientation(coordinates);
+        }
+        state
+    }
+
+    /// Signs and singular values of the scene's own coordinates.
+    fn observe_angles(&mut self, coordinates: &[f64]) -> BranchState {
+        let corrector = &mut self.corrector;
+        self.watch.observe(self.system, corrector, coordinates)
+    }
+
+    /// Has the rows of over-determined blocks replaced where they are worn out.
+    pub fn renew_rows(&mut self, coordinates: &[f64]) {
+        if self.chart.is_none() {
+            let corrector = &mut self.corrector;
+            self.watch.renew(self.system, corrector, coordinates);
+        }
+    }
+
+    /// Linearises at a pose that is to be proved: the rows that each block is proved on, and the inverses that serve it.
+    pub fn proof_basis(&mut self, coordinates: &[f64]) -> (&[Vec<usize>], &Corrector) {
+        if self.chart_at(coordinates).is_some() {
+            // The pose was observed in the chart; the proof is about the scene's angles.
+            self.observe_angles(coordinates);
+        }
+        // Poses beside this one may have been looked at since it was observed.
+        self.corrector.prepare(self.system, coordinates);
+        (self.watch.bases(), &self.corrector)
+    }
+
+    /// Smallest singular value of a block to all digits: those of every pose are iterated, to a millionth. `None` where
+    /// the scene's angles are bad coordinates.
+    pub fn exact_sigma(&mut self, coordinates: &[f64], block: usize) -> Option<f64> {
+        if self.chart_at(coordinates).is_some() {
+            return None;
+        }
+        let system = self.system;
+        let (rows, columns) = (
+            system.blocks()[block].rows(),
+            system.blocks()[block].unknowns.len(),
+        );
+        let mut sigma = None;
+        self.corrector
+            .conditions(system, coordinates, |index, jacobian, _, _| {
+                if index == block {
+                    sigma =
+                        Some(crate::linalg::svd::conditioning(jacobian, rows, columns).sigma_min);
+                }
+            });
+        sigma
+    }
+
+    /// Largest difference of two poses in scaled unknowns.
+    pub fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
+        let mechanism = self.system.mechanism();
+        let pairs = a.iter().zip(b).take(mechanism.unknowns.len()).enumerate();
+        let scaled = pairs.map(|(k, (a, b))| (a - b).abs() / mechanism.scale_of(k));
+        scaled.fold(0.0, f64::max)
+    }
+}
+
+/// The tangent in the chart: new coordinates and the length of the step.
+fn predict_in(chart: Chart, from: &[f64], inputs: &[f64]) -> (Vec<f64>, Prediction) {
+    let mechanism = chart.system.mechanism();
+    let n = mechanism.unknowns.len();
+    let own = chart.base(from);
+    let mut change = vec![0.0; own.len()];
+    for (k, input) in inputs.iter().enumerate() {
+        change[n + k] = input - own[n + k];
+    }
+    Corrector::new(chart.system).tangent(chart.system, &own, &mut change);
+    let scaled = (0..n).map(|k| (change[k] / mechanism.scale_of(k)).abs());
+    let length = scaled.fold(0.0, f64::max);
+    let moved: Vec<f64> = own.iter().zip(&change).map(|(q, d)| q + d).collect();
+    let mut coordinates = chart.scene(&moved, from);
+    coordinates[n..].copy_from_slice(inputs);
+    (coordinates, Prediction { length, bend: 0.0 })
+}
