@@ -1,7 +1,6 @@
-//! The walls of the house: which room may speak to which library, how large files get, that each says what it holds.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+//! Which room may speak to which library, how large files get, that each says what it holds.
 
-use std::path::{Path, PathBuf};
+use crate::source::{is_test, sources};
 
 /// A text that only some files under `src/` may hold.
 struct Wall {
@@ -78,9 +77,8 @@ fn faults(name: &str, text: &str) -> Vec<String> {
     let code = code(text);
     for wall in &WALLS {
         let may = wall.rooms.iter().any(|room| name.starts_with(room));
-        let is_test = name.ends_with("tests.rs");
         for word in wall.words.iter().filter(|word| code.contains(**word)) {
-            if !may && !is_test {
+            if !may && !is_test(name) {
                 faults.push(format!("{name}: `{word}` belongs to {:?}", wall.rooms));
             }
         }
@@ -89,35 +87,19 @@ fn faults(name: &str, text: &str) -> Vec<String> {
         faults.push(format!("{name}: does not open with what it holds"));
     }
     let lines = before_tests(text).lines().count();
-    if lines > MOST_LINES && !name.ends_with("tests.rs") {
+    if lines > MOST_LINES && !is_test(name) {
         faults.push(format!("{name}: {lines} lines"));
     }
     faults
 }
 
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 #[test]
 fn every_file_keeps_to_its_room() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    rust_files(&root, &mut files);
-    assert!(files.len() > 50, "only {} files found", files.len());
-    let mut all = Vec::new();
-    for path in files {
-        let name = path.strip_prefix(&root).unwrap().to_str().unwrap();
-        let name = name.replace('\\', "/");
-        all.extend(faults(&name, &std::fs::read_to_string(&path).unwrap()));
-    }
+    let files = sources();
+    let all: Vec<String> = files
+        .iter()
+        .flat_map(|s| faults(&s.name, &s.text))
+        .collect();
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
@@ -145,38 +127,4 @@ fn a_planted_fault_is_found() {
     assert_eq!(faults("a.rs", "fn a() {}\n").len(), 1);
     let long = "//! Long.\n".to_owned() + &"\n".repeat(MOST_LINES);
     assert_eq!(faults("a.rs", &long).len(), 1);
-}
-
-/// Which version of glam each of `packages` speaks: the entries of its dependency list in a lock file.
-fn glam_of(lock: &str, packages: &[&str]) -> Vec<String> {
-    let entries = lock.split("[[package]]");
-    let wanted = entries.filter(|entry| {
-        let name = entry.lines().find_map(|l| l.strip_prefix("name = "));
-        name.is_some_and(|name| packages.contains(&name.trim_matches('"')))
-    });
-    let lines = wanted
-        .flat_map(str::lines)
-        .map(|l| l.trim().trim_matches(['"', ',']));
-    let mut list: Vec<String> = lines
-        .filter(|l| *l == "glam" || l.starts_with("glam "))
-        .map(str::to_owned)
-        .collect();
-    list.sort();
-    list
-}
-
-#[test]
-fn one_glam_is_spoken() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.lock");
-    let lock = std::fs::read_to_string(path).unwrap();
-    let mut spoken = glam_of(&lock, &["mechanim", "parry3d-f64", "glamx"]);
-    assert!(
-        spoken.len() > 1,
-        "the lock file is not understood: {spoken:?}"
-    );
-    spoken.dedup();
-    assert_eq!(spoken.len(), 1, "{spoken:?}");
-    let two =
-        "[[package]]\nname = \"a\"\n \"glam 0.1\",\n[[package]]\nname = \"b\"\n \"glam 0.2\",\n";
-    assert_eq!(glam_of(two, &["a", "b"]), ["glam 0.1", "glam 0.2"]);
 }
