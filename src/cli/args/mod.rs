@@ -401,7 +401,7 @@ fn mode_choice(text: &str) -> Result<ModeChoice, String> {
 }
 
 pub(crate) fn order(text: &str) -> Result<usize, String> {
-    let limit = crate::kinematics::rates::higher_order::MAX_ORDER;
+    let limit = crate::model::plot::MAX_ORDER;
     match text.parse::<usize>() {
         Ok(order) if (1..=limit).contains(&order) => Ok(order),
         _ => Err(format!("between 1 and {limit}")),

@@ -15,9 +15,6 @@ use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::numbers::series::{Series, drive, evaluate};
 use glam::{DMat3, DVec3};
 
-/// Highest order the command line offers; the cost grows with the third power.
-pub const MAX_ORDER: usize = 8;
-
 /// Pivots below this share of the largest one have no direction to divide by. A fold is found to the square root of
 /// rounding (1.5e-8), so a pose within four times that may be the fold itself, where rates are infinite.
 const FOLD_TOLERANCE: f64 = 6e-8;

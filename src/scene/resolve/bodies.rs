@@ -2,7 +2,6 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
-use super::super::reader::FormulaText;
 use super::super::shapes::{ShapeFile, SolidFile};
 use super::joints::Joints;
 use super::names::Names;
@@ -13,6 +12,7 @@ use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
 use crate::model::shape::{Shape, Solid, TriangleSoup};
+use crate::scene::values::FormulaText;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;

@@ -3,9 +3,10 @@
 use super::super::file::{InputFile, SceneFile};
 use super::super::formula::chain::{Factor, Item, expand, parse as parse_chain};
 use super::super::formula::expression::{Node, parse as parse_expression};
-use super::super::reader::{FormulaText, Spanned};
 use super::contacts::chains::{ContactItems, ParsedContact};
 use crate::diag::{Diagnostic, Diagnostics};
+use crate::scene::reader::Spanned;
+use crate::scene::values::FormulaText;
 
 /// A name and what was parsed for it.
 pub type Named<T> = (Spanned<String>, T);
@@ -185,12 +186,12 @@ pub fn note<T>(
         Err(mut diagnostic) => {
             // A text with escapes has no byte-for-byte place; the message then covers the whole value.
             if text.offset == text.span.start
-                && text.offset < super::OUTSIDE
+                && !text.is_outside()
                 && text.span.len() != text.text.len()
             {
                 diagnostic.span = Some(text.span.clone());
             }
-            if text.offset >= super::OUTSIDE {
+            if text.is_outside() {
                 diagnostic.message = format!(
                     "in `{}` from the command line: {}",
                     text.text, diagnostic.message
