@@ -4,7 +4,7 @@ use super::bodies::Hull;
 use super::contact::AT_LEAST;
 pub use super::contact::BETWEEN_SAMPLES;
 use super::core::Core;
-use super::mesh::Enclosure;
+use super::mesh_tree::Enclosure;
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::sweep::{Least, PairSweep};

@@ -1,6 +1,6 @@
 //! One picture against its golden file. A golden is never written unasked, and one that is missing fails.
 
-use super::Allowed;
+use crate::compare::film::Allowed;
 use crate::compare::{Comparison, Difference, compare, triptych};
 use crate::export::png::{Effort, encode};
 use crate::export::{ExportError, Target};

@@ -1,6 +1,6 @@
 //! The list of golden pictures, `snapshots.toml`: which scene, which instant, which view, how much may differ.
 
-use super::Allowed;
+use crate::compare::film::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::view::{Ghosts, ViewProjection};
 use crate::model::view_change::ViewChange;

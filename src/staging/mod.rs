@@ -21,6 +21,7 @@ mod parts;
 mod sight;
 mod solids;
 mod trails;
+mod value_text;
 
 use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;

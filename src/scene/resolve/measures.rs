@@ -7,7 +7,7 @@ use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
 use super::bodies::Constants;
 use super::names::Names;
 use super::outputs::{Scope, kind_of};
-use super::parsed::expression;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::model::measure::{Measure, MeasureSource, Taking, Track};
 use crate::model::mechanism::Kind;

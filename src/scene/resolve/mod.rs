@@ -14,6 +14,7 @@ mod measures;
 mod names;
 mod outputs;
 mod parsed;
+mod parsing;
 mod plots;
 mod study;
 mod symbolic;

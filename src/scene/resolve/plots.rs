@@ -4,7 +4,7 @@ use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::plots::PlotFile;
 use super::outputs::Scope;
-use super::parsed::expression;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::plot::{Abscissa, Curve, MAX_ORDER, Per, Plot, Rate, rate_unit};

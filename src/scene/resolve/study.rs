@@ -5,7 +5,7 @@ use super::super::formula::compile::constant;
 use super::super::formula::kinds::to_radians;
 use super::super::studies::{StudyFile, VariableFile};
 use super::names::{Meaning, Names};
-use super::parsed::expression;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
