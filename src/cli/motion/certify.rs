@@ -1,6 +1,6 @@
 //! Solving with as much proof as was asked for, and the proof of a motion in words.
 
-use crate::cli::args::CertifyArg;
+use crate::cli::args::motion::CertifyArg;
 use crate::cli::report::events as report;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::certificate::tube::{IntervalCertificate, certify_motion};
@@ -26,12 +26,12 @@ pub fn motion(
         CertifyArg::Pose => solve_until(system, actuation, times, true, &interrupted),
         CertifyArg::Motion => proved(system, actuation, times),
     };
-    super::solve::refuse_interrupted()?;
+    crate::cli::interrupt::refuse_interrupted()?;
     Ok(trajectory)
 }
 
 fn interrupted() -> bool {
-    crate::cli::CANCEL.load(Ordering::Relaxed)
+    crate::cli::interrupt::CANCEL.load(Ordering::Relaxed)
 }
 
 fn proved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {

@@ -1,8 +1,11 @@
 //! `mechanim modes`: the assemblies at one pose of the inputs as a numbered table; and `--mode`, which starts from one.
 
-use crate::cli::CANCEL;
-use crate::cli::args::{ModeChoice, ModesArgs};
-use crate::cli::open::scene::{self as open_scene, OpenScene};
+use crate::cli::args::motion::ModesArgs;
+use crate::cli::args::scene::ModeChoice;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
+use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::OpenScene;
 use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
@@ -11,8 +14,6 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use serde_json::{Map, Value, json};
-use std::io::Write;
-use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// Runs the verb.
@@ -37,17 +38,16 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
     let modes = search(&system, actuation, args.at, args.starts)?;
     let inputs = &actuation.inputs_at(args.at);
     if let Some(path) = &args.json {
-        report::write_json(
+        io::write_json(
             &args.scene,
             path,
             &document(mechanism, inputs, args.at, &modes),
         )?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(text(mechanism, inputs, args.at, &modes).as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(
+        args.json.as_deref(),
+        &text(mechanism, inputs, args.at, &modes),
+    )?;
     Ok(if modes.list.is_empty() {
         Outcome::NotClosed
     } else {
@@ -153,7 +153,7 @@ fn search(
     }
     let cancelled = || CANCEL.load(Ordering::Relaxed);
     let modes = find_modes(system, &first, starts, &cancelled);
-    super::solve::refuse_interrupted()?;
+    crate::cli::interrupt::refuse_interrupted()?;
     Ok(modes)
 }
 

@@ -1,7 +1,7 @@
 //! Finding and reading the scene that a command names.
 
 use super::inputs_table;
-use crate::cli::args::SceneArgs;
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::motion::modes;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
@@ -60,13 +60,6 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         ..Overrides::default()
     };
     Ok((source(&args.scene)?, overrides))
-}
-
-/// True when `out` is the scene's own file.
-pub fn is_scene_file(args: &SceneArgs, out: &Path) -> bool {
-    let same =
-        |a: &Path| matches!((a.canonicalize(), out.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    same(Path::new(&args.scene)) || args.table.as_deref().is_some_and(same)
 }
 
 fn folder(scene: &str) -> PathBuf {

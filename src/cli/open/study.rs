@@ -2,7 +2,7 @@
 
 use super::{inputs_table, scene as open_scene};
 use crate::analysis::study::{Evaluator, Family, FamilyError, Rejection, Stand};
-use crate::cli::args::SceneArgs;
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
 use crate::cli::motion::modes;
 use crate::cli::term::Term;

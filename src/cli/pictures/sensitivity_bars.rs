@@ -1,9 +1,9 @@
 //! The bars of `mechanim sensitivity --plot`: a row for each dimension, a column for each measure.
 
-use super::paths::refuse_input;
-use crate::cli::args::SceneArgs;
-use crate::cli::motion::plot;
-use crate::cli::motion::plot::PlotFormat;
+use crate::cli::args::scene::SceneArgs;
+use crate::cli::files::chart;
+use crate::cli::files::chart::PlotFormat;
+use crate::cli::io;
 use crate::cli::study::sensitivity::Table;
 use crate::cli::term::outcome::Failure;
 use crate::export::Output;
@@ -21,10 +21,10 @@ pub struct BarFile {
 
 /// Opens the file before anything is computed.
 pub fn open(scene: &SceneArgs, path: &Path) -> Result<BarFile, Failure> {
-    refuse_input(scene, path)?;
+    io::refuse_input(scene, path)?;
     Ok(BarFile {
         format: PlotFormat::of(path)?,
-        output: plot::open(path)?,
+        output: io::open(path)?,
     })
 }
 
@@ -33,7 +33,7 @@ impl BarFile {
     pub fn write(mut self, table: &Table, rank: usize) -> Result<(), Failure> {
         let chart = chart(table, rank);
         let drawing = draw(&chart, usual_size(&chart), Theme::LIGHT);
-        plot::write_drawing(&drawing, self.format, self.output.as_mut())?;
+        chart::write_drawing(&drawing, self.format, self.output.as_mut())?;
         self.output.commit()?;
         Ok(())
     }

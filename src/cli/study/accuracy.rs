@@ -3,13 +3,14 @@
 use crate::analysis::precision_report;
 use crate::analysis::work_precision::{Study, StudyError, study};
 use crate::cli::args::charts::AccuracyArgs;
-use crate::cli::motion::plot::{PlotFormat, open, write};
-use crate::cli::open::scene::{self as open_scene, OpenScene};
+use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::io;
+use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::{ExportError, Output};
 use crate::model::mechanism::Mechanism;
-use std::io::Write;
 use std::path::Path;
 
 /// Pixels of the chart.
@@ -25,19 +26,12 @@ enum Format {
 /// Runs the verb.
 pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
     let format = args.out.as_deref().map(format).transpose()?;
-    if args
-        .out
-        .as_deref()
-        .is_some_and(|out| open_scene::is_scene_file(&args.scene, out))
-    {
-        return Err(Failure::usage(
-            "the report cannot be written over an input of this command",
-            Vec::new(),
-        ));
+    if let Some(out) = &args.out {
+        io::refuse_input(&args.scene, out)?;
     }
     let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
     let mechanism = &scene.mechanism;
-    let mut output = args.out.as_deref().map(open).transpose()?;
+    let mut output = args.out.as_deref().map(io::open).transpose()?;
     let study = match study(&system, &scene.actuation, args.poses, args.turns) {
         Ok(study) => study,
         Err(error @ StudyError::Gap { .. }) => {
@@ -47,18 +41,17 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
             });
         }
     };
-    crate::cli::motion::solve::refuse_interrupted()?;
+    crate::cli::interrupt::refuse_interrupted()?;
     if let (Some(format), Some(output)) = (format, output.as_mut()) {
         save(mechanism, &study, &format, args, output.as_mut())?;
     }
     if let Some(output) = output {
         output.commit()?;
     }
-    if args.out.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(precision_report::text(mechanism, &study).as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(
+        args.out.as_deref(),
+        &precision_report::text(mechanism, &study),
+    )?;
     Ok(Outcome::Done)
 }
 

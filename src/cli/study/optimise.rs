@@ -6,18 +6,15 @@ use super::{kept_clearances as optimise_clearance, pairs, search_film as optimis
 use crate::analysis::optimise::Ended;
 use crate::analysis::study::optimum::{Method, Optimum, Verified, optimise, verify};
 use crate::analysis::study::{Family, FamilyError};
-use crate::cli::CANCEL;
 use crate::cli::args::study::{MethodArg, OptimiseArgs};
-use crate::cli::open::scene as open_scene;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
 use crate::cli::open::study::{Opened, aligned, open, six};
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::scene::edit::with_values;
 use serde_json::{Value, json};
-use std::io::Write;
-use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
@@ -39,17 +36,14 @@ const SAME: f64 = 1e-6;
 
 /// Runs the verb.
 pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
-    if let Some(out) = &args.out
-        && open_scene::is_scene_file(&args.scene, out)
-    {
-        let message = format!("{} is an input of this command", out.display());
-        return Err(Failure::usage(message, Vec::new()));
+    if let Some(out) = &args.out {
+        io::refuse_input(&args.scene, out)?;
     }
     let film = args.film.as_deref().map(optimise_film::file);
     let film = film.transpose()?;
     let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
     // The best so far is worth waiting for.
-    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    crate::cli::interrupt::save_results();
     if let Some(share) = args.within {
         widen(&mut opened.family, share);
     }
@@ -76,7 +70,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
                 vec!["write them as a section of their own: [guess]".to_owned()],
             )
         })?;
-        report::write_text(&args.scene, out, &text)?;
+        io::write_text(&args.scene, out, &text)?;
         if !opened.overrides.inputs.is_empty() || opened.overrides.drives.is_some() {
             let out = out.display();
             term.warning(&format!(
@@ -92,13 +86,9 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         seconds,
     };
     if let Some(path) = &args.json {
-        report::write_json(&args.scene, path, &result.document())?;
+        io::write_json(&args.scene, path, &result.document())?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(result.text().as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.json.as_deref(), &result.text())?;
     if is_stopped {
         let kept = args.out.as_ref().map_or_else(
             || "the best so far was reported".to_owned(),

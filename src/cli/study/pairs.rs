@@ -4,16 +4,14 @@ use super::optimise::{SCHEMA, ended, method, widen};
 use super::tolerance::cores;
 use crate::analysis::study::optimum::{Optimum, optimise};
 use crate::analysis::study::{Family, FamilyError};
-use crate::cli::CANCEL;
 use crate::cli::args::study::OptimiseArgs;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
 use crate::cli::open::study::{Opened, aligned, six};
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use serde_json::{Value, json};
-use std::io::Write;
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -90,13 +88,12 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
             "title": opened.family.mechanism().title,
             "pairs": rows,
         });
-        report::write_json(&args.scene, path, &document)?;
+        io::write_json(&args.scene, path, &document)?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(ranking(opened, &ranked, args.worst, seconds).as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(
+        args.json.as_deref(),
+        &ranking(opened, &ranked, args.worst, seconds),
+    )?;
     if ranked.len() < jobs.len() {
         let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());
         return Err(Failure::Stopped(kept));

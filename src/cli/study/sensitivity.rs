@@ -2,14 +2,12 @@
 
 use crate::analysis::study::{Evaluator, Gradients};
 use crate::cli::args::study::SensitivityArgs;
+use crate::cli::io;
 use crate::cli::open::study::{Opened, aligned, open, six};
 use crate::cli::pictures::sensitivity_bars as sensitivity_plot;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use serde_json::{Map, Value, json};
-use std::io::Write;
-use std::path::Path;
 
 /// Version of the JSON document.
 const SCHEMA: u32 = 1;
@@ -55,16 +53,12 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
                 .extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case("csv")) =>
         {
-            report::write_text(&args.scene, path, &table.csv())?;
+            io::write_text(&args.scene, path, &table.csv())?;
         }
-        Some(path) => report::write_json(&args.scene, path, &document)?,
+        Some(path) => io::write_json(&args.scene, path, &document)?,
         None => {}
     }
-    if args.out.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(table.text(rank).as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.out.as_deref(), &table.text(rank))?;
     Ok(Outcome::Done)
 }
 

@@ -5,11 +5,11 @@ use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::prove;
 use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
-use crate::cli::CANCEL;
-use crate::cli::args::SceneArgs;
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
 use crate::cli::open::study::{Opened, open, six};
-use crate::cli::report::events as report;
 use crate::cli::report::synthesis::{Found, document, ladder, rows, text};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
@@ -30,7 +30,7 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     let targets = targets(args)?;
     // The best so far is worth waiting for.
-    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    crate::cli::interrupt::save_results();
     let mut found = Vec::new();
     for ((opened, scene), name) in opened.iter().zip(&scenes).zip(&args.scenes) {
         if CANCEL.load(Ordering::Relaxed) {
@@ -39,18 +39,18 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         term.note(&format!("{name}:"));
         let one = one(args, opened, name, term)?;
         if let Some(out) = targets.get(found.len()) {
-            report::write_text(scene, out, &one.scene)?;
+            io::write_text(scene, out, &one.scene)?;
         }
         found.push(one);
     }
     let stopped = CANCEL.load(Ordering::Relaxed);
     if let Some(path) = &args.json {
-        report::write_document(path, &document(&found))?;
+        io::write_document(path, &document(&found))?;
     }
     if let Some(path) = &args.csv
         && let Some(scene) = scenes.first()
     {
-        report::write_text(scene, path, &rows(&found))?;
+        io::write_text(scene, path, &rows(&found))?;
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         let mut out = std::io::stdout().lock();
@@ -91,8 +91,7 @@ fn targets(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
     };
     if let [scene] = args.scenes.as_slice() {
         if Path::new(scene) == out {
-            let message = format!("{} is an input of this command", out.display());
-            return Err(Failure::usage(message, Vec::new()));
+            return Err(io::is_input(out));
         }
         return Ok(vec![out.clone()]);
     }

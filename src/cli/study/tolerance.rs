@@ -2,12 +2,11 @@
 
 use crate::analysis::study::{Evaluator, Gradients};
 use crate::analysis::tolerance::{Batch, Distribution, Linear, Pieces, linear, pieces};
-use crate::cli::CANCEL;
 use crate::cli::args::study::{DistributionArg, ToleranceArgs};
-use crate::cli::open::scene as open_scene;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
 use crate::cli::open::study::{Opened, aligned, open, six};
 use crate::cli::pictures::tolerance_cloud as tolerance_picture;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
@@ -15,8 +14,6 @@ use crate::export::{ExportError, Output, Target};
 use crate::model::measure::Measure;
 use serde_json::{Map, Value, json};
 use std::io::Write;
-use std::path::Path;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Version of the JSON document.
@@ -29,7 +26,7 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_picture::refuse(args)?;
     // The pieces made so far are worth waiting for.
-    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    crate::cli::interrupt::save_results();
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let tolerances = tolerances(&opened, args.tolerance)?;
@@ -70,23 +67,16 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         seconds: start.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.csv {
-        if open_scene::is_scene_file(&args.scene, path) {
-            let message = format!("{} is an input of this command", path.display());
-            return Err(Failure::usage(message, Vec::new()));
-        }
+        io::refuse_input(&args.scene, path)?;
         let mut target = Target::create(path)?;
         let written = result.csv(&mut target);
         written.map_err(|source| ExportError::write(target.name(), source))?;
         target.commit()?;
     }
     if let Some(path) = &args.json {
-        report::write_json(&args.scene, path, &result.document())?;
+        io::write_json(&args.scene, path, &result.document())?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(result.text().as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.json.as_deref(), &result.text())?;
     if !is_whole {
         let done = result.pieces.made;
         return Err(Failure::Stopped(format!(
