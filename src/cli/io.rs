@@ -3,7 +3,7 @@
 use super::args::scene::SceneArgs;
 use super::term::outcome::Failure;
 use crate::export::png::{Effort, encode};
-use crate::export::{ExportError, Output, Stream, Target};
+use crate::export::{Output, Stream, Target};
 use image::RgbaImage;
 use serde_json::Value;
 use std::io::Write;
@@ -57,22 +57,19 @@ pub fn write_document(path: &Path, document: &Value) -> Result<(), Failure> {
 }
 
 fn write_out(path: &Path, text: &str) -> Result<(), Failure> {
-    let mut output = open(path)?;
-    let written = output.write_all(text.as_bytes());
-    written.map_err(|source| ExportError::write(output.name(), source))?;
-    output.commit()?;
-    Ok(())
+    write_bytes(open(path)?, text.as_bytes())
 }
 
 /// Writes a picture as PNG.
 pub fn write_png(image: &RgbaImage, path: &Path) -> Result<(), Failure> {
     let mut bytes = Vec::new();
     encode(image, Effort::Balanced, &mut bytes)?;
-    let mut target = Target::create(path)?;
-    let written = target.write_all(&bytes);
-    written.map_err(|source| ExportError::write(target.name(), source))?;
-    target.commit()?;
-    Ok(())
+    write_bytes(Box::new(Target::create(path)?), &bytes)
+}
+
+fn write_bytes(mut output: Box<dyn Output>, bytes: &[u8]) -> Result<(), Failure> {
+    output.emit(bytes)?;
+    Ok(output.commit()?)
 }
 
 /// Prints the text of a verb, but where its `report` goes to standard output.

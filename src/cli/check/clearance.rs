@@ -1,5 +1,6 @@
 //! The clearance part of `mechanim check`: table, files, verdict.
 
+use crate::charts;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, check};
 use crate::cli::args::files::ProgressArg;
 use crate::cli::args::motion::CheckArgs;
@@ -11,10 +12,9 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
-use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
-use crate::plot::clearance::chart;
+use crate::report::clearance::{names, to_csv, to_json, to_junit, word};
 use serde_json::Value;
 use std::path::Path;
 
@@ -99,7 +99,7 @@ fn plot(
 ) -> Result<(), Failure> {
     let format = PlotFormat::of(path)?;
     io::refuse_input(&args.scene, path)?;
-    let chart = chart(mechanism, found, args.worst.min(MOST_CURVES));
+    let chart = charts::clearance::chart(mechanism, found, args.worst.min(MOST_CURVES));
     let mut output = io::open(path)?;
     chart::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
     output.commit()?;

@@ -15,13 +15,13 @@ use super::open::scene::{self as open_scene, OpenScene};
 use super::report::{events as report, freedoms};
 use crate::cli::io;
 use crate::diag::nearest;
-use crate::export::events::gaps;
 use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::motion::sampling::{even_times, frame_times, knots, only};
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::kinematics::solve::pose_check::{OfferedLoop, Verdict, judge};
 use crate::model::mechanism::Mechanism;
+use crate::report::events::gaps;
 use crate::scene::Scene;
 use serde_json::{Value, json};
 

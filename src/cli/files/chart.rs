@@ -2,8 +2,8 @@
 
 use crate::cli::args::values::ThemeArg;
 use crate::cli::term::outcome::Failure;
+use crate::export::Output;
 use crate::export::png::{Effort, encode};
-use crate::export::{ExportError, Output};
 use crate::plot::raster::Painter;
 use crate::plot::{Chart, Drawing, Theme, draw, svg};
 use std::path::Path;
@@ -69,7 +69,6 @@ pub fn write_drawing(
             bytes
         }
     };
-    let written = output.write_all(&bytes);
-    written.map_err(|source| ExportError::write(output.name(), source))?;
+    output.emit(&bytes)?;
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `mechanim plot`: curves of the motion as SVG or PNG.
 
+use crate::charts::motion::{chart, default_plot};
 use crate::cli::args::charts::PlotArgs;
 use crate::cli::files::chart::{PlotFormat, write};
 use crate::cli::io;
@@ -14,7 +15,6 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;
 use crate::plot::companion::Companion;
-use crate::plot::motion::{chart, default_plot};
 use crate::scene::{PlotText, Scene};
 
 /// Samples of a plot unless told otherwise: every degree of a turn.

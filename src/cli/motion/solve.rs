@@ -10,8 +10,7 @@ use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::report::{events as report, freedoms};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::table::{Columns, write_csv, write_json};
-use crate::export::{Output, iterates as iterate_table};
+use crate::export::Output;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
@@ -19,6 +18,8 @@ use crate::kinematics::solve::iterates::iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use crate::report::iterates as iterate_table;
+use crate::report::table::{Columns, write_csv, write_json};
 use crate::scene::Scene;
 use std::path::Path;
 

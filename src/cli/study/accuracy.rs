@@ -1,7 +1,7 @@
 //! `mechanim accuracy`: routes along a motion, their time against their true error.
 
-use crate::analysis::precision_report;
 use crate::analysis::work_precision::{Study, StudyError, study};
+use crate::charts;
 use crate::cli::args::charts::AccuracyArgs;
 use crate::cli::files::chart::{PlotFormat, write};
 use crate::cli::io;
@@ -9,8 +9,9 @@ use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::{ExportError, Output};
+use crate::export::Output;
 use crate::model::mechanism::Mechanism;
+use crate::report::precision;
 use std::path::Path;
 
 /// Pixels of the chart.
@@ -48,10 +49,7 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(output) = output {
         output.commit()?;
     }
-    io::print_beside(
-        args.out.as_deref(),
-        &precision_report::text(mechanism, &study),
-    )?;
+    io::print_beside(args.out.as_deref(), &precision::text(mechanism, &study))?;
     Ok(Outcome::Done)
 }
 
@@ -79,7 +77,7 @@ fn save(
 ) -> Result<(), Failure> {
     let text = match format {
         Format::Chart(format) => {
-            let chart = precision_report::chart(mechanism, study);
+            let chart = charts::precision::chart(mechanism, study);
             return write(
                 &chart,
                 *format,
@@ -88,10 +86,9 @@ fn save(
                 output,
             );
         }
-        Format::Json => format!("{:#}\n", precision_report::json(mechanism, study)),
-        Format::Csv => precision_report::csv(study),
+        Format::Json => format!("{:#}\n", precision::json(mechanism, study)),
+        Format::Csv => precision::csv(study),
     };
-    let written = output.write_all(text.as_bytes());
-    written.map_err(|source| ExportError::write(output.name(), source))?;
+    output.emit(text.as_bytes())?;
     Ok(())
 }
