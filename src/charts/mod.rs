@@ -7,3 +7,4 @@ pub mod cloud;
 mod gaps;
 pub mod motion;
 pub mod precision;
+pub mod sensitivity;

@@ -1,7 +1,7 @@
 //! Posing the mechanism with other values of its variables: from a known stand along the straight way to the new
 //! values, with the branch checks of any motion.
 
-use super::Family;
+use super::family::Family;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::{Corrector, Pace};
 
@@ -227,7 +227,7 @@ impl<'f> Evaluator<'f> {
         }
         let first = pose.len() - values.len();
         pose[first..].copy_from_slice(values);
-        let system = &family.system;
+        let system = family.system();
         let corrector = &mut self.corrector;
         let correction = corrector.correct(system, &mut pose, Pace::Brisk);
         let allowed = (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION);

@@ -2,7 +2,7 @@
 //! the motion solver, which knows nothing of the search. Poses are certified, the tracks are measured four times as finely,
 //! the drive must close, and the bodies are checked against each other.
 
-use super::FINER;
+use super::plan::FINER;
 use crate::analysis::observer::{distance, positions};
 use crate::analysis::study::FamilyError;
 use crate::clearance::check::{ClearanceReport, Judgement, check};

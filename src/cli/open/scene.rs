@@ -1,8 +1,7 @@
 //! Finding and reading the scene that a command names.
 
-use super::inputs_table;
+use super::{inputs_table, mode};
 use crate::cli::args::scene::SceneArgs;
-use crate::cli::motion::modes;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::announced;
@@ -45,7 +44,7 @@ pub fn open_with_plot(
     }
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     if let Some(choice) = &args.mode {
-        scene.actuation.guess = modes::start_of(&system, &scene.actuation, choice)?;
+        scene.actuation.guess = mode::start_of(&system, &scene.actuation, choice)?;
     }
     Ok(OpenScene { scene, system })
 }

@@ -9,10 +9,11 @@ use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
-use crate::cli::open::study::{Opened, open, six};
+use crate::cli::open::study::{Opened, open};
 use crate::cli::report::synthesis::{Found, document, ladder, rows, text};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::report::cells::six;
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::io::Write;
@@ -130,7 +131,10 @@ fn one<'a>(
         overrides: &opened.overrides,
         parameters: &parameters,
     };
-    let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
+    let unit = opened
+        .family
+        .objective()
+        .map_or(1.0, |m| opened.family.units(m.kind));
     let done = |index: usize, start: &Start| {
         let from = start.origin.words();
         let (first, last) = (six(start.first * unit), six(start.value() * unit));
@@ -171,7 +175,7 @@ fn written(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String)
             .map(|(u, value)| {
                 (
                     u.name.clone(),
-                    format!("{:?}", value * opened.units(u.kind)),
+                    format!("{:?}", value * opened.family.units(u.kind)),
                 )
             })
             .collect(),
