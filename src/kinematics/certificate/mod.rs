@@ -25,6 +25,7 @@
 //! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
 //! simpler, and a few times less sharp. The motion between poses is proved there too.
 
+pub mod neighbourhood;
 pub mod pose;
 pub mod tube;
 
@@ -36,10 +37,6 @@ use crate::numbers::double_double::Double;
 use pose::chain::{ArgumentDouble, U};
 use pose::kantorovich::{Earlier, Kantorovich};
 use pose::system::BlockSystem;
-
-/// Radius (radians, mechanism sizes) in which the second derivatives are bounded: larger ones prove no more in
-/// practice, and the reach of sliders grows with it.
-pub const BALL: f64 = 0.25;
 
 /// What could be proved about a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,9 +94,6 @@ impl Reason {
         }
     }
 }
-
-/// Affine forms of the arguments, then of the equations; `None` for formulas.
-type Forms = [Option<Affine>];
 
 /// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
 /// involved.

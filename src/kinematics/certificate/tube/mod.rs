@@ -6,6 +6,7 @@
 //! a solution at every instant, within the larger one it is the only one. So tubes are joined, and the samples' own
 //! certified poses are joined to them, wherever one solution lies within the larger radius of the other. A stretch that fails is halved, down to [`FLOOR`] of the interval; keyframes always part stretches.
 
+mod blocks;
 mod chain;
 mod drive;
 mod form;
@@ -21,12 +22,10 @@ use super::Reason;
 use crate::kinematics::motion::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use form::Form;
+use blocks::Blocks;
 pub use model::{Around, Model, Polynomial};
 use path::Path;
-use proof::{Earlier, Workspace};
 pub use prover::{FLOOR, Prover, Tube};
-use rows::Layout;
 
 /// What could be proved about the motion between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,57 +96,4 @@ pub(crate) fn pose(
     let mut path = Path::still(mechanism.unknowns.len(), coordinates);
     let proved = blocks.prove(bases, &mut path, false)?;
     Ok((proved.largest, proved.unique))
-}
-
-/// The blocks of a mechanism, laid out for proofs.
-#[derive(Debug)]
-struct Blocks<'m> {
-    forms: Vec<Form<'m>>,
-    layouts: Vec<Layout<'m>>,
-    unknowns: usize,
-    work: Workspace,
-}
-
-impl<'m> Blocks<'m> {
-    fn new(system: &'m System) -> Self {
-        let mechanism = system.mechanism();
-        let structure = system.structure();
-        let forms = Form::all(mechanism);
-        let blocks = structure.blocks.iter();
-        Self {
-            layouts: blocks
-                .map(|block| Layout::new(mechanism, &forms, block))
-                .collect(),
-            forms,
-            unknowns: mechanism.unknowns.len(),
-            work: Workspace::default(),
-        }
-    }
-
-    /// The test along a path, block after block. `may_move`: the path is first brought to the motion.
-    fn prove(
-        &mut self,
-        bases: &[Vec<usize>],
-        path: &mut Path,
-        may_move: bool,
-    ) -> Result<Earlier, Reason> {
-        let mut proved = Earlier {
-            rest: vec![0.0; self.unknowns],
-            largest: 0.0,
-            unique: f64::INFINITY,
-        };
-        let work = &mut self.work;
-        for (layout, basis) in self.layouts.iter().zip(bases) {
-            proof::prove(
-                layout,
-                &self.forms,
-                path,
-                basis,
-                &mut proved,
-                may_move,
-                work,
-            )?;
-        }
-        Ok(proved)
-    }
 }
