@@ -8,7 +8,7 @@ use super::mesh_tree::Enclosure;
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::sweep::{Least, PairSweep};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;

@@ -3,9 +3,9 @@
 use super::events::{events, gaps};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
-use crate::kinematics::certificate::Certificate;
-use crate::kinematics::motion::trajectory::{Sample, Trajectory};
 use crate::kinematics::rates::higher_order::RateColumns;
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 

@@ -2,7 +2,7 @@
 
 use super::gauge;
 use super::value_text::{VALUE_SIZE, value_text};
-use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::mechanism::Mechanism;
 use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};

@@ -1,11 +1,11 @@
 //! A mechanism with variables, and its poses along the tracks of its study.
 
 use crate::diag::{SceneError, Source};
-use crate::kinematics::certificate::Certificate;
 use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::motion::continuation::{solve, solve_whole};
 use crate::kinematics::motion::sampling::even_times;
-use crate::kinematics::motion::trajectory::Sample;
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

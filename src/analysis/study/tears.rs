@@ -6,7 +6,7 @@ use super::stand::{
 };
 use crate::analysis::observer::{distance, positions};
 use crate::kinematics::motion::continuation::solve_whole;
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::newton::Pace;
 use crate::model::actuation::Actuation;
 

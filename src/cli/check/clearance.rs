@@ -12,7 +12,7 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::report::clearance::{names, to_csv, to_json, to_junit, word};
 use serde_json::Value;

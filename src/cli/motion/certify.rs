@@ -3,10 +3,11 @@
 use crate::cli::args::motion::CertifyArg;
 use crate::cli::report::events as report;
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::certificate::tube::{IntervalCertificate, certify_motion};
+use crate::kinematics::certificate::tube::certify_motion;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::sampling::is_cyclic;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::certificate::IntervalCertificate;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Structure;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

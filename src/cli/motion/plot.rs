@@ -10,7 +10,7 @@ use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::trajectory::{EventKind, Trajectory};
+use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;

@@ -17,7 +17,7 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{film, iterates};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Ghosts;

@@ -9,7 +9,7 @@ use crate::cli::term::outcome::Failure;
 use crate::export::png::{Effort, PngSettings, StillSink};
 use crate::export::{Format, FrameSink, Target};
 use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;

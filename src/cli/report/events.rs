@@ -3,7 +3,7 @@
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::feasible::feasible_inputs;
-use crate::kinematics::motion::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
+use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};

@@ -12,7 +12,7 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::measures::poses_of;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::even_times;
-use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;

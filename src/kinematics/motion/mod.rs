@@ -4,4 +4,3 @@ pub mod continuation;
 pub mod feasible;
 pub mod limits;
 pub mod sampling;
-pub mod trajectory;

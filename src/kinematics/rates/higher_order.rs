@@ -5,7 +5,7 @@
 //! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;

@@ -1,8 +1,8 @@
 //! One block as rows: residual, Jacobian and bounds of its equations. The test itself is in `kantorovich`.
 
 use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, U, affine_value};
-use crate::kinematics::certificate::Reason;
 use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
 use crate::linalg::lanes::LaneMatrix;

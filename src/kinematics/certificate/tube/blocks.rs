@@ -5,7 +5,7 @@ use super::path::Path;
 use super::proof;
 use super::proof::{Earlier, Workspace};
 use super::rows::Layout;
-use crate::kinematics::certificate::Reason;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
 
 /// The blocks of a mechanism, laid out for proofs.

@@ -18,61 +18,14 @@ mod prover;
 mod rows;
 mod series;
 
-use super::Reason;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::certificate::{IntervalCertificate, Reason};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use blocks::Blocks;
 pub use model::{Around, Model, Polynomial};
 use path::Path;
 pub use prover::{FLOOR, Prover, Tube};
-
-/// What could be proved about the motion between two samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IntervalCertificate {
-    /// Stretches that were proved, from the start of the interval on.
-    pub tubes: usize,
-    /// The motion is nowhere farther from the proved path (measured like the error bound of a pose).
-    pub radius: f64,
-    /// It is the only one within this distance of the path, measured likewise.
-    pub unique_radius: f64,
-    /// Where and why the proof ended before the interval did.
-    pub refused: Option<Refusal>,
-}
-
-/// The end of a proof.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Refusal {
-    /// Seconds: what lies right after it is not proved.
-    pub time: f64,
-    /// Why.
-    pub obstacle: Obstacle,
-}
-
-/// Why a stretch is not proved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstacle {
-    /// A sample has no pose: the motion ends, or resumes, somewhere in between.
-    NoPose,
-    /// The drive jumps, or its formula has a kink or no value.
-    Drive,
-    /// There is a motion, but not one that joins the two samples.
-    NotJoined,
-    /// The test fails, at a sample or between.
-    Test(Reason),
-}
-
-impl Obstacle {
-    /// The word used in reports.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::NoPose => "no-pose",
-            Self::Drive => "drive",
-            Self::NotJoined => "not-joined",
-            Self::Test(reason) => reason.word(),
-        }
-    }
-}
 
 /// Proves every interval between consecutive samples; one entry less than there are samples.
 pub fn certify_motion(

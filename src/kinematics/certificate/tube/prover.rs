@@ -1,14 +1,15 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
-use super::super::{Certificate, Reason};
 use super::blocks::Blocks;
 use super::drive::{Stretch, keys_between};
 use super::form::Form;
 use super::model::{Model, Polynomial};
 use super::path::{InputPath, Path};
 use super::series::TERMS;
-use super::{IntervalCertificate, Obstacle, Refusal};
-use crate::kinematics::motion::trajectory::Sample;
+use crate::kinematics::results::certificate::{
+    Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
+};
+use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::{Corrector, Pace};
 use crate::kinematics::structure::system::System;

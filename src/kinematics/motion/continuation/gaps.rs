@@ -5,7 +5,7 @@
 //! cannot reach; taking it up would be a jump.
 
 use super::{Follower, Stand, Stop};
-use crate::kinematics::motion::trajectory::{EventKind, Gap, Instant, Lack};
+use crate::kinematics::results::trajectory::{EventKind, Gap, Instant, Lack};
 use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake, smallest_gap};
 use crate::kinematics::solve::newton::Pace;
 

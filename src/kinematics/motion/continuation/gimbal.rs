@@ -5,8 +5,9 @@
 
 use super::{Follower, Stand};
 use crate::kinematics::ball::chart::Chart;
-use crate::kinematics::certificate::{Certificate, Certifier, Reason};
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::certificate::Certifier;
+use crate::kinematics::results::certificate::{Certificate, Reason};
+use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{Assembled, NotClosed, assemble};
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::solve::newton::{Correction, Corrector, Pace};

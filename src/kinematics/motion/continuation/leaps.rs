@@ -2,7 +2,7 @@
 //! singular pose.
 
 use super::{Follower, SINGULAR_START, SMALLEST_STEP, Stand};
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{assemble, shake, turns_matter};
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};

@@ -2,7 +2,7 @@
 //! zero there as a smooth function of time. It is read off at some distance, where poses still have their digits.
 
 use super::{Follower, Stand};
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::newton::Pace;
 use crate::linalg::svd::{Conditioning, conditioning};
 

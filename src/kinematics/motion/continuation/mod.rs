@@ -10,9 +10,9 @@ mod locate;
 mod record;
 mod step;
 
-use super::trajectory::{Event, EventKind, Trajectory};
 use crate::kinematics::ball::chart::Chart;
 use crate::kinematics::certificate::Certifier;
+use crate::kinematics::results::trajectory::{Event, EventKind, Trajectory};
 use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 use crate::kinematics::solve::branch::{BranchState, BranchWatch};
 use crate::kinematics::solve::newton::Corrector;

@@ -2,7 +2,7 @@
 
 use super::{Follower, Stand};
 use crate::kinematics::loops::forward;
-use crate::kinematics::motion::trajectory::{ClosedPose, Sample};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 
 /// Half width, in seconds relative to the interval, of the difference that gives the drive's rate.
 const RATE_STEP: f64 = 1e-6;
