@@ -5,11 +5,12 @@
 //! certificate. The last column is `solve` itself, with bodies, traces, outputs and rates of every sample.
 
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::{Certificate, Certifier};
+use mechanim::kinematics::certificate::Certifier;
 use mechanim::kinematics::loops::forward::closure_error;
 use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
 use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};

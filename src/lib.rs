@@ -1,9 +1,10 @@
 //! mechanim: exact motion, collision reports and pictures of spatial mechanisms, from their equations.
 //!
 //! Data flows one way: scene file → [`model`] → trajectory ([`kinematics`]) → frames ([`render`]) → files
-//! ([`export`]). The library never prints and never exits.
+//! ([`export`]). Nothing but [`cli`], the room of the program, prints.
 
 pub mod analysis;
+pub mod charts;
 pub mod clearance;
 pub mod cli;
 pub mod compare;
@@ -18,6 +19,7 @@ pub mod model;
 pub mod numbers;
 pub mod plot;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod snapshot;
 pub mod staging;

@@ -5,8 +5,8 @@ use std::sync::atomic::Ordering;
 fn main() {
     // The first Ctrl-C ends a run in order, or after a short while without order; a second one does not wait.
     let handler = ctrlc::set_handler(|| {
-        let is_second = mechanim::cli::CANCEL.swap(true, Ordering::Relaxed);
-        if is_second || mechanim::cli::overdue() {
+        let is_second = mechanim::cli::interrupt::CANCEL.swap(true, Ordering::Relaxed);
+        if is_second || mechanim::cli::interrupt::overdue() {
             std::process::exit(130);
         }
     });

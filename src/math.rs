@@ -14,6 +14,13 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }
 
+/// The unit vector square to `axis` that is nearest to `v`; zero along the axis.
+pub fn square_to(axis: DVec3, v: DVec3) -> DVec3 {
+    // Twice: next to the axis the first remainder is mostly rounding.
+    let across = (v - axis * v.dot(axis)).normalize_or_zero();
+    (across - axis * across.dot(axis)).normalize_or_zero()
+}
+
 /// A rigid motion: rotation matrix and translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {

@@ -6,7 +6,8 @@ mod driven;
 use allocation_counter::measure;
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::{Certificate, Certifier};
+use mechanim::kinematics::certificate::Certifier;
+use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};

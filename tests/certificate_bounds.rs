@@ -5,8 +5,8 @@ mod driven;
 
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
+use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::linalg::pivoted_qr::PivotedQr;
 use mechanim::model::chain::Argument;

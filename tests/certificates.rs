@@ -6,10 +6,11 @@ mod reference;
 
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
+use mechanim::kinematics::certificate::Certifier;
 use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
-use mechanim::kinematics::certificate::{Certificate, Certifier, Reason};
+use mechanim::kinematics::results::certificate::{Certificate, Reason};
 
-use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::model::drive::{Drive, Ease};

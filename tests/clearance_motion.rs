@@ -10,7 +10,7 @@ use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
 
 use mechanim::kinematics::motion::sampling::only;
-use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use mechanim::scene::{Overrides, Scene, load};
 
 fn open(text: &str) -> Scene {

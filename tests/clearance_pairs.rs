@@ -6,7 +6,8 @@ mod solids;
 
 use glam::{DMat3, DQuat, DVec3};
 use mechanim::clearance::core::{Core, Element};
-use mechanim::clearance::mesh::{Enclosure, MeshTree, one_inside};
+use mechanim::clearance::mesh::one_inside;
+use mechanim::clearance::mesh_tree::{Enclosure, MeshTree};
 use mechanim::clearance::pair::{distance, is_inside};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};

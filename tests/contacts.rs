@@ -9,7 +9,7 @@ mod reference;
 
 use driven::{Driven, Model, add_derivatives, certify_motion, solve};
 use glam::DVec3;
-use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::freedoms::mobility::Mobility;
 

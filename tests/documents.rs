@@ -212,8 +212,7 @@ fn the_gallery_shows_every_scene() {
 
 #[test]
 fn every_reason_of_a_refusal_is_documented() {
-    use mechanim::kinematics::certificate::Reason;
-    use mechanim::kinematics::certificate::tube::Obstacle;
+    use mechanim::kinematics::results::certificate::{Obstacle, Reason};
     let document = read("docs/certificates.md");
     let tests = [
         Reason::Formula,

@@ -6,9 +6,9 @@ mod driven;
 
 use driven::{Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::{Overrides, load};
@@ -198,7 +198,7 @@ fn a_linkage_with_a_ball_joint_moves_through_its_lock_as_with_other_angles() {
         assert!(b.closure_error < 1e-14);
         assert!((a.branch.len(), a.rank) == (b.branch.len(), b.rank));
     }
-    let is_lock = |e: &&mechanim::kinematics::motion::trajectory::Event| {
+    let is_lock = |e: &&mechanim::kinematics::results::trajectory::Event| {
         matches!(e.kind, EventKind::GimbalLock { .. })
     };
     assert_eq!(a.events.iter().filter(is_lock).count(), 0);

@@ -8,9 +8,9 @@ mod driven;
 mod reference;
 
 use driven::{Driven, Model, solve};
-use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind};
+use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind};
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::mechanism::{Kind, Mechanism};
 use reference::{Table, hard, slot, turned};

@@ -7,9 +7,9 @@ mod driven;
 mod reference;
 
 use driven::{Model, even_times, feasible_inputs, solve};
-use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 
 use reference::{hard, slot, turned};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -8,7 +8,7 @@ mod reference;
 
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::rates::higher_order::rates;
 

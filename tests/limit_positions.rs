@@ -9,7 +9,7 @@ mod reference;
 use driven::{Model, add_limits, even_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::motion::trajectory::EventKind;
+use mechanim::kinematics::results::trajectory::EventKind;
 
 use program::Workspace;
 use reference::{hard, mechanism, turned};

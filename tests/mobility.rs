@@ -6,10 +6,10 @@ mod program;
 
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::freedoms::mobility::Mobility;
+use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind, Trajectory};
+use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 
 use mechanim::model::mechanism::Mechanism;

@@ -9,7 +9,7 @@ use mechanim::export::glb::write_glb;
 use mechanim::export::model::Model;
 use mechanim::export::solid::{write_obj, write_stl};
 use mechanim::export::{ExportError, ExportSummary, Output, Target};
-use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::math::Pose;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use mechanim::staging::model::of_motion;

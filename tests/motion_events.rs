@@ -6,7 +6,7 @@ mod driven;
 use driven::{even_times, frame_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::motion::trajectory::{EventKind, Trajectory};
+use mechanim::kinematics::results::trajectory::{EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::scene::{Overrides, Scene, load};
 

@@ -6,10 +6,10 @@ mod driven;
 mod reference;
 
 use driven::{Model, even_times, feasible_inputs, solve};
-use mechanim::kinematics::certificate::Certificate;
+use mechanim::kinematics::results::certificate::Certificate;
 use mechanim::model::mechanism::Mechanism;
 
-use mechanim::kinematics::motion::trajectory::EventKind;
+use mechanim::kinematics::results::trajectory::EventKind;
 
 use reference::scenes::written;
 use reference::{slot, turned};

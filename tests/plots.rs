@@ -5,9 +5,8 @@ mod driven;
 mod program;
 
 use driven::{Driven, solve};
+use mechanim::charts::motion::chart;
 use mechanim::diag::Source;
-
-use mechanim::plot::motion::chart;
 use mechanim::plot::playhead::playhead;
 use mechanim::plot::primitive::Primitive;
 use mechanim::plot::raster::Painter;

@@ -10,8 +10,8 @@ mod reference;
 use driven::{Driven, Model, add_derivatives, even_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::motion::trajectory::ClosedPose;
 use mechanim::kinematics::rates::higher_order::{By, RateColumns, rates};
+use mechanim::kinematics::results::trajectory::ClosedPose;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
 use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};

@@ -9,7 +9,7 @@ use driven::{frame_times, solve};
 use image::RgbaImage;
 use mechanim::diag::Source;
 
-use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::render::Renderer;
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::overlay::Overlay;

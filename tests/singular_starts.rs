@@ -7,10 +7,10 @@ mod reference;
 
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::Certificate;
 use mechanim::kinematics::motion::continuation::solve_until;
+use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::motion::trajectory::{EventKind, Trajectory};
+use mechanim::kinematics::results::trajectory::{EventKind, Trajectory};
 
 use mechanim::scene::{Overrides, load};
 use reference::{hard, slot, turned};

@@ -9,7 +9,7 @@ mod driven;
 mod reference;
 
 use driven::{Driven, Model, solve};
-use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use mechanim::kinematics::solve::pose_check::{Verdict, judge};
 
 use mechanim::model::mechanism::Mechanism;

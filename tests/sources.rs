@@ -10,8 +10,8 @@ mod driven;
 mod reference;
 
 use driven::{Driven, Model, add_derivatives, measures, solve};
-use mechanim::kinematics::motion::trajectory::{ClosedPose, EventKind};
 use mechanim::kinematics::rates::higher_order::{By, RateColumns};
+use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind};
 use mechanim::kinematics::solve::iterates::iterates;
 use mechanim::model::mechanism::Kind;
 use mechanim::scene::{Overrides, builtin, load};

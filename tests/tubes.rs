@@ -6,10 +6,10 @@ mod reference;
 
 use driven::{Driven, Model, certify_motion, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::Reason;
-use mechanim::kinematics::certificate::tube::{IntervalCertificate, Obstacle, Prover, Tube};
+use mechanim::kinematics::certificate::tube::{Prover, Tube};
+use mechanim::kinematics::results::certificate::{IntervalCertificate, Obstacle, Reason};
 
-use mechanim::kinematics::motion::trajectory::Trajectory;
+use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::model::mechanism::{Kind, Mechanism};
 use mechanim::scene::{Overrides, builtin, load};
 use reference::mechanism;

@@ -48,7 +48,7 @@ pub fn clouds(
                 track: track.clone(),
                 trace: trace.name.clone(),
                 colour: trace.colour,
-                nominal: family.path(nominal, poses.clone(), index),
+                nominal: family.path(&nominal.poses[poses.clone()], index),
                 pieces: Vec::with_capacity(batch.samples),
             };
             clouds.push((poses.clone(), index, cloud));
@@ -65,7 +65,7 @@ pub fn clouds(
         for (poses, trace, cloud) in &mut clouds {
             cloud
                 .pieces
-                .push(family.path(&stand, poses.clone(), *trace));
+                .push(family.path(&stand.poses[poses.clone()], *trace));
         }
     }
     Some(clouds.into_iter().map(|(_, _, cloud)| cloud).collect())

@@ -3,7 +3,6 @@
 pub mod cloud;
 pub mod observer;
 pub mod optimise;
-pub mod precision_report;
 pub mod random;
 pub mod reference;
 pub mod routes;

@@ -1,9 +1,9 @@
 //! The poses that routes are compared with: solved with all care, and how well they are known.
 
 use super::observer::{distance, positions};
-use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;

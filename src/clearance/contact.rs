@@ -1,7 +1,7 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
 use super::bodies::apart;
-use super::gap::Meeting;
+use super::meeting::Meeting;
 use super::motion::Motion;
 use super::relative::{RelativeChain, RelativeMove};
 use super::sweep::{POSE_SLACK, PairSweep};

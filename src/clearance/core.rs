@@ -4,9 +4,8 @@
 //! A sphere is a grown point, a capsule a grown segment, a torus a grown circle, a tube one grown segment a piece:
 //! each of them exactly. Nothing round is replaced by facets.
 
-use super::mesh::MeshTree;
-use super::point::square_to;
-use crate::math::Pose;
+use super::mesh_tree::MeshTree;
+use crate::math::{Pose, square_to};
 use crate::model::shape::{Shape, Solid};
 use glam::DVec3;
 use std::cmp::Ordering;

@@ -8,7 +8,7 @@
 //! inverse of the distance from its axis. So f is nowhere less on the way than 2 f(q) - f(q ± X) - K |X|², or than f(q) - K |X|².
 
 use super::core::{Circle, Core};
-use super::gap::Meeting;
+use super::meeting::Meeting;
 use super::point::{PointHit, point_to, to_circle, to_disc};
 use super::relative::RelativeMove;
 use super::search::{Spot, grid, least, least_on_circle};

@@ -1,50 +1,12 @@
 //! Bounds of the distance of two elements while one of them moves for a short time.
 
-use super::core::{Core, Element};
+use super::core::Core;
 use super::curved;
-use super::pair::{Proximity, distance};
+use super::meeting::Meeting;
 use super::point::point_to;
-use super::relative::RelativeMove;
 use glam::DVec3;
 
-/// Two elements, the second of which moves for a short time.
-#[derive(Clone, Copy)]
-pub struct Meeting<'e> {
-    /// The one that stands still.
-    pub a: &'e Element,
-    /// The other one in the middle of the time.
-    pub b: &'e Element,
-    /// That one in its own frame.
-    pub mine: &'e Element,
-    /// How it moves.
-    pub moved: &'e RelativeMove,
-    /// Their distance in the middle.
-    pub found: Proximity,
-}
-
-impl<'e> Meeting<'e> {
-    /// Measures the distance in the middle.
-    pub fn new(a: &'e Element, b: &'e Element, mine: &'e Element, moved: &'e RelativeMove) -> Self {
-        Self {
-            a,
-            b,
-            mine,
-            moved,
-            found: distance(a, b),
-        }
-    }
-
-    /// What both elements are grown by.
-    pub fn radii(&self) -> f64 {
-        self.a.radius + self.b.radius
-    }
-
-    /// What every point of b may deviate by from where X takes it.
-    pub fn beyond_linear(&self) -> f64 {
-        let ball = self.mine.bounds();
-        self.moved.bending(ball) + self.moved.deviation(ball)
-    }
-
+impl Meeting<'_> {
     /// Lower bound of the distance.
     pub fn below(&self) -> f64 {
         let (moved, ball) = (self.moved, self.mine.bounds());
@@ -98,15 +60,6 @@ impl<'e> Meeting<'e> {
         high
     }
 
-    /// The nearest points of the cores.
-    pub fn core_points(&self) -> [DVec3; 2] {
-        let Proximity { points, normal, .. } = self.found;
-        [
-            points[0] - normal * self.a.radius,
-            points[1] + normal * self.b.radius,
-        ]
-    }
-
     /// Lower bound of the gap between two convex hulls along n + u t, of terms up to u².
     ///
     /// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
@@ -136,7 +89,8 @@ impl<'e> Meeting<'e> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::core::{Block, Circle, Frustum, HalfSpace};
+    use super::super::core::{Block, Circle, Element, Frustum, HalfSpace};
+    use super::super::pair::distance;
     use super::super::relative::RelativeChain;
     use super::*;
     use crate::kinematics::certificate::tube::Model;

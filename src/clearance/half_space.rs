@@ -2,21 +2,11 @@
 
 use super::core::{Circle, Core, HalfSpace};
 use super::cores::CorePair;
-use super::point::PointHit;
+use super::point::to_half_space;
 use glam::DVec3;
 
 /// Normals this far from opposite are not: the planes meet somewhere.
 const PARALLEL: f64 = 1e-12;
-
-/// Distance of a point.
-pub fn to_point(half: &HalfSpace, point: DVec3) -> PointHit {
-    let distance = half.normal.dot(point - half.point);
-    PointHit {
-        distance,
-        nearest: point - half.normal * distance,
-        normal: half.normal,
-    }
-}
 
 /// The point of a core that lies deepest. The depth is the shortest translation that takes the core out.
 ///
@@ -36,7 +26,7 @@ pub fn nearest(half: &HalfSpace, other: &Core) -> CorePair {
         }
         core => lowest(core, n),
     };
-    let hit = to_point(half, point);
+    let hit = to_half_space(half, point);
     CorePair {
         distance: hit.distance,
         points: [hit.nearest, point],
@@ -48,9 +38,9 @@ pub fn nearest(half: &HalfSpace, other: &Core) -> CorePair {
 pub fn encloses(half: &HalfSpace, core: &Core, radius: f64) -> bool {
     if let Core::HalfSpace(other) = core {
         let same = (half.normal - other.normal).length() <= PARALLEL;
-        return same && to_point(half, other.point).distance <= 0.0;
+        return same && to_half_space(half, other.point).distance <= 0.0;
     }
-    to_point(half, lowest(core, -half.normal)).distance + radius <= 0.0
+    to_half_space(half, lowest(core, -half.normal)).distance + radius <= 0.0
 }
 
 /// A point of a bounded core with the least n · p.

@@ -6,7 +6,7 @@
 
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::loops::forward::body_poses;
-use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;

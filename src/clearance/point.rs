@@ -1,8 +1,7 @@
 //! Distance of a point from a core: closed forms with sign, nearest point and outward direction.
 
-use super::core::{Block, Circle, Core, Frustum};
-use super::half_space;
-use crate::math::Pose;
+use super::core::{Block, Circle, Core, Frustum, HalfSpace};
+use crate::math::{Pose, square_to};
 use glam::{DVec2, DVec3};
 
 /// How a point lies to a core.
@@ -42,7 +41,7 @@ pub fn point_to(core: &Core, point: DVec3) -> Option<PointHit> {
         Core::Box(block) => to_box(block, point),
         Core::Frustum(frustum) => to_frustum(frustum, point),
         Core::Triangle(corners) => PointHit::outside(point, on_triangle(corners, point)),
-        Core::HalfSpace(half) => half_space::to_point(half, point),
+        Core::HalfSpace(half) => to_half_space(half, point),
         Core::Mesh(..) => return None,
     })
 }
@@ -59,13 +58,6 @@ pub fn to_segment(ends: &[DVec3; 2], point: DVec3) -> PointHit {
         normal: square_to(span.normalize_or_zero(), hit.normal),
         ..hit
     }
-}
-
-/// The unit vector square to `axis` that is nearest to `v`; zero along the axis.
-pub fn square_to(axis: DVec3, v: DVec3) -> DVec3 {
-    // Twice: next to the axis the first remainder is mostly rounding.
-    let across = (v - axis * v.dot(axis)).normalize_or_zero();
-    (across - axis * across.dot(axis)).normalize_or_zero()
 }
 
 /// Where the nearest point of a segment lies, as a part of it.
@@ -106,6 +98,16 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
         distance,
         nearest,
         normal,
+    }
+}
+
+/// Distance from a half-space.
+pub fn to_half_space(half: &HalfSpace, point: DVec3) -> PointHit {
+    let distance = half.normal.dot(point - half.point);
+    PointHit {
+        distance,
+        nearest: point - half.normal * distance,
+        normal: half.normal,
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::bodies::{BodyProximity, Hull, apart, enclosed, nearest};
 use super::core::{Core, Element};
-use super::gap::Meeting;
+use super::meeting::Meeting;
 use super::motion::Motion;
 use super::pair::is_inside;
 use super::relative::RelativeChain;

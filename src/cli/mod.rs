@@ -1,9 +1,11 @@
-//! The command line: one file a verb, outcome to exit code. The only room that prints.
+//! The command line: which verb runs, and its exit code. The only room that prints.
 
 pub mod about;
 pub mod args;
 mod check;
 pub mod files;
+pub mod interrupt;
+pub mod io;
 pub mod motion;
 pub mod open;
 pub mod pictures;
@@ -17,33 +19,9 @@ use clap::Parser;
 use files::{diff, encode, snapshot};
 use motion::{modes, plot, render, solve};
 use std::ffi::OsString;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 use study::{accuracy, optimise, sensitivity, synthesise, tolerance};
-use term::Term;
-use term::outcome;
 pub use term::outcome::{Failure, Outcome};
-
-/// Raised by Ctrl-C; everything that takes long looks at it.
-pub static CANCEL: AtomicBool = AtomicBool::new(false);
-
-/// Raised by what has results to save on Ctrl-C, and looks at [`CANCEL`] by itself as often as it can.
-static SAVES: AtomicBool = AtomicBool::new(false);
-
-/// How long a run may take to end in order after Ctrl-C: a frame, or a few poses of a large mechanism.
-const GRACE: Duration = Duration::from_millis(350);
-
-/// Waits for a run to end after Ctrl-C. Where it does not, removes what is half-written and says so; true if the process
-/// is to end then.
-pub fn overdue() -> bool {
-    std::thread::sleep(GRACE);
-    if SAVES.load(Ordering::Relaxed) {
-        return false;
-    }
-    crate::export::remove_unfinished();
-    eprintln!("error: {}", Failure::Interrupted);
-    true
-}
+use term::{Term, outcome};
 
 /// The exit code of `run`, also where it panics: a fault of the program has its own code. Unwinding has removed
 /// unfinished files by then.

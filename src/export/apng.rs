@@ -112,8 +112,7 @@ impl ApngSink {
     /// Hands what the encoder made to the output.
     fn drain(&mut self) -> Result<(), ExportError> {
         let bytes = self.spool.take();
-        let written = self.output.write_all(&bytes);
-        written.map_err(|e| ExportError::write(self.output.name(), e))?;
+        self.output.emit(&bytes)?;
         self.summary.bytes += bytes.len() as u64;
         self.spool.give_back(bytes);
         Ok(())
@@ -220,8 +219,7 @@ impl FrameSink for ApngSink {
         } = *self;
         writer.finish().map_err(refused)?;
         let end = spool.take();
-        let written = output.write_all(&end);
-        written.map_err(|e| ExportError::write(output.name(), e))?;
+        output.emit(&end)?;
         summary.bytes += end.len() as u64;
         output.commit()?;
         Ok(summary)

@@ -3,16 +3,14 @@
 use super::costs::{Loss, Pixel};
 use super::delta::Area;
 use super::error::ExportError;
-use super::gif_blocks as blocks;
 use super::mapping::Mapper;
 use super::matching::Matcher;
 use super::palette::Palette;
 use super::screen::Screen;
 use super::target::Output;
 use super::timing::Schedule;
-use super::{ExportSummary, FrameCoder, FrameSink};
+use super::{ExportSummary, FrameCoder, FrameSink, gif_blocks as blocks};
 use image::RgbaImage;
-use std::io::Write;
 use std::sync::Arc;
 
 /// Greatest side of a GIF, a 16-bit field.
@@ -148,8 +146,7 @@ impl GifSink {
     }
 
     fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
-        let written = self.output.write_all(bytes);
-        written.map_err(|e| ExportError::write(self.output.name(), e))?;
+        self.output.emit(bytes)?;
         self.summary.bytes += bytes.len() as u64;
         Ok(())
     }

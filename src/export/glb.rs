@@ -31,8 +31,7 @@ pub fn write_glb(model: &Model, mut output: Box<dyn Output>) -> Result<ExportSum
     let mut file = Document::default();
     file.add(model);
     let bytes = file.into_bytes(output.name())?;
-    let written = output.write_all(&bytes);
-    written.map_err(|e| ExportError::write(output.name(), e))?;
+    output.emit(&bytes)?;
     output.commit()?;
     Ok(ExportSummary {
         frames: model.times.len(),

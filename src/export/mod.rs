@@ -13,18 +13,15 @@
 use image::RgbaImage;
 
 pub mod apng;
-pub mod clearance;
 mod costs;
 mod delta;
 pub mod error;
-pub mod events;
 pub mod format;
 pub mod gif;
 mod gif_blocks;
 pub mod glb;
 mod glb_buffer;
 mod histogram;
-pub mod iterates;
 mod kmeans;
 mod lzw;
 pub mod mapping;
@@ -37,7 +34,6 @@ pub mod pump;
 pub mod raw;
 mod screen;
 pub mod solid;
-pub mod table;
 pub mod target;
 pub mod timing;
 

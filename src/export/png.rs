@@ -6,7 +6,6 @@ use super::target::{Output, Target, enter_unfinished, leave_unfinished};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Greatest side: PNG allows 2^31 - 1, memory does not.
@@ -191,8 +190,7 @@ impl FrameSink for StillSink {
             return Err(still_needs_one(self.summary.frames));
         }
         self.summary.bytes = coded.len() as u64;
-        let written = self.output.write_all(coded);
-        written.map_err(|e| ExportError::write(self.output.name(), e))
+        self.output.emit(coded)
     }
 
     fn finish(self: Box<Self>) -> Result<ExportSummary, ExportError> {
@@ -263,9 +261,7 @@ impl FrameSink for SequenceSink {
         let path = self.pattern.path(index);
         let is_new = std::fs::symlink_metadata(&path).is_err();
         let mut target = Target::create(&path)?;
-        target
-            .write_all(coded)
-            .map_err(|e| ExportError::write(&path.display().to_string(), e))?;
+        target.emit(coded)?;
         target.commit_unsynced()?;
         if is_new {
             enter_unfinished(&path);

@@ -6,7 +6,6 @@ use super::target::Output;
 use super::timing::fraction;
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
-use std::io::Write;
 
 /// Greatest number in a y4m frame rate; programs read it as a 32-bit integer.
 const LARGEST_RATE: u32 = 1_000_000;
@@ -97,8 +96,7 @@ impl RawSink {
     }
 
     fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
-        let written = self.output.write_all(bytes);
-        written.map_err(|e| ExportError::write(self.output.name(), e))?;
+        self.output.emit(bytes)?;
         self.summary.bytes += bytes.len() as u64;
         Ok(())
     }

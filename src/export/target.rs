@@ -47,6 +47,12 @@ pub trait Output: Write + Send {
     /// Name for messages.
     fn name(&self) -> &str;
 
+    /// Writes all of `bytes`. Errors: the destination takes no more.
+    fn emit(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
+        let written = self.write_all(bytes);
+        written.map_err(|source| ExportError::write(self.name(), source))
+    }
+
     /// Makes what was written final. An error means nothing was replaced.
     fn commit(self: Box<Self>) -> Result<(), ExportError>;
 }

@@ -1,6 +1,6 @@
 //! Normals of triangles that come without: smooth within the crease angle, sharp beyond it.
 
-use super::Mesh;
+use super::mesh::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -3,7 +3,9 @@
 //! parry gives which corners make triangles and where they sit on the unit shape; here they are put on the
 //! true surface, so that the result does not depend on the platform's sine.
 
-use super::{Mesh, crease, positive, segments, settle, upright};
+use super::crease;
+use super::mesh::Mesh;
+use super::round::{positive, segments, settle, upright};
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};

@@ -1,8 +1,11 @@
 //! Invariants of every mesh: closed, of the right genus, facing outward, within the tolerance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use super::mesh::closed_edges;
+use super::round::segments;
 use super::*;
 use crate::model::shape::TriangleSoup;
+use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 

@@ -1,6 +1,7 @@
 //! Torus meshes: ring, horn and spindle.
 
-use super::{Mesh, segments, upright};
+use super::mesh::Mesh;
+use super::round::{segments, upright};
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};

@@ -1,6 +1,6 @@
 //! Meshes of traced paths whose triangles come in the order of time.
 
-use super::Mesh;
+use super::mesh::Mesh;
 use super::tube::RingFrame;
 use crate::math::sin_cos;
 use glam::DVec3;

@@ -1,6 +1,8 @@
 //! Round tubes along polylines: rings carried along without twist, balls at the corners, round ends.
 
-use super::{Mesh, positive, primitive, segments};
+use super::mesh::Mesh;
+use super::primitive;
+use super::round::{positive, segments, upright};
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -53,7 +55,7 @@ pub(super) struct RingFrame {
 
 impl RingFrame {
     pub(super) fn across(direction: DVec3) -> Self {
-        let rotation = super::upright(direction);
+        let rotation = upright(direction);
         Self {
             first: rotation.x_axis,
             second: rotation.y_axis,

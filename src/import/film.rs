@@ -1,6 +1,7 @@
 //! Anything that is a row of pictures: a PNG, an APNG, a GIF, a folder of PNGs. Read frame by frame.
 
-use super::{ImportError, natural, read_png};
+use super::order::natural;
+use super::picture::{ImportError, limits, read_png};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::metadata::LoopCount;
@@ -85,7 +86,7 @@ impl Film {
     fn of_gif(path: &Path, mut file: BufReader<File>) -> Result<Self, ImportError> {
         let plays = gif_plays(&mut file).map_err(|e| ImportError::read(path, e))?;
         let mut decoder = GifDecoder::new(file).map_err(|e| ImportError::decode(path, e))?;
-        let limited = decoder.set_limits(super::limits());
+        let limited = decoder.set_limits(limits());
         limited.map_err(|e| ImportError::decode(path, e))?;
         let frames = timed(path, decoder.into_frames());
         Ok(Self::new(path, "a GIF", Some(plays), frames))
@@ -93,7 +94,7 @@ impl Film {
 
     fn of_png(path: &Path, file: BufReader<File>) -> Result<Self, ImportError> {
         let refuse = |e| ImportError::decode(path, e);
-        let decoder = PngDecoder::with_limits(file, super::limits()).map_err(refuse)?;
+        let decoder = PngDecoder::with_limits(file, limits()).map_err(refuse)?;
         if !decoder.is_apng().map_err(refuse)? {
             let still = FilmFrame {
                 name: String::new(),

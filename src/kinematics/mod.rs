@@ -9,5 +9,6 @@ pub mod loops;
 pub mod measures;
 pub mod motion;
 pub mod rates;
+pub mod results;
 pub mod solve;
 pub mod structure;

@@ -3,6 +3,9 @@
 use super::expression::Expression;
 use super::mechanism::Kind;
 
+/// Highest order of a derivative that is offered; the cost grows with the third power.
+pub const MAX_ORDER: usize = 8;
+
 /// A plot of the motion; curves of different units stand in panels of their own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {

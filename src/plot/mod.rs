@@ -1,19 +1,15 @@
-//! Charts: values in, SVG text or pixels out. Knows nothing of files, windows or 3-D pictures.
+//! Charts: values in, SVG text or pixels out. Knows nothing of mechanisms, files or 3-D pictures.
 //!
 //! A [`Chart`] says what is shown; [`draw`] turns it into a [`Drawing`], a list of lines, areas and
-//! texts at places in pixels; [`svg`] and [`raster`] write that list. [`motion`] makes charts of a solved motion.
+//! texts at places in pixels; [`svg`] and [`raster`] write that list.
 
 pub mod bars;
 pub mod chart;
-pub mod clearance;
-pub mod cloud;
 pub mod companion;
 pub mod drawing;
 mod frame;
-mod gaps;
 mod headings;
 mod layout;
-pub mod motion;
 pub mod playhead;
 pub mod primitive;
 pub mod raster;

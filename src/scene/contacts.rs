@@ -1,7 +1,7 @@
 //! Contacts of two surfaces as typed: which surfaces there are, and the keys each of them has.
 
-use super::file::required;
-use super::reader::{FormulaText, Spanned, TableReader};
+use super::reader::{Spanned, TableReader, required};
+use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
 /// One entry of `[contacts]`.

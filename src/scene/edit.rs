@@ -1,7 +1,7 @@
 //! The text of a scene with other values of parameters and start values; everything else stays as it was typed.
 
 use super::file;
-use super::file::NamedFormula;
+use super::reader::NamedFormula;
 use crate::diag::{Diagnostics, Source};
 
 /// Header of the section of start values.

@@ -5,16 +5,13 @@ use super::clearance::{self, ClearanceFile};
 use super::contacts::{ContactFile, surfaces};
 use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
 use super::plots::{PlotFile, plot};
-use super::reader::{FormulaText, Spanned, TableReader, read_table};
+use super::reader::{NamedFormula, Spanned, TableReader, read_table, required};
 use super::shapes::{ShapeFile, shape};
 use super::studies::{StudyFile, study};
-use super::values::formula_of;
+use super::values::{FormulaText, formula_of};
 use super::views::{ViewFile, view};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
-
-/// A name and its formula.
-pub type NamedFormula = (Spanned<String>, FormulaText);
 
 /// A scene file.
 #[derive(Clone, Debug, Default)]
@@ -363,18 +360,4 @@ fn label(r: &mut TableReader) -> Option<LabelFile> {
         hides,
         span,
     })
-}
-
-/// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).
-pub(super) fn required<'t, 'd, T>(
-    r: &mut TableReader<'t, 'd>,
-    key: &'static str,
-    read: impl FnOnce(&mut TableReader<'t, 'd>, &'static str) -> Option<T>,
-) -> Option<T> {
-    let before = r.diagnostics.count();
-    let value = read(r, key);
-    if value.is_none() && r.diagnostics.count() == before {
-        r.missing(key);
-    }
-    value
 }

@@ -1,7 +1,7 @@
 //! Tracks and measures as typed: poses beside the drive, and scalars of a whole motion.
 
-use super::file::{NamedFormula, required};
-use super::reader::{FormulaText, Spanned, TableReader};
+use super::reader::{NamedFormula, Spanned, TableReader, required};
+use super::values::FormulaText;
 
 /// One entry of `[tracks]`.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! The entries of `[[plots]]` as typed.
 
-use super::file::required;
-use super::reader::{FormulaText, Spanned, TableReader};
+use super::reader::{Spanned, TableReader, required};
+use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
 /// One entry of `[[plots]]`.

@@ -1,6 +1,6 @@
 //! Typed reading of TOML tables: every value with its place, every mistake noted, reading goes on.
 
-use super::values::{formula_of, formulas_of, kind_of, parse_colour};
+use super::values::{FormulaText, formula_of, formulas_of, kind_of, parse_colour};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -13,18 +13,8 @@ pub struct Spanned<T> {
     pub span: Span,
 }
 
-/// A number or formula as typed, to be parsed later.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FormulaText {
-    /// The text without quotes.
-    pub text: String,
-    /// Byte in the file where the text starts.
-    pub offset: usize,
-    /// The whole value with its quotes.
-    pub span: Span,
-    /// The value is neither a number nor a text, which is said already.
-    pub is_unread: bool,
-}
+/// A name and its formula.
+pub type NamedFormula = (Spanned<String>, FormulaText);
 
 /// One table being read; knows which keys were asked for, so that the others can be refused.
 pub struct TableReader<'t, 'd> {
@@ -381,6 +371,20 @@ pub fn read_table<'t, T>(
     let mut reader = TableReader::new(table, text, span, place, diagnostics);
     let value = read(&mut reader);
     reader.finish();
+    value
+}
+
+/// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).
+pub fn required<'t, 'd, T>(
+    r: &mut TableReader<'t, 'd>,
+    key: &'static str,
+    read: impl FnOnce(&mut TableReader<'t, 'd>, &'static str) -> Option<T>,
+) -> Option<T> {
+    let before = r.diagnostics.count();
+    let value = read(r, key);
+    if value.is_none() && r.diagnostics.count() == before {
+        r.missing(key);
+    }
     value
 }
 

@@ -1,7 +1,7 @@
 //! The shapes of a body as typed: which solids there are, and the keys each of them has.
 
-use super::file::required;
-use super::reader::{FormulaText, Spanned, TableReader};
+use super::reader::{Spanned, TableReader, required};
+use super::values::FormulaText;
 use crate::diag::{Diagnostic, Span};
 
 /// One shape of a body.

@@ -1,6 +1,7 @@
 //! The `[study]` section as typed: variables, and the measure that is to be made small.
 
-use super::reader::{FormulaText, Spanned, TableReader, read_table};
+use super::reader::{Spanned, TableReader, read_table};
+use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
 /// `[study]`

@@ -1,8 +1,40 @@
 //! Single TOML values as formulas, colours and words for messages.
 
-use super::reader::FormulaText;
 use crate::diag::Span;
 use toml::de::DeValue;
+
+/// Offset given to formulas that are not in the file, so that their places are never shown.
+const OUTSIDE: usize = usize::MAX / 2;
+
+/// A number or formula as typed, to be parsed later.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormulaText {
+    /// The text without quotes.
+    pub text: String,
+    /// Byte in the file where the text starts.
+    pub offset: usize,
+    /// The whole value with its quotes.
+    pub span: Span,
+    /// The value is neither a number nor a text, which is said already.
+    pub is_unread: bool,
+}
+
+impl FormulaText {
+    /// A formula that is not in the file.
+    pub fn outside(text: &str) -> Self {
+        Self {
+            text: text.to_owned(),
+            offset: OUTSIDE,
+            span: OUTSIDE..OUTSIDE + text.len(),
+            is_unread: false,
+        }
+    }
+
+    /// Whether it is in no file, so that it has no place to be shown.
+    pub const fn is_outside(&self) -> bool {
+        self.offset >= OUTSIDE
+    }
+}
 
 /// The texts of a list of numbers or strings.
 pub fn formulas_of(value: &DeValue, text: &str) -> Option<Vec<FormulaText>> {

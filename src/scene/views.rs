@@ -1,6 +1,7 @@
 //! `[view]` as typed: how a scene is seen, before names and units are resolved.
 
-use super::reader::{FormulaText, Spanned, TableReader};
+use super::reader::{Spanned, TableReader};
+use super::values::FormulaText;
 use crate::diag::Span;
 
 /// `[view]`

@@ -1,12 +1,11 @@
 //! One picture against its golden file. A golden is never written unasked, and one that is missing fails.
 
-use super::Allowed;
+use crate::compare::film::Allowed;
 use crate::compare::{Comparison, Difference, compare, triptych};
 use crate::export::png::{Effort, encode};
-use crate::export::{ExportError, Target};
+use crate::export::{ExportError, Output, Target};
 use crate::import::read_png;
 use image::RgbaImage;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Every pixel exactly as in the golden: for the built-in renderer.
@@ -132,7 +131,6 @@ fn save(path: &Path, image: &RgbaImage) -> Result<(), ExportError> {
     let mut bytes = Vec::new();
     encode(image, Effort::Balanced, &mut bytes)?;
     let mut target = Target::create(path)?;
-    let written = target.write_all(&bytes);
-    written.map_err(|e| ExportError::write(&path.display().to_string(), e))?;
+    target.emit(&bytes)?;
     target.commit()
 }

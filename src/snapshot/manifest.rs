@@ -1,12 +1,13 @@
 //! The list of golden pictures, `snapshots.toml`: which scene, which instant, which view, how much may differ.
 
-use super::Allowed;
+use crate::compare::film::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::view::{Ghosts, ViewProjection};
 use crate::model::view_change::ViewChange;
-use crate::scene::reader::{FormulaText, Spanned, TableReader, read_table};
+use crate::scene::reader::{Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, choice};
+use crate::scene::values::FormulaText;
 use toml::de::DeTable;
 
 /// Name of the list in its folder.

@@ -4,7 +4,7 @@ use super::manifest::{Instant, Picture};
 use crate::diag::{SceneError, Source};
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::frame_times;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::render::cpu::CpuRenderer;

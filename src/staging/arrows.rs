@@ -2,7 +2,7 @@
 
 use super::solids::{arrow, merged, sign};
 use crate::geometry::Mesh;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::mechanism::Trace;
 use crate::model::view::Decor;

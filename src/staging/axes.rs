@@ -2,7 +2,7 @@
 
 use super::solids::{arrow, merged, sign};
 use crate::geometry::Mesh;
-use crate::kinematics::motion::trajectory::ClosedPose;
+use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
 use crate::model::view::Axes;
 use crate::render::{Anchor, Instance, Label};

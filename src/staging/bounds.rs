@@ -1,7 +1,7 @@
 //! The room a motion takes: points that the camera must hold.
 
 use crate::geometry::mesh_of;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 

@@ -1,8 +1,9 @@
 //! Texts of a frame: labels of the scene, title, values of the inputs, and why there is no pose.
 
 use super::gauge;
-use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
-use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use super::value_text::{VALUE_SIZE, value_text};
+use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
+use crate::model::mechanism::Mechanism;
 use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};
 use crate::render::{Anchor, Frame, Label};
@@ -11,9 +12,6 @@ use glam::DVec3;
 
 /// Heights of the lines as fractions of the picture's height.
 const TITLE_SIZE: f64 = 0.036;
-
-/// See [`TITLE_SIZE`].
-pub const VALUE_SIZE: f64 = 0.030;
 
 /// Distance of the captions from the border, as a fraction of the height.
 const INSET: f64 = 0.02;
@@ -87,22 +85,6 @@ fn values(mechanism: &Mechanism, inputs: &[f64]) -> String {
     let texts =
         inputs.map(|(input, v)| format!("{} = {}", input.name, value_text(mechanism, input, *v)));
     texts.collect::<Vec<_>>().join("    ")
-}
-
-/// `-17.0 mm`, with a fixed number of digits so that the text does not jump.
-pub fn value_text(mechanism: &Mechanism, input: &Coordinate, value: f64) -> String {
-    let in_file = value * mechanism.file_units(input.kind);
-    // Half a unit of the last digit must not show as a negative zero.
-    let tidy = |digits: i32| {
-        let unit = 10f64.powi(digits);
-        (in_file * unit).round() / unit + 0.0
-    };
-    match input.kind {
-        Kind::Angle if mechanism.angle_unit.name == "deg" => format!("{:+.1}°", tidy(1)),
-        Kind::Angle => format!("{:+.3} rad", tidy(3)),
-        Kind::Length => format!("{:+.1} {}", tidy(1), mechanism.length_unit),
-        Kind::Number => format!("{:+.3}", tidy(3)),
-    }
 }
 
 /// Where a label on a trace stays: the traced point of the sample nearest to its time. `None` for a label on a body,

@@ -7,7 +7,7 @@ use super::parts::Part;
 use super::trails::{self, TracePart, TrailLook};
 use super::{bounds, ghosts, joints};
 use crate::geometry::Mesh;
-use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::render::{Instance, Label};
 use crate::scene::Scene;
 use glam::DVec3;

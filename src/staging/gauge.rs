@@ -1,7 +1,7 @@
 //! Gauges of the inputs: a bar with the range of the motion, filled up to the present value.
 
-use super::captions::{VALUE_SIZE, value_text};
-use crate::kinematics::motion::trajectory::Trajectory;
+use super::value_text::{VALUE_SIZE, value_text};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::model::theme::Theme;
 use crate::render::{Anchor, Label, Patch};

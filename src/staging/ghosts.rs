@@ -2,7 +2,7 @@
 
 use super::parts::Part;
 use crate::geometry::Mesh;
-use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::math::Pose;
 use crate::model::view::Ghosts;
 use crate::render::Instance;

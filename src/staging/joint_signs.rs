@@ -5,7 +5,7 @@ use super::joint_places::Outlines;
 use super::joints::{self, Joint, JointKind};
 use super::solids::{merged, sign};
 use crate::geometry::Mesh;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, Step};
 use crate::model::mechanism::Mechanism;

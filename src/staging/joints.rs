@@ -1,6 +1,6 @@
 //! Joints found in the chains of the bodies, and where they are at a pose. Their signs are made in `joint_signs`.
 
-use crate::kinematics::motion::trajectory::{ClosedPose, Sample};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
 use glam::DVec3;

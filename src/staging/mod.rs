@@ -21,8 +21,9 @@ mod parts;
 mod sight;
 mod solids;
 mod trails;
+mod value_text;
 
-use crate::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View};
 use crate::render::look::Rim;

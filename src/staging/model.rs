@@ -2,7 +2,7 @@
 
 use crate::export::model::{Model, ModelBody, ModelCamera, ModelPart, ModelTrace};
 use crate::geometry::{Mesh, mesh_of};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Shape;

@@ -1,7 +1,7 @@
 //! One camera and ground for several scenes that are shown one after the other.
 
 use super::{PictureOptions, Staging, aspect, bounds, cameras, ground, up_axis};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::render::{Camera, Ground, Stage};
 use crate::scene::Scene;
 use std::sync::Arc;

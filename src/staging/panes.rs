@@ -2,7 +2,7 @@
 
 use super::marks::Marks;
 use super::{PictureOptions, Staging};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view::NamedView;
 use crate::render::{Anchor, Frame, Label, Patch, Projection, Stage};

@@ -2,7 +2,7 @@
 
 use super::bounds;
 use crate::geometry::{Mesh, mesh_of};
-use crate::kinematics::motion::trajectory::ClosedPose;
+use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
 use crate::model::mechanism::Mechanism;
 use crate::render::{Camera, Instance};

@@ -2,7 +2,7 @@
 
 use super::parts::Part;
 use crate::geometry::Mesh;
-use crate::kinematics::motion::trajectory::ClosedPose;
+use crate::kinematics::results::trajectory::ClosedPose;
 use crate::render::{Camera, Instance};
 use glam::DVec3;
 

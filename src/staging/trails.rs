@@ -3,7 +3,7 @@
 use crate::geometry::Mesh;
 use crate::geometry::trace::trace_mesh;
 use crate::kinematics::motion::sampling::is_cyclic;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::view::Trails;
 use crate::render::Instance;

@@ -2,11 +2,12 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use mechanim::clearance::check::ClearanceReport;
-use mechanim::kinematics::certificate::tube::{self, IntervalCertificate};
+use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
-use mechanim::kinematics::motion::trajectory::Trajectory;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
 use mechanim::kinematics::rates::higher_order::{self, RateColumns};
+use mechanim::kinematics::results::certificate::IntervalCertificate;
+use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::kinematics::structure::system::System;
 use mechanim::model::actuation::Actuation;

@@ -2,7 +2,7 @@
 
 use crate::driven::Model;
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::trajectory::{ClosedPose, Trajectory};
+use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 
 use mechanim::scene::{Overrides, builtin, load};
 

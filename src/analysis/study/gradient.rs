@@ -3,7 +3,7 @@
 
 use super::measure::Shown;
 use super::slopes::Slopes;
-use super::{Evaluator, Rejection, Stand};
+use super::stand::{Evaluator, Rejection, Stand};
 use crate::kinematics::measures::along;
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;

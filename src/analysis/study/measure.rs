@@ -1,6 +1,6 @@
 //! Measures of a stand: what every pose shows, reduced along the tracks, put into the measures' formulas.
 
-use super::{Evaluator, Rejection, Stand};
+use super::stand::{Evaluator, Rejection, Stand};
 use crate::kinematics::measures::along;
 use crate::kinematics::measures::reduce::{Reduced, reduce};
 use crate::model::expression::Expression;

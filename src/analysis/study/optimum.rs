@@ -1,6 +1,9 @@
 //! Searching a study's optimum by a chosen method, and proving afterwards what was found.
 
-use super::{Family, FamilyError, Refusals, Search, Watch};
+use super::family::{Family, FamilyError};
+use super::peaks::Peaks;
+use super::search::{Refusals, Search, Watch};
+use super::stand::Evaluator;
 use crate::analysis::optimise::{
     Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
 };
@@ -147,9 +150,9 @@ fn least_largest(
 ) -> Result<Optimum, FamilyError> {
     let quiet = Search::new(family, Box::new(|_, _, _| true))?;
     let (bounds, scales, first_value) = (quiet.bounds(), quiet.scales(), quiet.value());
-    let mut evaluator = super::Evaluator::new(family);
+    let mut evaluator = Evaluator::new(family);
     let start = evaluator.nominal(family.nominal()?.poses);
-    let mut peaks = super::Peaks::new(family, evaluator, start, watch)?;
+    let mut peaks = Peaks::new(family, evaluator, start, watch)?;
     let search = minimax::Search {
         radius: FIRST_STEP,
         smallest_radius: SMALLEST_RADIUS,
@@ -197,7 +200,7 @@ pub fn verify(
     let nominal = family.nominal()?;
     let (error_bound, unproved, poses) =
         (nominal.error_bound, nominal.unproved, nominal.poses.len());
-    let mut evaluator = super::Evaluator::new(&family);
+    let mut evaluator = Evaluator::new(&family);
     let stand = evaluator.nominal(nominal.poses);
     let measured = evaluator.measure(&stand);
     let measures = measured

@@ -1,7 +1,9 @@
 //! A study whose objective is the largest value along a track, pose by pose: what a minimax search works on.
 
+use super::family::{Family, FamilyError};
 use super::rows::{Listed, Rows, listed, nearness};
-use super::{Evaluator, Family, FamilyError, Refusals, Rejection, Stand, Watch};
+use super::search::{Refusals, Watch};
+use super::stand::{Evaluator, Rejection, Stand};
 use crate::analysis::optimise::Bounds;
 use crate::analysis::optimise::minimax::{Edge, Heights, Landscape, Slopes};
 

@@ -1,7 +1,7 @@
 //! A formula pose by pose: its values along a track, or its derivatives by an input, and how these change with the
 //! variables. The poses are shared among threads; the numbers do not depend on how many there are.
 
-use super::Family;
+use super::family::Family;
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
@@ -119,7 +119,7 @@ impl<'f> Reader<'f> {
     fn new(family: &'f Family) -> Self {
         Self {
             family,
-            variation: Variation::new(&family.system),
+            variation: Variation::new(family.system()),
             numbers: Vec::new(),
             gradient: Vec::new(),
             values: Vec::new(),

@@ -1,6 +1,7 @@
 //! A study as a function for the minimisers: poses from the best stand so far, refused candidates counted by cause.
 
-use super::{Evaluator, Family, FamilyError, Rejection, Stand};
+use super::family::{Family, FamilyError};
+use super::stand::{Evaluator, Rejection, Stand};
 use crate::analysis::optimise::constraints::Constrained;
 use crate::analysis::optimise::{Bounds, Objective};
 

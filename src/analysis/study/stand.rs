@@ -1,7 +1,7 @@
 //! Posing the mechanism with other values of its variables: from a known stand along the straight way to the new
 //! values, with the branch checks of any motion.
 
-use super::Family;
+use super::family::Family;
 use crate::kinematics::motion::tracker::steps::Steps;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::{PoseSolver, follows};

@@ -4,7 +4,7 @@
 use super::stand::{Evaluator, Rejection, Stand};
 use crate::analysis::observer::{distance, positions};
 use crate::kinematics::motion::continuation::solve_whole;
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::results::trajectory::EventKind;
 use crate::model::actuation::Actuation;
 
 /// Numbers of equal parts in which the way from a pose to the next is tried with nothing but Newton steps.

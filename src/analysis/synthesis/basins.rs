@@ -1,7 +1,8 @@
 //! Which minima are worth starting near: distinct ones, the best first, and those more that were tried less. Holds no
 //! search.
 
-use super::{Origin, Start};
+use super::found::Start;
+use super::starts::Origin;
 
 /// Basins that are kept in mind.
 const MOST: usize = 6;

@@ -2,9 +2,10 @@
 //! the samples are drawn in.
 
 use super::basins::Basins;
+use super::found::Start;
+use super::plan::FINER;
 use super::searches::{Phase, Run};
 use super::starts::Begun;
-use super::{FINER, Start};
 use crate::analysis::study::{Evaluator, Family};
 use std::time::Instant;
 

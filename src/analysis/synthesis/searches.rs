@@ -1,9 +1,10 @@
 //! Searches from many starts, in batches of a fixed size: what a start finds does not depend on the number of threads.
 
 use super::basins::Basins;
-use super::starts::{Begun, begin};
+use super::found::Start;
+use super::plan::{From, Listener, Plan};
+use super::starts::{Begun, Origin, begin};
 use super::touching::Touching;
-use super::{From, Listener, Origin, Plan, Start};
 use crate::analysis::optimise::minimax;
 use crate::analysis::study::{Evaluator, Family, Peaks, Stand};
 use std::sync::Mutex;

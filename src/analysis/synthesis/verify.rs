@@ -2,15 +2,15 @@
 //! the motion solver, which knows nothing of the search. Poses are certified, the tracks are measured four times as finely,
 //! the drive must close, and the bodies are checked against each other.
 
-use super::FINER;
+use super::plan::FINER;
 use crate::analysis::observer::{distance, positions};
 use crate::analysis::study::FamilyError;
 use crate::clearance::check::{ClearanceReport, Judgement, check};
 use crate::diag::Source;
-use crate::kinematics::certificate::Certificate;
 use crate::kinematics::measures::measure;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{is_cyclic, knots};
+use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};
@@ -106,7 +106,7 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     if let [Some(first), Some(last)] = ends
         && is_cyclic(mechanism, actuation)
     {
-        let at = |sample: &crate::kinematics::motion::trajectory::Sample| {
+        let at = |sample: &crate::kinematics::results::trajectory::Sample| {
             let pose = sample.pose.as_ref()?;
             Some(places(mechanism, &pose.unknowns, &sample.inputs))
         };

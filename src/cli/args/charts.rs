@@ -1,7 +1,8 @@
 //! The arguments of the verbs that draw charts: `plot` and `accuracy`.
 
-use super::{SceneArgs, frame_count, order, size};
-use clap::{Args, ValueEnum};
+use super::scene::SceneArgs;
+use super::values::{ThemeArg, frame_count, order, size};
+use clap::Args;
 use std::path::PathBuf;
 
 /// `mechanim plot`
@@ -63,14 +64,6 @@ pub struct AccuracyArgs {
     /// Dark on white, or light on nearly black.
     #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
     pub theme: ThemeArg,
-}
-
-/// `--theme`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum ThemeArg {
-    Light,
-    Dark,
 }
 
 fn poses(text: &str) -> Result<usize, String> {

@@ -1,5 +1,6 @@
 //! The argument tables of picture files: what is written, and the verbs that take pictures as they are.
 
+use super::values::colour;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -15,7 +16,7 @@ pub struct FileArgs {
     pub format: Option<PictureFormat>,
     /// Quality of a GIF, 1 to 100 (the default): below 100 pixels may miss their colour a little where that makes
     /// the file smaller.
-    #[arg(long, value_name = "N", value_parser = super::quality)]
+    #[arg(long, value_name = "N", value_parser = super::values::quality)]
     pub quality: Option<u8>,
     /// How hard PNG and APNG are packed: stills and APNG are balanced, sequences fast unless said otherwise.
     #[arg(long, value_enum)]
@@ -27,7 +28,7 @@ pub struct FileArgs {
     #[arg(long = "loop", value_enum)]
     pub repeat: Option<Repeat>,
     /// Worker threads; all cores if absent. The files do not depend on it.
-    #[arg(long, value_name = "N", value_parser = super::threads)]
+    #[arg(long, value_name = "N", value_parser = super::values::threads)]
     pub threads: Option<usize>,
     /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
@@ -44,7 +45,7 @@ pub struct EncodeArgs {
     #[command(flatten)]
     pub file: FileArgs,
     /// Frames a second.
-    #[arg(long, value_name = "RATE", default_value_t = 25.0, allow_negative_numbers = true, value_parser = super::frame_rate)]
+    #[arg(long, value_name = "RATE", default_value_t = 25.0, allow_negative_numbers = true, value_parser = super::values::frame_rate)]
     pub fps: f64,
     /// Keep the order of the command line.
     #[arg(long)]
@@ -149,9 +150,4 @@ pub enum ProgressArg {
     Auto,
     Plain,
     None,
-}
-
-pub(crate) fn colour(text: &str) -> Result<[u8; 3], String> {
-    crate::scene::values::parse_colour(text)
-        .ok_or_else(|| "write #rrggbb, for example #c2452d".to_owned())
 }

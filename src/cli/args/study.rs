@@ -1,7 +1,7 @@
 //! The argument table of the verbs that vary a scene's parameters.
 
-use super::SceneArgs;
 use super::files::ProgressArg;
+use super::scene::SceneArgs;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -155,7 +155,7 @@ pub struct SynthesiseArgs {
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<String>,
     /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
-    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::assignment)]
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::assignment)]
     pub parameters: Vec<(String, String)>,
     /// Number of starts: the scene's own values, then in turn near the minima found and random ones of the whole ranges.
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = starts)]

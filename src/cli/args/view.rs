@@ -1,13 +1,11 @@
 //! The options of `mechanim render` that change the scene's `[view]`.
 
-use super::RenderArgs;
-use crate::cli::term::Term;
+use super::values::{ThemeArg, colour};
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
 use crate::model::theme::Theme;
 use crate::model::view::{Axes, Ghosts, NamedView, Trails};
 use crate::model::view_change::ViewChange;
-use crate::render::text::missing_glyphs;
 use crate::scene::Scene;
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::MOST_GHOSTS;
@@ -36,7 +34,7 @@ pub struct ViewArgs {
     #[arg(long, value_enum)]
     pub theme: Option<ThemeArg>,
     /// Colour of the background.
-    #[arg(long, value_name = "#rrggbb", value_parser = super::files::colour)]
+    #[arg(long, value_name = "#rrggbb", value_parser = colour)]
     pub background: Option<[u8; 3]>,
     /// No background, in PNG and APNG.
     #[arg(long, conflicts_with = "background")]
@@ -95,14 +93,6 @@ pub enum ViewArg {
 pub enum ProjectionArg {
     Perspective,
     Orthographic,
-}
-
-/// `--theme`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum ThemeArg {
-    Light,
-    Dark,
 }
 
 /// `--trails`
@@ -168,54 +158,29 @@ impl ViewArgs {
             ..ViewChange::default()
         }
     }
-}
 
-/// Applies the options to the view of `scene`, and warns of characters that cannot be drawn.
-///
-/// Errors: a transparent background in a format without alpha.
-pub fn apply(
-    args: &RenderArgs,
-    format: &Format,
-    scene: &mut Scene,
-    term: &Term,
-) -> Result<(), Failure> {
-    let view = &mut scene.view;
-    args.view.change().apply(view);
-    if let (Some(length), Trails::Fading(seconds)) =
-        (args.view.trail_length, &mut view.decor.trails)
-    {
-        *seconds = Some(length);
-    }
-    view.decor.arrow_scale = args.view.arrow_scale.or(view.decor.arrow_scale);
-    let has_alpha = matches!(format, Format::Png | Format::Apng | Format::PngSequence(_));
-    if view.transparent && !has_alpha && !format.is_model() {
-        return Err(Failure::usage(
-            format!("{} has no transparency", format.name()),
-            vec!["write a .png, an .apng or a folder of frames, or give a --background".to_owned()],
-        ));
-    }
-    warn_of_missing_glyphs(scene, term);
-    Ok(())
-}
-
-fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
-    let mechanism = &scene.mechanism;
-    let inputs = mechanism.inputs.iter().map(|input| input.name.as_str());
-    let labels = scene.view.labels.iter().map(|label| label.text.as_str());
-    let texts: Vec<&str> = std::iter::once(mechanism.title.as_str())
-        .chain(labels)
-        .chain(inputs)
-        .collect();
-    for text in texts {
-        let missing = missing_glyphs(text);
-        if !missing.is_empty() {
-            let named = missing
-                .iter()
-                .map(|c| format!("`{}` (U+{:04X})", c.escape_debug(), u32::from(*c)));
-            let named = named.collect::<Vec<_>>().join(", ");
-            let text = text.escape_debug();
-            term.warning(&format!("no glyph for {named} in `{text}`: drawn as a box"));
+    /// Applies the options to the view of `scene`.
+    ///
+    /// Errors: a transparent background in a format without alpha.
+    pub fn apply(&self, format: &Format, scene: &mut Scene) -> Result<(), Failure> {
+        let view = &mut scene.view;
+        self.change().apply(view);
+        if let (Some(length), Trails::Fading(seconds)) = (self.trail_length, &mut view.decor.trails)
+        {
+            *seconds = Some(length);
         }
+        view.decor.arrow_scale = self.arrow_scale.or(view.decor.arrow_scale);
+        let has_alpha = matches!(format, Format::Png | Format::Apng | Format::PngSequence(_));
+        if view.transparent && !has_alpha && !format.is_model() {
+            return Err(Failure::usage(
+                format!("{} has no transparency", format.name()),
+                vec![
+                    "write a .png, an .apng or a folder of frames, or give a --background"
+                        .to_owned(),
+                ],
+            ));
+        }
+        Ok(())
     }
 }
 

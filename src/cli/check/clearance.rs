@@ -1,20 +1,20 @@
 //! The clearance part of `mechanim check`: table, files, verdict.
 
+use crate::charts;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, check};
-use crate::cli::args::CheckArgs;
-use crate::cli::args::charts::ThemeArg;
 use crate::cli::args::files::ProgressArg;
-use crate::cli::motion::plot::PlotFormat;
-use crate::cli::open::scene as open_scene;
+use crate::cli::args::motion::CheckArgs;
+use crate::cli::args::values::ThemeArg;
+use crate::cli::files::chart;
+use crate::cli::files::chart::PlotFormat;
+use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
-use crate::export::clearance::{names, to_csv, to_json, to_junit, word};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
-use crate::plot::clearance::chart;
+use crate::report::clearance::{names, to_csv, to_json, to_junit, word};
 use serde_json::Value;
 use std::path::Path;
 
@@ -72,10 +72,10 @@ pub fn run(
         term.warning(warning);
     }
     if let Some(path) = &args.junit {
-        report::write_text(&args.scene, path, &to_junit(mechanism, &found))?;
+        io::write_text(&args.scene, path, &to_junit(mechanism, &found))?;
     }
     if let Some(path) = &args.csv {
-        report::write_text(&args.scene, path, &to_csv(mechanism, &found))?;
+        io::write_text(&args.scene, path, &to_csv(mechanism, &found))?;
     }
     if let Some(path) = &args.plot {
         plot(args, mechanism, &found, path)?;
@@ -98,15 +98,10 @@ fn plot(
     path: &Path,
 ) -> Result<(), Failure> {
     let format = PlotFormat::of(path)?;
-    if open_scene::is_scene_file(&args.scene, path) {
-        return Err(Failure::usage(
-            format!("{} is an input of this command", path.display()),
-            Vec::new(),
-        ));
-    }
-    let chart = chart(mechanism, found, args.worst.min(MOST_CURVES));
-    let mut output = crate::cli::motion::plot::open(path)?;
-    crate::cli::motion::plot::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+    io::refuse_input(&args.scene, path)?;
+    let chart = charts::clearance::chart(mechanism, found, args.worst.min(MOST_CURVES));
+    let mut output = io::open(path)?;
+    chart::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
     output.commit()?;
     Ok(())
 }

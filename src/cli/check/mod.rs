@@ -2,7 +2,7 @@
 
 pub mod clearance;
 
-use super::args::{CertifyArg, CheckArgs};
+use super::args::motion::{CertifyArg, CheckArgs};
 use super::motion::certify;
 use super::motion::certify::MotionProof;
 use super::report::measures;
@@ -13,18 +13,17 @@ use super::term::outcome::{Failure, Outcome};
 use super::open::inputs_table;
 use super::open::scene::{self as open_scene, OpenScene};
 use super::report::{events as report, freedoms};
+use crate::cli::io;
 use crate::diag::nearest;
-use crate::export::events::gaps;
-use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::motion::sampling::{even_times, frame_times, knots, only};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::certificate::{Certificate, Reason};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::pose_check::{OfferedLoop, Verdict, judge};
 use crate::model::mechanism::Mechanism;
+use crate::report::events::gaps;
 use crate::scene::Scene;
 use serde_json::{Value, json};
-use std::io::Write;
-use std::path::Path;
 
 /// Runs the verb.
 pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -41,13 +40,9 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
         pose(args, &opened.scene)?
     };
     if let Some(path) = &args.json {
-        report::write_json(&args.scene, path, &document)?;
+        io::write_json(&args.scene, path, &document)?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(text.as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.json.as_deref(), &text)?;
     Ok(outcome)
 }
 

@@ -1,18 +1,14 @@
 //! `mechanim diff`: are two pictures, animations or folders the same, and where are they not.
 
-use crate::cli::CANCEL;
 use crate::cli::args::files::DiffArgs;
-use crate::cli::report::events as report;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::compare::film::{Allowed, FilmReport, FrameReport, FrameVerdict, compare_films};
 use crate::compare::{Comparison, Difference, LADDER, triptych};
-use crate::export::png::{Effort, encode};
-use crate::export::{ExportError, Target};
 use crate::import::{Film, Plays};
-use image::RgbaImage;
 use serde_json::{Value, json};
-use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -42,7 +38,7 @@ pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     match (&args.out, &found.worst) {
         (Some(path), Some((_, left, right))) => {
-            write_png(path, &triptych(left, right, args.tolerance))?;
+            io::write_png(&triptych(left, right, args.tolerance), path)?;
         }
         (Some(path), None) => term.warning(&format!(
             "no picture is in both: {} was not written",
@@ -51,12 +47,10 @@ pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
         (None, _) => {}
     }
     if let Some(path) = &args.json {
-        report::write_document(path, &document(args, kind, &found))?;
+        io::write_document(path, &document(args, kind, &found))?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) && !term.quiet() {
-        let mut out = std::io::stdout().lock();
-        out.write_all(text(&found).as_bytes())?;
-        out.flush()?;
+    if !term.quiet() {
+        io::print_beside(args.json.as_deref(), &text(&found))?;
     }
     Ok(if found.is_same() {
         Outcome::Done
@@ -70,20 +64,10 @@ fn refuse_overwriting(args: &DiffArgs) -> Result<(), Failure> {
     let real = |path: &Path| path.canonicalize().ok();
     for path in [&args.out, &args.json].into_iter().flatten() {
         if real(path).is_some_and(|p| [real(&args.a), real(&args.b)].contains(&Some(p))) {
-            let message = format!("{} is an input of this command", path.display());
-            return Err(Failure::usage(message, Vec::new()));
+            return Err(io::is_input(path));
         }
     }
     Ok(())
-}
-
-fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), Failure> {
-    let mut target = Target::create(path)?;
-    let mut bytes = Vec::new();
-    encode(picture, Effort::Balanced, &mut bytes)?;
-    let written = target.write_all(&bytes);
-    written.map_err(|e| ExportError::write(&path.display().to_string(), e))?;
-    Ok(target.commit()?)
 }
 
 /// The report as people read it.

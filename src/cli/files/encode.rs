@@ -3,6 +3,7 @@
 use super::sinks;
 use super::sinks::Film;
 use crate::cli::args::files::EncodeArgs;
+use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
@@ -20,8 +21,7 @@ pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     let paths = paths(args)?;
     if let Some(path) = paths.iter().find(|path| is_same(path, &args.file.out)) {
-        let message = format!("{} is an input of this command", path.display());
-        return Err(Failure::usage(message, Vec::new()));
+        return Err(io::is_input(path));
     }
     if format == Format::Png && paths.len() > 1 {
         let message = format!("{} holds one picture", args.file.out.display());

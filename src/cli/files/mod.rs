@@ -1,5 +1,6 @@
 //! Picture files: sinks, and the verbs that take pictures as they are.
 
+pub mod chart;
 pub mod diff;
 pub mod encode;
 pub mod sinks;

@@ -1,7 +1,7 @@
 //! From frames to a picture file: which format, whether it can hold what is asked, and the sink that writes it.
 
-use crate::cli::CANCEL;
 use crate::cli::args::files::{ChromaArg, Compression, FileArgs, PictureFormat, Repeat};
+use crate::cli::interrupt::CANCEL;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;

@@ -2,7 +2,7 @@
 
 use super::diff::numbers;
 use crate::cli::args::files::{SnapshotArgs, UpdateArg};
-use crate::cli::report::events as report;
+use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
@@ -11,7 +11,6 @@ use crate::snapshot::golden::beside;
 use crate::snapshot::manifest::Picture;
 use crate::snapshot::{DrawError, MANIFEST, Manifest, Update, Verdict, draw, judge};
 use serde_json::{Value, json};
-use std::io::Write;
 use std::path::Path;
 
 /// Runs the verb.
@@ -24,7 +23,7 @@ pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
         let drawn = draw(picture, &args.folder).map_err(|e| failure(picture, e))?;
         let golden = args.folder.join(&picture.file);
         let verdict = judge(&golden, &drawn, picture.allowed, update)?;
-        if crate::cli::CANCEL.load(std::sync::atomic::Ordering::Relaxed) {
+        if crate::cli::interrupt::CANCEL.load(std::sync::atomic::Ordering::Relaxed) {
             return Err(Failure::Interrupted);
         }
         results.push((picture, verdict));
@@ -34,12 +33,10 @@ pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
         .iter()
         .any(|(_, v)| matches!(v, Verdict::Failed { .. }));
     if let Some(path) = &args.json {
-        report::write_document(path, &document(&results, failed))?;
+        io::write_document(path, &document(&results, failed))?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) && !term.quiet() {
-        let mut out = std::io::stdout().lock();
-        out.write_all(text(&args.folder, &results).as_bytes())?;
-        out.flush()?;
+    if !term.quiet() {
+        io::print_beside(args.json.as_deref(), &text(&args.folder, &results))?;
     }
     Ok(if failed {
         Outcome::CheckFailed

@@ -1,12 +1,13 @@
 //! Solving with as much proof as was asked for, and the proof of a motion in words.
 
-use crate::cli::args::CertifyArg;
+use crate::cli::args::motion::CertifyArg;
 use crate::cli::report::events as report;
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::certificate::tube::{IntervalCertificate, certify_motion};
+use crate::kinematics::certificate::tube::certify_motion;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::sampling::is_cyclic;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::certificate::IntervalCertificate;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Structure;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -26,12 +27,12 @@ pub fn motion(
         CertifyArg::Pose => solve_until(system, actuation, times, true, &interrupted),
         CertifyArg::Motion => proved(system, actuation, times),
     };
-    super::solve::refuse_interrupted()?;
+    crate::cli::interrupt::refuse_interrupted()?;
     Ok(trajectory)
 }
 
 fn interrupted() -> bool {
-    crate::cli::CANCEL.load(Ordering::Relaxed)
+    crate::cli::interrupt::CANCEL.load(Ordering::Relaxed)
 }
 
 fn proved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {

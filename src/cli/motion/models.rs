@@ -9,7 +9,7 @@ use crate::cli::term::outcome::Failure;
 use crate::export::glb::write_glb;
 use crate::export::solid::{Library, write_obj, write_stl};
 use crate::export::{ExportSummary, Format, Target};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::scene::Scene;
 use crate::staging::Staging;
 use crate::staging::model::of_motion;

@@ -1,23 +1,21 @@
 //! `mechanim plot`: curves of the motion as SVG or PNG.
 
-use crate::cli::args::charts::{PlotArgs, ThemeArg};
-use crate::cli::open::scene::{self as open_scene, OpenScene};
+use crate::charts::motion::{chart, default_plot};
+use crate::cli::args::charts::PlotArgs;
+use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::io;
+use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::OpenScene;
 use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::png::{Effort, encode};
-use crate::export::{ExportError, Output, Stream, Target};
 use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::trajectory::{EventKind, Trajectory};
+use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;
 use crate::plot::companion::Companion;
-use crate::plot::motion::{chart, default_plot};
-use crate::plot::raster::Painter;
-use crate::plot::{Chart, Drawing, Theme, draw, svg};
 use crate::scene::{PlotText, Scene};
-use std::path::Path;
 
 /// Samples of a plot unless told otherwise: every degree of a turn.
 const USUAL_SAMPLES: usize = 361;
@@ -25,98 +23,19 @@ const USUAL_SAMPLES: usize = 361;
 /// Runs the verb.
 pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let format = PlotFormat::of(&args.out)?;
-    if open_scene::is_scene_file(&args.scene, &args.out) {
-        return Err(Failure::usage(
-            format!("{} is an input of this command", args.out.display()),
-            Vec::new(),
-        ));
-    }
+    io::refuse_input(&args.scene, &args.out)?;
     let OpenScene { scene, system } = open_scene::open_with_plot(&args.scene, asked(args)?, term)?;
     let actuation = &scene.actuation;
     let plots = chosen(args.only.as_deref(), &scene)?;
     let times = times(args, actuation);
-    let mut output = open(&args.out)?;
+    let mut output = io::open(&args.out)?;
     let trajectory = solve_with_ends(&system, actuation, times);
-    super::solve::refuse_interrupted()?;
+    crate::cli::interrupt::refuse_interrupted()?;
     let outcome = report::events(&system, actuation, &trajectory, term)?;
     let chart = chart(&system, actuation, &plots, &trajectory);
     write(&chart, format, args.size, args.theme, output.as_mut())?;
     output.commit()?;
     Ok(outcome)
-}
-
-/// What a chart's file holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlotFormat {
-    /// Text with shapes.
-    Svg,
-    /// Pixels.
-    Png,
-}
-
-impl PlotFormat {
-    /// By extension; standard output is SVG.
-    pub fn of(path: &Path) -> Result<Self, Failure> {
-        if path == Path::new("-") {
-            return Ok(Self::Svg);
-        }
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("svg") => Ok(Self::Svg),
-            Some("png") => Ok(Self::Png),
-            _ => Err(Failure::usage(
-                format!("{}: unknown kind of plot", path.display()),
-                vec!["known are .svg and .png".to_owned()],
-            )),
-        }
-    }
-}
-
-/// Opens a file, or standard output for `-`.
-pub fn open(path: &Path) -> Result<Box<dyn Output>, Failure> {
-    if path == Path::new("-") {
-        return Ok(Box::new(Stream::new("standard output", std::io::stdout())));
-    }
-    Ok(Box::new(Target::create(path)?))
-}
-
-/// Draws a chart and writes it.
-pub fn write(
-    chart: &Chart,
-    format: PlotFormat,
-    size: Option<[u32; 2]>,
-    theme: ThemeArg,
-    output: &mut dyn Output,
-) -> Result<(), Failure> {
-    let size = size.unwrap_or_else(|| crate::plot::usual_size(chart));
-    let theme = match theme {
-        ThemeArg::Light => Theme::LIGHT,
-        ThemeArg::Dark => Theme::DARK,
-    };
-    write_drawing(&draw(chart, size, theme), format, output)
-}
-
-/// Writes what has been laid out.
-pub fn write_drawing(
-    drawing: &Drawing,
-    format: PlotFormat,
-    output: &mut dyn Output,
-) -> Result<(), Failure> {
-    let bytes = match format {
-        PlotFormat::Svg => svg::write(drawing).into_bytes(),
-        PlotFormat::Png => {
-            let mut bytes = Vec::new();
-            encode(
-                &Painter::default().picture(drawing),
-                Effort::Balanced,
-                &mut bytes,
-            )?;
-            bytes
-        }
-    };
-    let written = output.write_all(&bytes);
-    written.map_err(|source| ExportError::write(output.name(), source))?;
-    Ok(())
 }
 
 /// The plot asked for on the command line, if any.

@@ -2,12 +2,12 @@
 
 use super::solve::up_to;
 use super::{models, plot};
-use crate::cli::args::view as view_args;
-use crate::cli::args::{RenderArgs, ShowArg};
+use crate::cli::args::motion::{RenderArgs, ShowArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::Film;
-use crate::cli::open::inputs_table;
-use crate::cli::open::scene::{self as open_scene, OpenScene};
+use crate::cli::io;
+use crate::cli::open::scene::OpenScene;
+use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::pictures::clearance as clearance_picture;
 use crate::cli::pictures::frames::Pictures;
 use crate::cli::report::events as report;
@@ -17,10 +17,11 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{film, iterates};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Ghosts;
+use crate::render::text::missing_glyphs;
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
@@ -33,14 +34,10 @@ const ITERATES_A_SECOND: f64 = 1.0;
 pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut clock = Clock::new(args.timings);
     let format = kind_of_output(args)?;
-    if open_scene::is_scene_file(&args.scene, &args.file.out) {
-        return Err(Failure::usage(
-            format!("{} is an input of this command", args.file.out.display()),
-            Vec::new(),
-        ));
-    }
+    io::refuse_input(&args.scene, &args.file.out)?;
     let OpenScene { mut scene, system } = open_scene::open(&args.scene, term)?;
-    view_args::apply(args, &format, &mut scene, term)?;
+    args.view.apply(&format, &mut scene)?;
+    warn_of_missing_glyphs(&scene, term);
     clock.lap("read");
     let (plan, trajectory, outcome) = if args.trace_iterations {
         iterations(args, &system, &mut scene, &format)?
@@ -104,6 +101,28 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     clock.print(term);
     Ok(outcome_of_frames(outcome, &trajectory, &plan))
+}
+
+/// Warns of characters that cannot be drawn.
+fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
+    let mechanism = &scene.mechanism;
+    let inputs = mechanism.inputs.iter().map(|input| input.name.as_str());
+    let labels = scene.view.labels.iter().map(|label| label.text.as_str());
+    let texts: Vec<&str> = std::iter::once(mechanism.title.as_str())
+        .chain(labels)
+        .chain(inputs)
+        .collect();
+    for text in texts {
+        let missing = missing_glyphs(text);
+        if !missing.is_empty() {
+            let named = missing
+                .iter()
+                .map(|c| format!("`{}` (U+{:04X})", c.escape_debug(), u32::from(*c)));
+            let named = named.collect::<Vec<_>>().join(", ");
+            let text = text.escape_debug();
+            term.warning(&format!("no glyph for {named} in `{text}`: drawn as a box"));
+        }
+    }
 }
 
 /// Newton's iterates in place of a motion; the earlier ones stay as ghosts.

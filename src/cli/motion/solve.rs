@@ -2,15 +2,15 @@
 
 use super::certify;
 use super::certify::MotionProof;
-use crate::cli::CANCEL;
-use crate::cli::args::{CertifyArg, SolveArgs, TableFormat};
-use crate::cli::open::inputs_table;
-use crate::cli::open::scene::{self as open_scene, OpenScene};
+use crate::cli::args::motion::{CertifyArg, SolveArgs, TableFormat};
+use crate::cli::interrupt::refuse_interrupted;
+use crate::cli::io;
+use crate::cli::open::scene::OpenScene;
+use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::report::{events as report, freedoms};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::table::{Columns, write_csv, write_json};
-use crate::export::{Output, Stream, Target, iterates as iterate_table};
+use crate::export::Output;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
@@ -18,20 +18,15 @@ use crate::kinematics::solve::iterates::iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use crate::report::iterates as iterate_table;
+use crate::report::table::{Columns, write_csv, write_json};
 use crate::scene::Scene;
 use std::path::Path;
-use std::sync::atomic::Ordering;
 
 /// Runs the verb.
 pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
-    let to_stdout = args.out == Path::new("-");
     let format = format(args)?;
-    if !to_stdout && open_scene::is_scene_file(&args.scene, &args.out) {
-        return Err(Failure::usage(
-            format!("{} is an input of this command", args.out.display()),
-            Vec::new(),
-        ));
-    }
+    io::refuse_input(&args.scene, &args.out)?;
     if args.at.is_some() && args.certify == CertifyArg::Motion {
         let hints = vec!["leave out --at: the table has the times in its first column".to_owned()];
         return Err(Failure::usage(
@@ -43,11 +38,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     let actuation = &scene.actuation;
     let derivatives = derivatives(args, &scene.mechanism)?;
     let times = times(args, &scene)?;
-    let mut output: Box<dyn Output> = if to_stdout {
-        Box::new(Stream::new("standard output", std::io::stdout()))
-    } else {
-        Box::new(Target::create(&args.out)?)
-    };
+    let mut output = io::open(&args.out)?;
     if args.trace_iterations {
         return trace_iterations(&system, actuation, format, output, term);
     }
@@ -107,14 +98,6 @@ fn trace_iterations(
     }
     term.warning("plain Newton does not close from these start values; the solver, which damps its steps, may");
     Ok(Outcome::NotClosed)
-}
-
-/// Ends a run in order if Ctrl-C came while the motion was being solved.
-pub fn refuse_interrupted() -> Result<(), Failure> {
-    if CANCEL.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted);
-    }
-    Ok(())
 }
 
 fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {

@@ -1,8 +1,7 @@
 //! Finding and reading the scene that a command names.
 
-use super::inputs_table;
-use crate::cli::args::SceneArgs;
-use crate::cli::motion::modes;
+use super::{inputs_table, mode};
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::announced;
@@ -45,7 +44,7 @@ pub fn open_with_plot(
     }
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     if let Some(choice) = &args.mode {
-        scene.actuation.guess = modes::start_of(&system, &scene.actuation, choice)?;
+        scene.actuation.guess = mode::start_of(&system, &scene.actuation, choice)?;
     }
     Ok(OpenScene { scene, system })
 }
@@ -60,13 +59,6 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         ..Overrides::default()
     };
     Ok((source(&args.scene)?, overrides))
-}
-
-/// True when `out` is the scene's own file.
-pub fn is_scene_file(args: &SceneArgs, out: &Path) -> bool {
-    let same =
-        |a: &Path| matches!((a.canonicalize(), out.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    same(Path::new(&args.scene)) || args.table.as_deref().is_some_and(same)
 }
 
 fn folder(scene: &str) -> PathBuf {

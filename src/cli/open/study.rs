@@ -1,16 +1,14 @@
 //! What the verbs on studies share: opening a family, units of measures, and parameters as the scene file has them.
 
-use super::{inputs_table, scene as open_scene};
+use super::{inputs_table, mode, scene as open_scene};
 use crate::analysis::study::{Evaluator, Family, FamilyError, Rejection, Stand};
-use crate::cli::args::SceneArgs;
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
-use crate::cli::motion::modes;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::model::mechanism::Kind;
 use crate::scene::{OtherDrives, Overrides, Scene, load};
 use std::sync::Arc;
 
@@ -76,7 +74,7 @@ fn apply(args: &SceneArgs, scene: &mut Scene, overrides: &mut Overrides) -> Resu
     }
     if let Some(choice) = &args.mode {
         let system = System::new(Arc::clone(mechanism), actuation)?;
-        let guess = modes::start_of(&system, actuation, choice)?;
+        let guess = mode::start_of(&system, actuation, choice)?;
         let start = mechanism.unknowns.iter().zip(&guess);
         overrides.guess = start
             .map(|(unknown, value)| {
@@ -106,11 +104,6 @@ impl From<FamilyError> for Failure {
 }
 
 impl Opened {
-    /// Factor from internal values to the file's units.
-    pub fn units(&self, kind: Kind) -> f64 {
-        self.family.mechanism().file_units(kind)
-    }
-
     /// What is said of a stand that cannot be studied.
     pub fn refused(&self, evaluator: &Evaluator, stand: &Stand, refusal: &Rejection) -> Failure {
         let why = match refusal {
@@ -121,20 +114,9 @@ impl Opened {
         Failure::usage(message, Vec::new())
     }
 
-    /// The scene's measures.
-    pub fn measures(&self) -> &[Measure] {
-        &self.family.measures.list
-    }
-
-    /// The measure that is to be made small.
-    pub fn objective(&self) -> Option<&Measure> {
-        let index = self.family.study.objective?;
-        self.measures().get(index)
-    }
-
     /// Index of the measure of that name.
     pub fn measure(&self, name: &str) -> Result<usize, Failure> {
-        let measures = self.measures();
+        let measures = &self.family.measures.list;
         measures.iter().position(|m| m.name == name).ok_or_else(|| {
             let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
             Failure::usage(
@@ -144,61 +126,14 @@ impl Opened {
         })
     }
 
-    /// A measure's value in the file's unit.
-    pub fn shown(&self, measure: &Measure, value: f64) -> f64 {
-        value * self.units(measure.kind)
-    }
-
     /// Values of the variables as formulas of the file, with what the command line replaced before them.
     pub fn parameters(&self, values: &[f64]) -> Vec<(String, String)> {
         let mut list = self.overrides.parameters.clone();
         for (variable, value) in self.family.study.variables.iter().zip(values) {
             list.retain(|(name, _)| *name != variable.name);
-            let value = value * self.units(variable.kind);
+            let value = value * self.family.units(variable.kind);
             list.push((variable.name.clone(), format!("{value:?}")));
         }
         list
-    }
-}
-
-/// Rows of cells, the first left-aligned, the others right-aligned.
-pub fn aligned(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |j: usize| {
-        rows.iter()
-            .filter_map(|r| r.get(j))
-            .map(|c| c.chars().count())
-            .max()
-    };
-    let widths: Vec<usize> = (0..columns).map(|j| width(j).unwrap_or(0)).collect();
-    let mut text = String::new();
-    for row in rows {
-        let cells = row.iter().zip(&widths).enumerate();
-        let cells: Vec<String> = cells
-            .map(|(j, (cell, w))| {
-                if j == 0 {
-                    format!("{cell:<w$}")
-                } else {
-                    format!("{cell:>w$}")
-                }
-            })
-            .collect();
-        text.push_str("  ");
-        text.push_str(cells.join("  ").trim_end());
-        text.push('\n');
-    }
-    text
-}
-
-/// A number with six significant digits.
-pub fn six(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e6).contains(&size) {
-        let digits = (5 - size.log10().floor() as i32).max(0) as usize;
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.5e}")
     }
 }

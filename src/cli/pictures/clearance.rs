@@ -1,14 +1,15 @@
 //! Pictures of clearances: the worst moment of a check, and bodies that turn colour in an animation.
 
 use crate::clearance::check::{ClearanceReport, check};
-use crate::cli::args::CheckArgs;
+use crate::cli::args::motion::CheckArgs;
+use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::export::png::{Effort, PngSettings, StillSink};
 use crate::export::{Format, FrameSink, Target};
 use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
@@ -48,12 +49,7 @@ pub fn write(
             Vec::new(),
         ));
     }
-    if crate::cli::open::scene::is_scene_file(&args.scene, path) {
-        return Err(Failure::usage(
-            format!("{} is an input of this command", path.display()),
-            Vec::new(),
-        ));
-    }
+    io::refuse_input(&args.scene, path)?;
     let least = &worst.least;
     // All samples are solved: the camera holds the whole motion.
     let mut all: Vec<f64> = motion.samples.iter().map(|s| s.time).collect();

@@ -1,6 +1,6 @@
 //! The workers of `mechanim render`: panes of a picture drawn, laid side by side, captions and plots added.
 
-use crate::cli::args::{RenderArgs, RendererArg};
+use crate::cli::args::motion::{RenderArgs, RendererArg};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::plot::companion::Companion;

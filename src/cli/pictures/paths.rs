@@ -1,10 +1,9 @@
 //! Pictures of a mechanism with paths drawn over it, and their writing as PNG.
 
-use crate::cli::args::SceneArgs;
-use crate::cli::open::scene as open_scene;
+use crate::cli::args::scene::SceneArgs;
+use crate::cli::io;
 use crate::cli::term::outcome::Failure;
-use crate::export::png::{Effort, encode};
-use crate::export::{ExportError, Format, Output, Target};
+use crate::export::Format;
 use crate::plot::primitive::{Primitive, Stroke};
 use crate::plot::raster::Painter;
 use crate::render::open::{RendererChoice, open};
@@ -13,7 +12,6 @@ use crate::render::{Anchor, Label, RenderError};
 use crate::staging::Staging;
 use glam::DVec3;
 use image::RgbaImage;
-use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -79,27 +77,5 @@ pub fn refuse_other(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
         let message = format!("{} is no .png file", path.display());
         return Err(Failure::usage(message, Vec::new()));
     }
-    refuse_input(scene, path)
-}
-
-/// Refuses to write over an input of the command.
-pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
-    match open_scene::is_scene_file(scene, path) {
-        true => Err(Failure::usage(
-            format!("{} is an input of this command", path.display()),
-            Vec::new(),
-        )),
-        false => Ok(()),
-    }
-}
-
-/// Writes a picture as PNG.
-pub fn write(image: &RgbaImage, path: &Path) -> Result<(), Failure> {
-    let mut bytes = Vec::new();
-    encode(image, Effort::Balanced, &mut bytes)?;
-    let mut target = Target::create(path)?;
-    let written = target.write_all(&bytes);
-    written.map_err(|source| ExportError::write(target.name(), source))?;
-    target.commit()?;
-    Ok(())
+    io::refuse_input(scene, path)
 }

@@ -1,16 +1,15 @@
-//! The bars of `mechanim sensitivity --plot`: a row for each dimension, a column for each measure.
+//! The file of `mechanim sensitivity --plot`.
 
-use super::paths::refuse_input;
-use crate::cli::args::SceneArgs;
-use crate::cli::motion::plot;
-use crate::cli::motion::plot::PlotFormat;
-use crate::cli::study::sensitivity::Table;
+use crate::charts;
+use crate::cli::args::scene::SceneArgs;
+use crate::cli::files::chart;
+use crate::cli::files::chart::PlotFormat;
+use crate::cli::io;
 use crate::cli::term::outcome::Failure;
 use crate::export::Output;
-use crate::model::measure::Measure;
-use crate::model::mechanism::{Kind, Mechanism};
 use crate::plot::Theme;
-use crate::plot::bars::{BarBlock, BarChart, BarColumn, draw, usual_size};
+use crate::plot::bars::{draw, usual_size};
+use crate::report::sensitivity::Table;
 use std::path::Path;
 
 /// A file that is to hold bars.
@@ -21,72 +20,20 @@ pub struct BarFile {
 
 /// Opens the file before anything is computed.
 pub fn open(scene: &SceneArgs, path: &Path) -> Result<BarFile, Failure> {
-    refuse_input(scene, path)?;
+    io::refuse_input(scene, path)?;
     Ok(BarFile {
         format: PlotFormat::of(path)?,
-        output: plot::open(path)?,
+        output: io::open(path)?,
     })
 }
 
 impl BarFile {
     /// Draws the table; measure `rank` decides the order and comes first.
     pub fn write(mut self, table: &Table, rank: usize) -> Result<(), Failure> {
-        let chart = chart(table, rank);
+        let chart = charts::sensitivity::chart(table, rank);
         let drawing = draw(&chart, usual_size(&chart), Theme::LIGHT);
-        plot::write_drawing(&drawing, self.format, self.output.as_mut())?;
+        chart::write_drawing(&drawing, self.format, self.output.as_mut())?;
         self.output.commit()?;
         Ok(())
-    }
-}
-
-fn chart(table: &Table, rank: usize) -> BarChart {
-    let mechanism = &table.opened.family.mechanism();
-    let (measures, variables) = (
-        table.opened.measures(),
-        &table.opened.family.study.variables,
-    );
-    let mut columns: Vec<usize> = (0..measures.len()).collect();
-    columns.retain(|m| *m != rank);
-    columns.insert(0, rank);
-    let kinds = [Kind::Length, Kind::Angle, Kind::Number];
-    let blocks = kinds.into_iter().filter_map(|kind| {
-        let of_kind = |v: &&usize| variables[**v].kind == kind;
-        let rows: Vec<usize> = table.order.iter().filter(of_kind).copied().collect();
-        (!rows.is_empty()).then(|| BarBlock {
-            heading: format!("per {}", unit(mechanism, kind)),
-            rows: rows.iter().map(|v| variables[*v].name.clone()).collect(),
-            columns: columns
-                .iter()
-                .map(|m| BarColumn {
-                    label: label(mechanism, &measures[*m]),
-                    values: rows.iter().map(|v| table.slope(*m, *v)).collect(),
-                })
-                .collect(),
-        })
-    });
-    let blocks: Vec<BarBlock> = blocks.collect();
-    let ranked = &measures[rank].name;
-    BarChart {
-        title: mechanism.title.clone(),
-        description: format!("Derivatives of the measures by the dimensions, ranked by d{ranked}"),
-        blocks,
-        notes: vec![format!(
-            "Exact derivatives, ranked by d{ranked}; every column has a scale of its own."
-        )],
-    }
-}
-
-fn unit(mechanism: &Mechanism, kind: Kind) -> &str {
-    match kind {
-        Kind::Length => &mechanism.length_unit,
-        Kind::Angle => &mechanism.angle_unit.name,
-        Kind::Number => "1",
-    }
-}
-
-fn label(mechanism: &Mechanism, measure: &Measure) -> String {
-    match measure.kind {
-        Kind::Number => format!("d{}", measure.name),
-        kind => format!("d{} [{}]", measure.name, unit(mechanism, kind)),
     }
 }

@@ -5,11 +5,13 @@ use super::paths::PathLine;
 use crate::analysis::cloud::{PathCloud, clouds};
 use crate::analysis::study::Stand;
 use crate::analysis::tolerance::Batch;
-use crate::cli::CANCEL;
-use crate::cli::args::charts::ThemeArg;
+use crate::charts::cloud::chart;
 use crate::cli::args::study::ToleranceArgs;
-use crate::cli::motion::plot;
-use crate::cli::motion::plot::PlotFormat;
+use crate::cli::args::values::ThemeArg;
+use crate::cli::files::chart;
+use crate::cli::files::chart::PlotFormat;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
 use crate::cli::motion::solve::up_to;
 use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
@@ -17,7 +19,6 @@ use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
-use crate::plot::cloud::chart;
 use crate::plot::primitive::Stroke;
 use crate::scene::load;
 use crate::staging::{PictureOptions, Staging};
@@ -69,12 +70,12 @@ pub fn write(
         let format = PlotFormat::of(path)?;
         let mechanism = family.mechanism();
         let chart = chart(&mechanism.title, &mechanism.length_unit, &found);
-        let mut output = plot::open(path)?;
-        plot::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+        let mut output = io::open(path)?;
+        chart::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
         output.commit()?;
     }
     if let Some(path) = &args.picture {
-        paths::write(&picture(args, opened, &found)?, path)?;
+        io::write_png(&picture(args, opened, &found)?, path)?;
     }
     Ok(())
 }
@@ -86,7 +87,7 @@ pub fn refuse(args: &ToleranceArgs) -> Result<(), Failure> {
     }
     if let Some(path) = &args.plot {
         PlotFormat::of(path)?;
-        paths::refuse_input(&args.scene, path)?;
+        io::refuse_input(&args.scene, path)?;
     }
     Ok(())
 }

@@ -1,17 +1,12 @@
-//! Events of a trajectory in words and the outcome they mean; reports as JSON files.
+//! Events of a trajectory in words and the outcome they mean.
 
-use crate::cli::args::SceneArgs;
-use crate::cli::open::scene as open_scene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::{ExportError, Output, Stream, Target};
 use crate::kinematics::motion::feasible::feasible_inputs;
-use crate::kinematics::motion::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
+use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
-use serde_json::Value;
-use std::path::Path;
 
 /// Angles above this are no rounding of a zero.
 const SEEN_ANGLE: f64 = 5e-7;
@@ -297,37 +292,4 @@ fn contradiction(system: &System, event: &Event) -> Option<String> {
     Some(format!(
         "`{name}` has {rows} equations and {unknowns} unknowns: {fit} exactly"
     ))
-}
-
-/// Writes a report to a file, or to standard output for `-`; never over an input of the command.
-pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<(), Failure> {
-    write_text(scene, path, &format!("{document:#}\n"))
-}
-
-/// The same for any text.
-pub fn write_text(scene: &SceneArgs, path: &Path, text: &str) -> Result<(), Failure> {
-    if path != Path::new("-") && open_scene::is_scene_file(scene, path) {
-        return Err(Failure::usage(
-            format!("{} is an input of this command", path.display()),
-            Vec::new(),
-        ));
-    }
-    write_out(path, text)
-}
-
-/// Writes a JSON document to a file, or to standard output for `-`.
-pub fn write_document(path: &Path, document: &Value) -> Result<(), Failure> {
-    write_out(path, &format!("{document:#}\n"))
-}
-
-fn write_out(path: &Path, text: &str) -> Result<(), Failure> {
-    let mut output: Box<dyn Output> = if path == Path::new("-") {
-        Box::new(Stream::new("standard output", std::io::stdout()))
-    } else {
-        Box::new(Target::create(path)?)
-    };
-    let written = output.write_all(text.as_bytes());
-    written.map_err(|source| ExportError::write(output.name(), source))?;
-    output.commit()?;
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Measures of a motion as `check` and `solve` show them.
 
 use crate::kinematics::measures::measure;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::Measure;
 use crate::model::mechanism::Kind;

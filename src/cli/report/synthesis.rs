@@ -3,8 +3,9 @@
 use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{Start, Synthesis, ended};
-use crate::cli::open::study::{Opened, aligned, six};
+use crate::cli::open::study::Opened;
 use crate::model::measure::Measure;
+use crate::report::cells::{aligned, six};
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
@@ -40,7 +41,7 @@ impl Found<'_> {
     }
 
     fn violation(&self, proof: &Proof) -> f64 {
-        let pairs = self.opened.measures().iter().zip(&proof.measures);
+        let pairs = self.opened.family.measures.list.iter().zip(&proof.measures);
         let values = pairs.map(|(m, v)| m.violation(v.unwrap_or(f64::NAN)));
         values.fold(f64::NEG_INFINITY, |worst, v| {
             if v > worst || v.is_nan() { v } else { worst }
@@ -58,7 +59,7 @@ impl Found<'_> {
             Ok(proof) => proof.measures[index],
             Err(_) => None,
         };
-        let shown = |v: f64| self.opened.shown(measure, v);
+        let shown = |v: f64| self.opened.family.shown(measure, v);
         [
             printed.map(|(_, v)| shown(*v)),
             Some(shown(self.own[index])),
@@ -78,8 +79,8 @@ fn words(list: &[&str]) -> Vec<String> {
 /// One scene for people.
 pub fn text(found: &Found) -> String {
     let (opened, synthesis) = (found.opened, &found.synthesis);
-    let objective = opened.objective();
-    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
+    let objective = opened.family.objective();
+    let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
     let mut text = format!("{}\n", opened.family.mechanism().title);
     if let Some(note) = &opened.family.study.note {
@@ -160,7 +161,7 @@ fn variables(found: &Found) -> String {
     let study = &found.opened.family.study;
     let mut table = vec![words(&["variable", "scene", "found", "lowest", "highest"])];
     for (variable, x) in study.variables.iter().zip(&found.synthesis.best) {
-        let unit = found.opened.units(variable.kind);
+        let unit = found.opened.family.units(variable.kind);
         let numbers = [variable.start, *x, variable.lower, variable.upper];
         let mut row = vec![variable.name.clone()];
         row.extend(numbers.map(|v| six(v * unit)));
@@ -171,7 +172,7 @@ fn variables(found: &Found) -> String {
 
 fn measures(found: &Found) -> String {
     let mut table = vec![words(&["measure", "printed", "scene", "found"])];
-    for (index, measure) in found.opened.measures().iter().enumerate() {
+    for (index, measure) in found.opened.family.measures.list.iter().enumerate() {
         let mut row = vec![measure.name.clone()];
         row.extend(found.values(index, measure).map(cell));
         table.push(row);
@@ -232,8 +233,21 @@ fn common(found: &[Found]) -> Vec<String> {
     let Some(first) = found.first() else {
         return Vec::new();
     };
-    let has = |one: &Found, name: &str| one.opened.measures().iter().any(|m| m.name == name);
-    let names = first.opened.measures().iter().map(|m| m.name.clone());
+    let has = |one: &Found, name: &str| {
+        one.opened
+            .family
+            .measures
+            .list
+            .iter()
+            .any(|m| m.name == name)
+    };
+    let names = first
+        .opened
+        .family
+        .measures
+        .list
+        .iter()
+        .map(|m| m.name.clone());
     names
         .filter(|name| found.iter().all(|one| has(one, name)))
         .collect()
@@ -255,7 +269,7 @@ pub fn ladder(found: &[Found]) -> String {
             "proved",
         ])];
         for one in found {
-            let measures = one.opened.measures().iter().enumerate();
+            let measures = one.opened.family.measures.list.iter().enumerate();
             for (index, measure) in measures.filter(|(_, m)| m.name == *name) {
                 let mut row = vec![
                     one.name.clone(),
@@ -281,7 +295,7 @@ pub fn rows(found: &[Found]) -> String {
     let mut text = "scene,kind,name,printed,scene_value,found\n".to_owned();
     let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:?}"));
     for one in found {
-        for (index, measure) in one.opened.measures().iter().enumerate() {
+        for (index, measure) in one.opened.family.measures.list.iter().enumerate() {
             let [printed, own, value] = one.values(index, measure).map(number);
             let name = &measure.name;
             text.push_str(&format!(
@@ -291,7 +305,7 @@ pub fn rows(found: &[Found]) -> String {
         }
         let study = &one.opened.family.study;
         for (variable, x) in study.variables.iter().zip(&one.synthesis.best) {
-            let unit = one.opened.units(variable.kind);
+            let unit = one.opened.family.units(variable.kind);
             let (own, value) = (variable.start * unit, x * unit);
             text.push_str(&format!(
                 "{},variable,{},,{own:?},{value:?}\n",
@@ -310,8 +324,8 @@ pub fn document(found: &[Found]) -> Value {
 
 fn scene_document(found: &Found) -> Value {
     let (opened, synthesis) = (found.opened, &found.synthesis);
-    let objective = opened.objective();
-    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
+    let objective = opened.family.objective();
+    let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
     let starts: Vec<Value> = synthesis
         .starts
         .iter()
@@ -330,14 +344,14 @@ fn scene_document(found: &Found) -> Value {
         })
         .collect();
     let mut measures = Map::new();
-    for (index, measure) in opened.measures().iter().enumerate() {
+    for (index, measure) in opened.family.measures.list.iter().enumerate() {
         let [printed, own, value] = found.values(index, measure);
         let entry = json!({ "printed": printed, "scene": own, "found": value });
         measures.insert(measure.name.clone(), entry);
     }
     let mut variables = Map::new();
     for (variable, x) in opened.family.study.variables.iter().zip(&synthesis.best) {
-        let unit = opened.units(variable.kind);
+        let unit = opened.family.units(variable.kind);
         let entry = json!({ "scene": variable.start * unit, "found": x * unit });
         variables.insert(variable.name.clone(), entry);
     }

@@ -1,15 +1,17 @@
 //! `mechanim accuracy`: routes along a motion, their time against their true error.
 
-use crate::analysis::precision_report;
 use crate::analysis::work_precision::{Study, StudyError, study};
+use crate::charts;
 use crate::cli::args::charts::AccuracyArgs;
-use crate::cli::motion::plot::{PlotFormat, open, write};
-use crate::cli::open::scene::{self as open_scene, OpenScene};
+use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::io;
+use crate::cli::open::scene as open_scene;
+use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::{ExportError, Output};
+use crate::export::Output;
 use crate::model::mechanism::Mechanism;
-use std::io::Write;
+use crate::report::precision;
 use std::path::Path;
 
 /// Pixels of the chart.
@@ -25,19 +27,12 @@ enum Format {
 /// Runs the verb.
 pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
     let format = args.out.as_deref().map(format).transpose()?;
-    if args
-        .out
-        .as_deref()
-        .is_some_and(|out| open_scene::is_scene_file(&args.scene, out))
-    {
-        return Err(Failure::usage(
-            "the report cannot be written over an input of this command",
-            Vec::new(),
-        ));
+    if let Some(out) = &args.out {
+        io::refuse_input(&args.scene, out)?;
     }
     let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
     let mechanism = &scene.mechanism;
-    let mut output = args.out.as_deref().map(open).transpose()?;
+    let mut output = args.out.as_deref().map(io::open).transpose()?;
     let study = match study(&system, &scene.actuation, args.poses, args.turns) {
         Ok(study) => study,
         Err(error @ StudyError::Gap { .. }) => {
@@ -47,18 +42,14 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
             });
         }
     };
-    crate::cli::motion::solve::refuse_interrupted()?;
+    crate::cli::interrupt::refuse_interrupted()?;
     if let (Some(format), Some(output)) = (format, output.as_mut()) {
         save(mechanism, &study, &format, args, output.as_mut())?;
     }
     if let Some(output) = output {
         output.commit()?;
     }
-    if args.out.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(precision_report::text(mechanism, &study).as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.out.as_deref(), &precision::text(mechanism, &study))?;
     Ok(Outcome::Done)
 }
 
@@ -86,7 +77,7 @@ fn save(
 ) -> Result<(), Failure> {
     let text = match format {
         Format::Chart(format) => {
-            let chart = precision_report::chart(mechanism, study);
+            let chart = charts::precision::chart(mechanism, study);
             return write(
                 &chart,
                 *format,
@@ -95,10 +86,9 @@ fn save(
                 output,
             );
         }
-        Format::Json => format!("{:#}\n", precision_report::json(mechanism, study)),
-        Format::Csv => precision_report::csv(study),
+        Format::Json => format!("{:#}\n", precision::json(mechanism, study)),
+        Format::Csv => precision::csv(study),
     };
-    let written = output.write_all(text.as_bytes());
-    written.map_err(|source| ExportError::write(output.name(), source))?;
+    output.emit(text.as_bytes())?;
     Ok(())
 }

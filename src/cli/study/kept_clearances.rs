@@ -4,11 +4,12 @@ use super::search_film::Improvement;
 use crate::analysis::optimise::Minimum;
 use crate::analysis::study::Evaluator;
 use crate::clearance::check::check;
-use crate::cli::open::study::{Opened, six};
+use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{frame_times, knots};
 use crate::kinematics::structure::system::System;
+use crate::report::cells::six;
 use crate::scene::{Overrides, load};
 use std::sync::Arc;
 

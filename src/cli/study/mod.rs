@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod kept_clearances;
+pub mod method;
 pub mod optimise;
 pub mod pairs;
 pub mod search_film;

@@ -1,32 +1,24 @@
 //! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
 
 use super::kept_clearances::Clearances;
+use super::method::{SCHEMA, ended, method, widen};
 use super::search_film::Improvement;
 use super::{kept_clearances as optimise_clearance, pairs, search_film as optimise_film};
 use crate::analysis::optimise::Ended;
-use crate::analysis::study::optimum::{Method, Optimum, Verified, optimise, verify};
-use crate::analysis::study::{Family, FamilyError};
-use crate::cli::CANCEL;
-use crate::cli::args::study::{MethodArg, OptimiseArgs};
-use crate::cli::open::scene as open_scene;
-use crate::cli::open::study::{Opened, aligned, open, six};
-use crate::cli::report::events as report;
+use crate::analysis::study::FamilyError;
+use crate::analysis::study::optimum::{Optimum, Verified, optimise, verify};
+use crate::cli::args::study::OptimiseArgs;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
+use crate::cli::open::study::{Opened, open};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
+use crate::report::cells::{aligned, six};
 use crate::scene::edit::with_values;
 use serde_json::{Value, json};
-use std::io::Write;
-use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-
-/// Version of the JSON documents.
-pub const SCHEMA: u32 = 1;
-
-/// Tolerances where none is asked for: what the common simplex search takes, and what rounding allows.
-const SIMPLEX_TOLERANCE: f64 = 1e-4;
-const GRADIENT_TOLERANCE: f64 = 1e-9;
 
 /// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
 const KEPT: f64 = 1e-6;
@@ -39,17 +31,14 @@ const SAME: f64 = 1e-6;
 
 /// Runs the verb.
 pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
-    if let Some(out) = &args.out
-        && open_scene::is_scene_file(&args.scene, out)
-    {
-        let message = format!("{} is an input of this command", out.display());
-        return Err(Failure::usage(message, Vec::new()));
+    if let Some(out) = &args.out {
+        io::refuse_input(&args.scene, out)?;
     }
     let film = args.film.as_deref().map(optimise_film::file);
     let film = film.transpose()?;
     let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
     // The best so far is worth waiting for.
-    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    crate::cli::interrupt::save_results();
     if let Some(share) = args.within {
         widen(&mut opened.family, share);
     }
@@ -76,7 +65,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
                 vec!["write them as a section of their own: [guess]".to_owned()],
             )
         })?;
-        report::write_text(&args.scene, out, &text)?;
+        io::write_text(&args.scene, out, &text)?;
         if !opened.overrides.inputs.is_empty() || opened.overrides.drives.is_some() {
             let out = out.display();
             term.warning(&format!(
@@ -92,13 +81,9 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         seconds,
     };
     if let Some(path) = &args.json {
-        report::write_json(&args.scene, path, &result.document())?;
+        io::write_json(&args.scene, path, &result.document())?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(result.text().as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.json.as_deref(), &result.text())?;
     if is_stopped {
         let kept = args.out.as_ref().map_or_else(
             || "the best so far was reported".to_owned(),
@@ -124,7 +109,10 @@ fn search(
 ) -> Result<(Optimum, Vec<Improvement>), Failure> {
     let progress = Progress::new(args.progress, term.quiet());
     let mut improvements: Vec<Improvement> = Vec::new();
-    let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
+    let unit = opened
+        .family
+        .objective()
+        .map_or(1.0, |m| opened.family.units(m.kind));
     let watch = |iteration: usize, values: &[f64], value: f64| {
         let text = format!("  iteration {iteration}: {}", six(value * unit));
         progress.say(&text, iteration.is_multiple_of(LINES_APART));
@@ -161,36 +149,6 @@ fn search(
     Ok((optimum, improvements))
 }
 
-/// Ranges of a share of the variables' values, in place of the study's.
-pub fn widen(family: &mut Family, share: f64) {
-    for variable in &mut family.study.variables {
-        let half = share * variable.start.abs();
-        if half > 0.0 {
-            (variable.lower, variable.upper) = (variable.start - half, variable.start + half);
-        }
-    }
-}
-
-/// The method asked for.
-pub fn method(args: &OptimiseArgs) -> Method {
-    let tolerance = |usual: f64| args.tolerance.unwrap_or(usual);
-    match args.method {
-        MethodArg::NelderMead => Method::NelderMead {
-            tolerance: tolerance(SIMPLEX_TOLERANCE),
-        },
-        MethodArg::Bfgs => Method::Bfgs {
-            tolerance: tolerance(GRADIENT_TOLERANCE),
-        },
-        MethodArg::Minimax => Method::Minimax {
-            tolerance: tolerance(GRADIENT_TOLERANCE),
-        },
-        MethodArg::Evolution => Method::Evolution {
-            tolerance: tolerance(GRADIENT_TOLERANCE),
-            seed: args.seed,
-        },
-    }
-}
-
 struct Report<'a> {
     opened: &'a Opened,
     optimum: &'a Optimum,
@@ -199,21 +157,13 @@ struct Report<'a> {
     seconds: f64,
 }
 
-/// The end of a search in words.
-pub fn ended(ended: Ended) -> &'static str {
-    match ended {
-        Ended::Converged => "converged",
-        Ended::Stalled => "no step gains any more",
-        Ended::OutOfBudget => "iterations used up",
-        Ended::Stopped => "interrupted, best so far",
-    }
-}
-
 impl Report<'_> {
     /// Name and unit of the objective.
     fn objective(&self) -> (&str, f64) {
-        let measure = self.opened.objective();
-        measure.map_or(("objective", 1.0), |m| (&m.name, self.opened.units(m.kind)))
+        let measure = self.opened.family.objective();
+        measure.map_or(("objective", 1.0), |m| {
+            (&m.name, self.opened.family.units(m.kind))
+        })
     }
 
     /// Whether the motion that was followed again is the one that was optimised.
@@ -227,7 +177,13 @@ impl Report<'_> {
 
     /// Name of the measure that breaks its limit most.
     fn worst_limit(&self, verified: &Verified) -> &str {
-        let measures = self.opened.measures().iter().zip(&verified.measures);
+        let measures = self
+            .opened
+            .family
+            .measures
+            .list
+            .iter()
+            .zip(&verified.measures);
         let broken = measures.map(|(m, v)| (m.violation(*v), &m.name));
         let worst = broken.max_by(|a, b| a.0.total_cmp(&b.0));
         worst.map_or("", |(_, name)| name)
@@ -265,7 +221,7 @@ impl Report<'_> {
                 .to_vec(),
         ];
         for (variable, x) in study.variables.iter().zip(&minimum.x) {
-            let unit = self.opened.units(variable.kind);
+            let unit = self.opened.family.units(variable.kind);
             let numbers = [variable.start, *x, variable.lower, variable.upper];
             let mut row = vec![variable.name.clone()];
             row.extend(numbers.map(|v| six(v * unit)));
@@ -279,9 +235,10 @@ impl Report<'_> {
                     v.poses, v.unproved, v.error_bound, self.opened.family.mechanism().length_unit
                 ));
                 let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
-                let measures = self.opened.measures().iter().zip(&v.measures);
+                let measures = self.opened.family.measures.list.iter().zip(&v.measures);
                 rows.extend(
-                    measures.map(|(m, v)| vec![m.name.clone(), six(self.opened.shown(m, *v))]),
+                    measures
+                        .map(|(m, v)| vec![m.name.clone(), six(self.opened.family.shown(m, *v))]),
                 );
                 text.push_str(&aligned(&rows));
                 if !self.agrees(v) {
@@ -307,12 +264,13 @@ impl Report<'_> {
         let (name, unit) = self.objective();
         let (minimum, study) = (&self.optimum.minimum, &self.opened.family.study);
         let variables = study.variables.iter().zip(&minimum.x).map(|(v, x)| {
-            let unit = self.opened.units(v.kind);
+            let unit = self.opened.family.units(v.kind);
             json!({ "name": v.name, "from": v.start * unit, "to": x * unit })
         });
         let verified = self.verified.as_ref().ok().map(|v| {
-            let measures = self.opened.measures().iter().zip(&v.measures);
-            let measures = measures.map(|(m, v)| (m.name.clone(), json!(self.opened.shown(m, *v))));
+            let measures = self.opened.family.measures.list.iter().zip(&v.measures);
+            let measures =
+                measures.map(|(m, v)| (m.name.clone(), json!(self.opened.family.shown(m, *v))));
             json!({
                 "poses": v.poses,
                 "unproved": v.unproved,

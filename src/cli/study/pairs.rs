@@ -1,19 +1,18 @@
 //! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
 
-use super::optimise::{SCHEMA, ended, method, widen};
+use super::method::{SCHEMA, ended, method, widen};
 use super::tolerance::cores;
 use crate::analysis::study::optimum::{Optimum, optimise};
 use crate::analysis::study::{Family, FamilyError};
-use crate::cli::CANCEL;
 use crate::cli::args::study::OptimiseArgs;
-use crate::cli::open::study::{Opened, aligned, six};
-use crate::cli::report::events as report;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
+use crate::cli::open::study::Opened;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
+use crate::report::cells::{aligned, six};
 use serde_json::{Value, json};
-use std::io::Write;
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -90,13 +89,12 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
             "title": opened.family.mechanism().title,
             "pairs": rows,
         });
-        report::write_json(&args.scene, path, &document)?;
+        io::write_json(&args.scene, path, &document)?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(ranking(opened, &ranked, args.worst, seconds).as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(
+        args.json.as_deref(),
+        &ranking(opened, &ranked, args.worst, seconds),
+    )?;
     if ranked.len() < jobs.len() {
         let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());
         return Err(Failure::Stopped(kept));
@@ -114,8 +112,8 @@ fn pair(args: &OptimiseArgs, opened: &Opened, names: &[String; 2]) -> Result<Opt
 }
 
 fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
-    let objective = opened.objective();
-    let unit = objective.map_or(1.0, |m| opened.units(m.kind));
+    let objective = opened.family.objective();
+    let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
     let mut rows = vec![
         ["pair", name, "first", "second", "evaluations"]
@@ -152,7 +150,7 @@ fn places(opened: &Opened, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
     let unit = |k: usize| {
         let mut variables = opened.family.study.variables.iter();
         let variable = variables.find(|v| v.name == pair.names[k]);
-        variable.map_or(1.0, |v| opened.units(v.kind))
+        variable.map_or(1.0, |v| opened.family.units(v.kind))
     };
     [0, 1].map(|k| optimum.minimum.x[k] * unit(k))
 }

@@ -4,7 +4,7 @@
 use crate::cli::args::files::{FileArgs, ProgressArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::Film;
-use crate::cli::open::study::{Opened, six};
+use crate::cli::open::study::Opened;
 use crate::cli::pictures::paths;
 use crate::cli::pictures::paths::PathLine;
 use crate::cli::term::Term;
@@ -12,11 +12,12 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::measures::poses_of;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::even_times;
-use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;
 use crate::plot::theme::Dashes;
+use crate::report::cells::six;
 use crate::scene::{Overrides, Scene, load};
 use crate::staging::outlook::Outlook;
 use crate::staging::{PictureOptions, Staging};
@@ -170,9 +171,9 @@ fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let paths = paths(&scene, &system);
     let trajectory = solve(&system, &scene.actuation, &[0.0]);
-    let (name, unit) = opened
-        .objective()
-        .map_or(("objective", 1.0), |m| (&m.name, opened.units(m.kind)));
+    let (name, unit) = opened.family.objective().map_or(("objective", 1.0), |m| {
+        (&m.name, opened.family.units(m.kind))
+    });
     let text = format!(
         "{name} = {}   iteration {}",
         six(improvement.objective * unit),

@@ -5,14 +5,15 @@ use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::prove;
 use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
-use crate::cli::CANCEL;
-use crate::cli::args::SceneArgs;
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
-use crate::cli::open::study::{Opened, open, six};
-use crate::cli::report::events as report;
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
+use crate::cli::open::study::{Opened, open};
 use crate::cli::report::synthesis::{Found, document, ladder, rows, text};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::report::cells::six;
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::io::Write;
@@ -30,7 +31,7 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     let targets = targets(args)?;
     // The best so far is worth waiting for.
-    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    crate::cli::interrupt::save_results();
     let mut found = Vec::new();
     for ((opened, scene), name) in opened.iter().zip(&scenes).zip(&args.scenes) {
         if CANCEL.load(Ordering::Relaxed) {
@@ -39,18 +40,18 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         term.note(&format!("{name}:"));
         let one = one(args, opened, name, term)?;
         if let Some(out) = targets.get(found.len()) {
-            report::write_text(scene, out, &one.scene)?;
+            io::write_text(scene, out, &one.scene)?;
         }
         found.push(one);
     }
     let stopped = CANCEL.load(Ordering::Relaxed);
     if let Some(path) = &args.json {
-        report::write_document(path, &document(&found))?;
+        io::write_document(path, &document(&found))?;
     }
     if let Some(path) = &args.csv
         && let Some(scene) = scenes.first()
     {
-        report::write_text(scene, path, &rows(&found))?;
+        io::write_text(scene, path, &rows(&found))?;
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         let mut out = std::io::stdout().lock();
@@ -91,8 +92,7 @@ fn targets(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
     };
     if let [scene] = args.scenes.as_slice() {
         if Path::new(scene) == out {
-            let message = format!("{} is an input of this command", out.display());
-            return Err(Failure::usage(message, Vec::new()));
+            return Err(io::is_input(out));
         }
         return Ok(vec![out.clone()]);
     }
@@ -131,7 +131,10 @@ fn one<'a>(
         overrides: &opened.overrides,
         parameters: &parameters,
     };
-    let unit = opened.objective().map_or(1.0, |m| opened.units(m.kind));
+    let unit = opened
+        .family
+        .objective()
+        .map_or(1.0, |m| opened.family.units(m.kind));
     let done = |index: usize, start: &Start| {
         let from = start.origin.words();
         let (first, last) = (six(start.first * unit), six(start.value() * unit));
@@ -172,7 +175,7 @@ fn written(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String)
             .map(|(u, value)| {
                 (
                     u.name.clone(),
-                    format!("{:?}", value * opened.units(u.kind)),
+                    format!("{:?}", value * opened.family.units(u.kind)),
                 )
             })
             .collect(),

@@ -2,21 +2,19 @@
 
 use crate::analysis::study::{Evaluator, Gradients};
 use crate::analysis::tolerance::{Batch, Distribution, Linear, Pieces, linear, pieces};
-use crate::cli::CANCEL;
 use crate::cli::args::study::{DistributionArg, ToleranceArgs};
-use crate::cli::open::scene as open_scene;
-use crate::cli::open::study::{Opened, aligned, open, six};
+use crate::cli::interrupt::CANCEL;
+use crate::cli::io;
+use crate::cli::open::study::{Opened, open};
 use crate::cli::pictures::tolerance_cloud as tolerance_picture;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::export::{ExportError, Output, Target};
 use crate::model::measure::Measure;
+use crate::report::cells::{aligned, six};
 use serde_json::{Map, Value, json};
 use std::io::Write;
-use std::path::Path;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Version of the JSON document.
@@ -29,7 +27,7 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_picture::refuse(args)?;
     // The pieces made so far are worth waiting for.
-    crate::cli::SAVES.store(true, Ordering::Relaxed);
+    crate::cli::interrupt::save_results();
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let tolerances = tolerances(&opened, args.tolerance)?;
@@ -70,23 +68,16 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         seconds: start.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.csv {
-        if open_scene::is_scene_file(&args.scene, path) {
-            let message = format!("{} is an input of this command", path.display());
-            return Err(Failure::usage(message, Vec::new()));
-        }
+        io::refuse_input(&args.scene, path)?;
         let mut target = Target::create(path)?;
         let written = result.csv(&mut target);
         written.map_err(|source| ExportError::write(target.name(), source))?;
         target.commit()?;
     }
     if let Some(path) = &args.json {
-        report::write_json(&args.scene, path, &result.document())?;
+        io::write_json(&args.scene, path, &result.document())?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        out.write_all(result.text().as_bytes())?;
-        out.flush()?;
-    }
+    io::print_beside(args.json.as_deref(), &result.text())?;
     if !is_whole {
         let done = result.pieces.made;
         return Err(Failure::Stopped(format!(
@@ -105,7 +96,8 @@ pub fn cores() -> usize {
 fn tolerances(opened: &Opened, general: Option<f64>) -> Result<Vec<f64>, Failure> {
     let variables = &opened.family.study.variables;
     let of = |v: &crate::model::study::Variable| {
-        v.tolerance.or(general.map(|t| t / opened.units(v.kind)))
+        v.tolerance
+            .or(general.map(|t| t / opened.family.units(v.kind)))
     };
     let list: Vec<Option<f64>> = variables.iter().map(of).collect();
     let missing: Vec<&str> = variables
@@ -153,8 +145,8 @@ impl Report<'_> {
             "99.9 %",
         ];
         let mut rows = vec![heads.map(str::to_owned).to_vec()];
-        for (index, measure) in self.opened.measures().iter().enumerate() {
-            let unit = self.opened.units(measure.kind);
+        for (index, measure) in self.opened.family.measures.list.iter().enumerate() {
+            let unit = self.opened.family.units(measure.kind);
             let Linear {
                 root_sum_square,
                 worst_case,
@@ -188,7 +180,7 @@ impl Report<'_> {
             "\nRSS and worst case: linear, of the tolerances. Deviation: of the pieces, and what the linear rule expects.\n",
         );
         let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
-        if self.opened.measures().iter().any(limited) {
+        if self.opened.family.measures.list.iter().any(limited) {
             let share = 100.0 * self.pieces.good as f64 / samples as f64;
             text.push_str(&format!(
                 "Yield: {} of {samples} ({share:.3} %) keep the limits of all measures.\n",
@@ -205,8 +197,8 @@ impl Report<'_> {
     fn document(&self) -> Value {
         let study = &self.opened.family.study;
         let mut measures = Map::new();
-        for (index, measure) in self.opened.measures().iter().enumerate() {
-            let unit = self.opened.units(measure.kind);
+        for (index, measure) in self.opened.family.measures.list.iter().enumerate() {
+            let unit = self.opened.family.units(measure.kind);
             let linear = self.linear[index];
             let scatter = self.pieces.scatter(index, &SHARES);
             let quantiles = scatter.as_ref().map(|s| {
@@ -242,7 +234,7 @@ impl Report<'_> {
     }
 
     fn csv(&self, target: &mut Target) -> std::io::Result<()> {
-        let measures = self.opened.measures();
+        let measures = &self.opened.family.measures.list;
         let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
         writeln!(target, "piece,{}", names.join(","))?;
         for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {
@@ -250,7 +242,11 @@ impl Report<'_> {
             for (measure, value) in measures.iter().zip(piece) {
                 match value.is_nan() {
                     true => write!(target, ",")?,
-                    false => write!(target, ",{:?}", value * self.opened.units(measure.kind))?,
+                    false => write!(
+                        target,
+                        ",{:?}",
+                        value * self.opened.family.units(measure.kind)
+                    )?,
                 }
             }
             writeln!(target)?;

@@ -4,7 +4,7 @@ pub mod clock;
 pub mod outcome;
 pub mod progress;
 
-use super::args::ColourChoice;
+use super::args::values::ColourChoice;
 use crate::diag::{Diagnostic, Diagnostics, Severity, Source};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;

@@ -25,9 +25,11 @@
 //! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
 //! simpler, and a few times less sharp. The motion between poses is proved there too.
 
+pub mod neighbourhood;
 pub mod pose;
 pub mod tube;
 
+use super::results::certificate::{Certificate, Reason};
 use super::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::Argument;
@@ -36,70 +38,6 @@ use crate::numbers::double_double::Double;
 use pose::chain::{ArgumentDouble, U};
 use pose::kantorovich::{Earlier, Kantorovich};
 use pose::system::BlockSystem;
-
-/// Radius (radians, mechanism sizes) in which the second derivatives are bounded: larger ones prove no more in
-/// practice, and the reach of sliders grows with it.
-pub const BALL: f64 = 0.25;
-
-/// What could be proved about a pose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Certificate {
-    /// An exact closed pose exists.
-    Certified {
-        /// No unknown differs from it by more: lengths and plain numbers as they are; angles as radians times the
-        /// mechanism's size.
-        error_bound: f64,
-        /// It is the only one within this distance, measured likewise.
-        unique_radius: f64,
-    },
-    /// An exact closed pose exists, but angles of a ball joint are locked, so that only its rotation is proved.
-    Locked {
-        /// As above, where the three angles of every ball joint are replaced by the rotation vector that leads to the
-        /// exact pose, in the frame behind the joint.
-        error_bound: f64,
-        /// It is the only one within this distance, measured likewise.
-        unique_radius: f64,
-    },
-    /// Nothing was proved.
-    Refused {
-        /// Why.
-        reason: Reason,
-    },
-}
-
-/// Why a pose has no certificate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// A formula has no bounded derivatives here: a kink, a pole, the end of its range.
-    Formula,
-    /// Too near a singular pose (or too far from a closed one) for the test to succeed.
-    Singular,
-    /// The angles of a ball joint are locked, and its rotation has no proof either.
-    GimbalLock,
-    /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
-    HalfTurn,
-    /// An equation that the proof leaves out does not hold.
-    Open,
-    /// Nobody wanted one.
-    NotAsked,
-}
-
-impl Reason {
-    /// The word used in reports.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Formula => "formula",
-            Self::Singular => "near-singular",
-            Self::GimbalLock => "gimbal-lock",
-            Self::HalfTurn => "half-turn",
-            Self::Open => "open",
-            Self::NotAsked => "not-asked",
-        }
-    }
-}
-
-/// Affine forms of the arguments, then of the equations; `None` for formulas.
-type Forms = [Option<Affine>];
 
 /// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
 /// involved.

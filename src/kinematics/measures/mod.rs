@@ -3,8 +3,8 @@
 pub mod reduce;
 
 use super::motion::continuation::solve;
-use super::motion::trajectory::{ClosedPose, Sample, Trajectory};
 use super::rates::higher_order::{observed_slots, rates};
+use super::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};

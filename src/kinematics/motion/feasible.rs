@@ -5,7 +5,7 @@
 //! the sweep can be missed, and so can assemblies that the start values do not lead to.
 
 use super::continuation::solve;
-use super::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};

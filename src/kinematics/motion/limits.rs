@@ -6,9 +6,9 @@
 
 use super::continuation::solve;
 use super::sampling::is_cyclic;
-use super::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::loops::forward;
 use crate::kinematics::rates::higher_order::{By, RateColumns};
+use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;

@@ -5,4 +5,3 @@ pub mod feasible;
 pub mod limits;
 pub mod sampling;
 pub mod tracker;
-pub mod trajectory;

@@ -1,6 +1,6 @@
 //! At which times a drive is sampled. Times are computed from their index, never summed up.
 
-use super::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};

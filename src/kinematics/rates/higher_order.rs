@@ -5,7 +5,7 @@
 //! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
@@ -14,9 +14,6 @@ use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::numbers::series::{Series, drive, evaluate};
 use glam::{DMat3, DVec3};
-
-/// Highest order the command line offers; the cost grows with the third power.
-pub const MAX_ORDER: usize = 8;
 
 /// Pivots below this share of the largest one have no direction to divide by. A fold is found to the square root of
 /// rounding (1.5e-8), so a pose within four times that may be the fold itself, where rates are infinite.

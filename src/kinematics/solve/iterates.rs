@@ -2,10 +2,10 @@
 //! of every loop. Plain Newton on every block in its order, without the safeguards of the solver.
 
 use super::newton::CLOSURE_TOLERANCE;
-use crate::kinematics::certificate::{Certificate, Reason};
 use crate::kinematics::loops::forward;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::motion::trajectory::{ClosedPose, Sample, Trajectory};
+use crate::kinematics::results::certificate::{Certificate, Reason};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;

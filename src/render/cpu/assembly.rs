@@ -4,7 +4,7 @@ use super::clip::{Corner, clip};
 use super::lens::{Lens, OUTSIDE, Vertex};
 use super::samples::Pattern;
 use super::solid::Solid;
-use super::tile::TILE;
+use super::window::TILE;
 use crate::math::narrow_pose;
 use crate::render::colour::Curve;
 use crate::render::look::Rgb;

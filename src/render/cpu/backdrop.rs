@@ -2,7 +2,7 @@
 //!
 //! All but the shadow is the same in every frame and made once.
 
-use super::tile::TILE;
+use super::window::TILE;
 use crate::render::colour::Curve;
 use crate::render::contact_shadow::{ContactShadow, TexelPlace};
 use crate::render::ground::GroundView;

@@ -3,9 +3,9 @@
 //! Exact as the rest: what an edge leaves out is decided in 64 bits.
 
 use super::lens::Vertex;
-use super::raster::{Cells, Edges, Plane, Side, Visit, Window, scan};
+use super::raster::{Cells, Edges, Plane, Side, Visit, scan};
 use super::samples::{LANES, Pattern, SUBPIXEL_BITS, SUBPIXELS};
-use super::tile::TILE;
+use super::window::{TILE, Window};
 use wide::{f32x4, i32x4};
 
 /// Side of the smallest block in pixels.

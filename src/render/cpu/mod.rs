@@ -8,14 +8,18 @@
 mod assembly;
 mod backdrop;
 mod blocks;
+mod cell;
 mod clip;
 mod lens;
 mod raster;
+mod rasterise;
 mod samples;
 mod shading;
 mod solid;
 mod tile;
 mod translucent;
+mod view;
+mod window;
 
 use super::contact_shadow::{ContactShadow, ShadowCaster};
 use super::look::Surroundings;
@@ -24,10 +28,11 @@ use assembly::Assembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
 use lens::Lens;
-use raster::Window;
 use solid::Solid;
 use std::sync::Arc;
-use tile::{TILE, Tile, View};
+use tile::Tile;
+use view::View;
+use window::{TILE, Window};
 
 /// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits.
 pub const MAX_SIDE: u32 = 8192;

@@ -2,7 +2,7 @@
 //!
 //! The same places as a GPU's, so that both renderers' edges fall on the same pixels.
 
-use super::RenderError;
+use crate::render::RenderError;
 use wide::f32x4;
 
 /// Bits of a pixel's fraction in screen coordinates, as graphics interfaces ask for.

@@ -1,63 +1,20 @@
 //! One tile of the picture: nearest facet of every sample, then light, then bytes.
 
 use super::assembly::{Assembly, Bin};
-use super::backdrop::Backdrop;
-use super::lens::Lens;
-use super::raster::{Window, rasterise};
+use super::cell::{Cell, NOTHING, facets_of};
+use super::rasterise::rasterise;
 use super::samples::{LANES, Pattern, SUBPIXELS};
 use super::shading::{Batch, normal_at};
 use super::translucent::Layers;
+use super::view::View;
+use super::window::{AREA, TILE, Window, for_pixels};
 use crate::render::colour::Curve;
-use crate::render::contact_shadow::ContactShadow;
-use crate::render::look::Surroundings;
 use wide::{f32x4, i32x4};
 
-/// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
-/// cache holds.
-pub(super) const TILE: usize = 32;
-/// Pixels of a tile.
-pub(super) const AREA: usize = TILE * TILE;
-/// No facet: the backdrop is seen.
-pub(super) const NOTHING: i32 = -1;
 /// Marks the colour of a pixel in which no facet is seen.
 const BARE: [f32; 3] = [-1.0; 3];
 /// Most samples of a pixel.
 const MOST_SAMPLES: usize = 16;
-
-/// What is the same for all tiles of a frame.
-#[derive(Clone, Copy)]
-pub(super) struct View<'a> {
-    pub(super) assembly: &'a Assembly,
-    pub(super) lens: &'a Lens,
-    pub(super) backdrop: &'a Backdrop,
-    pub(super) shadow: Option<&'a ContactShadow>,
-    pub(super) around: Surroundings,
-    /// Whether something may be below the ground.
-    pub(super) below_ground: bool,
-}
-
-/// The samples of one cell, `G` vectors.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cell<const G: usize> {
-    pub(super) depth: [[f32; LANES]; G],
-    facet: [[i32; LANES]; G],
-}
-
-impl<const G: usize> Cell<G> {
-    const BARE: Self = Self {
-        depth: [[f32::NEG_INFINITY; LANES]; G],
-        facet: [[NOTHING; LANES]; G],
-    };
-}
-
-/// Facets of the `S` samples of a pixel of a tile.
-#[inline(always)]
-fn facets_of<const S: usize, const G: usize>(cells: &[Cell<G>], pixel: usize) -> [i32; S] {
-    let lane = pixel * S;
-    let cell = &cells[lane / (LANES * G)];
-    let lanes = cell.facet.as_flattened();
-    std::array::from_fn(|s| lanes[(lane + s) % (LANES * G)])
-}
 
 /// The samples of one tile, reused for all, row by row.
 #[derive(Clone, Debug)]
@@ -339,17 +296,6 @@ impl Batch {
         );
         if self.is_full() {
             self.flush(&view.around, colour);
-        }
-    }
-}
-
-/// Calls `visit` with the index in the tile, x and y of every pixel of the window, row by row.
-#[inline(always)]
-pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32)) {
-    for y in window.y[0]..=window.y[1] {
-        let row = (y - window.y[0]) as usize * TILE;
-        for x in window.x[0]..=window.x[1] {
-            visit(row + (x - window.x[0]) as usize, x, y);
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Translucent facets over an opaque tile: a colour for every sample, blended far to near.
 
 use super::assembly::Bin;
-use super::raster::{Window, rasterise};
+use super::cell::{Cell, NOTHING};
+use super::rasterise::rasterise;
 use super::samples::{LANES, Pattern};
 use super::shading::{light, normal_at, unit};
-use super::tile::{AREA, Cell, NOTHING, TILE, View, for_pixels};
+use super::view::View;
+use super::window::{AREA, TILE, Window, for_pixels};
 use crate::render::look::{self, Rgb};
 use wide::f32x4;
 

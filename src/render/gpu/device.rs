@@ -129,10 +129,10 @@ impl Device {
 
 fn supported_sample_counts(adapter: &wgpu::Adapter) -> Vec<u32> {
     let colour = adapter
-        .get_texture_format_features(super::target::COLOUR_FORMAT)
+        .get_texture_format_features(super::formats::COLOUR_FORMAT)
         .flags;
     let depth = adapter
-        .get_texture_format_features(super::target::DEPTH_FORMAT)
+        .get_texture_format_features(super::formats::DEPTH_FORMAT)
         .flags;
     let resolvable = wgpu::TextureFormatFeatureFlags::MULTISAMPLE_RESOLVE;
     (colour & depth)

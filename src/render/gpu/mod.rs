@@ -6,6 +6,7 @@
 pub mod adapter;
 mod buffers;
 mod device;
+mod formats;
 mod frame;
 mod layout;
 mod pipelines;

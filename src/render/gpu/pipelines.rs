@@ -1,8 +1,8 @@
 //! The four ways of drawing: bodies with and without their back faces, translucent faces, and the ground.
 
 use super::device::Device;
+use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT};
 use super::layout::{InstanceData, Vertex};
-use super::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 use wgpu::Face;
 
 /// All pipelines of one number of samples; clones are the same ones.

@@ -1,14 +1,9 @@
 //! The textures a picture is drawn into and the buffer it is read back through.
 
 use super::device::Device;
+use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT};
 use crate::render::RenderError;
 use image::RgbaImage;
-
-/// Colour as stored: the sRGB curve is applied by the hardware, after blending and averaging in linear light.
-pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-
-/// Depth, reversed: 1 near, 0 far.
-pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Bytes of a pixel.
 const PIXEL: u32 = 4;

@@ -2,17 +2,18 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
-use super::super::reader::FormulaText;
 use super::super::shapes::{ShapeFile, SolidFile};
 use super::joints::Joints;
 use super::names::Names;
-use super::parsed::{Parsed, expression};
+use super::parsed::Parsed;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::geometry::stl::read_stl;
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
 use crate::model::shape::{Shape, Solid, TriangleSoup};
+use crate::scene::values::FormulaText;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 //! The keys of `[view]` that move the camera.
 
-use super::super::reader::FormulaText;
 use super::super::views::{CameraKeyFile, ViewFile};
 use super::bodies::Constants;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::camera_path::{CameraKey, CameraPath};
+use crate::scene::values::FormulaText;
 
 /// Most degrees that an orbit turns.
 pub const MOST_ORBIT: f64 = 36_000.0;

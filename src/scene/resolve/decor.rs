@@ -1,11 +1,11 @@
 //! The keys of `[view]` that say what is shown beside the bodies.
 
-use super::super::reader::FormulaText;
 use super::super::views::ViewFile;
 use super::bodies::Constants;
 use super::choices::{AXES, MOST_GHOSTS, TRAILS, choice};
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::view::{Decor, Ghosts, Trails};
+use crate::scene::values::FormulaText;
 
 /// Resolves them; what is wrong is said and left as if it were absent.
 pub fn resolve(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics) -> Decor {

@@ -4,14 +4,15 @@ use super::super::file::SceneFile;
 use super::super::formula::compile::{Value, compile, constant};
 use super::super::formula::kinds::to_radians;
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
-use super::super::reader::{FormulaText, Spanned};
 use super::bodies::Constants;
 use super::names::Names;
 use super::outputs::{Scope, kind_of};
-use super::parsed::expression;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::model::measure::{Measure, MeasureSource, Taking, Track};
 use crate::model::mechanism::Kind;
+use crate::scene::reader::Spanned;
+use crate::scene::values::FormulaText;
 
 /// Most poses of a track: each is solved whenever the measures are asked for.
 const MOST_SAMPLES: f64 = 10_000.0;

@@ -3,6 +3,7 @@
 pub mod bodies;
 pub mod camera;
 pub mod choices;
+mod clearance;
 mod contacts;
 mod coordinates;
 mod decor;
@@ -13,16 +14,16 @@ mod measures;
 mod names;
 mod outputs;
 mod parsed;
+mod parsing;
 mod plots;
 mod study;
 mod symbolic;
 mod varied;
 mod view;
 
-use super::file::{InputFile, SceneFile};
-use super::plots::PlotFile;
-use super::reader::{FormulaText, Spanned};
-use super::{Overrides, Scene};
+use super::file::SceneFile;
+use super::loaded::Scene;
+use super::overrides::Overrides;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
@@ -32,86 +33,16 @@ use contacts::closure::Contacts;
 use names::Names;
 use outputs::Scope;
 use parsed::Parsed;
-use std::path::Path;
 use std::sync::Arc;
 
-/// Offset given to formulas that are not in the file, so that their places are never shown.
-const OUTSIDE: usize = usize::MAX / 2;
-
-/// Puts the command line's values in place of the file's.
-pub fn apply_overrides(file: &mut SceneFile, overrides: &Overrides, diagnostics: &mut Diagnostics) {
-    let mut unknown = |what: &str, name: &str, known: Vec<&str>| {
-        diagnostics.push(
-            Diagnostic::error(format!("the scene has no {what} `{name}`"))
-                .suggest(name, known.iter().copied())
-                .hint(if known.is_empty() {
-                    format!("it has no {what} at all")
-                } else {
-                    format!("it has: {}", known.join(", "))
-                }),
-        );
-    };
-    for (name, text) in &overrides.parameters {
-        match file.parameters.iter_mut().find(|(n, _)| n.value == *name) {
-            Some((_, formula)) => *formula = outside(text),
-            None => unknown(
-                "parameter",
-                name,
-                file.parameters
-                    .iter()
-                    .map(|(n, _)| n.value.as_str())
-                    .collect(),
-            ),
-        }
-    }
-    for (name, text) in &overrides.inputs {
-        match file.inputs.iter_mut().find(|(n, _)| n.value == *name) {
-            Some((_, input)) => *input = InputFile::Formula(outside(text)),
-            None => unknown(
-                "input",
-                name,
-                file.inputs.iter().map(|(n, _)| n.value.as_str()).collect(),
-            ),
-        }
-    }
-    for (name, text) in &overrides.guess {
-        file.guess.retain(|(n, _)| n.value != *name);
-        file.guess.push((
-            Spanned {
-                value: name.clone(),
-                span: OUTSIDE..OUTSIDE,
-            },
-            outside(text),
-        ));
-    }
-    if let Some(plot) = &overrides.plot {
-        file.plots = vec![PlotFile {
-            x: plot.x.as_deref().map(outside),
-            y: plot.y.iter().map(|text| outside(text)).collect(),
-            equal: plot.equal,
-            ..PlotFile::default()
-        }];
-    }
-}
-
-fn outside(text: &str) -> FormulaText {
-    FormulaText {
-        text: text.to_owned(),
-        offset: OUTSIDE,
-        span: OUTSIDE..OUTSIDE + text.len(),
-        is_unread: false,
-    }
-}
-
-/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from `folder`. The
-/// parameters called `varied` become inputs that rest. `own_size` is the characteristic length if it is known already.
+/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from the folder of
+/// `overrides`, whose parameters that vary become inputs that rest.
 pub fn resolve(
     file: &SceneFile,
-    folder: &Path,
-    varied: &[String],
-    own_size: Option<f64>,
+    overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
+    let (folder, varied) = (overrides.folder.as_path(), overrides.vary.as_slice());
     let angle_unit = angle_unit(file, diagnostics);
     let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
@@ -150,7 +81,7 @@ pub fn resolve(
     let clearance = file
         .clearance
         .as_ref()
-        .map(|section| super::clearance::resolve(section, &constants, &bodies, diagnostics));
+        .map(|section| clearance::resolve(section, &constants, &bodies, diagnostics));
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
     // Without drives, which is said already, no track can be.
@@ -202,7 +133,9 @@ pub fn resolve(
         duration: coordinates.duration,
         guess: coordinates.guess,
     };
-    mechanism.size = own_size.unwrap_or_else(|| size(&mechanism, &actuation, &names));
+    mechanism.size = overrides
+        .size
+        .unwrap_or_else(|| size(&mechanism, &actuation, &names));
     magnitudes::estimate(&mut mechanism, &actuation);
     loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();

@@ -1,14 +1,13 @@
 //! All formulas and chains of a file, parsed. No names are looked up here.
 
 use super::super::file::{InputFile, SceneFile};
-use super::super::formula::chain::{Factor, Item, expand, parse as parse_chain};
-use super::super::formula::expression::{Node, parse as parse_expression};
-use super::super::reader::{FormulaText, Spanned};
+use super::super::formula::chain::{Factor, Item, parse as parse_chain};
+use super::super::formula::expression::Node;
 use super::contacts::chains::{ContactItems, ParsedContact};
-use crate::diag::{Diagnostic, Diagnostics};
-
-/// A name and what was parsed for it.
-pub type Named<T> = (Spanned<String>, T);
+use super::parsing::{Named, expand_items, expression, note};
+use crate::diag::Diagnostics;
+use crate::scene::reader::Spanned;
+use crate::scene::values::FormulaText;
 
 /// The parsed formulas of a file.
 pub struct Parsed {
@@ -116,11 +115,6 @@ impl Parsed {
     }
 }
 
-/// Parses an expression, noting what is wrong with it.
-pub fn expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<Node> {
-    note(parse_expression, text, diagnostics)
-}
-
 fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<ParsedInput> {
     match input {
         InputFile::Unread => None,
@@ -145,59 +139,4 @@ fn expanded(
 ) -> Option<Vec<Factor>> {
     let items = note(parse_chain, text, diagnostics)?;
     expand_items(&items, chains, diagnostics)
-}
-
-pub fn expand_items(
-    items: &[Item],
-    chains: &[Named<Vec<Item>>],
-    diagnostics: &mut Diagnostics,
-) -> Option<Vec<Factor>> {
-    let names: Vec<&str> = chains.iter().map(|(name, _)| name.value.as_str()).collect();
-    let find = |wanted: &str| {
-        chains
-            .iter()
-            .find(|(name, _)| name.value == wanted)
-            .map(|(_, items)| items.as_slice())
-    };
-    match expand(items, &find, &names) {
-        Ok(factors) => Some(factors),
-        Err(diagnostic) => {
-            // A faulty chain is met once for each reference to it; one message is enough.
-            if !diagnostics.contains(&diagnostic) {
-                diagnostics.push(diagnostic);
-            }
-            None
-        }
-    }
-}
-
-/// Parses a text: its value, or the message with its place inside the file.
-pub fn note<T>(
-    parse: impl Fn(&str, usize) -> Result<T, Diagnostic>,
-    text: &FormulaText,
-    diagnostics: &mut Diagnostics,
-) -> Option<T> {
-    if text.is_unread {
-        return None;
-    }
-    match parse(&text.text, text.offset) {
-        Ok(value) => Some(value),
-        Err(mut diagnostic) => {
-            // A text with escapes has no byte-for-byte place; the message then covers the whole value.
-            if text.offset == text.span.start
-                && text.offset < super::OUTSIDE
-                && text.span.len() != text.text.len()
-            {
-                diagnostic.span = Some(text.span.clone());
-            }
-            if text.offset >= super::OUTSIDE {
-                diagnostic.message = format!(
-                    "in `{}` from the command line: {}",
-                    text.text, diagnostic.message
-                );
-            }
-            diagnostics.push(diagnostic);
-            None
-        }
-    }
 }

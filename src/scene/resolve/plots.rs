@@ -3,14 +3,12 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::plots::PlotFile;
-use super::super::reader::FormulaText;
-use super::OUTSIDE;
 use super::outputs::Scope;
-use super::parsed::expression;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::kinematics::rates::higher_order::MAX_ORDER;
 use crate::model::mechanism::{AngleUnit, Kind};
-use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate, rate_unit};
+use crate::model::plot::{Abscissa, Curve, MAX_ORDER, Per, Plot, Rate, rate_unit};
+use crate::scene::values::FormulaText;
 use std::f64::consts::PI;
 
 /// Names of the time on an axis.
@@ -254,7 +252,7 @@ fn derivative_parts(text: &FormulaText) -> Option<Vec<FormulaText>> {
 /// A part of a text, with its place.
 fn part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
     // A text with escapes has no byte-for-byte place, and keeps that of the whole.
-    let has_places = text.offset != text.span.start && text.offset < OUTSIDE;
+    let has_places = text.offset != text.span.start && !text.is_outside();
     let skipped = text.text[range.clone()].len() - text.text[range.clone()].trim_start().len();
     let offset = if has_places {
         text.offset + range.start + skipped
@@ -271,7 +269,7 @@ fn part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
 
 /// Puts a message at a part of a text.
 fn at(diagnostic: Diagnostic, text: &FormulaText) -> Diagnostic {
-    if text.offset >= OUTSIDE {
+    if text.is_outside() {
         let message = format!(
             "in `{}` from the command line: {}",
             text.text, diagnostic.message

@@ -3,14 +3,15 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::formula::kinds::to_radians;
-use super::super::reader::{FormulaText, Spanned};
 use super::super::studies::{StudyFile, VariableFile};
 use super::names::{Meaning, Names};
-use super::parsed::expression;
+use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::study::{Study, Variable};
+use crate::scene::reader::Spanned;
+use crate::scene::values::FormulaText;
 
 /// Half the default range of a variable, as a share of its value.
 const DEFAULT_RANGE: f64 = 0.2;

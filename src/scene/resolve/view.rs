@@ -1,7 +1,6 @@
 //! The `[view]` section and the labels.
 
 use super::super::file::{LabelFile, SceneFile};
-use super::super::reader::{FormulaText, Spanned};
 use super::bodies::{Constants, body_index};
 use super::choices::{NAMED_VIEWS, THEMES, choice};
 use super::names::Names;
@@ -10,6 +9,8 @@ use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
 use crate::model::view_change::ViewChange;
+use crate::scene::reader::Spanned;
+use crate::scene::values::FormulaText;
 use glam::DVec3;
 
 const DEFAULT_AZIMUTH_DEG: f64 = -60.0;

@@ -2,7 +2,8 @@
 
 use super::chain::U;
 use super::system::BlockSystem;
-use crate::kinematics::certificate::{BALL, Reason};
+use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, groups};
 use wide::f64x4;

@@ -1,7 +1,8 @@
 //! One block as rows: residual, Jacobian and bounds of its equations. The test itself is in `kantorovich`.
 
 use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, U, affine_value};
-use crate::kinematics::certificate::{BALL, Forms, Reason};
+use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
 use crate::linalg::lanes::LaneMatrix;
@@ -9,6 +10,9 @@ use crate::model::chain::Motion;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
 use std::ops::Range;
+
+/// Affine forms of the arguments, then of the equations; `None` for formulas.
+type Forms = [Option<Affine>];
 
 /// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.
 const COLUMN_ROUNDING: f64 = 64.0 * U;

@@ -6,6 +6,7 @@
 //! a solution at every instant, within the larger one it is the only one. So tubes are joined, and the samples' own
 //! certified poses are joined to them, wherever one solution lies within the larger radius of the other. A stretch that fails is halved, down to [`FLOOR`] of the interval; keyframes always part stretches.
 
+mod blocks;
 mod chain;
 mod drive;
 mod form;
@@ -17,63 +18,14 @@ mod prover;
 mod rows;
 mod series;
 
-use super::Reason;
-use crate::kinematics::motion::trajectory::Trajectory;
+use crate::kinematics::results::certificate::{IntervalCertificate, Reason};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use form::Form;
+use blocks::Blocks;
 pub use model::{Around, Model, Polynomial};
 use path::Path;
-use proof::{Earlier, Workspace};
 pub use prover::{FLOOR, Prover, Tube};
-use rows::Layout;
-
-/// What could be proved about the motion between two samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IntervalCertificate {
-    /// Stretches that were proved, from the start of the interval on.
-    pub tubes: usize,
-    /// The motion is nowhere farther from the proved path (measured like the error bound of a pose).
-    pub radius: f64,
-    /// It is the only one within this distance of the path, measured likewise.
-    pub unique_radius: f64,
-    /// Where and why the proof ended before the interval did.
-    pub refused: Option<Refusal>,
-}
-
-/// The end of a proof.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Refusal {
-    /// Seconds: what lies right after it is not proved.
-    pub time: f64,
-    /// Why.
-    pub obstacle: Obstacle,
-}
-
-/// Why a stretch is not proved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstacle {
-    /// A sample has no pose: the motion ends, or resumes, somewhere in between.
-    NoPose,
-    /// The drive jumps, or its formula has a kink or no value.
-    Drive,
-    /// There is a motion, but not one that joins the two samples.
-    NotJoined,
-    /// The test fails, at a sample or between.
-    Test(Reason),
-}
-
-impl Obstacle {
-    /// The word used in reports.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::NoPose => "no-pose",
-            Self::Drive => "drive",
-            Self::NotJoined => "not-joined",
-            Self::Test(reason) => reason.word(),
-        }
-    }
-}
 
 /// Proves every interval between consecutive samples; one entry less than there are samples.
 pub fn certify_motion(
@@ -97,57 +49,4 @@ pub(crate) fn pose(
     let mut path = Path::still(mechanism.unknowns.len(), coordinates);
     let proved = blocks.prove(bases, &mut path, false)?;
     Ok((proved.largest, proved.unique))
-}
-
-/// The blocks of a mechanism, laid out for proofs.
-#[derive(Debug)]
-struct Blocks<'m> {
-    forms: Vec<Form<'m>>,
-    layouts: Vec<Layout<'m>>,
-    unknowns: usize,
-    work: Workspace,
-}
-
-impl<'m> Blocks<'m> {
-    fn new(system: &'m System) -> Self {
-        let mechanism = system.mechanism();
-        let structure = system.structure();
-        let forms = Form::all(mechanism);
-        let blocks = structure.blocks.iter();
-        Self {
-            layouts: blocks
-                .map(|block| Layout::new(mechanism, &forms, block))
-                .collect(),
-            forms,
-            unknowns: mechanism.unknowns.len(),
-            work: Workspace::default(),
-        }
-    }
-
-    /// The test along a path, block after block. `may_move`: the path is first brought to the motion.
-    fn prove(
-        &mut self,
-        bases: &[Vec<usize>],
-        path: &mut Path,
-        may_move: bool,
-    ) -> Result<Earlier, Reason> {
-        let mut proved = Earlier {
-            rest: vec![0.0; self.unknowns],
-            largest: 0.0,
-            unique: f64::INFINITY,
-        };
-        let work = &mut self.work;
-        for (layout, basis) in self.layouts.iter().zip(bases) {
-            proof::prove(
-                layout,
-                &self.forms,
-                path,
-                basis,
-                &mut proved,
-                may_move,
-                work,
-            )?;
-        }
-        Ok(proved)
-    }
 }

@@ -4,12 +4,13 @@
 //! of J(x(s)): the product with R is taken coefficient by coefficient before s ranges over the stretch, so that what
 //! cancels along the path cancels in the bound. The path itself is made by Newton's method on polynomials.
 
-use super::super::{BALL, Reason};
 use super::form::Form;
 use super::model::{GROW, Polynomial, size};
 use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
 use super::series::TERMS;
+use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};

@@ -1,13 +1,15 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
-use super::super::{Certificate, Reason};
+use super::blocks::Blocks;
 use super::drive::{Stretch, keys_between};
 use super::form::Form;
 use super::model::{Model, Polynomial};
 use super::path::{InputPath, Path};
 use super::series::TERMS;
-use super::{Blocks, IntervalCertificate, Obstacle, Refusal};
-use crate::kinematics::motion::trajectory::Sample;
+use crate::kinematics::results::certificate::{
+    Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
+};
+use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;

@@ -1,11 +1,11 @@
 //! The equations of one block over a stretch, with bounds of their second derivatives in the ball around the path.
 
-use super::super::Reason;
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Change, Form};
 use super::model::{GROW, Model};
 use super::path::Path;
 use super::series::TERMS;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::loop_part::LoopPart;
 use crate::linalg::lanes::LaneMatrix;

@@ -3,7 +3,7 @@
 
 use super::crossings::Crossing;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, PathWatcher};
-use crate::kinematics::motion::trajectory::{Event, EventKind};
+use crate::kinematics::results::trajectory::{Event, EventKind};
 use crate::model::actuation::Actuation;
 
 /// The events of a motion.

@@ -7,7 +7,7 @@
 use super::recorder::Recorder;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
 use crate::kinematics::motion::tracker::singular::Target;
-use crate::kinematics::motion::trajectory::{EventKind, Gap, Instant, Lack};
+use crate::kinematics::results::trajectory::{EventKind, Gap, Instant, Lack};
 use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake, smallest_gap};
 
 /// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.

@@ -3,7 +3,7 @@
 use super::events::Events;
 use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker};
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::newton::Pace;
 use glam::DVec2;
 

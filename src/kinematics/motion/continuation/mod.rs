@@ -9,7 +9,7 @@ mod poses;
 mod recorder;
 mod starts;
 
-use crate::kinematics::motion::trajectory::{EventKind, Trajectory};
+use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use recorder::Recorder;

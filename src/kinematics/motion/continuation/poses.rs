@@ -1,10 +1,11 @@
 //! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
 
 use super::recorder::Recorder;
-use crate::kinematics::certificate::{Certificate, Certifier, Reason};
+use crate::kinematics::certificate::Certifier;
 use crate::kinematics::loops::forward;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
-use crate::kinematics::motion::trajectory::{ClosedPose, Sample};
+use crate::kinematics::results::certificate::{Certificate, Reason};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 
 impl Recorder<'_> {
     pub(crate) fn record_missing(&mut self, time: f64) {

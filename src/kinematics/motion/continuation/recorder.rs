@@ -4,7 +4,7 @@ use super::events::Events;
 use super::gaps::Gaps;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
-use crate::kinematics::motion::trajectory::{EventKind, Sample, Trajectory};
+use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

@@ -2,7 +2,7 @@
 
 use super::recorder::{Recorder, SINGULAR_START};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
-use crate::kinematics::motion::trajectory::EventKind;
+use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{shake, turns_matter};
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;

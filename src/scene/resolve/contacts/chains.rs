@@ -11,9 +11,9 @@ use super::super::super::contacts::{ContactFile, Surface, SurfaceFile};
 use super::super::super::formula::chain::{Factor, Item, Transform, parse as parse_chain};
 use super::super::super::formula::expression::{Node, NodeKind};
 use super::super::super::reader::Spanned;
-use super::super::parsed::{Named, expand_items, expression, note};
 use crate::diag::Diagnostics;
 use crate::model::chain::Motion;
+use crate::scene::resolve::parsing::{Named, expand_items, expression, note};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A contact, parsed.

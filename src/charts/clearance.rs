@@ -1,8 +1,8 @@
 //! The chart of a clearance report: distance over time of the worst pairs, with their minimum and the worst moment.
 
-use super::chart::{Axis, Chart, EventMark, Panel, Series, Shade};
 use crate::clearance::check::ClearanceReport;
 use crate::model::mechanism::Mechanism;
+use crate::plot::chart::{Axis, Chart, EventMark, Panel, Series, Shade};
 
 /// One curve a pair, the `most` worst ones; the dashed line is the minimum asked for, the mark the worst moment.
 pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Chart {

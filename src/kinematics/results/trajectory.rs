@@ -1,7 +1,6 @@
 //! The solved motion as values: samples with their proof, and the events between them.
 
-use crate::kinematics::certificate::Certificate;
-use crate::kinematics::certificate::tube::IntervalCertificate;
+use super::certificate::{Certificate, IntervalCertificate};
 use crate::math::Pose;
 use crate::model::mechanism::Kind;
 use glam::DVec3;

@@ -1,11 +1,11 @@
 //! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
 
-use super::error::ExportError;
 use super::events::{events, gaps};
-use super::target::Output;
-use crate::kinematics::certificate::Certificate;
-use crate::kinematics::motion::trajectory::{Sample, Trajectory};
+use crate::export::error::ExportError;
+use crate::export::target::Output;
 use crate::kinematics::rates::higher_order::RateColumns;
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 
@@ -42,7 +42,7 @@ pub fn write_csv(
         .join(",");
     for (index, sample) in trajectory.samples.iter().enumerate() {
         line.push('\n');
-        emit(&line, output)?;
+        output.emit(line.as_bytes())?;
         line = cells(mechanism, sample, columns)
             .into_iter()
             .chain(motion_cells(trajectory, index, columns))
@@ -53,7 +53,7 @@ pub fn write_csv(
             .join(",");
     }
     line.push('\n');
-    emit(&line, output)
+    output.emit(line.as_bytes())
 }
 
 /// Writes one JSON object: schema, units, columns, samples as objects, events.
@@ -86,7 +86,7 @@ pub fn write_json(
         "events": events(mechanism, trajectory),
         "gaps": gaps(mechanism, trajectory),
     });
-    emit(&format!("{document:#}\n"), output)
+    output.emit(format!("{document:#}\n").as_bytes())
 }
 
 /// Names of the columns in their order.
@@ -258,12 +258,6 @@ pub(super) fn quoted(text: &str) -> String {
     } else {
         format!("\"{}\"", text.replace('"', "\"\""))
     }
-}
-
-fn emit(text: &str, output: &mut dyn Output) -> Result<(), ExportError> {
-    output
-        .write_all(text.as_bytes())
-        .map_err(|source| ExportError::write(output.name(), source))
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Newton's iterates as a table: CSV without the polygons, or JSON with them.
 
-use super::error::ExportError;
 use super::table::{number, quoted};
-use super::target::Output;
+use crate::export::error::ExportError;
+use crate::export::target::Output;
 use crate::kinematics::solve::iterates::Iterate;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
@@ -58,7 +58,7 @@ pub fn write_csv(
         let row: Vec<String> = cells(mechanism, iterate).into_iter().map(number).collect();
         text.push_str(&(row.join(",") + "\n"));
     }
-    emit(&text, output)
+    output.emit(text.as_bytes())
 }
 
 /// Writes one JSON object: the same columns, and the opened polygon of every loop.
@@ -91,11 +91,5 @@ pub fn write_json(
         "closed": closed,
         "iterates": rows.collect::<Vec<_>>(),
     });
-    emit(&format!("{document:#}\n"), output)
-}
-
-fn emit(text: &str, output: &mut dyn Output) -> Result<(), ExportError> {
-    output
-        .write_all(text.as_bytes())
-        .map_err(|source| ExportError::write(output.name(), source))
+    output.emit(format!("{document:#}\n").as_bytes())
 }

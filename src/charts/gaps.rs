@@ -1,6 +1,6 @@
 //! What a chart of a motion does not show, and how it says so: ranges without values, points far outside.
 
-use super::chart::{Panel, Shade};
+use crate::plot::chart::{Panel, Shade};
 
 /// Values farther out than this many ranges of the middle nine tenths of all values are not shown: next to a singular
 /// pose a rate grows without bound, and the rest would be a flat line.
@@ -107,8 +107,8 @@ pub(super) fn leave_out_outliers(panel: &mut Panel) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::chart::Series;
     use super::*;
+    use crate::plot::chart::Series;
 
     #[test]
     fn runs_without_values_reach_to_their_neighbours() {

@@ -1,7 +1,7 @@
 //! The chart of a cloud of paths: how far random pieces run beside the path of the mechanism as drawn.
 
-use super::chart::{Axis, Band, Chart, Panel, Series};
 use crate::analysis::cloud::{PathCloud, Spread};
+use crate::plot::chart::{Axis, Band, Chart, Panel, Series};
 
 /// Shares of the pieces that the bands hold, from their lower to their upper edge.
 pub const BANDS: [[f64; 2]; 2] = [[0.001, 0.999], [0.05, 0.95]];

@@ -1,13 +1,9 @@
-//! A work-precision study as a table for people, as CSV, as JSON, and as a chart.
+//! A work-precision study as a table for people, as CSV and as JSON.
 
-use super::routes::{RotationForm, Route};
-use super::work_precision::{Row, Study};
+use crate::analysis::routes::{RotationForm, Route};
+use crate::analysis::work_precision::{Row, Study};
 use crate::model::mechanism::Mechanism;
-use crate::plot::{Axis, Chart, Panel, ScaleKind, Series, SeriesStyle};
 use serde_json::{Value, json};
-
-/// Errors below this share of the size are drawn here: zero has no place on a logarithmic axis.
-const LEAST_SHOWN: f64 = 1e-17;
 
 /// Columns of the table and of the CSV file.
 const HEADER: [&str; 11] = [
@@ -93,7 +89,7 @@ pub fn text(mechanism: &Mechanism, study: &Study) -> String {
                 format!("{:.1e}", d.closure),
             ]
         }));
-        let steps = super::work_precision::DRIFT_STEPS;
+        let steps = crate::analysis::work_precision::DRIFT_STEPS;
         text.push_str(&format!(
             "\nDrift, {steps} steps a turn, against the pose at the start:\n"
         ));
@@ -170,7 +166,7 @@ pub fn json(mechanism: &Mechanism, study: &Study) -> Value {
         "poses": study.poses,
         "reference_bound": study.reference_bound,
         "rows": rows,
-        "drift_steps_per_turn": super::work_precision::DRIFT_STEPS,
+        "drift_steps_per_turn": crate::analysis::work_precision::DRIFT_STEPS,
         "drift": drift,
     })
 }
@@ -206,62 +202,4 @@ fn number(value: f64) -> Value {
     } else {
         Value::Null
     }
-}
-
-/// Time per pose over error, both logarithmic; one curve per family, fastest and most exact towards the lower left.
-pub fn chart(mechanism: &Mechanism, study: &Study) -> Chart {
-    let mut families: Vec<&str> = Vec::new();
-    let shown: Vec<&Row> = study.rows.iter().filter(|r| is_shown(r, study)).collect();
-    for row in &shown {
-        if !families.contains(&row.family) {
-            families.push(row.family);
-        }
-    }
-    let least = LEAST_SHOWN * mechanism.size;
-    let series = families.into_iter().map(|family| {
-        let rows = shown.iter().filter(|r| r.family == family);
-        let mut points: Vec<[f64; 2]> = rows.map(|r| [r.error.max(least), r.time]).collect();
-        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        Series {
-            name: family.to_owned(),
-            points: points.into_iter().map(Some).collect(),
-            style: SeriesStyle::Dots,
-            ..Series::default()
-        }
-    });
-    let axis = |label: &str, unit: &str| Axis {
-        label: label.to_owned(),
-        unit: unit.to_owned(),
-        scale: ScaleKind::Log,
-        tight: false,
-    };
-    Chart {
-        title: format!("{}: work against precision", mechanism.title),
-        description: format!(
-            "Microseconds per pose against the largest error of {} poses, by route",
-            study.poses
-        ),
-        panels: vec![Panel {
-            x: axis("largest error", &mechanism.length_unit),
-            y: axis("time per pose", "µs"),
-            series: series.filter(|s| !s.points.is_empty()).collect(),
-            ..Panel::default()
-        }],
-        notes: vec![format!(
-            "{} unknowns, {} poses",
-            study.unknowns, study.poses
-        )],
-    }
-}
-
-/// Whether a row is a point of the chart: the skew residual lies on top of the rotation vector's curve, and Newton
-/// needs no smaller steps; both are in the table.
-fn is_shown(row: &Row, study: &Study) -> bool {
-    let is_variant = match row.route {
-        Some(Route::Position { form, .. }) => {
-            form == RotationForm::Skew || row.steps != study.poses
-        }
-        _ => false,
-    };
-    row.error.is_finite() && row.lost == 0 && !is_variant
 }

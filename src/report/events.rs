@@ -1,6 +1,6 @@
 //! Events and stretches without a pose as JSON, in the scene's units.
 
-use crate::kinematics::motion::trajectory::{Event, EventKind, Gap, Instant, Lack, Trajectory};
+use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant, Lack, Trajectory};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 

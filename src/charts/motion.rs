@@ -1,17 +1,17 @@
 //! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose the chart
 //! says so.
 
-use super::chart::{Axis, Chart, EventMark, Panel, Series};
 use super::gaps::{leave_out_outliers, shades, short};
-use super::scale::ScaleKind;
-use crate::kinematics::motion::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::rates::higher_order::{By, observed_slots, rates};
+use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate};
 use crate::numbers::series::{Series as Taylor, evaluate};
+use crate::plot::chart::{Axis, Chart, EventMark, Panel, Series};
+use crate::plot::scale::ScaleKind;
 use std::f64::consts::PI;
 
 /// Curves of a plot nobody asked for.

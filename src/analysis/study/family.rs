@@ -1,0 +1,311 @@
+//! A mechanism with variables, and its poses along the tracks of its study.
+
+use crate::diag::{SceneError, Source};
+use crate::kinematics::measures::{driven_along, poses_of};
+use crate::kinematics::motion::continuation::{solve, solve_whole};
+use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::Sample;
+use crate::kinematics::structure::block::StructureError;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::drive::Drive;
+use crate::model::expression::Expression;
+use crate::model::measure::{Measure, MeasureSource, Measures};
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::study::Study;
+use crate::scene::{Overrides, load};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Poses at which measures along the drive itself are taken in a study.
+const DRIVE_SAMPLES: usize = 180;
+
+/// A mechanism whose last inputs are the variables of its study.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// Traced points have frames of their own in its mechanism, bodies are as in the file.
+    system: Arc<System>,
+    /// The scene's drives; the variables rest.
+    pub actuation: Actuation,
+    /// What is measured.
+    pub measures: Measures,
+    /// What is varied and asked.
+    pub study: Study,
+    /// Number of poses of every track, and of the drive behind them if a measure looks along it.
+    counts: Vec<usize>,
+}
+
+/// The poses of a study with the file's values, and what is proved of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Nominal {
+    /// Unknowns, then inputs, of every pose, track after track.
+    pub poses: Vec<Vec<f64>>,
+    /// Largest certified error of a coordinate, in the scene's unit as certificates have it.
+    pub error_bound: f64,
+    /// Poses without a certificate.
+    pub unproved: usize,
+}
+
+impl Nominal {
+    fn add(&mut self, pose: Vec<f64>, certificate: Certificate) {
+        self.poses.push(pose);
+        match certificate {
+            Certificate::Certified { error_bound, .. } => {
+                self.error_bound = self.error_bound.max(error_bound)
+            }
+            Certificate::Locked { .. } | Certificate::Refused { .. } => self.unproved += 1,
+        }
+    }
+}
+
+/// Why a study cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FamilyError {
+    /// The scene has mistakes.
+    #[error(transparent)]
+    Scene(#[from] Box<SceneError>),
+    /// The mechanism is ill-posed.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// Something the study needs is missing.
+    #[error("{0}")]
+    Lacks(String),
+    /// A pose of a track does not exist with the file's own values.
+    #[error("track `{track}`: {message}")]
+    Track {
+        /// Name of the track.
+        track: String,
+        /// Which pose, and why.
+        message: String,
+    },
+}
+
+impl Family {
+    /// Reads the scene with the parameters called `vary` as variables, or with those of its `[study]`.
+    ///
+    /// # Errors
+    /// Mistakes in the scene; nothing to vary; a mechanism that is not determined.
+    pub fn load(
+        source: &Source,
+        overrides: &Overrides,
+        vary: &[String],
+    ) -> Result<Self, FamilyError> {
+        let nominal = load(source, overrides).map_err(Box::new)?;
+        let own = nominal.study.iter().flat_map(|s| &s.variables);
+        let names: Vec<String> = if vary.is_empty() {
+            own.map(|v| v.name.clone()).collect()
+        } else {
+            vary.to_vec()
+        };
+        if names.is_empty() {
+            let message =
+                "nothing is to be varied: name parameters in `[study.variables]` or with --vary";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        let overrides = Overrides {
+            vary: names,
+            // Fixed offsets become joints of this mechanism; its residuals keep their scale.
+            size: Some(nominal.mechanism.size),
+            ..overrides.clone()
+        };
+        let scene = load(source, &overrides).map_err(Box::new)?;
+        let system = System::new(scene.mechanism, &scene.actuation)?;
+        let mut measures = scene.measures;
+        let study = scene.study.unwrap_or_default();
+        for (index, [min, max]) in &study.limits {
+            let measure = &mut measures.list[*index];
+            measure.min = min.or(measure.min);
+            measure.max = max.or(measure.max);
+        }
+        if measures.list.is_empty() {
+            let message = "the scene has no `[measures]`: a study asks what becomes of them";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        let mut counts: Vec<usize> = measures.tracks.iter().map(|t| t.samples).collect();
+        let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+        if measures.list.iter().any(along_drive) {
+            counts.push(DRIVE_SAMPLES);
+        }
+        Ok(Self {
+            system: Arc::new(system),
+            actuation: scene.actuation,
+            measures,
+            study,
+            counts,
+        })
+    }
+
+    /// The mechanism with its variables as inputs, ready to be solved.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// The mechanism with its variables as inputs.
+    pub fn mechanism(&self) -> &Mechanism {
+        self.system.mechanism()
+    }
+
+    /// Number of the scene's own inputs; the variables follow them.
+    pub fn own_inputs(&self) -> usize {
+        self.mechanism().inputs.len() - self.study.variables.len()
+    }
+
+    /// Factor from internal values to the file's units.
+    pub fn units(&self, kind: Kind) -> f64 {
+        self.mechanism().file_units(kind)
+    }
+
+    /// A measure's value in the file's unit.
+    pub fn shown(&self, measure: &Measure, value: f64) -> f64 {
+        value * self.units(measure.kind)
+    }
+
+    /// The measure that is to be made small.
+    pub fn objective(&self) -> Option<&Measure> {
+        self.measures.list.get(self.study.objective?)
+    }
+
+    /// The file's values of the variables.
+    pub fn start(&self) -> Vec<f64> {
+        self.study.variables.iter().map(|v| v.start).collect()
+    }
+
+    /// The same family with other values as its own; bodies stay as in the file.
+    pub fn with_start(&self, values: &[f64]) -> Self {
+        let mut family = self.clone();
+        let first = self.own_inputs();
+        for (k, value) in values.iter().enumerate() {
+            family.actuation.drives[first + k] = Drive::Formula(Expression::constant(*value));
+            family.study.variables[k].start = *value;
+            for track in &mut family.measures.tracks {
+                (track.from[first + k], track.to[first + k]) = (*value, *value);
+            }
+        }
+        family
+    }
+
+    /// The same family with so many steps on its tracks for each of its own.
+    pub fn with_finer_tracks(&self, times: usize) -> Self {
+        let mut family = self.clone();
+        let tracks = family.measures.tracks.iter_mut();
+        for (track, count) in tracks.zip(&mut family.counts) {
+            *count = times * (*count - 1) + 1;
+            track.samples = *count;
+        }
+        family
+    }
+
+    /// Every pose of every track with the file's values, followed from the start of the drive.
+    ///
+    /// # Errors
+    /// The first pose that does not exist.
+    pub fn nominal(&self) -> Result<Nominal, FamilyError> {
+        let mut nominal = Nominal::default();
+        for row in 0..self.counts.len() {
+            let samples = match self.measures.tracks.get(row) {
+                Some(track) => poses_of(&self.system, &self.actuation, track),
+                None => {
+                    let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
+                    solve(&self.system, &self.actuation, &times).of_one_motion()
+                }
+            };
+            self.add_samples(row, &samples, &mut nominal)?;
+        }
+        Ok(nominal)
+    }
+
+    /// The same family with the pose at the start of its drive as start values; `None` where there is none.
+    pub fn assembled(mut self) -> Option<Self> {
+        let start = solve_whole(&self.system, &self.actuation, &[0.0])?;
+        self.actuation.guess = start.samples.into_iter().next()?.pose?.unknowns;
+        Some(self)
+    }
+
+    /// The poses of [`nominal`](Self::nominal) without certificates; `None` as soon as a motion has a gap.
+    pub fn whole_motion(&self) -> Option<Vec<Vec<f64>>> {
+        let mut poses = Vec::new();
+        for row in 0..self.counts.len() {
+            let (samples, skipped) = match self.measures.tracks.get(row) {
+                Some(track) => {
+                    let (moved, times) = driven_along(&self.actuation, track);
+                    (solve_whole(&self.system, &moved, &times)?.samples, 1)
+                }
+                None => {
+                    let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
+                    let motion = solve_whole(&self.system, &self.actuation, &times)?;
+                    (motion.samples, 0)
+                }
+            };
+            for sample in samples.into_iter().skip(skipped) {
+                poses.push([sample.pose?.unknowns, sample.inputs].concat());
+            }
+        }
+        Some(poses)
+    }
+
+    fn add_samples(
+        &self,
+        row: usize,
+        samples: &[Sample],
+        nominal: &mut Nominal,
+    ) -> Result<(), FamilyError> {
+        for (k, sample) in samples.iter().enumerate() {
+            let Some(pose) = &sample.pose else {
+                return Err(FamilyError::Track {
+                    track: self.row_name(row),
+                    message: format!("no motion leads to pose {} with the file's values", k + 1),
+                });
+            };
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            nominal.add(coordinates, pose.certificate);
+        }
+        Ok(())
+    }
+
+    /// Every track with its poses among all, and the drive behind them if a measure looks along it.
+    pub fn rows(&self) -> Vec<(String, std::ops::Range<usize>)> {
+        let mut start = 0;
+        let rows = self.counts.iter().enumerate().map(|(row, count)| {
+            start += count;
+            (self.row_name(row), start - count..start)
+        });
+        rows.collect()
+    }
+
+    /// Where traced point `trace` is in the world at `poses`.
+    pub fn path(&self, poses: &[Vec<f64>], trace: usize) -> Vec<DVec3> {
+        let trace = &self.mechanism().traces[trace];
+        let chain = &self.mechanism().bodies[trace.body].world_from_body;
+        let place = |pose: &Vec<f64>| {
+            let arguments = self.mechanism().argument_values(pose);
+            chain.pose(&arguments).transform_point(trace.point)
+        };
+        poses.iter().map(place).collect()
+    }
+
+    /// Name of a track, or of the drive behind them.
+    fn row_name(&self, row: usize) -> String {
+        let track = self.measures.tracks.get(row);
+        track.map_or_else(|| "the drive".to_owned(), |t| t.name.clone())
+    }
+
+    /// Which of all poses belong to a track, or to the drive.
+    pub(super) fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
+        let row = track.unwrap_or(self.measures.tracks.len());
+        let start: usize = self.counts[..row].iter().sum();
+        start..start + self.counts[row]
+    }
+
+    /// Name of the track of pose `index` of all, and its number there from 1.
+    pub(super) fn place_of(&self, index: usize) -> (String, usize) {
+        let mut rest = index;
+        for (row, count) in self.counts.iter().enumerate() {
+            if rest < *count {
+                return (self.row_name(row), rest + 1);
+            }
+            rest -= count;
+        }
+        (String::new(), 0)
+    }
+}

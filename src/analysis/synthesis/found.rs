@@ -1,0 +1,99 @@
+//! What a synthesis found.
+
+use super::starts::{Origin, Rejected};
+use crate::analysis::optimise::{Ended, Minimum};
+use crate::analysis::study::Refusals;
+
+/// Violation of a limit, as a share of it, with which a minimum still counts.
+const KEPT: f64 = 1e-6;
+
+/// What became of one start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Where it was.
+    pub origin: Origin,
+    /// The objective there; NaN where no draw moved.
+    pub first: f64,
+    /// The minimum; `None` where no draw moved.
+    pub minimum: Option<Minimum>,
+    /// Draws that were rejected before it.
+    pub rejected: Rejected,
+    /// Candidates that were refused: not reached or without a value, and interpenetrating.
+    pub refusals: Refusals,
+    /// The second kind.
+    pub interpenetrating: usize,
+    /// Wall time.
+    pub seconds: f64,
+    /// The largest missed limit, as a share of it.
+    pub excess: f64,
+    /// Unknowns at the start of the drive, where a track begins there.
+    pub(super) unknowns: Option<Vec<f64>>,
+}
+
+impl Start {
+    /// A start without a minimum.
+    pub(super) fn none(origin: Origin) -> Self {
+        Self {
+            origin,
+            first: f64::NAN,
+            minimum: None,
+            rejected: Rejected::default(),
+            refusals: Refusals::default(),
+            interpenetrating: 0,
+            seconds: 0.0,
+            unknowns: None,
+            excess: f64::INFINITY,
+        }
+    }
+
+    /// The objective found; infinite where there is none, or where limits are not kept.
+    pub fn value(&self) -> f64 {
+        let kept = self.minimum.as_ref().filter(|_| self.excess <= KEPT);
+        kept.map_or(f64::INFINITY, |m| m.value)
+    }
+}
+
+/// What a synthesis found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Synthesis {
+    /// All starts, then the polishings of the best ones.
+    pub starts: Vec<Start>,
+    /// How many of them are no polishing.
+    pub searched: usize,
+    /// Values of the variables, in internal units.
+    pub best: Vec<f64>,
+    /// Unknowns at the start of the drive with them, where known: start values that choose this assembly.
+    pub unknowns: Option<Vec<f64>>,
+    /// The objective.
+    pub value: f64,
+    /// It was told to stop, or out of time.
+    pub stopped: bool,
+    /// Wall time.
+    pub seconds: f64,
+}
+
+impl Synthesis {
+    /// Poses of all tracks that were asked for, over all starts: evaluations and gradients.
+    pub fn evaluations(&self) -> usize {
+        let minima = self.starts.iter().filter_map(|s| s.minimum.as_ref());
+        minima.map(|m| m.evaluations + m.gradients).sum()
+    }
+
+    /// Draws that were rejected.
+    pub fn rejected(&self) -> Rejected {
+        self.starts.iter().fold(Rejected::default(), |mut all, s| {
+            all.add(s.rejected);
+            all
+        })
+    }
+}
+
+/// The end of a search in words.
+pub const fn ended(ended: Ended) -> &'static str {
+    match ended {
+        Ended::Converged => "converged",
+        Ended::Stalled => "stuck",
+        Ended::OutOfBudget => "iterations used up",
+        Ended::Stopped => "stopped",
+    }
+}

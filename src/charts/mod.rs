@@ -1,0 +1,10 @@
+//! Charts of what was solved and studied: quantities of a motion, clearances, clouds of paths, work against precision.
+//!
+//! Values in, a [`Chart`](crate::plot::Chart) out; drawing it is [`plot`](crate::plot)'s.
+
+pub mod clearance;
+pub mod cloud;
+mod gaps;
+pub mod motion;
+pub mod precision;
+pub mod sensitivity;

@@ -1,0 +1,216 @@
+//! The arguments of the verbs that solve a motion or a pose: `render`, `solve`, `check` and `modes`.
+
+use super::files::FileArgs;
+use super::scene::SceneArgs;
+use super::values::{assignment, frame_count, frame_rate, order, size};
+use super::view::ViewArgs;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `mechanim render`
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What is written.
+    #[command(flatten)]
+    pub file: FileArgs,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
+    pub size: [u32; 2],
+    /// Frames a second; the scene decides if absent.
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = frame_rate)]
+    pub fps: Option<f64>,
+    /// Number of frames, spread evenly over the motion.
+    #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = frame_count)]
+    pub frames: Option<usize>,
+    /// Draw one picture at this time in seconds.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// Draw one picture: the frame with this number, counted from 0.
+    #[arg(long, value_name = "N", conflicts_with = "at")]
+    pub frame: Option<usize>,
+    /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = samples)]
+    pub samples: u32,
+    /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
+    #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
+    pub renderer: RendererArg,
+    /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Point something out: bodies that come nearer to each other than the scene's `[clearance]` allows turn red.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub show: Option<ShowArg>,
+    /// Print where the time went, stage by stage.
+    #[arg(long)]
+    pub timings: bool,
+    /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
+    #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub panel: Option<String>,
+    /// Show Newton's iterates from the start values instead of the motion: a still with all of them as ghosts, or one
+    /// a frame.
+    #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "show"])]
+    pub trace_iterations: bool,
+    /// How it is looked at.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// `mechanim solve`
+#[derive(Debug, Args)]
+pub struct SolveArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Table to write: .csv or .json; `-` for CSV on standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Number of samples, spread evenly over the motion; the scene's frames if absent.
+    #[arg(long, value_name = "N", value_parser = frame_count)]
+    pub samples: Option<usize>,
+    /// Solve at this time in seconds only (following the motion up to it).
+    #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
+    pub at: Option<f64>,
+    /// Write Newton's iterates from the start values at the start of the drive instead of the motion: unknowns,
+    /// corrections and gaps of every loop; in JSON the opened polygons, too.
+    #[arg(long, conflicts_with_all = ["samples", "at", "rates", "order"])]
+    pub trace_iterations: bool,
+    /// Add columns with the rates of the unknowns per second.
+    #[arg(long)]
+    pub rates: bool,
+    /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs. At a
+    /// keyframe they are those of the piece that begins there.
+    #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = order)]
+    pub order: Option<usize>,
+    /// Take these rates by an input, the others standing still, in place of time: transfer functions.
+    #[arg(long, value_name = "INPUT", requires = "order")]
+    pub per: Option<String>,
+    /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
+    /// written to JSON.
+    #[arg(long)]
+    pub events: bool,
+    /// What is proved: nothing, every pose, or also the motion between the samples.
+    #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
+    pub certify: CertifyArg,
+    /// Format of the table if the file name does not tell.
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
+}
+
+/// `mechanim check`
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
+    #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = assignment)]
+    pub pose: Vec<(String, String)>,
+    /// Largest closure error that passes, relative to the mechanism's size.
+    #[arg(long, value_name = "E", default_value_t = 1e-9)]
+    pub closure: f64,
+    /// Number of samples, spread evenly over the motion; the scene's frames if absent. Both ends of the drive and all keys
+    /// are sampled in any case.
+    #[arg(long, value_name = "N", value_parser = frame_count)]
+    pub samples: Option<usize>,
+    /// What is proved: nothing, every pose, or also the motion between the samples, which then is part of the check.
+    /// Clearances rest on proved poses whatever is asked for.
+    #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
+    pub certify: CertifyArg,
+    /// Write the report as JSON to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the clearances as JUnit XML, one case a pair of bodies.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Write the distance of every judged pair over time as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Plot the distances of the worst pairs over time, with their minimum and the worst moment, to this file
+    /// (.svg or .png).
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Draw the moment at which the worst pair is nearest, with the distance marked, to this PNG file.
+    #[arg(long, value_name = "FILE.png")]
+    pub render: Option<PathBuf>,
+    /// How many pairs the table shows, the worst first.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub worst: usize,
+    /// How near the proved bound must come to the least distance found, as a part of the pair's minimum (of that
+    /// distance where the minimum is 0).
+    #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = share)]
+    pub tolerance: f64,
+}
+
+/// `mechanim modes`
+#[derive(Debug, Args)]
+pub struct ModesArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Time in seconds at which the inputs are taken from the drive.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    pub at: f64,
+    /// Random starts; more of them find more, up to the assemblies there are.
+    #[arg(long, value_name = "N", default_value_t = crate::kinematics::solve::assembly_modes::DEFAULT_STARTS, value_parser = starts)]
+    pub starts: usize,
+    /// Write the list as JSON to this file (`-` for standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `--certify`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum CertifyArg {
+    None,
+    Pose,
+    Motion,
+}
+
+/// `--renderer`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum RendererArg {
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+/// `--show`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ShowArg {
+    Clearance,
+}
+
+/// `--format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum TableFormat {
+    Csv,
+    Json,
+}
+
+fn samples(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(count) if [1, 2, 4, 8, 16].contains(&count) => Ok(count),
+        _ => Err("1, 2, 4, 8 or 16".to_owned()),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
+        _ => Err("between 1e-9 and 1".to_owned()),
+    }
+}
+
+fn starts(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if count <= 1_000_000 => Ok(count),
+        _ => Err("between 0 and 1000000".to_owned()),
+    }
+}

@@ -1,0 +1,47 @@
+//! Which scene a verb is about.
+
+use super::values::assignment;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Which scene, and what is changed in it.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// Name of a built-in scene, path of a scene file, or `-` for standard input.
+    pub scene: String,
+    /// Replace a parameter: NAME=FORMULA. May be repeated.
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub parameters: Vec<(String, String)>,
+    /// Replace the drive of an input: NAME=FORMULA, a number or a formula of `t`. May be repeated.
+    #[arg(long = "input", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub inputs: Vec<(String, String)>,
+    /// Replace the start value of an unknown, which chooses the assembly mode: NAME=VALUE. May be repeated.
+    #[arg(long = "guess", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub guess: Vec<(String, String)>,
+    /// Take the inputs from the rows of a CSV file; columns are found by the names of the inputs.
+    #[arg(long = "inputs", value_name = "TABLE.csv")]
+    pub table: Option<PathBuf>,
+    /// Start from assembly number K of `mechanim modes` at the start of the drive, or from the one with that branch
+    /// signature (such as `+-`), in place of the start values.
+    #[arg(long, value_name = "K", conflicts_with = "guess", value_parser = mode_choice, allow_hyphen_values = true)]
+    pub mode: Option<ModeChoice>,
+}
+
+/// An assembly mode by its place in the table, or by its branch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ModeChoice {
+    /// Counted from 1.
+    Number(usize),
+    /// A sign per block.
+    Signature(String),
+}
+
+fn mode_choice(text: &str) -> Result<ModeChoice, String> {
+    if !text.is_empty() && text.chars().all(|c| c == '+' || c == '-') {
+        return Ok(ModeChoice::Signature(text.to_owned()));
+    }
+    match text.parse::<usize>() {
+        Ok(number) if number > 0 => Ok(ModeChoice::Number(number)),
+        _ => Err("a number of the table, counted from 1, or a signature such as `+-`".to_owned()),
+    }
+}

@@ -1,0 +1,105 @@
+//! Values that several verbs take, and their ranges.
+
+use clap::ValueEnum;
+
+/// `--color`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ColourChoice {
+    Auto,
+    Always,
+    Never,
+}
+
+/// `--theme`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ThemeArg {
+    Light,
+    Dark,
+}
+
+/// Longest side of a picture: 16384 squared at 16 samples is already 20 GiB of samples in a naive renderer.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// Most pixels of a picture: 8K video has 33 million.
+pub const MAX_PIXELS: u64 = 64_000_000;
+
+/// `NAME=VALUE`.
+pub fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("write NAME=VALUE".to_owned()),
+    }
+}
+
+/// `WIDTHxHEIGHT` in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "write WIDTHxHEIGHT, for example 640x480".to_owned();
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
+    let size = [
+        width.trim().parse::<u32>().map_err(|_| wrong())?,
+        height.trim().parse().map_err(|_| wrong())?,
+    ];
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    if size.contains(&0) {
+        return Err("a picture needs at least one pixel".to_owned());
+    }
+    if size.iter().any(|side| *side > MAX_SIDE) || pixels > MAX_PIXELS {
+        return Err(format!(
+            "at most {MAX_SIDE} pixels a side and {} million in all",
+            MAX_PIXELS / 1_000_000
+        ));
+    }
+    Ok(size)
+}
+
+/// Frames a second.
+pub fn frame_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if (0.01..=1000.0).contains(&rate) => Ok(rate),
+        _ => Err("a frame rate is between 0.01 and 1000".to_owned()),
+    }
+}
+
+/// A number of samples.
+pub fn frame_count(text: &str) -> Result<usize, String> {
+    let limit = crate::kinematics::motion::sampling::MAX_SAMPLES;
+    match text.parse::<usize>() {
+        Ok(count) if (1..=limit).contains(&count) => Ok(count),
+        _ => Err(format!("between 1 and {limit}")),
+    }
+}
+
+/// Quality of a GIF.
+pub fn quality(text: &str) -> Result<u8, String> {
+    match text.parse() {
+        Ok(quality) if (1..=100).contains(&quality) => Ok(quality),
+        _ => Err("between 1 and 100".to_owned()),
+    }
+}
+
+/// A number of workers.
+pub fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if (1..=256).contains(&count) => Ok(count),
+        _ => Err("between 1 and 256".to_owned()),
+    }
+}
+
+/// Order of a derivative.
+pub fn order(text: &str) -> Result<usize, String> {
+    let limit = crate::model::plot::MAX_ORDER;
+    match text.parse::<usize>() {
+        Ok(order) if (1..=limit).contains(&order) => Ok(order),
+        _ => Err(format!("between 1 and {limit}")),
+    }
+}
+
+/// `#rrggbb`.
+pub fn colour(text: &str) -> Result<[u8; 3], String> {
+    crate::scene::values::parse_colour(text)
+        .ok_or_else(|| "write #rrggbb, for example #c2452d".to_owned())
+}

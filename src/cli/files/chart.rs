@@ -1,0 +1,74 @@
+//! Charts as files: shapes or pixels.
+
+use crate::cli::args::values::ThemeArg;
+use crate::cli::term::outcome::Failure;
+use crate::export::Output;
+use crate::export::png::{Effort, encode};
+use crate::plot::raster::Painter;
+use crate::plot::{Chart, Drawing, Theme, draw, svg};
+use std::path::Path;
+
+/// What a chart's file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlotFormat {
+    /// Text with shapes.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl PlotFormat {
+    /// By extension; standard output is SVG.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            return Ok(Self::Svg);
+        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Failure::usage(
+                format!("{}: unknown kind of plot", path.display()),
+                vec!["known are .svg and .png".to_owned()],
+            )),
+        }
+    }
+}
+
+/// Draws a chart and writes it.
+pub fn write(
+    chart: &Chart,
+    format: PlotFormat,
+    size: Option<[u32; 2]>,
+    theme: ThemeArg,
+    output: &mut dyn Output,
+) -> Result<(), Failure> {
+    let size = size.unwrap_or_else(|| crate::plot::usual_size(chart));
+    let theme = match theme {
+        ThemeArg::Light => Theme::LIGHT,
+        ThemeArg::Dark => Theme::DARK,
+    };
+    write_drawing(&draw(chart, size, theme), format, output)
+}
+
+/// Writes what has been laid out.
+pub fn write_drawing(
+    drawing: &Drawing,
+    format: PlotFormat,
+    output: &mut dyn Output,
+) -> Result<(), Failure> {
+    let bytes = match format {
+        PlotFormat::Svg => svg::write(drawing).into_bytes(),
+        PlotFormat::Png => {
+            let mut bytes = Vec::new();
+            encode(
+                &Painter::default().picture(drawing),
+                Effort::Balanced,
+                &mut bytes,
+            )?;
+            bytes
+        }
+    };
+    output.emit(&bytes)?;
+    Ok(())
+}

@@ -1,0 +1,122 @@
+//! `--mode`: start values that lead to one of the assemblies.
+
+use crate::cli::args::scene::ModeChoice;
+use crate::cli::interrupt::{CANCEL, refuse_interrupted};
+use crate::cli::term::outcome::Failure;
+use crate::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use std::sync::atomic::Ordering;
+
+/// Share of the drive after which the branches are listed that meet at its start.
+const BESIDE_START: f64 = 1e-3;
+
+/// Unknowns of a mode at the start of the drive: start values that lead to it.
+pub fn start_of(
+    system: &System,
+    actuation: &Actuation,
+    choice: &ModeChoice,
+) -> Result<Vec<f64>, Failure> {
+    let modes = search(system, actuation, 0.0, DEFAULT_STARTS)?;
+    let mut coordinates = match choice {
+        ModeChoice::Number(number) => numbered(&modes, *number)?,
+        ModeChoice::Signature(signature) => signed(system, actuation, &modes, signature)?,
+    };
+    coordinates.truncate(system.mechanism().unknowns.len());
+    Ok(coordinates)
+}
+
+fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
+    let mode = number.checked_sub(1).and_then(|k| modes.list.get(k));
+    mode.map(|mode| mode.coordinates.clone()).ok_or_else(|| {
+        Failure::usage(
+            format!(
+                "there is no mode {number}: {} found at the start of the drive",
+                count(modes)
+            ),
+            vec!["`mechanim modes` lists them".to_owned()],
+        )
+    })
+}
+
+/// The only mode with that signature. Where branches meet at the start, that of the branch right after it.
+fn signed(
+    system: &System,
+    actuation: &Actuation,
+    modes: &Modes,
+    signature: &str,
+) -> Result<Vec<f64>, Failure> {
+    if let Some(mode) = only(modes, signature)? {
+        return Ok(mode.coordinates.clone());
+    }
+    if modes.list.iter().any(|mode| mode.is_singular) {
+        let beside = search(
+            system,
+            actuation,
+            BESIDE_START * actuation.duration,
+            DEFAULT_STARTS,
+        )?;
+        if let Some(mode) = only(&beside, signature)? {
+            return Ok(mode.coordinates.clone());
+        }
+    }
+    let mut known: Vec<&str> = modes.list.iter().map(|m| m.branch.as_str()).collect();
+    known.dedup();
+    Err(Failure::usage(
+        format!("no mode with signature `{signature}` was found at the start of the drive"),
+        vec![format!("found were: {}", known.join(", "))],
+    ))
+}
+
+/// The mode with a signature, if there is one; an error if there are several.
+fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failure> {
+    let has_it = |mode: &Mode| mode.branch == signature && !mode.is_singular;
+    let numbered = modes.list.iter().enumerate();
+    let fitting: Vec<usize> = numbered
+        .filter(|(_, m)| has_it(m))
+        .map(|(k, _)| k)
+        .collect();
+    match fitting[..] {
+        [] => Ok(None),
+        [one] => Ok(Some(&modes.list[one])),
+        _ => {
+            let numbers: Vec<String> = fitting.iter().map(|k| (k + 1).to_string()).collect();
+            Err(Failure::usage(
+                format!("several modes have the signature `{signature}`"),
+                vec![format!("choose one by its number: {}", numbers.join(", "))],
+            ))
+        }
+    }
+}
+
+/// The assemblies at the inputs of a time, from so many starts.
+///
+/// Errors: an input without a value there; Ctrl-C.
+pub fn search(
+    system: &System,
+    actuation: &Actuation,
+    time: f64,
+    starts: usize,
+) -> Result<Modes, Failure> {
+    let first = actuation.start_at(time);
+    let (_, inputs) = first.split_at(actuation.guess.len());
+    if let Some(k) = inputs.iter().position(|v| !v.is_finite()) {
+        let name = &system.mechanism().inputs[k].name;
+        return Err(Failure::usage(
+            format!("input `{name}` has no value at t = {time} s"),
+            Vec::new(),
+        ));
+    }
+    let cancelled = || CANCEL.load(Ordering::Relaxed);
+    let modes = find_modes(system, &first, starts, &cancelled);
+    refuse_interrupted()?;
+    Ok(modes)
+}
+
+/// `3 assemblies`.
+pub fn count(modes: &Modes) -> String {
+    match modes.list.len() {
+        1 => "1 assembly".to_owned(),
+        n => format!("{n} assemblies"),
+    }
+}

@@ -1,0 +1,41 @@
+//! What round solids share: how fine they are, and which way they stand.
+
+use crate::math::Pose;
+use glam::{DMat3, DVec3};
+
+/// Fewest segments around a circle: an octagon still reads as round in a picture of a few pixels.
+pub const MIN_SEGMENTS: u32 = 8;
+/// Most segments around a circle; at 256 the chord error is below 8e-5 of the radius.
+pub const MAX_SEGMENTS: u32 = 256;
+/// Bits kept of a unit vector's components that came from the platform's sine and cosine, whose last bits
+/// differ between platforms. 2^-26 is far below any tessellation error and far above those bits.
+const SETTLE: f64 = (1u64 << 26) as f64;
+
+/// Segments around a circle of `radius` so that its chords stay within `tolerance`; a multiple of 4, so
+/// that the extreme points along the axes are vertices.
+pub fn segments(radius: f64, tolerance: f64) -> u32 {
+    let share = tolerance / radius;
+    if !positive(share) {
+        return MAX_SEGMENTS;
+    }
+    let half_angle = libm::acos((1.0 - share).max(0.0));
+    let count = (std::f64::consts::PI / half_angle).min(f64::from(MAX_SEGMENTS));
+    (count.ceil() as u32)
+        .next_multiple_of(4)
+        .clamp(MIN_SEGMENTS, MAX_SEGMENTS)
+}
+
+/// Whether a length is one: above zero and not "not a number".
+pub fn positive(length: f64) -> bool {
+    length > 0.0
+}
+
+/// A unit vector with the bits removed in which platforms differ.
+pub fn settle(direction: DVec3) -> DVec3 {
+    ((direction * SETTLE).round() / SETTLE).normalize_or_zero()
+}
+
+/// Rotation whose third column is `axis`; the columns map parry's (z, x, y), whose round shapes stand on y.
+pub fn upright(axis: DVec3) -> DMat3 {
+    Pose::from_z_axis(axis).rotation
+}

@@ -1,0 +1,5 @@
+//! Where around a pose derivatives are bounded.
+
+/// Radius (radians, mechanism sizes) in which the second derivatives are bounded: larger ones prove no more in
+/// practice, and the reach of sliders grows with it.
+pub const BALL: f64 = 0.25;

@@ -1,0 +1,62 @@
+//! The blocks of a mechanism, proved along a path one after the other.
+
+use super::form::Form;
+use super::path::Path;
+use super::proof;
+use super::proof::{Earlier, Workspace};
+use super::rows::Layout;
+use crate::kinematics::results::certificate::Reason;
+use crate::kinematics::structure::system::System;
+
+/// The blocks of a mechanism, laid out for proofs.
+#[derive(Debug)]
+pub(super) struct Blocks<'m> {
+    pub(super) forms: Vec<Form<'m>>,
+    pub(super) layouts: Vec<Layout<'m>>,
+    pub(super) unknowns: usize,
+    pub(super) work: Workspace,
+}
+
+impl<'m> Blocks<'m> {
+    pub(super) fn new(system: &'m System) -> Self {
+        let mechanism = system.mechanism();
+        let structure = system.structure();
+        let forms = Form::all(mechanism);
+        let blocks = structure.blocks.iter();
+        Self {
+            layouts: blocks
+                .map(|block| Layout::new(mechanism, &forms, block))
+                .collect(),
+            forms,
+            unknowns: mechanism.unknowns.len(),
+            work: Workspace::default(),
+        }
+    }
+
+    /// The test along a path, block after block. `may_move`: the path is first brought to the motion.
+    pub(super) fn prove(
+        &mut self,
+        bases: &[Vec<usize>],
+        path: &mut Path,
+        may_move: bool,
+    ) -> Result<Earlier, Reason> {
+        let mut proved = Earlier {
+            rest: vec![0.0; self.unknowns],
+            largest: 0.0,
+            unique: f64::INFINITY,
+        };
+        let work = &mut self.work;
+        for (layout, basis) in self.layouts.iter().zip(bases) {
+            proof::prove(
+                layout,
+                &self.forms,
+                path,
+                basis,
+                &mut proved,
+                may_move,
+                work,
+            )?;
+        }
+        Ok(proved)
+    }
+}

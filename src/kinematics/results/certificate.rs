@@ -1,0 +1,105 @@
+//! What could be proved about a pose, and about the motion between two of them, as values.
+
+/// What could be proved about a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Certificate {
+    /// An exact closed pose exists.
+    Certified {
+        /// No unknown differs from it by more: lengths and plain numbers as they are; angles as radians times the
+        /// mechanism's size.
+        error_bound: f64,
+        /// It is the only one within this distance, measured likewise.
+        unique_radius: f64,
+    },
+    /// An exact closed pose exists, but angles of a ball joint are locked, so that only its rotation is proved.
+    Locked {
+        /// As above, where the three angles of every ball joint are replaced by the rotation vector that leads to the
+        /// exact pose, in the frame behind the joint.
+        error_bound: f64,
+        /// It is the only one within this distance, measured likewise.
+        unique_radius: f64,
+    },
+    /// Nothing was proved.
+    Refused {
+        /// Why.
+        reason: Reason,
+    },
+}
+
+/// Why a pose has no certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// A formula has no bounded derivatives here: a kink, a pole, the end of its range.
+    Formula,
+    /// Too near a singular pose (or too far from a closed one) for the test to succeed.
+    Singular,
+    /// The angles of a ball joint are locked, and its rotation has no proof either.
+    GimbalLock,
+    /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
+    HalfTurn,
+    /// An equation that the proof leaves out does not hold.
+    Open,
+    /// Nobody wanted one.
+    NotAsked,
+}
+
+impl Reason {
+    /// The word used in reports.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Formula => "formula",
+            Self::Singular => "near-singular",
+            Self::GimbalLock => "gimbal-lock",
+            Self::HalfTurn => "half-turn",
+            Self::Open => "open",
+            Self::NotAsked => "not-asked",
+        }
+    }
+}
+
+/// What could be proved about the motion between two samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IntervalCertificate {
+    /// Stretches that were proved, from the start of the interval on.
+    pub tubes: usize,
+    /// The motion is nowhere farther from the proved path (measured like the error bound of a pose).
+    pub radius: f64,
+    /// It is the only one within this distance of the path, measured likewise.
+    pub unique_radius: f64,
+    /// Where and why the proof ended before the interval did.
+    pub refused: Option<Refusal>,
+}
+
+/// The end of a proof.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refusal {
+    /// Seconds: what lies right after it is not proved.
+    pub time: f64,
+    /// Why.
+    pub obstacle: Obstacle,
+}
+
+/// Why a stretch is not proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    /// A sample has no pose: the motion ends, or resumes, somewhere in between.
+    NoPose,
+    /// The drive jumps, or its formula has a kink or no value.
+    Drive,
+    /// There is a motion, but not one that joins the two samples.
+    NotJoined,
+    /// The test fails, at a sample or between.
+    Test(Reason),
+}
+
+impl Obstacle {
+    /// The word used in reports.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::NoPose => "no-pose",
+            Self::Drive => "drive",
+            Self::NotJoined => "not-joined",
+            Self::Test(reason) => reason.word(),
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! What solving and proving give, as values.
+
+pub mod certificate;
+pub mod trajectory;

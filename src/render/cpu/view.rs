@@ -1,0 +1,19 @@
+//! What all tiles of a frame are drawn from.
+
+use super::assembly::Assembly;
+use super::backdrop::Backdrop;
+use super::lens::Lens;
+use crate::render::contact_shadow::ContactShadow;
+use crate::render::look::Surroundings;
+
+/// What is the same for all tiles of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    pub(super) assembly: &'a Assembly,
+    pub(super) lens: &'a Lens,
+    pub(super) backdrop: &'a Backdrop,
+    pub(super) shadow: Option<&'a ContactShadow>,
+    pub(super) around: Surroundings,
+    /// Whether something may be below the ground.
+    pub(super) below_ground: bool,
+}

@@ -1,0 +1,25 @@
+//! Tiles, and the part of one that lies in the picture.
+
+/// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
+/// cache holds.
+pub(super) const TILE: usize = 32;
+/// Pixels of a tile.
+pub(super) const AREA: usize = TILE * TILE;
+
+/// Pixels of the picture, first included, last included. The first is the tile's own first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub(super) x: [i32; 2],
+    pub(super) y: [i32; 2],
+}
+
+/// Calls `visit` with the index in the tile, x and y of every pixel of the window, row by row.
+#[inline(always)]
+pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32)) {
+    for y in window.y[0]..=window.y[1] {
+        let row = (y - window.y[0]) as usize * TILE;
+        for x in window.x[0]..=window.x[1] {
+            visit(row + (x - window.x[0]) as usize, x, y);
+        }
+    }
+}

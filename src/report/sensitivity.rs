@@ -1,0 +1,156 @@
+//! Derivatives of a study's measures by its variables as a table for people, as CSV and as JSON.
+
+use super::cells::{aligned, six};
+use crate::analysis::study::{Family, Gradients};
+use serde_json::{Map, Value, json};
+
+/// Version of the JSON document.
+const SCHEMA: u32 = 1;
+
+/// Derivatives of all measures.
+pub struct Table<'a> {
+    /// The study.
+    pub family: &'a Family,
+    gradients: &'a Gradients,
+    /// Variables, the most important first.
+    pub order: Vec<usize>,
+    /// A measure and the scatter that is allowed to it.
+    allowed: Option<(usize, f64)>,
+}
+
+impl<'a> Table<'a> {
+    /// Ranked by the derivatives of measure `rank`. `allowed` is a measure and the scatter it may have.
+    pub fn new(
+        family: &'a Family,
+        gradients: &'a Gradients,
+        rank: usize,
+        allowed: Option<(usize, f64)>,
+    ) -> Self {
+        Self {
+            family,
+            gradients,
+            order: ranking(&gradients.rows[rank]),
+            allowed,
+        }
+    }
+
+    /// d(measure)/d(variable) in the file's units.
+    pub fn slope(&self, measure: usize, variable: usize) -> f64 {
+        let over = self.family.units(self.family.measures.list[measure].kind);
+        let variables = &self.family.study.variables;
+        let under = self.family.units(variables[variable].kind);
+        self.gradients.rows[measure][variable] * over / under
+    }
+
+    /// The tolerance that lets every dimension contribute as much to the allowed scatter.
+    fn proposal(&self, variable: usize) -> Option<f64> {
+        let (measure, scatter) = self.allowed?;
+        let row = &self.gradients.rows[measure];
+        let moving = row.iter().filter(|d| **d != 0.0).count() as f64;
+        let unit = self
+            .family
+            .units(self.family.study.variables[variable].kind);
+        Some(scatter / (moving.sqrt() * row[variable].abs()) * unit)
+    }
+
+    fn heads(&self) -> Vec<String> {
+        let measures = self
+            .family
+            .measures
+            .list
+            .iter()
+            .map(|m| format!("d{}", m.name));
+        let mut heads = vec!["dimension".to_owned(), "value".to_owned()];
+        heads.extend(measures);
+        if self.allowed.is_some() {
+            heads.push("tolerance".to_owned());
+        }
+        heads
+    }
+
+    fn row(&self, variable: usize, shown: &dyn Fn(f64) -> String) -> Vec<String> {
+        let study = &self.family.study;
+        let v = &study.variables[variable];
+        let mut row = vec![v.name.clone(), shown(v.start * self.family.units(v.kind))];
+        row.extend((0..self.family.measures.list.len()).map(|m| shown(self.slope(m, variable))));
+        row.extend(self.proposal(variable).map(shown));
+        row
+    }
+
+    /// For people; `rank` is the measure that decided the order.
+    pub fn text(&self, rank: usize) -> String {
+        let list = &self.family.measures.list;
+        let mut rows = vec![self.heads()];
+        rows.extend(self.order.iter().map(|v| self.row(*v, &six)));
+        let measures: Vec<String> = list
+            .iter()
+            .zip(&self.gradients.measures)
+            .map(|(m, v)| format!("{} = {}", m.name, six(self.family.shown(m, *v))))
+            .collect();
+        let title = &self.family.mechanism().title;
+        let ranked = &list[rank].name;
+        let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
+        text.push_str(&aligned(&rows));
+        text.push_str(&format!("\nExact derivatives, ranked by d{ranked}.\n"));
+        if let Some((measure, scatter)) = self.allowed {
+            let measure = &list[measure];
+            text.push_str(&format!(
+                "With these tolerances every dimension adds as much to a scatter of {} of {}.\n",
+                six(self.family.shown(measure, scatter)),
+                measure.name
+            ));
+        }
+        text
+    }
+
+    /// One row a variable.
+    pub fn csv(&self) -> String {
+        let mut text = self.heads().join(",") + "\n";
+        for variable in &self.order {
+            text.push_str(&self.row(*variable, &|v| format!("{v:?}")).join(","));
+            text.push('\n');
+        }
+        text
+    }
+
+    /// For machines.
+    pub fn document(&self) -> Value {
+        let study = &self.family.study;
+        let mut measures = Map::new();
+        for (m, v) in self
+            .family
+            .measures
+            .list
+            .iter()
+            .zip(&self.gradients.measures)
+        {
+            measures.insert(m.name.clone(), json!(self.family.shown(m, *v)));
+        }
+        let rows = self.order.iter().map(|&variable| {
+            let mut slopes = Map::new();
+            for (m, measure) in self.family.measures.list.iter().enumerate() {
+                slopes.insert(measure.name.clone(), json!(self.slope(m, variable)));
+            }
+            let v = &study.variables[variable];
+            json!({
+                "dimension": v.name,
+                "value": v.start * self.family.units(v.kind),
+                "derivatives": slopes,
+                "tolerance": self.proposal(variable),
+            })
+        });
+        json!({
+            "schema": format!("mechanim-sensitivity-{SCHEMA}"),
+            "title": self.family.mechanism().title,
+            "measures": measures,
+            "dimensions": rows.collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Variables by falling magnitude of their derivative.
+fn ranking(row: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..row.len()).collect();
+    order.sort_by(|a, b| row[*b].abs().total_cmp(&row[*a].abs()));
+    order
+}
