@@ -7,7 +7,7 @@ use super::product::Product;
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::expression::Affine;
-use crate::numbers::double_double::Double;
+use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::sin_cos::{FUNCTION_ERROR, Factor, sin_cos};
 use glam::{DMat3, DVec3};
 
@@ -49,13 +49,13 @@ impl ArgumentDouble {
 }
 
 /// The value with 31 digits, and the effect of coefficients that are rounded decimals.
-pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (Double, f64) {
+pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (DoubleDouble, f64) {
     // Numbers too large for the conversion count as rounded.
     let rounded = |v: f64| if v as i64 as f64 == v { 0.0 } else { 2.0 * U };
     let mut open = rounded(form.constant) * form.constant.abs();
-    let mut value = Double::from(form.constant);
+    let mut value = DoubleDouble::from(form.constant);
     for &(slot, c) in &form.terms {
-        value = value + Double::product(c, coordinates[slot]);
+        value = value + DoubleDouble::product(c, coordinates[slot]);
         open += rounded(c) * (c * coordinates[slot]).abs();
     }
     (value, open)
@@ -139,7 +139,7 @@ impl LoopPlan {
                 self.length_before = pose.translation.length();
             }
         }
-        let part = |v: f64| (v != 0.0).then(|| Factor::short(Double::from(v)));
+        let part = |v: f64| (v != 0.0).then(|| Factor::short(DoubleDouble::from(v)));
         PlannedJoint {
             shift: pose.translation.to_array().map(part),
             turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),

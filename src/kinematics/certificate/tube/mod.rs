@@ -9,13 +9,11 @@
 mod chain;
 mod drive;
 mod form;
-mod gradient;
 mod model;
 mod path;
 mod proof;
 mod prover;
 mod rows;
-mod series;
 
 use super::Reason;
 use crate::kinematics::motion::trajectory::Trajectory;

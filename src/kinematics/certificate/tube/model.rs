@@ -3,10 +3,19 @@
 //! Sums and products act on the polynomials; what they round or truncate is added to the bound. Coefficients are numbers,
 //! not intervals, so that a product costs its multiplications only.
 
-use super::series::{Series, TERMS};
 use crate::math::sin_cos;
 use crate::model::expression::Affine;
 use crate::numbers::interval::Interval;
+
+use crate::numbers::series::Series;
+
+/// Coefficients of a polynomial in s.
+pub const TERMS: usize = 8;
+
+/// A function of s as a series of intervals whose last coefficient is taken over the whole stretch (Lagrange's
+/// remainder). Two passes give that: one with the coefficients at s = 0, one with those at every place of the stretch at
+/// once.
+pub type Enclosure = Series<Interval, TERMS>;
 
 /// Unit roundoff, doubled: covers one operation and the rounding of its own bound.
 const UNIT: f64 = f64::EPSILON;
@@ -87,10 +96,11 @@ impl Model {
     }
 
     /// From the series about the middle and the one about every place at once.
-    pub fn of(middle: &Series, everywhere: &Series) -> Self {
+    pub fn of(middle: Enclosure, everywhere: &Enclosure) -> Self {
         let series = middle.with_remainder_of(everywhere);
-        let c = series.0.map(Interval::middle);
-        let wide = series.0.iter().zip(c).map(|(i, c)| i.distance(c));
+        let c = series.coefficients().map(Interval::middle);
+        let wide = series.coefficients().iter().zip(c);
+        let wide = wide.map(|(i, c)| i.distance(c));
         Self {
             c,
             rest: wide.sum::<f64>() * GROW,

@@ -6,10 +6,9 @@
 
 use super::super::{BALL, Reason};
 use super::form::Form;
-use super::model::{GROW, Polynomial, size};
+use super::model::{GROW, Polynomial, TERMS, size};
 use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
-use super::series::TERMS;
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};

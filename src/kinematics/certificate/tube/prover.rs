@@ -3,9 +3,8 @@
 use super::super::{Certificate, Reason};
 use super::drive::{Stretch, keys_between};
 use super::form::Form;
-use super::model::{Model, Polynomial};
+use super::model::{Model, Polynomial, TERMS};
 use super::path::{InputPath, Path};
-use super::series::TERMS;
 use super::{Blocks, IntervalCertificate, Obstacle, Refusal};
 use crate::kinematics::motion::trajectory::Sample;
 use crate::kinematics::solve::branch::BranchWatch;

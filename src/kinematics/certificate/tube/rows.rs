@@ -3,9 +3,8 @@
 use super::super::Reason;
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Change, Form};
-use super::model::{GROW, Model};
+use super::model::{GROW, Model, TERMS};
 use super::path::Path;
-use super::series::TERMS;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::loop_part::LoopPart;
 use crate::linalg::lanes::LaneMatrix;
