@@ -3,6 +3,7 @@
 use crate::kinematics::certificate::tube::Model;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, walk};
 use glam::{DMat3, DVec3};
 
@@ -90,7 +91,7 @@ struct Moving {
 impl Carried for Moving {
     type Argument = Model;
 
-    fn fix(&mut self, fixed: &Pose) {
+    fn fix(&mut self, fixed: &FixedPose) {
         self.length += fixed.translation.length();
         self.moved.pose.fix(fixed);
     }

@@ -4,6 +4,7 @@
 //! evaluated once.
 
 use super::expression::{Affine, Expression};
+use super::fixed::FixedPose;
 use super::walk::walk;
 use crate::math::Pose;
 use crate::numbers::scalar::Scalar;
@@ -21,7 +22,7 @@ pub enum Motion {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// A constant pose.
-    Fixed(Pose),
+    Fixed(FixedPose),
     /// An elementary motion whose value changes.
     Joint {
         /// Kind of motion.

@@ -6,6 +6,7 @@ pub mod chain;
 pub mod clearance;
 pub mod drive;
 pub mod expression;
+pub mod fixed;
 pub mod function;
 pub mod measure;
 pub mod mechanism;

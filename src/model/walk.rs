@@ -4,6 +4,7 @@
 //! joints at once) and `kinematics/certificate/pose/product` (two f64 a number). Tests hold them against this one.
 
 use super::chain::{ArgumentValue, Joint, Motion, Step};
+use super::fixed::FixedPose;
 use crate::math::Pose;
 use crate::numbers::scalar::Ring;
 use glam::{DMat3, DVec3};
@@ -14,7 +15,7 @@ pub trait Carried {
     type Argument;
 
     /// Moves the frame by a constant pose.
-    fn fix(&mut self, fixed: &Pose);
+    fn fix(&mut self, fixed: &FixedPose);
 
     /// Moves the frame along its own axis.
     fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument);
@@ -62,7 +63,7 @@ impl Carried for Pose {
     type Argument = ArgumentValue;
 
     #[inline]
-    fn fix(&mut self, fixed: &Pose) {
+    fn fix(&mut self, fixed: &FixedPose) {
         *self = *self * *fixed;
     }
 
@@ -142,7 +143,7 @@ pub fn sum<S: Ring>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
 impl<S: Ring> Carried for Frame<S> {
     type Argument = ArgumentValue<S>;
 
-    fn fix(&mut self, fixed: &Pose) {
+    fn fix(&mut self, fixed: &FixedPose) {
         self.origin = sum(self.origin, self.direction(fixed.translation.to_array()));
         if fixed.rotation != DMat3::IDENTITY {
             let columns = fixed.rotation.to_cols_array_2d();
@@ -186,7 +187,7 @@ mod tests {
                     argument: 0,
                     sign,
                 };
-                let steps = [Step::Fixed(start), joint];
+                let steps = [Step::Fixed(start.into()), joint];
                 let mut pose = Pose::IDENTITY;
                 let mut met = Vec::new();
                 walk(&steps, &mut pose, &[value], |here, joint| {

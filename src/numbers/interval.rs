@@ -5,6 +5,7 @@
 //! all that follows from it; a proof then fails by itself. Functions of `libm` are assumed right within one unit in the
 //! last place.
 
+use super::rounding::{FUNCTION_WIDENING, UNDERFLOW, WIDENING, is_exact};
 use super::scalar::{Ring, Scalar};
 use crate::math::sin_cos;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -18,15 +19,6 @@ pub struct Interval {
     /// Upper end, not below the lower one.
     pub hi: f64,
 }
-
-/// Relative widening after one rounded operation: two units roundoff, so that its own rounding is covered too.
-const ROUNDED: f64 = 2.3e-16;
-
-/// Relative widening after a function of `libm`: one unit in the last place is at most 2.3e-16 of the value.
-const FUNCTION: f64 = 4.7e-16;
-
-/// Covers what underflow loses in a product. Large enough to keep slow subnormal numbers away.
-const UNDERFLOW: f64 = 1e-200;
 
 /// Relative error of π/2 and of the quotient by 2π, generously.
 const TURN_SLACK: f64 = 1e-14;
@@ -95,7 +87,7 @@ impl Interval {
 
     /// A wave with values `a` and `b` at the ends of the interval and its crests at `crest` + 2πk.
     fn wave(self, a: f64, b: f64, crest: f64) -> Self {
-        let ends = Self::widened(a.min(b), a.max(b), FUNCTION);
+        let ends = Self::widened(a.min(b), a.max(b), FUNCTION_WIDENING);
         let meets = |place: f64| {
             let (from, to) = ((self.lo - place) / TAU, (self.hi - place) / TAU);
             let slack = TURN_SLACK * (1.0 + from.abs().max(to.abs()));
@@ -113,7 +105,7 @@ impl Interval {
 
     /// A function of `libm` that grows on the whole interval.
     fn growing(self, f: impl Fn(f64) -> f64) -> Self {
-        let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION);
+        let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
 }
@@ -135,7 +127,7 @@ impl Ring for Interval {
         }
         let (a, b) = (self.lo * factor, self.hi * factor);
         let (lo, hi) = if factor > 0.0 { (a, b) } else { (b, a) };
-        let wide = Self::widened(lo, hi, ROUNDED);
+        let wide = Self::widened(lo, hi, WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
 }
@@ -143,7 +135,7 @@ impl Ring for Interval {
 impl Scalar for Interval {
     /// Whole numbers are exact, others are rounded decimals.
     fn decimal(value: f64) -> Self {
-        if value.fract() == 0.0 {
+        if is_exact(value) {
             Self::point(value)
         } else {
             Self::new(value.next_down(), value.next_up())
@@ -191,7 +183,7 @@ impl Scalar for Interval {
 
     /// Square root.
     fn sqrt(self) -> Self {
-        Self::widened(self.lo.sqrt(), self.hi.sqrt(), ROUNDED)
+        Self::widened(self.lo.sqrt(), self.hi.sqrt(), WIDENING)
     }
 
     /// Exponential.
@@ -226,7 +218,7 @@ impl Scalar for Interval {
         ];
         let lo = corners.into_iter().fold(f64::INFINITY, f64::min);
         let hi = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let wide = Self::widened(lo, hi, FUNCTION);
+        let wide = Self::widened(lo, hi, FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
 
@@ -270,7 +262,7 @@ impl Add for Interval {
         if self == Self::ZERO {
             return b;
         }
-        Self::widened(self.lo + b.lo, self.hi + b.hi, ROUNDED)
+        Self::widened(self.lo + b.lo, self.hi + b.hi, WIDENING)
     }
 }
 
@@ -295,7 +287,7 @@ impl Mul for Interval {
         if (p + q + r + s).is_nan() {
             return Self::ENTIRE;
         }
-        let wide = Self::widened(p.min(q).min(r.min(s)), p.max(q).max(r.max(s)), ROUNDED);
+        let wide = Self::widened(p.min(q).min(r.min(s)), p.max(q).max(r.max(s)), WIDENING);
         let (lo, hi) = (wide.lo - UNDERFLOW, wide.hi + UNDERFLOW);
         // The sign of a product is exact.
         let (positive, negative) = (self.lo >= 0.0, self.hi <= 0.0);
@@ -315,7 +307,7 @@ impl Div for Interval {
         if b.holds_zero() {
             return Self::ENTIRE;
         }
-        let reciprocal = Self::widened(1.0 / b.hi, 1.0 / b.lo, ROUNDED);
+        let reciprocal = Self::widened(1.0 / b.hi, 1.0 / b.lo, WIDENING);
         self * Self::new(reciprocal.lo - UNDERFLOW, reciprocal.hi + UNDERFLOW)
     }
 }

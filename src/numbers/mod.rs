@@ -3,6 +3,7 @@
 pub mod double_double;
 pub mod hyper_dual;
 pub mod interval;
+pub mod rounding;
 pub mod scalar;
 pub mod series;
 pub mod sin_cos;

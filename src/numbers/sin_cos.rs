@@ -5,10 +5,6 @@
 
 use super::double_double::{DoubleDouble, split};
 
-/// Error of a sine or a cosine, and so of the angle they stand for (radians): the rest's cube over six, computed in
-/// f64 to five units in the last place, is all that counts.
-pub const FUNCTION_ERROR: f64 = 4e-21;
-
 /// Largest angle (radians) that is reduced without loss: its count of steps is exact in f64 with room to spare.
 pub const LARGEST_ANGLE: f64 = 1e12;
 
@@ -192,6 +188,7 @@ fn near_zero(rest: DoubleDouble) -> (Factor, Factor) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::rounding::SIN_COS;
 
     fn difference(a: Factor, b: DoubleDouble) -> f64 {
         (a.value() - b).hi.abs()
@@ -208,7 +205,7 @@ mod tests {
             let (sin, cos) = sin_cos(angle);
             let (exact_sin, exact_cos) = series(angle);
             let error = difference(sin, exact_sin).max(difference(cos, exact_cos));
-            assert!(error <= FUNCTION_ERROR, "{}: {error:e}", angle.hi);
+            assert!(error <= SIN_COS, "{}: {error:e}", angle.hi);
             // Whole turns, added with all their digits, change nothing.
             let turns = f64::from(k % 2001 - 1000);
             let part = |p: usize| DoubleDouble::product(2.0 * turns, PI[p]);
@@ -216,7 +213,7 @@ mod tests {
             let (far_sin, far_cos) = sin_cos(far);
             // Sums of thousands are known to 31 digits.
             let error = difference(far_sin, exact_sin).max(difference(far_cos, exact_cos));
-            assert!(error <= FUNCTION_ERROR + 1e-27, "{}: {error:e}", far.hi);
+            assert!(error <= SIN_COS + 1e-27, "{}: {error:e}", far.hi);
             let (sin, cos) = libm::sincos(far.hi);
             assert!((far_sin.whole - sin).abs() < 1e-12 && (far_cos.whole - cos).abs() < 1e-12);
         }

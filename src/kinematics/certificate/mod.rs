@@ -33,7 +33,8 @@ use crate::kinematics::structure::system::System;
 use crate::model::chain::Argument;
 use crate::model::expression::Affine;
 use crate::numbers::double_double::DoubleDouble;
-use pose::chain::{ArgumentDouble, U};
+use crate::numbers::rounding::U;
+use pose::chain::ArgumentDouble;
 use pose::kantorovich::{Earlier, Kantorovich};
 use pose::system::BlockSystem;
 

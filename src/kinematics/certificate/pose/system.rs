@@ -1,6 +1,6 @@
 //! One block as rows: residual, Jacobian and bounds of its equations. The test itself is in `kantorovich`.
 
-use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, U, affine_value};
+use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, affine_value};
 use crate::kinematics::certificate::{BALL, Forms, Reason};
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
@@ -8,6 +8,7 @@ use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::Motion;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
+use crate::numbers::rounding::U;
 use std::ops::Range;
 
 /// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.

@@ -6,26 +6,18 @@
 //! so that such a bound is handed on from joint to joint and does not grow.
 
 use super::form::Change;
-use super::model::{GROW, Model, Polynomial, TERMS, Turn, size, tails, truncated};
-use crate::math::Pose;
+use super::model::{Model, Polynomial, TERMS, Turn, size, tails, truncated};
 use crate::model::chain::{Motion, Step};
+use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, walk};
+use crate::numbers::rounding::{GROW, OPERATION, is_exact};
 use wide::f64x4;
 
 /// A vector as a polynomial in s; the fourth lane is zero.
 type Vector = [f64x4; TERMS];
 
-/// Entries of a fixed rotation that was folded from a few rounded factors, as the norm of nine of them.
-const FOLDED: f64 = 6e-15;
-
-/// Translations that went through such a rotation, relative.
-const FOLDED_SHIFT: f64 = 2e-15;
-
-/// Roundings of one operation, doubled so that the bound's own are covered.
-const UNIT: f64 = f64::EPSILON;
-
 /// Roundings of a sum of all products that meet in one coefficient.
-const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * UNIT;
+const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * OPERATION;
 
 /// Norm of what the columns of two rotations may differ by, over the largest of their entries' pairs.
 const PAIR: f64 = 1.5;
@@ -104,17 +96,6 @@ fn entry(v: &Vector, k: usize) -> Polynomial {
     std::array::from_fn(|j| v[j].to_array()[k])
 }
 
-/// By how much a stored fixed pose may differ from the one meant: its rotation, its translation.
-fn open_fixed(pose: &Pose) -> [f64; 2] {
-    let turns = pose.rotation.to_cols_array();
-    let length = pose.translation.length();
-    if turns.iter().all(|v| v.fract() == 0.0) {
-        let whole = pose.translation.to_array().iter().all(|v| v.fract() == 0.0);
-        return [0.0, if whole { 0.0 } else { UNIT * length }];
-    }
-    [FOLDED, FOLDED_SHIFT * length]
-}
-
 impl LoopModel {
     /// Multiplies the steps. Joints whose argument does not move (`moves`) are left out of `joints`.
     pub fn new(
@@ -157,7 +138,7 @@ impl LoopModel {
         let [x, y, z] = [0, 1, 2].map(|k| entry(&self.rotation[k], k));
         let c: Polynomial = std::array::from_fn(|k| x[k] + y[k] + z[k]);
         Model {
-            rest: 2.0 * self.rests[0] + 4.0 * UNIT * size(&c) + 4.0 * UNIT,
+            rest: 2.0 * self.rests[0] + 4.0 * OPERATION * size(&c) + 4.0 * OPERATION,
             c,
         }
     }
@@ -194,7 +175,7 @@ impl LoopModel {
         let (first, second) = (entry(&self.rotation[b], c), entry(&self.rotation[c], b));
         let c: Polynomial = std::array::from_fn(|k| 0.5 * (first[k] - second[k]));
         Model {
-            rest: self.rests[0] * GROW + UNIT * size(&c),
+            rest: self.rests[0] * GROW + OPERATION * size(&c),
             c,
         }
     }
@@ -284,14 +265,14 @@ impl Carried for LoopModel {
         let pairs: Polynomial = std::array::from_fn(|k| (square(x[k]) + square(y[k])).sqrt());
         let tails = tails(&by.sizes);
         let moving = size(&pairs) * tails[0] - pairs[0];
-        let rounding = 4.0 * UNIT + PRODUCTS * moving.max(0.0);
+        let rounding = 4.0 * OPERATION + PRODUCTS * moving.max(0.0);
         let rest = self.rests[0];
         self.rests[0] +=
             ((1.0 + rest) * PAIR * by.rest + truncated(&pairs, &tails)) * GROW + PAIR * rounding;
     }
 
-    fn fix(&mut self, pose: &Pose) {
-        let [turn, shift] = open_fixed(pose);
+    fn fix(&mut self, pose: &FixedPose) {
+        let error = pose.error;
         let old = self.rotation;
         let times = |v: [f64; 3]| -> Vector {
             let v = v.map(f64x4::splat);
@@ -304,14 +285,16 @@ impl Carried for LoopModel {
             for (t, m) in self.translation.iter_mut().zip(moved) {
                 *t += m;
             }
-            let rounding = 4.0 * UNIT * (sizes * length + size(&lengths(&self.translation)));
-            self.rests[1] += (self.rests[0] * length + shift) * GROW + rounding;
+            let rounding = 4.0 * OPERATION * (sizes * length + size(&lengths(&self.translation)));
+            self.rests[1] += (self.rests[0] * length + error.translation) * GROW + rounding;
         }
         if pose.rotation != glam::DMat3::IDENTITY {
             let turns = pose.rotation;
             self.rotation = [0, 1, 2].map(|k| times(turns.col(k).to_array()));
-            if turn > 0.0 {
-                self.rests[0] += (1.0 + self.rests[0]) * turn * GROW + 8.0 * UNIT * sizes;
+            self.rests[0] += (1.0 + self.rests[0]) * error.rotation * GROW;
+            // Products with zeros and ones are exact.
+            if !turns.to_cols_array().into_iter().all(is_exact) {
+                self.rests[0] += 8.0 * OPERATION * sizes;
             }
         }
     }

@@ -6,6 +6,7 @@ use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::of_decimal;
 use crate::numbers::series::Series;
 
 /// A formula to the second order along a line.
@@ -64,9 +65,8 @@ impl<'m> Form<'m> {
     pub fn derivatives(&self, path: &Path) -> Vec<Model> {
         match self {
             Self::Affine(affine) => {
-                let open = |c: f64| if c.fract() == 0.0 { 0.0 } else { f64::EPSILON };
                 let number = |c: f64| Model {
-                    rest: open(c) * c.abs(),
+                    rest: of_decimal(c),
                     ..Model::constant(c)
                 };
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()

@@ -6,12 +6,13 @@
 
 use super::super::{BALL, Reason};
 use super::form::Form;
-use super::model::{GROW, Polynomial, TERMS, size};
+use super::model::{Polynomial, TERMS, size};
 use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};
+use crate::numbers::rounding::{GROW, OPERATION};
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
 const LEAST_TRACE: f64 = 1e-6;
@@ -150,7 +151,7 @@ impl Workspace {
     fn lay_out(&mut self, basis: &[usize], width: usize) {
         let n = self.n;
         self.stride = groups(width);
-        let products = (3 * n + 8) as f64 * f64::EPSILON;
+        let products = (3 * n + 8) as f64 * OPERATION;
         self.stacked.clear();
         for matrix in self.rows.jacobian.iter().rev() {
             for row in basis {
