@@ -12,7 +12,7 @@ use mechanim::linalg::pivoted_qr::PivotedQr;
 use mechanim::model::chain::Argument;
 use mechanim::model::expression::Affine;
 
-use mechanim::numbers::double_double::Double;
+use mechanim::numbers::double_double::DoubleDouble;
 use mechanim::numbers::sin_cos::sin_cos;
 use mechanim::scene::{Overrides, builtin, load};
 
@@ -89,17 +89,18 @@ impl<'m> Refined<'m> {
             );
             last_step = 0.0;
             for (k, step) in step.iter().enumerate() {
-                let change = Double::product(self.mechanism.scale_of(k), *step);
-                let sum =
-                    Double::sum(doubled[2 * k], 0.0) + Double::from(doubled[2 * k + 1]) + change;
+                let change = DoubleDouble::product(self.mechanism.scale_of(k), *step);
+                let sum = DoubleDouble::sum(doubled[2 * k], 0.0)
+                    + DoubleDouble::from(doubled[2 * k + 1])
+                    + change;
                 (doubled[2 * k], doubled[2 * k + 1]) = (sum.hi, sum.lo);
                 last_step = step.abs().max(last_step);
             }
         }
         assert!(last_step < 1e-19, "{last_step:e}");
         let error = |k: usize| {
-            let exact = Double::from(doubled[2 * k]) + Double::from(doubled[2 * k + 1]);
-            ((exact - Double::from(start[k])).hi / self.mechanism.scale_of(k)).abs()
+            let exact = DoubleDouble::from(doubled[2 * k]) + DoubleDouble::from(doubled[2 * k + 1]);
+            ((exact - DoubleDouble::from(start[k])).hi / self.mechanism.scale_of(k)).abs()
         };
         (0..n).map(error).fold(0.0, f64::max)
     }
@@ -197,10 +198,10 @@ fn bounds_of_a_large_block_hold() {
 }
 
 /// The root by Heron's method from that of f64.
-fn root(square: Double) -> Double {
+fn root(square: DoubleDouble) -> DoubleDouble {
     let near = square.hi.sqrt();
-    let rest = square - Double::product(near, near);
-    Double::from(near) + Double::from(rest.hi / (2.0 * near))
+    let rest = square - DoubleDouble::product(near, near);
+    DoubleDouble::from(near) + DoubleDouble::from(rest.hi / (2.0 * near))
 }
 
 #[test]
@@ -216,19 +217,19 @@ fn bounds_of_the_slider_crank_hold_against_its_closed_form_with_more_digits() {
                 .unwrap()
         };
         let value = |name: &str| pose[place(name)];
-        let phi = Double::from(pose[3]);
+        let phi = DoubleDouble::from(pose[3]);
         let (sin, cos) = sin_cos(phi);
         // sin beta = sin phi / 2, alpha = - phi - beta, h = 40 cos phi + 80 cos beta.
         let half = sin.value() * 0.5;
-        let cos_beta = root(Double::from(1.0) - half * half);
+        let cos_beta = root(DoubleDouble::from(1.0) - half * half);
         let stroke = cos.value() * 40.0 + cos_beta * 80.0;
-        let by_stroke = (stroke - Double::from(value("h"))).hi.abs();
-        let (sin_beta, _) = sin_cos(Double::from(value("beta")));
+        let by_stroke = (stroke - DoubleDouble::from(value("h"))).hi.abs();
+        let (sin_beta, _) = sin_cos(DoubleDouble::from(value("beta")));
         let by_beta = ((sin_beta.value() - half).hi / cos_beta.hi).abs();
-        let sum = Double::from(value("alpha")) + phi + Double::from(value("beta"));
+        let sum = DoubleDouble::from(value("alpha")) + phi + DoubleDouble::from(value("beta"));
         let turns = (sum.hi / std::f64::consts::TAU).round();
-        let whole = Double::product(turns, std::f64::consts::TAU)
-            + Double::product(turns, 2.0 * 1.224_646_799_147_353_2e-16);
+        let whole = DoubleDouble::product(turns, std::f64::consts::TAU)
+            + DoubleDouble::product(turns, 2.0 * 1.224_646_799_147_353_2e-16);
         let by_alpha = ((sum - whole).hi.abs() - by_beta).max(0.0);
         let error = by_stroke.max(mechanism.size * by_beta.max(by_alpha));
         assert!(error <= bound, "phi {}: {error:e} above {bound:e}", phi.hi);

@@ -12,7 +12,7 @@ use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::rates::higher_order::rates;
 
-use mechanim::numbers::series::Series;
+use mechanim::numbers::series::TaylorSeries;
 use reference::{hard, mechanism, slot, turned};
 use std::fmt::Write;
 
@@ -148,7 +148,7 @@ fn lazy_tongs_reach_as_far_as_their_angle_says() {
         let first = &trajectory.samples[0];
         let unknowns = &first.pose.as_ref().unwrap().unknowns;
         let coordinates = [unknowns.as_slice(), &first.inputs].concat();
-        let input = Series::linear(first.inputs[0], 1.0, 1);
+        let input = TaylorSeries::linear(first.inputs[0], 1.0, 1);
         let series = rates(&system, &coordinates, &[input], 1).unwrap();
         let u = first.inputs[0];
         let slope: f64 = (2..=n)

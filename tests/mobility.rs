@@ -413,7 +413,7 @@ fn scaled(mechanism: &Model, scale: f64) -> Model {
     (other.bodies, other.traces, other.outputs) = (Vec::new(), Vec::new(), Vec::new());
     for step in other.loops.iter_mut().flat_map(|l| &mut l.chain.steps) {
         match step {
-            Step::Fixed(pose) => pose.translation *= scale,
+            Step::Fixed(fixed) => fixed.pose.translation *= scale,
             Step::Joint {
                 motion: Motion::Translation,
                 argument,

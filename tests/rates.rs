@@ -18,7 +18,7 @@ use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
 use mechanim::model::drive::Drive;
 
 use mechanim::model::mechanism::Mechanism;
-use mechanim::numbers::series::Series;
+use mechanim::numbers::series::TaylorSeries;
 use mechanim::scene::builtin;
 use program::Workspace;
 use reference::{Table, mechanism};
@@ -49,10 +49,10 @@ fn start(mechanism: &Model) -> Vec<f64> {
 }
 
 /// Series of all coordinates by the first input at the start of the drive.
-fn series_by_input(mechanism: &Model, order: usize) -> Vec<Series> {
+fn series_by_input(mechanism: &Model, order: usize) -> Vec<TaylorSeries> {
     let system = mechanism.system().unwrap();
     let value = mechanism.actuation.inputs_at(0.0)[0];
-    let input = Series::linear(value, 1.0, order);
+    let input = TaylorSeries::linear(value, 1.0, order);
     rates(&system, &start(mechanism), &[input], order).unwrap()
 }
 
@@ -304,7 +304,7 @@ fn a_singular_pose_has_no_rates() {
         mechanism.actuation.inputs_at(0.0),
     ]
     .concat();
-    let input = Series::linear(FRAC_PI_2, 1.0, 2);
+    let input = TaylorSeries::linear(FRAC_PI_2, 1.0, 2);
     assert_eq!(rates(&system, &coordinates, &[input], 2), None);
 }
 

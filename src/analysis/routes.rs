@@ -11,7 +11,6 @@ use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;
 use crate::math::left_jacobian_inverse;
 use crate::model::actuation::Actuation;
-use crate::numbers::series::drive;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Newton steps after which a pose counts as lost.
@@ -216,7 +215,7 @@ impl<'m> Walker<'m> {
         let mut velocity = vec![0.0; coordinates.len()];
         let n = self.system.mechanism().unknowns.len();
         for (rate, input) in velocity[n..].iter_mut().zip(&self.actuation.drives) {
-            *rate = drive(input, time, 1).derivative(1);
+            *rate = input.series(time, 1).derivative(1);
         }
         self.corrector
             .tangent(self.system, coordinates, &mut velocity);

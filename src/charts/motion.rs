@@ -9,7 +9,7 @@ use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate};
-use crate::numbers::series::{Series as Taylor, evaluate};
+use crate::numbers::series::TaylorSeries;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, Series};
 use crate::plot::scale::ScaleKind;
 use std::f64::consts::PI;
@@ -143,7 +143,7 @@ fn slots(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Option<Vec<f64>>
 }
 
 /// Taylor series of all slots at every sample.
-type SeriesOfSamples = Vec<Option<Vec<Taylor>>>;
+type SeriesOfSamples = Vec<Option<Vec<TaylorSeries>>>;
 
 /// A trajectory and what has been computed of it.
 struct Motion<'a> {
@@ -266,8 +266,7 @@ impl Motion<'_> {
         };
         let order = rate.order;
         let all = self.series(rate);
-        let value =
-            |slots: &Vec<Taylor>| evaluate(&curve.expression, slots, order).derivative(order);
+        let value = |slots: &Vec<TaylorSeries>| curve.expression.value(slots).derivative(order);
         all.iter().map(|s| s.as_ref().map(value)).collect()
     }
 
@@ -287,7 +286,7 @@ impl Motion<'_> {
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
             let inputs = by.inputs(self.actuation, &sample.inputs, sample.time, rate.order);
             let series = rates(system, &coordinates, &inputs, rate.order)?;
-            Some(observed_slots(mechanism, &series, rate.order))
+            Some(observed_slots(mechanism, &series))
         };
         let all = self.trajectory.samples.iter().map(of).collect();
         self.series.push((rate, all));

@@ -172,7 +172,7 @@ mod tests {
         for round in 0..4000 {
             let (kind, moving) = (round % 7, (round / 7) % 6);
             let (a, mine) = (draws.element(kind), draws.element(moving));
-            let fixed = [0; 4].map(|_| Step::Fixed(draws.pose(1.0)));
+            let fixed = [0; 4].map(|_| Step::Fixed(draws.pose(1.0).into()));
             let chain = Chain {
                 steps: vec![
                     fixed[0],

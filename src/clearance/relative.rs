@@ -2,7 +2,9 @@
 
 use crate::kinematics::certificate::tube::Model;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain, Motion, Step, turn_about};
+use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+use crate::model::fixed::FixedPose;
+use crate::model::walk::{Carried, walk};
 use glam::{DMat3, DVec3};
 
 /// The chain from one body to another, without what both have in common.
@@ -71,6 +73,68 @@ impl RelativeMove {
     }
 }
 
+/// The motion of the frame that a walk has reached, over the surroundings of a place.
+struct Moving {
+    s: f64,
+    half: f64,
+    moved: RelativeMove,
+    /// Of the joints before: their turns, ...
+    turned: f64,
+    /// ... the linear parts of these, ...
+    linear: f64,
+    /// ... the length from the first joint to here, ...
+    length: f64,
+    /// ... and what each turns too much or too little, times the length from the first joint to it.
+    off_by_length: f64,
+}
+
+impl Carried for Moving {
+    type Argument = Model;
+
+    fn fix(&mut self, fixed: &FixedPose) {
+        self.length += fixed.translation.length();
+        self.moved.pose.fix(fixed);
+    }
+
+    fn shift(&mut self, axis: usize, sign: f64, by: &Model) {
+        let by = by.around(self.s, self.half);
+        let way = by.way.abs();
+        let play = way + by.bend.abs() + by.off;
+        let (moved, turned) = (&mut self.moved, self.turned);
+        let unit = moved.pose.rotation.col(axis) * sign;
+        let speed = unit * by.way;
+        moved.bend += unit * by.bend + moved.spin.cross(speed);
+        moved.shift += speed;
+        moved.off += by.off + (turned * play - self.linear * way) + 0.5 * turned * turned * play;
+        self.length += by.value.abs() + play;
+        moved.pose.translation += unit * by.value;
+    }
+
+    fn turn(&mut self, axis: usize, sign: f64, by: &Model) {
+        let by = by.around(self.s, self.half);
+        let way = by.way.abs();
+        let play = way + by.bend.abs() + by.off;
+        let (moved, turned) = (&mut self.moved, self.turned);
+        let unit = moved.pose.rotation.col(axis) * sign;
+        let spin = unit * by.way;
+        let origin = moved.pose.translation;
+        let turn = cross(spin);
+        let second = cross(unit * by.bend) + turn * turn * 0.5 + cross(moved.spin) * turn;
+        moved.twist += second;
+        moved.bend -= second * origin;
+        moved.spin += spin;
+        moved.shift += origin.cross(spin);
+        let third = ((turned + play).powi(3) - turned.powi(3)) / 6.0;
+        let second_order = 0.5 * (play * play - way * way) + (turned * play - self.linear * way);
+        let off = by.off + second_order + third;
+        moved.off_by_reach += off;
+        self.off_by_length += off * self.length;
+        self.turned += play;
+        self.linear += way;
+        moved.pose.turn(axis, sign, &ArgumentValue::new(by.value));
+    }
+}
+
 impl RelativeChain {
     /// The chain whose product is `a_from_b`.
     pub fn new(world_from_a: &Chain, world_from_b: &Chain) -> Self {
@@ -86,9 +150,7 @@ impl RelativeChain {
     /// The pose `a_from_b`.
     pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
         let mut pose = Pose::IDENTITY;
-        self.steps
-            .iter()
-            .for_each(|step| step.advance(&mut pose, arguments));
+        walk(&self.steps, &mut pose, arguments, |_, _| {});
         pose
     }
 
@@ -98,72 +160,28 @@ impl RelativeChain {
     /// Π exp(ξᵢ (wayᵢ u + bendᵢ u²)). The rest is bounded joint by joint: a derivative by several joints is no larger
     /// than the reach from the last of them to the point.
     pub fn around(&self, arguments: &[Model], s: f64, half: f64) -> RelativeMove {
-        let mut moved = RelativeMove {
-            pose: Pose::IDENTITY,
-            shift: DVec3::ZERO,
-            spin: DVec3::ZERO,
-            bend: DVec3::ZERO,
-            twist: DMat3::ZERO,
-            off: 0.0,
-            off_by_reach: 0.0,
+        let mut moving = Moving {
+            s,
+            half,
+            moved: RelativeMove {
+                pose: Pose::IDENTITY,
+                shift: DVec3::ZERO,
+                spin: DVec3::ZERO,
+                bend: DVec3::ZERO,
+                twist: DMat3::ZERO,
+                off: 0.0,
+                off_by_reach: 0.0,
+            },
+            turned: 0.0,
+            linear: 0.0,
+            length: 0.0,
+            off_by_length: 0.0,
         };
-        // Of the joints before: their turns, the linear parts of these, and the length from the first joint to here.
-        let (mut turned, mut linear, mut length) = (0.0_f64, 0.0_f64, 0.0);
-        let mut off_by_length = 0.0;
-        for step in &self.steps {
-            let (motion, axis, argument, sign) = match *step {
-                Step::Fixed(pose) => {
-                    length += pose.translation.length();
-                    moved.pose = moved.pose * pose;
-                    continue;
-                }
-                Step::Joint {
-                    motion,
-                    axis,
-                    argument,
-                    sign,
-                } => (motion, axis, argument, sign),
-            };
-            let around = arguments[argument].around(s, half);
-            let way = around.way.abs();
-            let play = way + around.bend.abs() + around.off;
-            let unit = moved.pose.rotation.col(axis) * sign;
-            let spin = unit * around.way;
-            match motion {
-                Motion::Rotation => {
-                    let origin = moved.pose.translation;
-                    let turn = cross(spin);
-                    let second =
-                        cross(unit * around.bend) + turn * turn * 0.5 + cross(moved.spin) * turn;
-                    moved.twist += second;
-                    moved.bend -= second * origin;
-                    moved.spin += spin;
-                    moved.shift += origin.cross(spin);
-                    let third = ((turned + play).powi(3) - turned.powi(3)) / 6.0;
-                    let off = around.off
-                        + 0.5 * (play * play - way * way)
-                        + (turned * play - linear * way)
-                        + third;
-                    moved.off_by_reach += off;
-                    off_by_length += off * length;
-                    turned += play;
-                    linear += way;
-                    let value = ArgumentValue::new(around.value);
-                    turn_about(&mut moved.pose, axis, sign * value.sin, value.cos);
-                }
-                Motion::Translation => {
-                    moved.bend += unit * around.bend + moved.spin.cross(spin);
-                    moved.shift += spin;
-                    moved.off +=
-                        around.off + (turned * play - linear * way) + 0.5 * turned * turned * play;
-                    length += around.value.abs() + play;
-                    moved.pose.translation += unit * around.value;
-                }
-            }
-        }
+        walk(&self.steps, &mut moving, arguments, |_, _| {});
         // A joint's reach is the whole length less that before it.
-        let slack = 1e-12 * (moved.off_by_reach * length);
-        moved.off += (moved.off_by_reach * length - off_by_length).max(0.0) + slack;
+        let mut moved = moving.moved;
+        let whole = moved.off_by_reach * moving.length;
+        moved.off += (whole - moving.off_by_length).max(0.0) + 1e-12 * whole;
         moved
     }
 

@@ -1,6 +1,8 @@
 //! Motion of the driven coordinates over time: keyframes with easing, a formula, or rows of a table.
 
 use super::expression::Expression;
+use crate::numbers::scalar::Scalar;
+use crate::numbers::series::TaylorSeries;
 
 /// How a keyframe's value turns into the next one's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,12 +27,13 @@ impl Ease {
     ];
 
     /// Progress of the value for progress `s` of time, both 0 to 1.
-    pub fn progress(self, s: f64) -> f64 {
+    pub fn progress<S: Scalar>(self, s: S) -> S {
+        let number = S::number;
         match self {
             Self::Linear => s,
-            Self::Smooth => s * s * (3.0 - 2.0 * s),
-            Self::Smoother => s * s * s * (10.0 + s * (6.0 * s - 15.0)),
-            Self::Step => 0.0,
+            Self::Smooth => s * s * (number(3.0) - s.scale(2.0)),
+            Self::Smoother => s * s * s * (number(10.0) + s * (s.scale(6.0) - number(15.0))),
+            Self::Step => number(0.0),
         }
     }
 }
@@ -59,6 +62,11 @@ impl Drive {
 
     /// The value at `time`; may be not finite where a formula has no value.
     pub fn value(&self, time: f64) -> f64 {
+        self.value_beside(time, time)
+    }
+
+    /// The value at a time of any kind, between the keys that are next to `place`: a key belongs to what follows.
+    pub fn value_beside<S: Scalar>(&self, time: S, place: f64) -> S {
         match self {
             Self::Formula(expression) => expression.value(&[time]),
             Self::Keys {
@@ -66,17 +74,28 @@ impl Drive {
                 values,
                 ease,
             } => {
-                let next = times.partition_point(|t| *t <= time);
-                if next == 0 {
-                    return values.first().copied().unwrap_or(0.0);
-                }
-                if next == times.len() {
-                    return values.last().copied().unwrap_or(0.0);
-                }
-                let s = (time - times[next - 1]) / (times[next] - times[next - 1]);
-                values[next - 1] + (values[next] - values[next - 1]) * ease.progress(s)
+                let next = times.partition_point(|t| *t <= place);
+                piece(times, values, *ease, next, time)
             }
         }
+    }
+
+    /// The value from `time` on, as a series of the seconds since then, up to the power `order`.
+    ///
+    /// At a key it is the piece that begins there, at the last key the piece that ends there; held values have no
+    /// rate.
+    pub fn series(&self, time: f64, order: usize) -> TaylorSeries {
+        let clock = TaylorSeries::linear(time, 1.0, order);
+        let mut series = match self {
+            Self::Keys {
+                times,
+                values,
+                ease,
+            } if times.last() == Some(&time) => piece(times, values, *ease, times.len() - 1, clock),
+            _ => self.value_beside(clock, time),
+        };
+        series.set(0, self.value(time));
+        series
     }
 
     /// Time of the last key; `None` for formulas.
@@ -94,6 +113,17 @@ impl Drive {
             Self::Formula(expression) => expression.slots().is_empty(),
         }
     }
+}
+
+/// The value on the piece that ends at key `next`; held before the first and after the last key.
+fn piece<S: Scalar>(times: &[f64], values: &[f64], ease: Ease, next: usize, time: S) -> S {
+    let value = |k: usize| values.get(k).map_or(S::number(0.0), |v| S::decimal(*v));
+    if next == 0 || next == times.len() {
+        return value(next.saturating_sub(1));
+    }
+    let [from, to] = [times[next - 1], times[next]].map(S::number);
+    let s = (time - from) / (to - from);
+    value(next - 1) + (value(next) - value(next - 1)) * ease.progress(s)
 }
 
 #[cfg(test)]
@@ -118,5 +148,24 @@ mod tests {
             ease: Ease::Smooth,
         };
         assert_eq!(smooth.value(0.5), 1.0);
+    }
+
+    #[test]
+    fn series_of_keyframes_are_their_polynomials() {
+        for (_, ease) in Ease::NAMES {
+            let keys = Drive::Keys {
+                times: vec![1.0, 3.0, 4.0],
+                values: vec![2.0, -1.0, 5.0],
+                ease,
+            };
+            for (time, h) in [(0.2, 0.3), (1.0, 0.7), (2.2, -0.4), (3.0, 0.4), (4.5, 1.0)] {
+                let series = keys.series(time, 5);
+                let error = series.value_at(h) - keys.value(time + h);
+                assert!(error.abs() < 1e-13, "{ease:?} {time} {error:e}");
+            }
+            let error = keys.series(4.0, 5).value_at(-0.3) - keys.value(3.7);
+            let held = ease == Ease::Step;
+            assert!(error.abs() < 1e-13 || held, "{ease:?} {error:e}");
+        }
     }
 }

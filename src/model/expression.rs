@@ -1,96 +1,11 @@
 //! Compiled expressions: a straight list of operations over numbered slots, with values and exact gradients.
 //!
 //! Knows no names and no units: angles are radians, lengths are in the scene's unit. Sites that use an
-//! expression say what its slots are (coordinates, time, or coordinates and derived scalars).
+//! expression say what its slots are (coordinates, time, or coordinates and derived scalars), and of which kind of
+//! [`Scalar`]: numbers, series, enclosures.
 
-/// Functions of the formula language.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
-pub enum Function {
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Atan2,
-    Sqrt,
-    Exp,
-    Ln,
-    Abs,
-    Min,
-    Max,
-    Hypot,
-    Mod,
-    Floor,
-}
-
-impl Function {
-    /// All of them, for messages and documentation.
-    pub const ALL: [Self; 16] = [
-        Self::Sin,
-        Self::Cos,
-        Self::Tan,
-        Self::Asin,
-        Self::Acos,
-        Self::Atan,
-        Self::Atan2,
-        Self::Sqrt,
-        Self::Exp,
-        Self::Ln,
-        Self::Abs,
-        Self::Min,
-        Self::Max,
-        Self::Hypot,
-        Self::Mod,
-        Self::Floor,
-    ];
-
-    /// The name in formulas.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sin => "sin",
-            Self::Cos => "cos",
-            Self::Tan => "tan",
-            Self::Asin => "asin",
-            Self::Acos => "acos",
-            Self::Atan => "atan",
-            Self::Atan2 => "atan2",
-            Self::Sqrt => "sqrt",
-            Self::Exp => "exp",
-            Self::Ln => "ln",
-            Self::Abs => "abs",
-            Self::Min => "min",
-            Self::Max => "max",
-            Self::Hypot => "hypot",
-            Self::Mod => "mod",
-            Self::Floor => "floor",
-        }
-    }
-
-    /// The function of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|f| f.name() == name)
-    }
-
-    /// Whether it can be called with `count` arguments.
-    pub const fn accepts(self, count: usize) -> bool {
-        match self {
-            Self::Atan2 | Self::Hypot | Self::Mod => count == 2,
-            Self::Min | Self::Max => count >= 2,
-            _ => count == 1,
-        }
-    }
-
-    /// The number of arguments in words.
-    pub const fn arity_text(self) -> &'static str {
-        match self {
-            Self::Atan2 | Self::Hypot | Self::Mod => "two arguments",
-            Self::Min | Self::Max => "two or more arguments",
-            _ => "one argument",
-        }
-    }
-}
+pub use super::function::Function;
+use crate::numbers::scalar::Scalar;
 
 /// One operation; operands are the indices of earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +55,16 @@ pub struct Affine {
     pub terms: Vec<(usize, f64)>,
 }
 
+impl Affine {
+    /// The value at `slots`.
+    pub fn value<S: Scalar>(&self, slots: &[S]) -> S {
+        let terms = self.terms.iter();
+        terms.fold(S::decimal(self.constant), |sum, (slot, c)| {
+            sum + S::decimal(*c) * slots[*slot]
+        })
+    }
+}
+
 /// A compiled expression. The last operation is its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
@@ -182,52 +107,81 @@ impl Expression {
     }
 
     /// The value at `slots`. Not finite where the formula has no value (1/0, sqrt(-1)).
-    pub fn value(&self, slots: &[f64]) -> f64 {
+    pub fn value<S: Scalar>(&self, slots: &[S]) -> S {
         let mut values = Vec::with_capacity(self.ops.len());
         self.value_with(slots, &mut values)
     }
 
     /// The value at `slots`, with `values` as scratch so that repeated calls do not allocate.
-    pub fn value_with(&self, slots: &[f64], values: &mut Vec<f64>) -> f64 {
+    pub fn value_with<S: Scalar>(&self, slots: &[S], values: &mut Vec<S>) -> S {
         values.clear();
         for op in &self.ops {
             let value = apply(*op, values, slots);
             values.push(value);
         }
-        values.last().copied().unwrap_or(0.0)
+        values.last().copied().unwrap_or(S::number(0.0))
+    }
+
+    /// The derivatives by all slots.
+    pub fn gradient<S: Scalar>(&self, slots: &[S]) -> Vec<S> {
+        let mut gradient = vec![S::number(0.0); slots.len()];
+        let (one, mut values, mut adjoints) = (S::number(1.0), Vec::new(), Vec::new());
+        self.add_gradient(slots, one, &mut gradient, &mut values, &mut adjoints);
+        gradient
     }
 
     /// The value, and `scale` times its gradient added to `gradient` (one entry per slot), by reverse accumulation.
-    pub fn add_gradient(
+    pub fn add_gradient<S: Scalar>(
         &self,
-        slots: &[f64],
-        scale: f64,
-        gradient: &mut [f64],
-        values: &mut Vec<f64>,
-        adjoints: &mut Vec<f64>,
-    ) -> f64 {
+        slots: &[S],
+        scale: S,
+        gradient: &mut [S],
+        values: &mut Vec<S>,
+        adjoints: &mut Vec<S>,
+    ) -> S {
         let value = self.value_with(slots, values);
         adjoints.clear();
-        adjoints.resize(self.ops.len(), 0.0);
+        adjoints.resize(self.ops.len(), S::number(0.0));
         if let Some(last) = adjoints.last_mut() {
             *last = scale;
         }
         for (i, op) in self.ops.iter().enumerate().rev() {
             let adjoint = adjoints[i];
-            if adjoint == 0.0 {
+            if adjoint == S::number(0.0) {
                 continue;
             }
             if let Op::Slot(slot) = op {
-                gradient[*slot] += adjoint;
+                gradient[*slot] = gradient[*slot] + adjoint;
             }
-            let partials = partials(*op, values, values[i]);
+            let partials = self.partials(i, values);
             for (operand, partial) in operands(*op).into_iter().zip(partials) {
                 if let Some(operand) = operand {
-                    adjoints[operand] += adjoint * partial;
+                    adjoints[operand] = adjoints[operand] + adjoint * partial;
                 }
             }
         }
         value
+    }
+
+    /// Partial derivatives of operation `i` by its two operands; `v` are the values of all operations.
+    fn partials<S: Scalar>(&self, i: usize, v: &[S]) -> [S; 2] {
+        let [zero, one] = [0.0, 1.0].map(S::number);
+        match self.ops[i] {
+            Op::Constant(_) | Op::Slot(_) => [zero, zero],
+            Op::Negate(_) => [-one, zero],
+            Op::Add(..) => [one, one],
+            Op::Subtract(..) => [one, -one],
+            Op::Multiply(a, b) => [v[b], v[a]],
+            Op::Divide(_, b) => [one / v[b], -v[i] / v[b]],
+            Op::Power(a, b) => {
+                let by_exponent = match self.ops[b] {
+                    Op::Constant(_) => zero,
+                    _ => v[i] * v[a].slope_by_exponent(),
+                };
+                [power_slope(v[a], v[b]), by_exponent]
+            }
+            Op::Call(f, a, b) => f.partials(v[a], v[b], v[i]),
+        }
     }
 
     /// The affine form, if it has one.
@@ -253,122 +207,32 @@ fn operands(op: Op) -> [Option<usize>; 2] {
     }
 }
 
-fn apply(op: Op, v: &[f64], slots: &[f64]) -> f64 {
+fn apply<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
     match op {
-        Op::Constant(c) => c,
+        Op::Constant(c) => S::decimal(c),
         Op::Slot(i) => slots[i],
         Op::Negate(a) => -v[a],
         Op::Add(a, b) => v[a] + v[b],
         Op::Subtract(a, b) => v[a] - v[b],
+        Op::Multiply(a, b) if a == b => v[a].square(),
         Op::Multiply(a, b) => v[a] * v[b],
         Op::Divide(a, b) => v[a] / v[b],
-        Op::Power(a, b) => power(v[a], v[b]),
-        Op::Call(f, a, b) => call(f, v[a], v[b]),
+        Op::Power(a, b) => v[a].power(v[b]),
+        Op::Call(f, a, b) => f.value(v[a], v[b]),
     }
 }
 
-/// Small whole exponents by multiplication: exact for squares, and defined for negative bases.
-fn power(base: f64, exponent: f64) -> f64 {
-    if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {
-        let mut result = 1.0;
-        for _ in 0..exponent.abs() as u32 {
-            result *= base;
-        }
-        if exponent < 0.0 { 1.0 / result } else { result }
-    } else {
-        libm::pow(base, exponent)
+/// The derivative of a power by its base.
+fn power_slope<S: Scalar>(base: S, exponent: S) -> S {
+    if exponent == S::number(0.0) {
+        return exponent;
     }
-}
-
-fn call(f: Function, a: f64, b: f64) -> f64 {
-    match f {
-        Function::Sin => libm::sin(a),
-        Function::Cos => libm::cos(a),
-        Function::Tan => libm::tan(a),
-        Function::Asin => libm::asin(a),
-        Function::Acos => libm::acos(a),
-        Function::Atan => libm::atan(a),
-        Function::Atan2 => libm::atan2(a, b),
-        Function::Sqrt => a.sqrt(),
-        Function::Exp => libm::exp(a),
-        Function::Ln => libm::log(a),
-        Function::Abs => a.abs(),
-        Function::Min => {
-            if b < a {
-                b
-            } else {
-                a
-            }
-        }
-        Function::Max => {
-            if b > a {
-                b
-            } else {
-                a
-            }
-        }
-        Function::Hypot => libm::hypot(a, b),
-        Function::Mod => a - b * (a / b).floor(),
-        Function::Floor => a.floor(),
-    }
-}
-
-/// Partial derivatives with respect to the two operands; `r` is the operation's value.
-fn partials(op: Op, v: &[f64], r: f64) -> [f64; 2] {
-    match op {
-        Op::Constant(_) | Op::Slot(_) => [0.0, 0.0],
-        Op::Negate(_) => [-1.0, 0.0],
-        Op::Add(..) => [1.0, 1.0],
-        Op::Subtract(..) => [1.0, -1.0],
-        Op::Multiply(a, b) => [v[b], v[a]],
-        Op::Divide(_, b) => [1.0 / v[b], -r / v[b]],
-        Op::Power(a, b) => {
-            let by_base = if v[b] == 0.0 {
-                0.0
-            } else {
-                v[b] * power(v[a], v[b] - 1.0)
-            };
-            let by_exponent = if v[a] > 0.0 { r * libm::log(v[a]) } else { 0.0 };
-            [by_base, by_exponent]
-        }
-        Op::Call(f, a, b) => call_partials(f, v[a], v[b], r),
-    }
-}
-
-fn call_partials(f: Function, a: f64, b: f64, r: f64) -> [f64; 2] {
-    match f {
-        Function::Sin => [libm::cos(a), 0.0],
-        Function::Cos => [-libm::sin(a), 0.0],
-        Function::Tan => [1.0 + r * r, 0.0],
-        Function::Asin => [1.0 / (1.0 - a * a).sqrt(), 0.0],
-        Function::Acos => [-1.0 / (1.0 - a * a).sqrt(), 0.0],
-        Function::Atan => [1.0 / (1.0 + a * a), 0.0],
-        Function::Atan2 => {
-            let square = a * a + b * b;
-            [b / square, -a / square]
-        }
-        Function::Sqrt => [0.5 / r, 0.0],
-        Function::Exp => [r, 0.0],
-        Function::Ln => [1.0 / a, 0.0],
-        Function::Abs => [if a < 0.0 { -1.0 } else { 1.0 }, 0.0],
-        Function::Min => {
-            if b < a {
-                [0.0, 1.0]
-            } else {
-                [1.0, 0.0]
-            }
-        }
-        Function::Max => {
-            if b > a {
-                [0.0, 1.0]
-            } else {
-                [1.0, 0.0]
-            }
-        }
-        Function::Hypot => [a / r, b / r],
-        Function::Mod => [1.0, -(a / b).floor()],
-        Function::Floor => [0.0, 0.0],
-    }
+    // A whole exponent stays one number, or a negative base would have no power.
+    let less = match exponent.as_number() {
+        Some(e) if (e - 1.0) + 1.0 == e => S::number(e - 1.0),
+        _ => exponent - S::number(1.0),
+    };
+    exponent * base.power(less)
 }
 
 fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
@@ -403,14 +267,14 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
             }
         }
         Op::Power(a, b) => {
-            let value = power(constant(&forms[a])?, constant(&forms[b])?);
+            let value = constant(&forms[a])?.power(constant(&forms[b])?);
             Affine {
                 constant: value,
                 terms: Vec::new(),
             }
         }
         Op::Call(f, a, b) => {
-            let value = call(f, constant(&forms[a])?, constant(&forms[b])?);
+            let value = f.value(constant(&forms[a])?, constant(&forms[b])?);
             Affine {
                 constant: value,
                 terms: Vec::new(),

@@ -6,7 +6,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// The unevaluated sum `hi + lo`, `lo` below half a unit in the last place of `hi`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Double {
+pub struct DoubleDouble {
     /// Leading part: the value rounded to f64.
     pub hi: f64,
     /// What is left.
@@ -16,13 +16,13 @@ pub struct Double {
 /// 2^27 + 1: parts a 53-bit number into two halves of at most 26 bits.
 pub const SPLITTER: f64 = 134_217_729.0;
 
-impl From<f64> for Double {
+impl From<f64> for DoubleDouble {
     fn from(hi: f64) -> Self {
         Self { hi, lo: 0.0 }
     }
 }
 
-impl Double {
+impl DoubleDouble {
     /// The exact sum of two f64.
     #[inline]
     pub const fn sum(a: f64, b: f64) -> Self {
@@ -73,7 +73,7 @@ pub const fn split(a: f64) -> (f64, f64) {
     (high, a - high)
 }
 
-impl Add for Double {
+impl Add for DoubleDouble {
     type Output = Self;
     #[inline]
     fn add(self, b: Self) -> Self {
@@ -81,7 +81,7 @@ impl Add for Double {
     }
 }
 
-impl Neg for Double {
+impl Neg for DoubleDouble {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
@@ -92,7 +92,7 @@ impl Neg for Double {
     }
 }
 
-impl Sub for Double {
+impl Sub for DoubleDouble {
     type Output = Self;
     #[inline]
     fn sub(self, b: Self) -> Self {
@@ -100,7 +100,7 @@ impl Sub for Double {
     }
 }
 
-impl Mul for Double {
+impl Mul for DoubleDouble {
     type Output = Self;
     #[inline]
     fn mul(self, b: Self) -> Self {
@@ -108,7 +108,7 @@ impl Mul for Double {
     }
 }
 
-impl Mul<f64> for Double {
+impl Mul<f64> for DoubleDouble {
     type Output = Self;
     #[inline]
     fn mul(self, b: f64) -> Self {
@@ -123,12 +123,12 @@ mod tests {
 
     #[test]
     fn keeps_what_f64_loses() {
-        let third = Double::from(1.0 / 3.0);
+        let third = DoubleDouble::from(1.0 / 3.0);
         // 3 fl(1/3) = 1 - 2^-54 exactly.
-        let rest = third * 3.0 - Double::from(1.0);
+        let rest = third * 3.0 - DoubleDouble::from(1.0);
         assert_eq!(rest.hi + rest.lo, -(2.0_f64.powi(-54)));
-        let square = Double::sum(1.0, 1e-20) * Double::sum(1.0, -1e-20);
-        let rest = square - Double::from(1.0);
+        let square = DoubleDouble::sum(1.0, 1e-20) * DoubleDouble::sum(1.0, -1e-20);
+        let rest = square - DoubleDouble::from(1.0);
         assert!(
             rest.hi.abs() < 1e-31,
             "(1+e)(1-e) = 1 - e², e² = 1e-40: {rest:?}"

@@ -5,6 +5,8 @@
 //! all that follows from it; a proof then fails by itself. Functions of `libm` are assumed right within one unit in the
 //! last place.
 
+use super::rounding::{FUNCTION_WIDENING, UNDERFLOW, WIDENING, is_exact};
+use super::scalar::{Ring, Scalar};
 use crate::math::sin_cos;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -17,15 +19,6 @@ pub struct Interval {
     /// Upper end, not below the lower one.
     pub hi: f64,
 }
-
-/// Relative widening after one rounded operation: two units roundoff, so that its own rounding is covered too.
-const ROUNDED: f64 = 2.3e-16;
-
-/// Relative widening after a function of `libm`: one unit in the last place is at most 2.3e-16 of the value.
-const FUNCTION: f64 = 4.7e-16;
-
-/// Covers what underflow loses in a product. Large enough to keep slow subnormal numbers away.
-const UNDERFLOW: f64 = 1e-200;
 
 /// Relative error of π/2 and of the quotient by 2π, generously.
 const TURN_SLACK: f64 = 1e-14;
@@ -63,15 +56,6 @@ impl Interval {
         Self::new(-radius, radius)
     }
 
-    /// A number of the scene: whole ones are exact, others are rounded decimals.
-    pub fn decimal(value: f64) -> Self {
-        if value.fract() == 0.0 {
-            Self::point(value)
-        } else {
-            Self::new(value.next_down(), value.next_up())
-        }
-    }
-
     fn widened(lo: f64, hi: f64, by: f64) -> Self {
         Self::new(lo - lo.abs() * by, hi + hi.abs() * by)
     }
@@ -91,11 +75,6 @@ impl Interval {
         (self - Self::point(value)).magnitude()
     }
 
-    /// Whether both ends are numbers.
-    pub fn is_finite(self) -> bool {
-        self.lo.is_finite() && self.hi.is_finite()
-    }
-
     /// The smallest interval that holds both.
     pub fn hull(self, b: Self) -> Self {
         Self::new(self.lo.min(b.lo), self.hi.max(b.hi))
@@ -106,41 +85,9 @@ impl Interval {
         self.lo <= 0.0 && self.hi >= 0.0
     }
 
-    /// Product with an exact number.
-    #[inline]
-    pub fn scale(self, factor: f64) -> Self {
-        if factor == 0.0 {
-            return if self.is_finite() {
-                Self::ZERO
-            } else {
-                Self::ENTIRE
-            };
-        }
-        let (a, b) = (self.lo * factor, self.hi * factor);
-        let (lo, hi) = if factor > 0.0 { (a, b) } else { (b, a) };
-        let wide = Self::widened(lo, hi, ROUNDED);
-        Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
-    }
-
-    /// Square: never negative.
-    pub fn square(self) -> Self {
-        let product = self * self;
-        let lo = if self.holds_zero() { 0.0 } else { product.lo };
-        Self::new(lo.max(0.0), product.hi)
-    }
-
-    /// Sine and cosine.
-    pub fn sin_cos(self) -> (Self, Self) {
-        if !self.is_finite() {
-            return (Self::new(-1.0, 1.0), Self::new(-1.0, 1.0));
-        }
-        let (s, c) = (sin_cos(self.lo), sin_cos(self.hi));
-        (self.wave(s.0, c.0, FRAC_PI_2), self.wave(s.1, c.1, 0.0))
-    }
-
     /// A wave with values `a` and `b` at the ends of the interval and its crests at `crest` + 2πk.
     fn wave(self, a: f64, b: f64, crest: f64) -> Self {
-        let ends = Self::widened(a.min(b), a.max(b), FUNCTION);
+        let ends = Self::widened(a.min(b), a.max(b), FUNCTION_WIDENING);
         let meets = |place: f64| {
             let (from, to) = ((self.lo - place) / TAU, (self.hi - place) / TAU);
             let slack = TURN_SLACK * (1.0 + from.abs().max(to.abs()));
@@ -158,22 +105,94 @@ impl Interval {
 
     /// A function of `libm` that grows on the whole interval.
     fn growing(self, f: impl Fn(f64) -> f64) -> Self {
-        let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION);
+        let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
+    }
+}
+
+impl Ring for Interval {
+    fn number(value: f64) -> Self {
+        Self::point(value)
+    }
+
+    /// Product with an exact number.
+    #[inline]
+    fn scale(self, factor: f64) -> Self {
+        if factor == 0.0 {
+            return if self.is_finite() {
+                Self::ZERO
+            } else {
+                Self::ENTIRE
+            };
+        }
+        let (a, b) = (self.lo * factor, self.hi * factor);
+        let (lo, hi) = if factor > 0.0 { (a, b) } else { (b, a) };
+        let wide = Self::widened(lo, hi, WIDENING);
+        Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
+    }
+}
+
+impl Scalar for Interval {
+    /// Whole numbers are exact, others are rounded decimals.
+    fn decimal(value: f64) -> Self {
+        if is_exact(value) {
+            Self::point(value)
+        } else {
+            Self::new(value.next_down(), value.next_up())
+        }
+    }
+
+    fn undefined() -> Self {
+        Self::ENTIRE
+    }
+
+    fn is_finite(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    fn as_number(self) -> Option<f64> {
+        (self.lo == self.hi).then_some(self.lo)
+    }
+
+    /// Zero at an end belongs to the side of the others.
+    fn is_below_zero(self) -> Option<bool> {
+        if self.lo >= 0.0 {
+            Some(false)
+        } else if self.hi <= 0.0 {
+            Some(true)
+        } else {
+            None
+        }
+    }
+
+    /// Square: never negative.
+    fn square(self) -> Self {
+        let product = self * self;
+        let lo = if self.holds_zero() { 0.0 } else { product.lo };
+        Self::new(lo.max(0.0), product.hi)
+    }
+
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self) {
+        if !self.is_finite() {
+            return (Self::new(-1.0, 1.0), Self::new(-1.0, 1.0));
+        }
+        let (s, c) = (sin_cos(self.lo), sin_cos(self.hi));
+        (self.wave(s.0, c.0, FRAC_PI_2), self.wave(s.1, c.1, 0.0))
     }
 
     /// Square root.
-    pub fn sqrt(self) -> Self {
-        Self::widened(self.lo.sqrt(), self.hi.sqrt(), ROUNDED)
+    fn sqrt(self) -> Self {
+        Self::widened(self.lo.sqrt(), self.hi.sqrt(), WIDENING)
     }
 
     /// Exponential.
-    pub fn exp(self) -> Self {
+    fn exp(self) -> Self {
         self.growing(libm::exp)
     }
 
     /// Natural logarithm.
-    pub fn ln(self) -> Self {
+    fn ln(self) -> Self {
         if self.lo > 0.0 {
             self.growing(libm::log)
         } else {
@@ -182,12 +201,12 @@ impl Interval {
     }
 
     /// Inverse sine.
-    pub fn asin(self) -> Self {
+    fn asin(self) -> Self {
         self.growing(libm::asin)
     }
 
     /// Angle of the point (`x`, `self`); nothing is known where the box meets the negative x axis.
-    pub fn atan2(self, x: Self) -> Self {
+    fn atan2(self, x: Self) -> Self {
         if !(self.is_finite() && x.is_finite()) || (x.lo <= 0.0 && self.holds_zero()) {
             return Self::ENTIRE;
         }
@@ -199,8 +218,26 @@ impl Interval {
         ];
         let lo = corners.into_iter().fold(f64::INFINITY, f64::min);
         let hi = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let wide = Self::widened(lo, hi, FUNCTION);
+        let wide = Self::widened(lo, hi, FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
+    }
+
+    fn acos(self) -> Self {
+        Self::ONE.atan2(Self::ZERO) - self.asin()
+    }
+
+    fn atan(self) -> Self {
+        self.growing(libm::atan)
+    }
+
+    /// Where it is the same for all members.
+    fn floor(self) -> Self {
+        let (lo, hi) = (self.lo.floor(), self.hi.floor());
+        if lo == hi {
+            Self::point(lo)
+        } else {
+            Self::ENTIRE
+        }
     }
 }
 
@@ -225,7 +262,7 @@ impl Add for Interval {
         if self == Self::ZERO {
             return b;
         }
-        Self::widened(self.lo + b.lo, self.hi + b.hi, ROUNDED)
+        Self::widened(self.lo + b.lo, self.hi + b.hi, WIDENING)
     }
 }
 
@@ -250,7 +287,7 @@ impl Mul for Interval {
         if (p + q + r + s).is_nan() {
             return Self::ENTIRE;
         }
-        let wide = Self::widened(p.min(q).min(r.min(s)), p.max(q).max(r.max(s)), ROUNDED);
+        let wide = Self::widened(p.min(q).min(r.min(s)), p.max(q).max(r.max(s)), WIDENING);
         let (lo, hi) = (wide.lo - UNDERFLOW, wide.hi + UNDERFLOW);
         // The sign of a product is exact.
         let (positive, negative) = (self.lo >= 0.0, self.hi <= 0.0);
@@ -270,7 +307,7 @@ impl Div for Interval {
         if b.holds_zero() {
             return Self::ENTIRE;
         }
-        let reciprocal = Self::widened(1.0 / b.hi, 1.0 / b.lo, ROUNDED);
+        let reciprocal = Self::widened(1.0 / b.hi, 1.0 / b.lo, WIDENING);
         self * Self::new(reciprocal.lo - UNDERFLOW, reciprocal.hi + UNDERFLOW)
     }
 }
@@ -278,7 +315,7 @@ impl Div for Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::double_double::Double;
+    use crate::numbers::double_double::DoubleDouble;
 
     fn random(state: &mut u64) -> f64 {
         *state ^= *state << 13;
@@ -287,9 +324,9 @@ mod tests {
         (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    fn holds(x: Interval, exact: Double) -> bool {
-        let below = Double::from(x.lo) - exact;
-        let above = exact - Double::from(x.hi);
+    fn holds(x: Interval, exact: DoubleDouble) -> bool {
+        let below = DoubleDouble::from(x.lo) - exact;
+        let above = exact - DoubleDouble::from(x.hi);
         below.hi <= 0.0 && above.hi <= 0.0
     }
 
@@ -300,13 +337,13 @@ mod tests {
             let scale = 10.0_f64.powi((20.0 * random(&mut state)) as i32);
             let (a, b) = (random(&mut state), scale * random(&mut state));
             let (x, y) = (Interval::point(a), Interval::point(b));
-            assert!(holds(x + y, Double::sum(a, b)));
-            assert!(holds(x - y, Double::sum(a, -b)));
-            assert!(holds(x * y, Double::product(a, b)));
+            assert!(holds(x + y, DoubleDouble::sum(a, b)));
+            assert!(holds(x - y, DoubleDouble::sum(a, -b)));
+            assert!(holds(x * y, DoubleDouble::product(a, b)));
             // a = (a / b) b holds for some member of the quotient.
-            assert!(holds((x / y) * y, Double::from(a)));
+            assert!(holds((x / y) * y, DoubleDouble::from(a)));
             let root = Interval::point(b.abs()).sqrt();
-            assert!(holds(root * root, Double::from(b.abs())));
+            assert!(holds(root * root, DoubleDouble::from(b.abs())));
         }
     }
 

@@ -1,380 +1,403 @@
-//! Truncated power series in one variable: arithmetic, the functions of formulas, and drives as series of time.
+//! Truncated power series in one variable, over any kind of number: exact rates of any order, and enclosures of them.
 //!
 //! A series holds the coefficients c₀ … cₙ of Σ cₖ hᵏ, so that the k-th derivative is k! cₖ. The recurrences come from
 //! the differential equations of the functions (Griewank and Walther, Evaluating Derivatives, 2nd ed., chapter 13).
-//! Where a function has a kink (abs, min, max, mod, floor) the series is that of the side it is on.
+//! Where a function has a kink (abs, min, max, mod, floor) the series is that of the side it is on; an enclosure that
+//! holds both sides is undefined.
 
-use crate::math::sin_cos;
-use crate::model::drive::{Drive, Ease};
-use crate::model::expression::{Expression, Function, Op};
-use std::ops::{Add, Mul, Neg, Sub};
+use super::interval::Interval;
+use super::scalar::{Ring, Scalar};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Whole exponents up to this are products, so that they exist for negative bases and at zero, as in values.
-const LARGEST_PRODUCT: f64 = 16.0;
+/// Highest power of a series of plain numbers.
+pub const HIGHEST_ORDER: usize = 8;
 
-/// Coefficients of a truncated series, at least one. Operands of an operation have the same length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Series(Vec<f64>);
+/// Coefficients of a truncated series, on the stack: those up to the order, and zeros behind them.
+///
+/// Operands have the same order, or order zero: then they are constants, which go with every order.
+#[derive(Clone, Copy, Debug)]
+pub struct Series<T, const N: usize = { HIGHEST_ORDER + 1 }> {
+    coefficients: [T; N],
+    /// How many of them can differ from zero, at least one.
+    length: usize,
+}
 
-impl Series {
-    /// A number that does not change.
-    pub fn constant(value: f64, order: usize) -> Self {
-        let mut coefficients = vec![0.0; order + 1];
+/// Series of plain numbers.
+pub type TaylorSeries = Series<f64>;
+
+impl<T: Scalar, const N: usize> PartialEq for Series<T, N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.coefficients == other.coefficients
+    }
+}
+
+impl<T: Scalar, const N: usize> Series<T, N> {
+    /// What does not change.
+    pub fn constant(value: T) -> Self {
+        let mut coefficients = [T::number(0.0); N];
         coefficients[0] = value;
-        Self(coefficients)
+        Self {
+            coefficients,
+            length: 1,
+        }
     }
 
-    /// `value + rate h`.
-    pub fn linear(value: f64, rate: f64, order: usize) -> Self {
-        let mut series = Self::constant(value, order);
-        if let Some(first) = series.0.get_mut(1) {
-            *first = rate;
+    /// `value + rate h`, up to the power `order`, which is at most N - 1.
+    pub fn linear(value: T, rate: T, order: usize) -> Self {
+        let mut series = Self::constant(value);
+        series.length = N.min(order + 1);
+        if series.length > 1 {
+            series.coefficients[1] = rate;
         }
         series
     }
 
     /// Highest power that is kept.
     pub fn order(&self) -> usize {
-        self.0.len() - 1
+        self.length - 1
     }
 
-    /// The coefficients, from the constant on.
-    pub fn coefficients(&self) -> &[f64] {
-        &self.0
+    /// The coefficients, from the constant on; those beyond the order are zero.
+    pub fn coefficients(&self) -> &[T; N] {
+        &self.coefficients
     }
 
-    /// Replaces the coefficient of hᵏ, `k` up to the order.
-    pub fn set(&mut self, k: usize, value: f64) {
-        self.0[k] = value;
+    /// Replaces the coefficient of hᵏ, `k` below N.
+    pub fn set(&mut self, k: usize, value: T) {
+        self.coefficients[k] = value;
+        self.length = self.length.max(k + 1);
     }
 
-    /// The k-th derivative at h = 0, `k` up to the order.
-    pub fn derivative(&self, k: usize) -> f64 {
-        (1..=k).fold(self.0[k], |value, j| value * j as f64)
+    /// The k-th derivative at h = 0, `k` below N.
+    pub fn derivative(&self, k: usize) -> T {
+        (1..=k).fold(self.coefficients[k], |value, j| value.scale(j as f64))
     }
 
     /// The polynomial's value at `h`.
-    pub fn value_at(&self, h: f64) -> f64 {
-        self.0.iter().rev().fold(0.0, |sum, c| sum * h + c)
+    pub fn value_at(&self, h: T) -> T {
+        let terms = self.used().iter().rev();
+        terms.fold(T::number(0.0), |sum, c| sum * h + *c)
     }
 
     /// The same series with the powers up to `order` only.
-    pub fn truncated(&self, order: usize) -> Self {
-        Self(self.0[..=order.min(self.order())].to_vec())
+    pub fn truncated(mut self, order: usize) -> Self {
+        self.length = self.length.min(order + 1);
+        self.coefficients[self.length..].fill(T::number(0.0));
+        self
     }
 
-    /// Every coefficient times `factor`.
-    pub fn scaled(&self, factor: f64) -> Self {
-        Self(self.0.iter().map(|c| factor * c).collect())
+    fn used(&self) -> &[T] {
+        &self.coefficients[..self.length]
     }
 
-    fn shifted(&self, value: f64) -> Self {
-        let mut series = self.clone();
-        series.0[0] += value;
-        series
-    }
-
-    fn is_constant(&self) -> bool {
-        self.0[1..].iter().all(|c| *c == 0.0)
-    }
-
-    /// Σ over j in `from..=k` of `aⱼ bₖ₋ⱼ`.
-    fn fold(a: &[f64], b: &[f64], from: usize, k: usize) -> f64 {
-        (from..=k).map(|j| a[j] * b[k - j]).sum()
-    }
-
-    fn divided(&self, divisor: &Self) -> Self {
-        let mut quotient: Vec<f64> = Vec::with_capacity(self.0.len());
-        for k in 0..self.0.len() {
-            let known: f64 = (0..k).map(|j| quotient[j] * divisor.0[k - j]).sum();
-            quotient.push((self.0[k] - known) / divisor.0[0]);
+    /// The coefficients one after the other, each from those before it.
+    fn built(length: usize, mut coefficient: impl FnMut(usize, &[T; N]) -> T) -> Self {
+        let mut coefficients = [T::number(0.0); N];
+        for k in 0..length {
+            coefficients[k] = coefficient(k, &coefficients);
         }
-        Self(quotient)
+        Self {
+            coefficients,
+            length,
+        }
     }
 
-    /// Sine and cosine together: s' = c u', c' = -s u'.
-    pub fn sin_cos(&self) -> (Self, Self) {
-        let (sin, cos) = sin_cos(self.0[0]);
-        let (mut s, mut c) = (vec![sin], vec![cos]);
-        for k in 1..self.0.len() {
-            let rate = |other: &[f64]| -> f64 {
-                let terms = (1..=k).map(|j| j as f64 * self.0[j] * other[k - j]);
-                terms.sum::<f64>() / k as f64
-            };
-            let (next_s, next_c) = (rate(&c), -rate(&s));
-            s.push(next_s);
-            c.push(next_c);
-        }
-        (Self(s), Self(c))
+    fn map(mut self, f: impl Fn(T) -> T) -> Self {
+        let used = &mut self.coefficients[..self.length];
+        used.iter_mut().for_each(|c| *c = f(*c));
+        self
+    }
+
+    /// Term by term; constants continue with zeros.
+    fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        let length = self.length.max(other.length);
+        let (a, b) = (&self.coefficients, &other.coefficients);
+        Self::built(length, |k, _| f(a[k], b[k]))
+    }
+
+    /// Coefficient k of ∫ self' b: Σ from j = 1 to k of j cⱼ bₖ₋ⱼ, over k.
+    fn integral(&self, b: &[T; N], k: usize) -> T {
+        let last = k.min(self.length - 1);
+        let terms = (1..=last).map(|j| self.coefficients[j].scale(j as f64) * b[k - j]);
+        sum(terms) / T::number(k as f64)
     }
 
     /// The series that starts at `value` and whose derivative is `self' · factor`.
-    fn integrated(&self, factor: &Self, value: f64) -> Self {
-        let mut result = vec![value];
-        for k in 1..self.0.len() {
-            let terms = (1..=k).map(|j| j as f64 * self.0[j] * factor.0[k - j]);
-            result.push(terms.sum::<f64>() / k as f64);
-        }
-        Self(result)
+    fn integrated(&self, factor: &Self, value: T) -> Self {
+        let length = self.length.max(factor.length);
+        Self::built(length, |k, _| match k {
+            0 => value,
+            _ => self.integral(&factor.coefficients, k),
+        })
     }
 
-    fn exp(&self) -> Self {
-        let mut result = vec![libm::exp(self.0[0])];
-        for k in 1..self.0.len() {
-            let terms = (1..=k).map(|j| j as f64 * self.0[j] * result[k - j]);
-            result.push(terms.sum::<f64>() / k as f64);
-        }
-        Self(result)
-    }
-
-    fn reciprocal(&self) -> Self {
-        Self::constant(1.0, self.order()).divided(self)
-    }
-
-    fn ln(&self) -> Self {
-        self.integrated(&self.reciprocal(), libm::log(self.0[0]))
-    }
-
-    fn sqrt(&self) -> Self {
-        let mut result = vec![self.0[0].sqrt()];
-        for k in 1..self.0.len() {
-            let known: f64 = (1..k).map(|j| result[j] * result[k - j]).sum();
-            result.push((self.0[k] - known) / (2.0 * result[0]));
-        }
-        Self(result)
-    }
-
-    /// A constant real power, from u v' = r u' v.
-    fn real_power(&self, exponent: f64) -> Self {
-        let u = &self.0;
-        let mut v = vec![libm::pow(u[0], exponent)];
-        for k in 1..u.len() {
-            let terms = (1..=k).map(|j| {
-                let weight = exponent * j as f64 - (k - j) as f64;
-                weight * u[j] * v[k - j]
-            });
-            v.push(terms.sum::<f64>() / (k as f64 * u[0]));
-        }
-        Self(v)
-    }
-
-    fn power(&self, exponent: &Self) -> Self {
-        let e = exponent.0[0];
-        if !exponent.is_constant() {
-            return (&self.ln() * exponent).exp();
-        }
-        if e.fract() != 0.0 || e.abs() > LARGEST_PRODUCT {
-            return self.real_power(e);
-        }
-        let one = Self::constant(1.0, self.order());
-        let product = (0..e.abs() as u32).fold(one, |product, _| &product * self);
-        if e < 0.0 {
-            product.reciprocal()
-        } else {
-            product
-        }
+    fn one() -> Self {
+        Self::number(1.0)
     }
 
     /// 1 / sqrt(1 - u²): the rate of the inverse sine.
-    fn arc_rate(&self) -> Self {
-        let square = self * self;
-        (-&square).shifted(1.0).sqrt().reciprocal()
+    fn arc_rate(self) -> Self {
+        Self::one() / (Self::one() - self.square()).sqrt()
+    }
+}
+
+impl<T: Scalar, const N: usize> From<[T; N]> for Series<T, N> {
+    fn from(coefficients: [T; N]) -> Self {
+        Self {
+            coefficients,
+            length: N,
+        }
+    }
+}
+
+/// The sum of the terms in their order.
+fn sum<T: Scalar>(mut terms: impl Iterator<Item = T>) -> T {
+    let first = terms.next().unwrap_or(T::number(0.0));
+    terms.fold(first, |sum, term| sum + term)
+}
+
+impl<T: Scalar, const N: usize> Ring for Series<T, N> {
+    fn number(value: f64) -> Self {
+        Self::constant(T::number(value))
+    }
+
+    fn scale(self, factor: f64) -> Self {
+        self.map(|c| c.scale(factor))
+    }
+}
+
+impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
+    fn decimal(value: f64) -> Self {
+        Self::constant(T::decimal(value))
+    }
+
+    fn undefined() -> Self {
+        Self {
+            coefficients: [T::undefined(); N],
+            length: N,
+        }
+    }
+
+    fn is_finite(self) -> bool {
+        self.used().iter().all(|c| c.is_finite())
+    }
+
+    fn as_number(self) -> Option<f64> {
+        let still = self.used()[1..].iter().all(|c| *c == T::number(0.0));
+        self.coefficients[0].as_number().filter(|_| still)
+    }
+
+    fn is_below_zero(self) -> Option<bool> {
+        let mut used = self.used().iter();
+        let leading = used.find(|c| **c != T::number(0.0));
+        leading.map_or(Some(false), |c| c.is_below_zero())
+    }
+
+    /// The product with itself, whose value is a square.
+    fn square(self) -> Self {
+        let mut product = self * self;
+        product.coefficients[0] = self.coefficients[0].square();
+        product
+    }
+
+    /// s' = c u', c' = -s u'.
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.coefficients[0].sin_cos();
+        let (mut s, mut c) = (Self::constant(sin), Self::constant(cos));
+        for k in 1..self.length {
+            let next = self.integral(&c.coefficients, k);
+            c.coefficients[k] = -self.integral(&s.coefficients, k);
+            s.coefficients[k] = next;
+        }
+        (s.length, c.length) = (self.length, self.length);
+        (s, c)
+    }
+
+    fn exp(self) -> Self {
+        Self::built(self.length, |k, known| match k {
+            0 => self.coefficients[0].exp(),
+            _ => self.integral(known, k),
+        })
+    }
+
+    fn ln(self) -> Self {
+        self.integrated(&(Self::one() / self), self.coefficients[0].ln())
+    }
+
+    fn sqrt(self) -> Self {
+        Self::built(self.length, |k, known| match k {
+            0 => self.coefficients[0].sqrt(),
+            _ => {
+                let products = sum((1..k).map(|j| known[j] * known[k - j]));
+                (self.coefficients[k] - products) / known[0].scale(2.0)
+            }
+        })
+    }
+
+    fn asin(self) -> Self {
+        self.integrated(&self.arc_rate(), self.coefficients[0].asin())
+    }
+
+    fn acos(self) -> Self {
+        self.integrated(&-self.arc_rate(), self.coefficients[0].acos())
+    }
+
+    fn atan(self) -> Self {
+        let rate = Self::one() / (Self::one() + self.square());
+        self.integrated(&rate, self.coefficients[0].atan())
     }
 
     /// From (x y' - y x') / (x² + y²).
-    fn atan2(y: &Self, x: &Self) -> Self {
-        let square = (&(x * x) + &(y * y)).reciprocal();
-        let angle = libm::atan2(y.0[0], x.0[0]);
-        let from_y = y.integrated(&(x * &square), 0.0);
-        let from_x = x.integrated(&(y * &square), 0.0);
-        (&from_y - &from_x).shifted(angle)
+    fn atan2(self, x: Self) -> Self {
+        let square = x.square() + self.square();
+        let angle = self.coefficients[0].atan2(x.coefficients[0]);
+        let from_y = self.integrated(&(x / square), angle);
+        let from_x = x.integrated(&(self / square), T::number(0.0));
+        from_y - from_x
     }
 
-    fn call(function: Function, a: &Self, b: &Self) -> Self {
-        let order = a.order();
-        let negative = |s: &Self| s.0[0] < 0.0 || (s.0[0] == 0.0 && s.0.get(1) < Some(&0.0));
-        match function {
-            Function::Sin => a.sin_cos().0,
-            Function::Cos => a.sin_cos().1,
-            Function::Tan => {
-                let (sin, cos) = a.sin_cos();
-                sin.divided(&cos)
-            }
-            Function::Asin => a.integrated(&a.arc_rate(), libm::asin(a.0[0])),
-            Function::Acos => a.integrated(&-&a.arc_rate(), libm::acos(a.0[0])),
-            Function::Atan => Self::atan2(a, &Self::constant(1.0, order)),
-            Function::Atan2 => Self::atan2(a, b),
-            Function::Sqrt => a.sqrt(),
-            Function::Exp => a.exp(),
-            Function::Ln => a.ln(),
-            Function::Abs if negative(a) => -a,
-            Function::Abs => a.clone(),
-            Function::Min if negative(&(b - a)) => b.clone(),
-            Function::Max if negative(&(a - b)) => b.clone(),
-            Function::Min | Function::Max => a.clone(),
-            Function::Hypot => (&(a * a) + &(b * b)).sqrt(),
-            Function::Mod => a - &b.scaled((a.0[0] / b.0[0]).floor()),
-            Function::Floor => Self::constant(a.0[0].floor(), order),
+    fn floor(self) -> Self {
+        let floor = self.coefficients[0].floor();
+        if floor.is_finite() {
+            Self::constant(floor)
+        } else {
+            Self::undefined()
         }
     }
-}
 
-impl Add for &Series {
-    type Output = Series;
-    fn add(self, other: Self) -> Series {
-        Series(self.0.iter().zip(&other.0).map(|(a, b)| a + b).collect())
-    }
-}
-
-impl Sub for &Series {
-    type Output = Series;
-    fn sub(self, other: Self) -> Series {
-        Series(self.0.iter().zip(&other.0).map(|(a, b)| a - b).collect())
-    }
-}
-
-impl Neg for &Series {
-    type Output = Series;
-    fn neg(self) -> Series {
-        self.scaled(-1.0)
-    }
-}
-
-impl Mul for &Series {
-    type Output = Series;
-    fn mul(self, other: Self) -> Series {
-        let product = (0..self.0.len()).map(|k| Series::fold(&self.0, &other.0, 0, k));
-        Series(product.collect())
-    }
-}
-
-/// The value of a formula whose slots are series of the given order.
-pub fn evaluate(expression: &Expression, slots: &[Series], order: usize) -> Series {
-    let mut values: Vec<Series> = Vec::with_capacity(expression.ops().len());
-    for op in expression.ops() {
-        let v = &values;
-        let value = match *op {
-            Op::Constant(c) => Series::constant(c, order),
-            Op::Slot(i) => slots[i].truncated(order),
-            Op::Negate(a) => -&v[a],
-            Op::Add(a, b) => &v[a] + &v[b],
-            Op::Subtract(a, b) => &v[a] - &v[b],
-            Op::Multiply(a, b) => &v[a] * &v[b],
-            Op::Divide(a, b) => v[a].divided(&v[b]),
-            Op::Power(a, b) => v[a].power(&v[b]),
-            Op::Call(function, a, b) => Series::call(function, &v[a], &v[b]),
-        };
-        values.push(value);
-    }
-    values.pop().unwrap_or(Series::constant(0.0, order))
-}
-
-/// The value of a drive from `time` on, as a series of the seconds since then.
-///
-/// At a key it is the piece that begins there, at the last key the piece that ends there; held values have no rate.
-pub fn drive(drive: &Drive, time: f64, order: usize) -> Series {
-    let clock = Series::linear(time, 1.0, order);
-    match drive {
-        Drive::Formula(expression) => evaluate(expression, &[clock], order),
-        Drive::Keys {
-            times,
-            values,
-            ease,
-        } => {
-            let after = times.partition_point(|t| *t <= time);
-            let at_end = after == times.len() && times.last() == Some(&time);
-            let next = if at_end { after - 1 } else { after };
-            if next == 0 || next == times.len() {
-                return Series::constant(drive.value(time), order);
+    /// From u v' = r u' v.
+    fn real_power(self, exponent: f64) -> Self {
+        let (u, r) = (&self.coefficients, T::decimal(exponent));
+        Self::built(self.length, |k, known| match k {
+            0 => u[0].power(r),
+            _ => {
+                let weight = |j: usize| r.scale(j as f64) - T::number((k - j) as f64);
+                let terms = (1..=k).map(|j| weight(j) * u[j] * known[k - j]);
+                sum(terms) / u[0].scale(k as f64)
             }
-            let (from, to) = (times[next - 1], times[next]);
-            let s = clock.shifted(-from).scaled(1.0 / (to - from));
-            let change = values[next] - values[next - 1];
-            let mut value = progress(*ease, &s).scaled(change);
-            value.set(0, drive.value(time));
-            value
-        }
+        })
     }
 }
 
-/// The polynomials of [`Ease::progress`].
-fn progress(ease: Ease, s: &Series) -> Series {
-    let polynomial: &[f64] = match ease {
-        Ease::Linear => &[0.0, 1.0],
-        Ease::Smooth => &[0.0, 0.0, 3.0, -2.0],
-        Ease::Smoother => &[0.0, 0.0, 0.0, 10.0, -15.0, 6.0],
-        Ease::Step => &[0.0],
-    };
-    let zero = Series::constant(0.0, s.order());
-    let sum = polynomial.iter().rev();
-    sum.fold(zero, |sum, c| (&sum * s).shifted(*c))
+impl<T: Scalar, const N: usize> Add for Series<T, N> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<T: Scalar, const N: usize> Sub for Series<T, N> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<T: Scalar, const N: usize> Neg for Series<T, N> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.map(|c| -c)
+    }
+}
+
+impl<T: Scalar, const N: usize> Mul for Series<T, N> {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let (a, b) = (&self.coefficients, &other.coefficients);
+        Self::built(self.length.max(other.length), |k, _| {
+            let from = (k + 1).saturating_sub(other.length);
+            sum((from..=k.min(self.length - 1)).map(|j| a[j] * b[k - j]))
+        })
+    }
+}
+
+impl<T: Scalar, const N: usize> Div for Series<T, N> {
+    type Output = Self;
+    fn div(self, divisor: Self) -> Self {
+        let (a, b) = (&self.coefficients, &divisor.coefficients);
+        Self::built(self.length.max(divisor.length), |k, known| {
+            let from = (k + 1).saturating_sub(divisor.length);
+            let products = sum((from..k).map(|j| known[j] * b[k - j]));
+            (a[k] - products) / b[0]
+        })
+    }
+}
+
+impl<const N: usize> Series<Interval, N> {
+    /// Coefficients of the same polynomial about every place -1 ≤ h ≤ 1.
+    pub fn over_the_stretch(mut self) -> Self {
+        let place = Interval::new(-1.0, 1.0);
+        // Horner's scheme, one order after the other: the coefficients about h are divided differences.
+        let c = &mut self.coefficients;
+        for k in 0..N {
+            for j in (k..N - 1).rev() {
+                c[j] = c[j] + c[j + 1] * place;
+            }
+        }
+        self
+    }
+
+    /// The last coefficient from `stretch`, the others from here.
+    pub fn with_remainder_of(mut self, stretch: &Self) -> Self {
+        self.set(N - 1, stretch.coefficients[N - 1]);
+        self
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const ORDER: usize = 8;
+    fn of(coefficients: [f64; 4]) -> Series<f64, 4> {
+        Series::from(coefficients)
+    }
 
-    /// The series of x(h), y(h) through every function, as polynomials against values of the function itself.
     #[test]
-    fn series_of_all_functions_predict_their_values() {
-        let x = Series(vec![0.37, 0.5, -0.3, 0.2, 0.1, 0.0, 0.3, -0.2, 0.1]);
-        let y = Series(vec![0.81, -0.4, 0.2, 0.3, -0.1, 0.2, 0.0, 0.1, 0.2]);
-        let two = vec![Op::Slot(0), Op::Slot(1)];
-        let calls = Function::ALL.map(|f| Op::Call(f, 0, 1));
-        let operators = [
-            Op::Negate(0),
-            Op::Add(0, 1),
-            Op::Subtract(0, 1),
-            Op::Multiply(0, 1),
-            Op::Divide(0, 1),
-            Op::Power(0, 1),
+    fn constants_go_with_every_order() {
+        let x = of([2.0, 1.0, -3.0, 0.5]);
+        let three = Series::number(3.0);
+        assert_eq!((x * three).order(), 3);
+        assert_eq!(x * three, of([6.0, 3.0, -9.0, 1.5]));
+        assert_eq!(three - x, of([1.0, -1.0, 3.0, -0.5]));
+        assert_eq!(three * three, Series::number(9.0));
+        assert_eq!((three / x) * x, three.truncated(3));
+        assert_eq!(x.truncated(1) * x.truncated(0), of([4.0, 2.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn a_kink_is_passed_on_the_side_that_lies_ahead() {
+        let x = of([0.0, 0.0, -2.0, 1.0]);
+        assert_eq!(x.is_below_zero(), Some(true));
+        assert_eq!(x.abs(), -x);
+        let unsure = Series::<Interval, 4>::linear(Interval::new(-1.0, 1.0), Interval::ONE, 3);
+        assert_eq!(unsure.abs(), Series::undefined());
+        assert!(!unsure.floor().is_finite());
+    }
+
+    #[test]
+    fn enclosures_hold_the_series_of_their_members() {
+        let near = |c: f64| Interval::new(c - 1e-9, c + 1e-9);
+        let numbers = [0.4, 0.5, -0.3, 0.2, 0.1, 0.0, 0.3, -0.2, 0.1];
+        let (x, wide) = (Series::from(numbers), Series::from(numbers.map(near)));
+        let one = TaylorSeries::number(1.0);
+        let wide_one = Series::number(1.0);
+        let pairs: [(TaylorSeries, Series<Interval>); 9] = [
+            (x.exp(), wide.exp()),
+            (x.ln(), wide.ln()),
+            (x.sqrt(), wide.sqrt()),
+            (x.sin(), wide.sin()),
+            (x.acos(), wide.acos()),
+            (x.atan(), wide.atan()),
+            (x.atan2(one + x), wide.atan2(wide_one + wide)),
+            (x.real_power(0.7), wide.real_power(0.7)),
+            (one / x, wide_one / wide),
         ];
-        for op in calls.into_iter().chain(operators) {
-            let expression = Expression::new([two.clone(), vec![op]].concat());
-            let series = evaluate(&expression, &[x.clone(), y.clone()], ORDER);
-            // The error of the polynomial is h⁹ times a coefficient of order one, up to 1e3 for powers near a pole.
-            for h in [0.01, -0.01] {
-                let value = expression.value(&[x.value_at(h), y.value_at(h)]);
-                let error = (series.value_at(h) - value).abs();
-                assert!(error < 4e-15, "{op:?} at {h}: {error:e}");
+        for (number, interval) in pairs {
+            let both = number.coefficients().iter().zip(interval.coefficients());
+            for (c, all) in both {
+                assert!(all.lo <= *c && *c <= all.hi, "{number:?} {interval:?}");
+                assert!(all.hi - all.lo < 1e-2);
             }
-        }
-    }
-
-    #[test]
-    fn whole_and_real_powers_are_right_at_negative_bases_and_zero() {
-        let power = |exponent| {
-            let ops = vec![Op::Slot(0), Op::Constant(exponent), Op::Power(0, 1)];
-            Expression::new(ops)
-        };
-        let of = |base: f64, exponent| {
-            let series = evaluate(&power(exponent), &[Series::linear(base, 1.0, 4)], 4);
-            series.coefficients().to_vec()
-        };
-        assert_eq!(of(0.0, 3.0), [0.0, 0.0, 0.0, 1.0, 0.0]);
-        assert_eq!(of(-1.0, 2.0), [1.0, -2.0, 1.0, 0.0, 0.0]);
-        assert_eq!(of(1.0, 1.5), [1.0, 1.5, 0.375, -0.0625, 0.0234375]);
-        assert_eq!(of(-1.0, -1.0), [-1.0, -1.0, -1.0, -1.0, -1.0]);
-    }
-
-    #[test]
-    fn keyframes_are_their_polynomials() {
-        for (_, ease) in Ease::NAMES {
-            let keys = Drive::Keys {
-                times: vec![1.0, 3.0, 4.0],
-                values: vec![2.0, -1.0, 5.0],
-                ease,
-            };
-            for (time, h) in [(0.2, 0.3), (1.0, 0.7), (2.2, -0.4), (3.0, 0.4), (4.5, 1.0)] {
-                let series = drive(&keys, time, 5);
-                let error = series.value_at(h) - keys.value(time + h);
-                assert!(error.abs() < 1e-13, "{ease:?} {time} {error:e}");
-            }
-            let error = drive(&keys, 4.0, 5).value_at(-0.3) - keys.value(3.7);
-            let held = ease == Ease::Step;
-            assert!(error.abs() < 1e-13 || held, "{ease:?} {error:e}");
         }
     }
 }

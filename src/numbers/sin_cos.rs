@@ -3,11 +3,7 @@
 //! The angle is reduced to a multiple of π/64 and a rest; the multiple's sine and cosine stand in a table that the
 //! compiler fills by their Taylor series, those of the rest are short polynomials.
 
-use super::double_double::{Double, split};
-
-/// Error of a sine or a cosine, and so of the angle they stand for (radians): the rest's cube over six, computed in
-/// f64 to five units in the last place, is all that counts.
-pub const FUNCTION_ERROR: f64 = 4e-21;
+use super::double_double::{DoubleDouble, split};
 
 /// Largest angle (radians) that is reduced without loss: its count of steps is exact in f64 with room to spare.
 pub const LARGEST_ANGLE: f64 = 1e12;
@@ -44,7 +40,7 @@ pub struct Factor {
 impl Factor {
     /// Of a number up to one: the leading part is a multiple of 2^-26.
     #[inline]
-    pub const fn on_grid(value: Double) -> Self {
+    pub const fn on_grid(value: DoubleDouble) -> Self {
         let upper = (value.hi + GRID) - GRID;
         Self {
             upper,
@@ -55,7 +51,7 @@ impl Factor {
 
     /// Of any number: the leading part has 26 bits.
     #[inline]
-    pub const fn short(value: Double) -> Self {
+    pub const fn short(value: DoubleDouble) -> Self {
         let (upper, lower) = split(value.hi);
         Self {
             upper,
@@ -66,8 +62,8 @@ impl Factor {
 
     /// The number itself.
     #[inline]
-    pub const fn value(&self) -> Double {
-        Double::ordered(self.upper, self.lower)
+    pub const fn value(&self) -> DoubleDouble {
+        DoubleDouble::ordered(self.upper, self.lower)
     }
 
     /// Its negative for a negative `sign`.
@@ -103,14 +99,14 @@ impl Factor {
 static TABLE: [(Factor, Factor); QUARTER] = table();
 
 const fn table() -> [(Factor, Factor); QUARTER] {
-    let blank = Factor::on_grid(Double { hi: 0.0, lo: 0.0 });
+    let blank = Factor::on_grid(DoubleDouble { hi: 0.0, lo: 0.0 });
     let mut table = [(blank, blank); QUARTER];
     let mut k = 0;
     while k < QUARTER {
         let count = k as f64;
         let (a, b) = (
-            Double::product(count, PI[0] / STEPS as f64),
-            Double::product(count, PI[1] / STEPS as f64),
+            DoubleDouble::product(count, PI[0] / STEPS as f64),
+            DoubleDouble::product(count, PI[1] / STEPS as f64),
         );
         let (sin, cos) = series(a.plus(b));
         table[k] = (Factor::on_grid(sin), Factor::on_grid(cos));
@@ -120,15 +116,15 @@ const fn table() -> [(Factor, Factor); QUARTER] {
 }
 
 /// Sine and cosine of an angle up to two by their Taylor series, error below 1e-30.
-const fn series(angle: Double) -> (Double, Double) {
-    let one = Double { hi: 1.0, lo: 0.0 };
-    let (mut sin, mut cos) = (Double { hi: 0.0, lo: 0.0 }, one);
+const fn series(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
+    let one = DoubleDouble { hi: 1.0, lo: 0.0 };
+    let (mut sin, mut cos) = (DoubleDouble { hi: 0.0, lo: 0.0 }, one);
     let mut power = one;
     let mut k = 1;
     while k < 36 {
         power = quotient(power.times(angle), k as f64);
         let sign = if k % 4 < 2 { 1.0 } else { -1.0 };
-        let term = Double {
+        let term = DoubleDouble {
             hi: sign * power.hi,
             lo: sign * power.lo,
         };
@@ -143,25 +139,25 @@ const fn series(angle: Double) -> (Double, Double) {
 }
 
 /// A quotient by a small whole number.
-const fn quotient(a: Double, divisor: f64) -> Double {
+const fn quotient(a: DoubleDouble, divisor: f64) -> DoubleDouble {
     let hi = a.hi / divisor;
-    let back = Double::product(hi, divisor);
+    let back = DoubleDouble::product(hi, divisor);
     let rest = ((a.hi - back.hi) - back.lo) + a.lo;
-    Double::ordered(hi, rest / divisor)
+    DoubleDouble::ordered(hi, rest / divisor)
 }
 
 /// Sine and cosine of an angle in radians; no numbers above [`LARGEST_ANGLE`].
-pub fn sin_cos(angle: Double) -> (Factor, Factor) {
+pub fn sin_cos(angle: DoubleDouble) -> (Factor, Factor) {
     let reducible = angle.hi.abs() <= LARGEST_ANGLE;
     if !reducible {
-        let none = Factor::on_grid(Double::from(f64::NAN));
+        let none = Factor::on_grid(DoubleDouble::from(f64::NAN));
         return (none, none);
     }
     // Adding and taking away three halves of 2^52 rounds what is below 2^51.
     let count = (angle.hi * (STEPS as f64 / PI[0]) + ROUNDING) - ROUNDING;
-    let step = |part: usize| Double::product(-count, PI[part] / STEPS as f64);
-    let rest = Double::from(angle.hi) + step(0);
-    let rest = rest + (Double::from(angle.lo) + step(1)) + Double::from(step(2).hi);
+    let step = |part: usize| DoubleDouble::product(-count, PI[part] / STEPS as f64);
+    let rest = DoubleDouble::from(angle.hi) + step(0);
+    let rest = rest + (DoubleDouble::from(angle.lo) + step(1)) + DoubleDouble::from(step(2).hi);
     let (sin, cos) = near_zero(rest);
     let place = count as i64;
     let (table_sin, table_cos) = &TABLE[(place & (QUARTER as i64 - 1)) as usize];
@@ -177,23 +173,24 @@ pub fn sin_cos(angle: Double) -> (Factor, Factor) {
 }
 
 /// Sine and cosine of at most π/128. What the series leave out is below 3e-23.
-fn near_zero(rest: Double) -> (Factor, Factor) {
+fn near_zero(rest: DoubleDouble) -> (Factor, Factor) {
     let r = rest.hi;
     let square = rest * rest;
     let q = square.hi;
     let sine = q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q / 362_880.0)));
-    let sin = Double::ordered(r, rest.lo + (r + rest.lo) * sine);
+    let sin = DoubleDouble::ordered(r, rest.lo + (r + rest.lo) * sine);
     let cosine = q * q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q / 40_320.0));
-    let half = Double::ordered(1.0, -0.5 * q);
-    let cos = Double::ordered(half.hi, half.lo + (cosine - 0.5 * square.lo));
+    let half = DoubleDouble::ordered(1.0, -0.5 * q);
+    let cos = DoubleDouble::ordered(half.hi, half.lo + (cosine - 0.5 * square.lo));
     (Factor::on_grid(sin), Factor::on_grid(cos))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::rounding::SIN_COS;
 
-    fn difference(a: Factor, b: Double) -> f64 {
+    fn difference(a: Factor, b: DoubleDouble) -> f64 {
         (a.value() - b).hi.abs()
     }
 
@@ -204,39 +201,39 @@ mod tests {
             state ^= state << 13;
             state ^= state >> 7;
             state ^= state << 17;
-            let angle = Double::sum((state >> 11) as f64 / (1u64 << 53) as f64 * 1.6, 1e-18);
+            let angle = DoubleDouble::sum((state >> 11) as f64 / (1u64 << 53) as f64 * 1.6, 1e-18);
             let (sin, cos) = sin_cos(angle);
             let (exact_sin, exact_cos) = series(angle);
             let error = difference(sin, exact_sin).max(difference(cos, exact_cos));
-            assert!(error <= FUNCTION_ERROR, "{}: {error:e}", angle.hi);
+            assert!(error <= SIN_COS, "{}: {error:e}", angle.hi);
             // Whole turns, added with all their digits, change nothing.
             let turns = f64::from(k % 2001 - 1000);
-            let part = |p: usize| Double::product(2.0 * turns, PI[p]);
+            let part = |p: usize| DoubleDouble::product(2.0 * turns, PI[p]);
             let far = angle + part(0) + part(1);
             let (far_sin, far_cos) = sin_cos(far);
             // Sums of thousands are known to 31 digits.
             let error = difference(far_sin, exact_sin).max(difference(far_cos, exact_cos));
-            assert!(error <= FUNCTION_ERROR + 1e-27, "{}: {error:e}", far.hi);
+            assert!(error <= SIN_COS + 1e-27, "{}: {error:e}", far.hi);
             let (sin, cos) = libm::sincos(far.hi);
             assert!((far_sin.whole - sin).abs() < 1e-12 && (far_cos.whole - cos).abs() < 1e-12);
         }
-        assert!(sin_cos(Double::from(1e13)).0.whole.is_nan());
+        assert!(sin_cos(DoubleDouble::from(1e13)).0.whole.is_nan());
     }
 
     #[test]
     fn series_agree_with_closed_forms() {
-        let sixth = Double::from(PI[0] / 6.0);
+        let sixth = DoubleDouble::from(PI[0] / 6.0);
         let (sin, cos) = series(sixth);
-        let square = sin * sin + cos * cos - Double::from(1.0);
+        let square = sin * sin + cos * cos - DoubleDouble::from(1.0);
         assert!(square.hi.abs() < 1e-31, "{square:?}");
         let third = series(quotient(
-            Double {
+            DoubleDouble {
                 hi: PI[0],
                 lo: PI[1],
             },
             3.0,
         ))
         .1;
-        assert!((third - Double::from(0.5)).hi.abs() < 1e-31);
+        assert!((third - DoubleDouble::from(0.5)).hi.abs() < 1e-31);
     }
 }

@@ -125,7 +125,7 @@ impl JointSigns {
 fn shifted(chain: &Chain, by: DVec3) -> Chain {
     let mut steps = chain.steps.clone();
     if by != DVec3::ZERO {
-        steps.push(Step::Fixed(Pose::from_translation(by)));
+        steps.push(Step::Fixed(Pose::from_translation(by).into()));
     }
     Chain { steps }
 }

@@ -6,7 +6,7 @@
 
 use super::number::{Number, Vector};
 use super::solids::{Circle, Solid};
-use mechanim::numbers::double_double::Double;
+use mechanim::numbers::double_double::DoubleDouble;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -116,10 +116,10 @@ fn dips(radius: f64, f: &dyn Fn(f64) -> f64) -> Vec<usize> {
 /// The least signed distance of a circle's points from another core.
 pub fn least(
     circle: &Circle<f64>,
-    exact: &Circle<Double>,
+    exact: &Circle<DoubleDouble>,
     other: &Solid<f64>,
-    other_exact: &Solid<Double>,
-) -> Double {
+    other_exact: &Solid<DoubleDouble>,
+) -> DoubleDouble {
     let f = |angle: f64| other.to_point(point(circle, angle, 0.0));
     let around = TAU / FINEST as f64;
     let found: Vec<(f64, [f64; 2], f64)> = dips(circle.radius, &f)
@@ -132,15 +132,15 @@ pub fn least(
         })
         .collect();
     let low = found.iter().map(|d| d.2).fold(f64::INFINITY, f64::min);
-    let mut least: Option<Double> = None;
+    let mut least: Option<DoubleDouble> = None;
     for (angle, [from, to], value) in found {
         let pad = to - from;
         // No value of the bracket is lower by more than the way through it.
         if value - circle.radius * pad > low {
             continue;
         }
-        let f = |by: Double| other_exact.to_point(point(exact, angle, by));
-        let bracket = [from - pad, to + pad].map(Double::from);
+        let f = |by: DoubleDouble| other_exact.to_point(point(exact, angle, by));
+        let bracket = [from - pad, to + pad].map(DoubleDouble::from);
         let (_, value) = golden(bracket, BRACKETS[1], f);
         least = Some(least.map_or(value, |least| least.lesser(value)));
     }

@@ -9,7 +9,7 @@
 use super::number::{Number, Vector};
 use super::solids::Solid;
 use glam::DVec3;
-use mechanim::numbers::double_double::Double;
+use mechanim::numbers::double_double::DoubleDouble;
 use std::f64::consts::SQRT_2;
 
 /// Half the width of the first cells on the faces of a cube.
@@ -215,7 +215,11 @@ fn cut<N: Number>(
 }
 
 /// Lower and upper bound of the least h; `size` is the extent of both cores.
-pub fn least(rough: [&Solid<f64>; 2], exact: [&Solid<Double>; 2], size: f64) -> [Double; 2] {
+pub fn least(
+    rough: [&Solid<f64>; 2],
+    exact: [&Solid<DoubleDouble>; 2],
+    size: f64,
+) -> [DoubleDouble; 2] {
     // What f64 leaves open is decided in the longer arithmetic.
     let (cells, _) = cut(rough, rough, Cell::first(), 1e-12 * size, 1e-13 * size);
     let (_, bracket) = cut(exact, rough, cells, 1e-14 * size, 0.0);

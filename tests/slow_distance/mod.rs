@@ -10,21 +10,21 @@ mod solids;
 
 use glam::DVec3;
 use mechanim::clearance::core::Element;
-use mechanim::numbers::double_double::Double;
+use mechanim::numbers::double_double::DoubleDouble;
 use number::{Number, Vector};
 use solids::Solid;
 
 /// A signed distance, known to lie between two numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
-    pub low: Double,
-    pub high: Double,
+    pub low: DoubleDouble,
+    pub high: DoubleDouble,
 }
 
 impl Known {
     /// How far a number lies outside of the bracket.
     pub fn misses(&self, distance: f64) -> f64 {
-        let distance = Double::from(distance);
+        let distance = DoubleDouble::from(distance);
         let below = (self.low - distance).rounded();
         let above = (distance - self.high).rounded();
         below.max(above).max(0.0)
@@ -44,8 +44,8 @@ pub fn size(a: &Element, b: &Element) -> f64 {
 
 /// The signed distance, as [`mechanim::clearance::pair`] defines it.
 pub fn known(a: &Element, b: &Element) -> Known {
-    let (first, second) = (Solid::<Double>::of(a), Solid::<Double>::of(b));
-    let radii = Double::sum(a.radius, b.radius);
+    let (first, second) = (Solid::<DoubleDouble>::of(a), Solid::<DoubleDouble>::of(b));
+    let radii = DoubleDouble::sum(a.radius, b.radius);
     let [low, high] = match (&first, &second) {
         (Solid::HalfSpace { point, normal }, other)
         | (other, Solid::HalfSpace { point, normal }) => {
@@ -68,10 +68,10 @@ pub fn known(a: &Element, b: &Element) -> Known {
 
 fn of_circle(
     ring: &Element,
-    circle: &solids::Circle<Double>,
+    circle: &solids::Circle<DoubleDouble>,
     other: &Element,
-    exact: &Solid<Double>,
-) -> Double {
+    exact: &Solid<DoubleDouble>,
+) -> DoubleDouble {
     let Solid::Circle(rough) = Solid::<f64>::of(ring) else {
         panic!("a ring's core is a circle");
     };
@@ -81,15 +81,15 @@ fn of_circle(
 
 /// How far a point lies inside of an element; negative outside.
 pub fn inside_by(element: &Element, point: DVec3) -> f64 {
-    let core = Solid::<Double>::of(element);
-    let away = core.to_point(Vector::of(point)) - Double::from(element.radius);
+    let core = Solid::<DoubleDouble>::of(element);
+    let away = core.to_point(Vector::of(point)) - DoubleDouble::from(element.radius);
     -away.rounded()
 }
 
 /// How much the distance of two points differs from the size of a signed distance.
 pub fn off_distance(points: [DVec3; 2], distance: f64) -> f64 {
-    let span = Vector::<Double>::of(points[1]) - Vector::of(points[0]);
-    (span.length() - Double::from(distance.abs()))
+    let span = Vector::<DoubleDouble>::of(points[1]) - Vector::of(points[0]);
+    (span.length() - DoubleDouble::from(distance.abs()))
         .rounded()
         .abs()
 }

@@ -1,6 +1,6 @@
 //! One arithmetic for searching and one for deciding: f64, and sums of two f64 with about 31 digits.
 
-use mechanim::numbers::double_double::Double;
+use mechanim::numbers::double_double::DoubleDouble;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// What the reference computes with.
@@ -43,14 +43,14 @@ impl Number for f64 {
     }
 }
 
-impl Number for Double {
+impl Number for DoubleDouble {
     fn over(self, divisor: Self) -> Self {
         // Long division, three digits of 53 bits.
         let first = self.hi / divisor.hi;
         let rest = self - divisor * first;
         let second = rest.hi / divisor.hi;
         let rest = rest - divisor * second;
-        Double::sum(first, second) + Double::from(rest.hi / divisor.hi)
+        DoubleDouble::sum(first, second) + DoubleDouble::from(rest.hi / divisor.hi)
     }
 
     fn root(self) -> Self {
@@ -59,8 +59,8 @@ impl Number for Double {
         }
         // One Newton step squares the error of the f64 root.
         let near = self.hi.sqrt();
-        let rest = self - Double::product(near, near);
-        Double::from(near) + rest.over(Double::from(2.0 * near))
+        let rest = self - DoubleDouble::product(near, near);
+        DoubleDouble::from(near) + rest.over(DoubleDouble::from(2.0 * near))
     }
 
     fn rounded(self) -> f64 {

@@ -7,7 +7,7 @@ use super::stand::{Evaluator, Rejection, Stand};
 use crate::kinematics::measures::along;
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
-use crate::numbers::series::{Series, evaluate};
+use crate::numbers::series::TaylorSeries;
 
 /// Poses with mixed derivatives for which a thread of its own pays.
 const LEAST_PORTION: usize = 32;
@@ -25,7 +25,7 @@ pub struct Gradients {
 pub(super) struct Changes {
     slopes: Slopes,
     /// Along every variable to the second order, where a measure derives by an input.
-    variables: Vec<Vec<Series>>,
+    variables: Vec<Vec<TaylorSeries>>,
     /// Along an input by which measures derive, and along it and every variable together.
     mixed: Vec<Mixed>,
 }
@@ -33,8 +33,8 @@ pub(super) struct Changes {
 /// Series to the second order.
 struct Mixed {
     input: usize,
-    alone: Vec<Series>,
-    together: Vec<Vec<Series>>,
+    alone: Vec<TaylorSeries>,
+    together: Vec<Vec<TaylorSeries>>,
 }
 
 impl Changes {
@@ -49,7 +49,7 @@ impl Changes {
     ) {
         if let Some(mixed) = per.and_then(|k| self.mixed.iter().find(|m| m.input == k)) {
             // The mixed second derivative is the second coefficient of both moving less those of each alone.
-            let second = |series: &[Series]| evaluate(formula, series, 2).coefficients()[2];
+            let second = |series: &[TaylorSeries]| formula.value(series).coefficients()[2];
             let alone = second(&mixed.alone);
             let pairs = mixed.together.iter().zip(&self.variables);
             for (entry, (both, variable)) in row.iter_mut().zip(pairs) {

@@ -6,7 +6,7 @@ use crate::kinematics::measures::reduce::{Reduced, reduce};
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
-use crate::numbers::series::{Series, evaluate};
+use crate::numbers::series::TaylorSeries;
 
 /// The numbers of a stand.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Measured {
 /// What a pose shows: coordinates, traces, outputs, and their series along the inputs by which measures derive.
 pub(super) struct Shown {
     pub slots: Vec<f64>,
-    along: Vec<(usize, Option<Vec<Series>>)>,
+    along: Vec<(usize, Option<Vec<TaylorSeries>>)>,
 }
 
 impl Shown {
@@ -29,7 +29,7 @@ impl Shown {
         };
         let series = self.along.iter().find(|(k, _)| *k == input);
         match series {
-            Some((_, Some(series))) => evaluate(formula, series, 1).coefficients()[1],
+            Some((_, Some(series))) => formula.value(series).coefficients()[1],
             _ => f64::NAN,
         }
     }

@@ -5,7 +5,7 @@ use super::family::Family;
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
-use crate::numbers::hyper_dual::{Twofold, evaluate};
+use crate::numbers::hyper_dual::HyperDual;
 use std::ops::Range;
 
 /// Poses for which a thread of its own pays.
@@ -109,7 +109,7 @@ struct Reader<'f> {
     gradient: Vec<f64>,
     values: Vec<f64>,
     adjoints: Vec<f64>,
-    twofold: Vec<Twofold>,
+    hyper_dual: Vec<HyperDual>,
     rest: Vec<f64>,
     along: Vec<f64>,
     rates: Vec<f64>,
@@ -124,7 +124,7 @@ impl<'f> Reader<'f> {
             gradient: Vec::new(),
             values: Vec::new(),
             adjoints: Vec::new(),
-            twofold: Vec::new(),
+            hyper_dual: Vec::new(),
             rest: vec![0.0; family.mechanism().coordinate_count()],
             along: Vec::new(),
             rates: Vec::new(),
@@ -169,7 +169,7 @@ impl<'f> Reader<'f> {
             let slots = self
                 .variation
                 .slots(pose, &self.along, &self.rest, rows.reach);
-            return evaluate(rows.formula, slots, &mut self.twofold).first;
+            return rows.formula.value_with(slots, &mut self.hyper_dual).first;
         }
         if rows.is_free_of_traces {
             self.fill_numbers(rows, pose);
@@ -178,7 +178,7 @@ impl<'f> Reader<'f> {
         let slots = self
             .variation
             .slots(pose, &self.rest, &self.rest, rows.reach);
-        evaluate(rows.formula, slots, &mut self.twofold).value
+        rows.formula.value_with(slots, &mut self.hyper_dual).value
     }
 
     /// Its derivatives by the variables.
@@ -206,7 +206,7 @@ impl<'f> Reader<'f> {
                 let slots = self
                     .variation
                     .slots(pose, &self.along, &self.rates, rows.reach);
-                let value = evaluate(rows.formula, slots, &mut self.twofold);
+                let value = rows.formula.value_with(slots, &mut self.hyper_dual);
                 if rows.per.is_some() {
                     value.mixed
                 } else {

@@ -2,8 +2,9 @@
 //! points from the twists of their chains, outputs by the chain rule.
 
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion};
 use crate::model::mechanism::Mechanism;
+use crate::model::walk::walk;
 use glam::DVec3;
 
 /// Derivatives of the slots of a pose: coordinates, x, y, z of the traces, outputs.
@@ -111,23 +112,10 @@ fn point_by_arguments(
 ) -> Vec<(usize, DVec3)> {
     let mut pose = Pose::IDENTITY;
     let mut joints = Vec::with_capacity(chain.steps.len());
-    for step in &chain.steps {
-        if let Step::Joint {
-            motion,
-            axis,
-            argument,
-            sign,
-        } = *step
-        {
-            joints.push((
-                argument,
-                motion,
-                pose.rotation.col(axis) * sign,
-                pose.translation,
-            ));
-        }
-        step.advance(&mut pose, arguments);
-    }
+    walk(&chain.steps, &mut pose, arguments, |here, joint| {
+        let axis = here.rotation.col(joint.axis) * joint.sign;
+        joints.push((joint.argument, joint.motion, axis, here.translation));
+    });
     let end = pose.transform_point(point);
     let moved = joints.into_iter().map(|(argument, motion, axis, origin)| {
         let by_argument = match motion {

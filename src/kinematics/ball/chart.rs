@@ -11,7 +11,7 @@ use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// The mechanism of a system with its ball joints described from a pose on.
@@ -185,12 +185,7 @@ fn turns_about(centre: DVec3, first: usize) -> Vec<Step> {
     };
     let mut steps: Vec<Step> = [0, 1, 2].map(turn).to_vec();
     if centre != DVec3::ZERO {
-        let shift = |translation: DVec3| {
-            Step::Fixed(Pose {
-                rotation: DMat3::IDENTITY,
-                translation,
-            })
-        };
+        let shift = |translation: DVec3| Step::Fixed(Pose::from_translation(translation).into());
         steps.insert(0, shift(centre));
         steps.push(shift(-centre));
     }

@@ -411,9 +411,9 @@ mod tests {
         };
         let steps = [
             turn(0),
-            Step::Fixed(between[0]),
+            Step::Fixed(between[0].into()),
             turn(1),
-            Step::Fixed(between[1]),
+            Step::Fixed(between[1].into()),
             turn(2),
         ];
         let run = Run::at(&steps, 0).unwrap();

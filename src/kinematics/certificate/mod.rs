@@ -34,8 +34,9 @@ use super::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::Argument;
 use crate::model::expression::Affine;
-use crate::numbers::double_double::Double;
-use pose::chain::{ArgumentDouble, U};
+use crate::numbers::double_double::DoubleDouble;
+use crate::numbers::rounding::U;
+use pose::chain::ArgumentDouble;
 use pose::kantorovich::{Earlier, Kantorovich};
 use pose::system::BlockSystem;
 
@@ -106,7 +107,7 @@ impl<'m> Certifier<'m> {
                 let (step, rest) = (self.earlier.step[slot], self.earlier.rest[slot]);
                 let old = coordinates[slot];
                 let new = old - scale * step;
-                let made = Double::sum(old, -new).hi / scale;
+                let made = DoubleDouble::sum(old, -new).hi / scale;
                 // The difference of neighbours is exact or rounded once, as is the quotient.
                 let rounding = 4.0 * U * (made.abs() + step.abs());
                 error = error.max((made - step).abs() + rounding + rest);

@@ -16,8 +16,9 @@ use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::math::Pose;
 use crate::model::actuation::Actuation;
-use crate::model::chain::{Motion, Step};
+use crate::model::chain::Motion;
 use crate::model::mechanism::{Closes, Mechanism};
+use crate::model::walk::walk;
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -250,18 +251,15 @@ fn loop_spaces(mechanism: &Mechanism) -> Vec<LoopSpace> {
         for pose in &poses {
             let arguments = mechanism.argument_values(pose);
             let mut here = Pose::IDENTITY;
-            for step in &item.chain.steps {
-                if let Step::Joint { motion, axis, .. } = *step {
-                    let axis = here.rotation.col(axis);
-                    let (turn, speed) = match motion {
-                        Motion::Rotation => (axis, here.translation.cross(axis) / mechanism.size),
-                        Motion::Translation => (glam::DVec3::ZERO, axis),
-                    };
-                    twists.extend(turn.to_array().into_iter().chain(speed.to_array()));
-                    turns.extend(turn.to_array());
-                }
-                step.advance(&mut here, &arguments);
-            }
+            walk(&item.chain.steps, &mut here, &arguments, |here, joint| {
+                let axis = here.rotation.col(joint.axis);
+                let (turn, speed) = match joint.motion {
+                    Motion::Rotation => (axis, here.translation.cross(axis) / mechanism.size),
+                    Motion::Translation => (glam::DVec3::ZERO, axis),
+                };
+                twists.extend(turn.to_array().into_iter().chain(speed.to_array()));
+                turns.extend(turn.to_array());
+            });
         }
         let rank = |entries: &[f64], rows: usize| {
             let mut qr = PivotedQr::default();

@@ -18,7 +18,7 @@ use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::null_space;
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::numbers::series::Series;
+use crate::numbers::series::TaylorSeries;
 
 /// Preference for an unknown that turns about the line itself over one that does so only now.
 const IMPURE: f64 = 0.05;
@@ -237,8 +237,9 @@ impl FreeMotion<'_> {
     fn is_unseen(&self) -> bool {
         let rates = self.physical();
         let pairs = self.pose.iter().zip(&rates);
-        let series: Vec<Series> = pairs.map(|(q, r)| Series::linear(*q, *r, 1)).collect();
-        let seen = &observed(self.mechanism, &series, 1)[self.mechanism.unknowns.len()..];
+        let series = pairs.map(|(q, r)| TaylorSeries::linear(*q, *r, 1));
+        let series: Vec<_> = series.collect();
+        let seen = &observed(self.mechanism, &series)[self.mechanism.unknowns.len()..];
         let lengths = 3 * self.mechanism.traces.len();
         seen.iter().enumerate().all(|(k, series)| {
             let output = k.checked_sub(lengths).map(|k| &self.mechanism.outputs[k]);

@@ -3,6 +3,7 @@
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::mechanism::Mechanism;
+use crate::model::walk::walk;
 use glam::DVec3;
 
 /// Below this share of the fastest coordinate (radians, sizes) a rate counts as none. Null vectors at closed poses
@@ -64,67 +65,50 @@ impl Walk {
         }
     }
 
-    /// Calls `each` after every step with the step's own twist and the next step.
-    fn steps(&self, chain: &Chain, mut each: impl FnMut(Option<Twist>, &Step, Option<&Step>)) {
-        let mut pose = Pose::IDENTITY;
-        let mut steps = chain.steps.iter().peekable();
-        while let Some(step) = steps.next() {
-            let own = match *step {
-                Step::Fixed(_) => None,
-                Step::Joint {
-                    motion,
-                    axis,
-                    argument,
-                    sign,
-                } => {
-                    let axis = pose.rotation.col(axis) * (sign * self.rates[argument]);
-                    Some(match motion {
-                        Motion::Rotation => (axis, pose.translation.cross(axis) / self.size),
-                        Motion::Translation => (DVec3::ZERO, axis / self.size),
-                    })
-                }
-            };
-            step.advance(&mut pose, &self.arguments);
-            each(own, step, steps.peek().copied());
-        }
+    /// The joints of a chain in order, each with its own twist.
+    fn twists(&self, chain: &Chain) -> Vec<Twist> {
+        let mut twists = Vec::new();
+        let mut end = Pose::IDENTITY;
+        walk(&chain.steps, &mut end, &self.arguments, |here, joint| {
+            let axis = here.rotation.col(joint.axis) * (joint.sign * self.rates[joint.argument]);
+            twists.push(match joint.motion {
+                Motion::Rotation => (axis, here.translation.cross(axis) / self.size),
+                Motion::Translation => (DVec3::ZERO, axis / self.size),
+            });
+        });
+        twists
     }
 
     /// Twists of the links: what lies between the joints.
     pub fn links(&self, chain: &Chain) -> Vec<Twist> {
-        let kind = |step: &Step| match step {
-            Step::Fixed(_) => None,
-            Step::Joint { motion, .. } => Some(*motion),
-        };
+        let kind = |step: &Step| step.joint().map(|joint| joint.motion);
         let (mut turn, mut speed, mut list) = (DVec3::ZERO, DVec3::ZERO, Vec::new());
-        self.steps(chain, |own, step, next| {
-            if let Some((t, s)) = own {
+        let mut twists = self.twists(chain).into_iter();
+        for (k, step) in chain.steps.iter().enumerate() {
+            if let Some((t, s)) = step.joint().and_then(|_| twists.next()) {
                 turn += t;
                 speed += s;
             }
-            let next = next.and_then(kind);
+            let next = chain.steps.get(k + 1).and_then(kind);
             if next.is_none() || next != kind(step) {
                 list.push((turn, speed));
             }
-        });
+        }
         list
     }
 
     /// Twists of the single joints that take part.
     pub fn joints(&self, chain: &Chain) -> Vec<Twist> {
-        let mut list = Vec::new();
-        self.steps(chain, |own, _, _| {
-            list.extend(own.filter(|(t, s)| t.length() > STILL || s.length() > STILL));
-        });
+        let mut list = self.twists(chain);
+        list.retain(|(t, s)| t.length() > STILL || s.length() > STILL);
         list
     }
 
     /// Twist of the end of the chain.
     pub fn whole(&self, chain: &Chain) -> Twist {
-        let mut sum = (DVec3::ZERO, DVec3::ZERO);
-        self.steps(chain, |own, _, _| {
-            let own = own.unwrap_or_default();
-            sum = (sum.0 + own.0, sum.1 + own.1);
-        });
-        sum
+        let twists = self.twists(chain).into_iter();
+        twists.fold((DVec3::ZERO, DVec3::ZERO), |sum, own| {
+            (sum.0 + own.0, sum.1 + own.1)
+        })
     }
 }

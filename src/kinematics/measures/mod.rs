@@ -10,7 +10,7 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, Measures, Track};
-use crate::numbers::series::{Series, evaluate};
+use crate::numbers::series::TaylorSeries;
 use reduce::reduce;
 
 /// Values of all measures in internal units, in the order of the list; `None` where a pose is missing on the way
@@ -70,7 +70,7 @@ fn value_at(
     };
     let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
     let series = along(system, &coordinates, &[input], 1)?;
-    Some(evaluate(formula, &series, 1).coefficients()[1])
+    Some(formula.value(&series).coefficients()[1])
 }
 
 /// What formulas of a pose may use: coordinates, x, y, z of the traces, outputs.
@@ -88,17 +88,17 @@ pub fn along(
     coordinates: &[f64],
     moving: &[usize],
     order: usize,
-) -> Option<Vec<Series>> {
+) -> Option<Vec<TaylorSeries>> {
     let mechanism = system.mechanism();
     let n = mechanism.unknowns.len();
-    let inputs: Vec<Series> = (0..mechanism.inputs.len())
+    let inputs: Vec<TaylorSeries> = (0..mechanism.inputs.len())
         .map(|k| {
             let rate = moving.iter().filter(|m| **m == k).count() as f64;
-            Series::linear(coordinates[n + k], rate, order)
+            TaylorSeries::linear(coordinates[n + k], rate, order)
         })
         .collect();
     let all = rates(system, coordinates, &inputs, order)?;
-    Some(observed_slots(mechanism, &all, order))
+    Some(observed_slots(mechanism, &all))
 }
 
 /// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples that it

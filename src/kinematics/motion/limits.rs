@@ -14,7 +14,6 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
-use crate::numbers::series::drive;
 
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
 const INTERVALS: usize = 720;
@@ -244,6 +243,6 @@ impl<'m> Search<'m> {
 /// The largest rate of an input, each in its own unit.
 fn input_rate(actuation: &Actuation, time: f64) -> f64 {
     let drives = actuation.drives.iter();
-    let rates = drives.map(|d| drive(d, time, 1).derivative(1).abs());
+    let rates = drives.map(|d| d.series(time, 1).derivative(1).abs());
     rates.filter(|r| r.is_finite()).fold(0.0, f64::max)
 }

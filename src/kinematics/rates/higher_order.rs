@@ -4,33 +4,22 @@
 //! coefficient of the residual is what the k-th coefficient of the unknowns must cancel, and it enters linearly with
 //! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
 
+use super::residual_part;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::Actuation;
-use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::chain::ArgumentValue;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
-use crate::numbers::series::{Series, drive, evaluate};
-use glam::{DMat3, DVec3};
+use crate::model::walk::Frame;
+use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::series::TaylorSeries;
 
 /// Pivots below this share of the largest one have no direction to divide by. A fold is found to the square root of
 /// rounding (1.5e-8), so a pose within four times that may be the fold itself, where rates are infinite.
 const FOLD_TOLERANCE: f64 = 6e-8;
-
-/// A pose as a series: coefficient matrices and vectors.
-struct PoseSeries {
-    rotation: Vec<DMat3>,
-    translation: Vec<DVec3>,
-}
-
-/// Value, sine and cosine of a joint's argument.
-struct ArgumentSeries {
-    value: Series,
-    sin: Series,
-    cos: Series,
-}
 
 /// Series of all coordinates (unknowns, then inputs) at a closed pose, up to `order`.
 ///
@@ -39,15 +28,15 @@ struct ArgumentSeries {
 pub fn rates(
     system: &System,
     coordinates: &[f64],
-    inputs: &[Series],
+    inputs: &[TaylorSeries],
     order: usize,
-) -> Option<Vec<Series>> {
+) -> Option<Vec<TaylorSeries>> {
     let mechanism = system.mechanism();
     let structure = system.structure();
     let n = mechanism.unknowns.len();
-    let mut series: Vec<Series> = coordinates[..n]
+    let mut series: Vec<TaylorSeries> = coordinates[..n]
         .iter()
-        .map(|q| Series::constant(*q, order))
+        .map(|q| TaylorSeries::linear(*q, 0.0, order))
         .collect();
     series.extend_from_slice(inputs);
     let (mut workspace, mut qr) = (BlockWorkspace::default(), PivotedQr::default());
@@ -68,8 +57,8 @@ pub fn rates(
             }
         }
     }
-    let finite = |s: &Series| s.coefficients().iter().all(|c| c.is_finite());
-    series.iter().all(finite).then_some(series)
+    let all_finite = series.iter().all(|s| s.is_finite());
+    all_finite.then_some(series)
 }
 
 /// Coefficient k of the block's residual.
@@ -79,123 +68,45 @@ pub fn rates(
 fn residual_coefficient(
     mechanism: &Mechanism,
     block: &Block,
-    series: &[Series],
+    series: &[TaylorSeries],
     k: usize,
 ) -> Vec<f64> {
     let mut residual = Vec::with_capacity(block.rows());
-    let arguments = arguments(mechanism, &block.arguments, series, k);
+    let series: Vec<TaylorSeries> = series.iter().map(|s| s.truncated(k)).collect();
+    let arguments = arguments(mechanism, &block.arguments, &series);
     for part in &block.loops {
-        let pose = chain(&mechanism.loops[part.index].chain, &arguments, k);
-        let (r, t) = (pose.rotation[k], pose.translation[k] / mechanism.size);
-        let turn = [
-            r.y_axis.z - r.z_axis.y,
-            r.z_axis.x - r.x_axis.z,
-            r.x_axis.y - r.y_axis.x,
-        ]
-        .map(|v| 0.5 * v);
-        let six = [turn, t.to_array()].concat();
+        let steps = &mechanism.loops[part.index].chain.steps;
+        let end = Frame::at_end_of(steps, &arguments);
+        let six = residual_part(end.map(|c| c.coefficients()[k]), mechanism.size);
         residual.extend(part.components.iter().map(|c| six[*c]));
     }
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
         let scale = mechanism.weight_of(*index);
-        let value = evaluate(&equation.expression, series, k);
+        let value = equation.expression.value(&series);
         residual.push(value.coefficients()[k] * scale);
     }
     residual
 }
 
-/// Series of the arguments in `used`; the others are left out.
+/// Series of the arguments in `used`; the others stay zero.
 fn arguments(
     mechanism: &Mechanism,
     used: &[usize],
-    series: &[Series],
-    order: usize,
-) -> Vec<Option<ArgumentSeries>> {
-    let mut all: Vec<Option<ArgumentSeries>> = mechanism.arguments.iter().map(|_| None).collect();
+    series: &[TaylorSeries],
+) -> Vec<ArgumentValue<TaylorSeries>> {
+    let mut all = vec![ArgumentValue::new(TaylorSeries::number(0.0)); mechanism.arguments.len()];
+    let mut scratch = Vec::new();
     for index in used {
-        let value = match &mechanism.arguments[*index] {
-            Argument::Affine(affine) => {
-                let constant = Series::constant(affine.constant, order);
-                affine.terms.iter().fold(constant, |sum, (slot, c)| {
-                    &sum + &series[*slot].truncated(order).scaled(*c)
-                })
-            }
-            Argument::Formula(expression) => evaluate(expression, series, order),
-        };
-        let (sin, cos) = value.sin_cos();
-        all[*index] = Some(ArgumentSeries { value, sin, cos });
+        let value = mechanism.arguments[*index].value(series, &mut scratch);
+        all[*index] = ArgumentValue::new(value);
     }
     all
 }
 
-/// The product of a chain as a series.
-fn chain(chain: &Chain, arguments: &[Option<ArgumentSeries>], order: usize) -> PoseSeries {
-    let mut pose = PoseSeries {
-        rotation: vec![DMat3::ZERO; order + 1],
-        translation: vec![DVec3::ZERO; order + 1],
-    };
-    pose.rotation[0] = DMat3::IDENTITY;
-    for step in &chain.steps {
-        match *step {
-            Step::Fixed(fixed) => {
-                for (r, t) in pose.rotation.iter_mut().zip(&mut pose.translation) {
-                    *t += *r * fixed.translation;
-                    *r *= fixed.rotation;
-                }
-            }
-            Step::Joint {
-                motion,
-                axis,
-                argument,
-                sign,
-            } => {
-                let Some(argument) = &arguments[argument] else {
-                    continue;
-                };
-                match motion {
-                    Motion::Translation => pose.translate(axis, &argument.value.scaled(sign)),
-                    Motion::Rotation => {
-                        pose.rotate(axis, &argument.sin.scaled(sign), &argument.cos)
-                    }
-                }
-            }
-        }
-    }
-    pose
-}
-
-impl PoseSeries {
-    fn translate(&mut self, axis: usize, value: &Series) {
-        let columns: Vec<DVec3> = self.rotation.iter().map(|r| r.col(axis)).collect();
-        for (k, t) in self.translation.iter_mut().enumerate() {
-            *t += convolved(&columns, value, k);
-        }
-    }
-
-    /// Turns the frame about its own axis: only the two other columns change.
-    fn rotate(&mut self, axis: usize, sin: &Series, cos: &Series) {
-        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let a: Vec<DVec3> = self.rotation.iter().map(|r| r.col(i)).collect();
-        let b: Vec<DVec3> = self.rotation.iter().map(|r| r.col(j)).collect();
-        for (k, r) in self.rotation.iter_mut().enumerate() {
-            *r.col_mut(i) = convolved(&a, cos, k) + convolved(&b, sin, k);
-            *r.col_mut(j) = convolved(&b, cos, k) - convolved(&a, sin, k);
-        }
-    }
-}
-
-/// Coefficient k of the product of a series of vectors and one of numbers.
-fn convolved(vectors: &[DVec3], numbers: &Series, k: usize) -> DVec3 {
-    let pairs = vectors[..=k]
-        .iter()
-        .zip(numbers.coefficients()[..=k].iter().rev());
-    pairs.map(|(v, c)| *v * *c).sum()
-}
-
 /// Series of everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
-pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
-    let mut slots = observed_slots(mechanism, coordinates, order);
+pub fn observed(mechanism: &Mechanism, coordinates: &[TaylorSeries]) -> Vec<TaylorSeries> {
+    let mut slots = observed_slots(mechanism, coordinates);
     let after = slots.split_off(mechanism.coordinate_count());
     slots.truncate(mechanism.unknowns.len());
     slots.extend(after);
@@ -203,23 +114,16 @@ pub fn observed(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> 
 }
 
 /// Series of all slots that a formula about the motion may use: coordinates, x, y, z of every trace, outputs.
-pub fn observed_slots(mechanism: &Mechanism, coordinates: &[Series], order: usize) -> Vec<Series> {
+pub fn observed_slots(mechanism: &Mechanism, coordinates: &[TaylorSeries]) -> Vec<TaylorSeries> {
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
         let path = &mechanism.bodies[trace.body].world_from_body;
-        let arguments = arguments(mechanism, &path.arguments(), coordinates, order);
-        let pose = chain(path, &arguments, order);
-        let mut place = [0, 1, 2].map(|_| Series::constant(0.0, order));
-        for (k, (r, t)) in pose.rotation.iter().zip(&pose.translation).enumerate() {
-            let point = *r * trace.point + *t;
-            for (axis, series) in place.iter_mut().enumerate() {
-                series.set(k, point[axis]);
-            }
-        }
-        slots.extend(place);
+        let arguments = arguments(mechanism, &path.arguments(), coordinates);
+        let end = Frame::at_end_of(&path.steps, &arguments);
+        slots.extend(end.point(trace.point.to_array()));
     }
     for output in &mechanism.outputs {
-        let value = evaluate(&output.expression, &slots, order);
+        let value = output.expression.value(&slots);
         slots.push(value);
     }
     slots
@@ -242,16 +146,16 @@ impl By {
         given: &[f64],
         time: f64,
         order: usize,
-    ) -> Vec<Series> {
+    ) -> Vec<TaylorSeries> {
         match self {
             Self::Time => {
                 let drives = actuation.drives.iter();
-                drives.map(|d| drive(d, time, order)).collect()
+                drives.map(|d| d.series(time, order)).collect()
             }
             Self::Input(moving) => (0..given.len())
                 .map(|k| {
                     let rate = if k == moving { 1.0 } else { 0.0 };
-                    Series::linear(given[k], rate, order)
+                    TaylorSeries::linear(given[k], rate, order)
                 })
                 .collect(),
         }
@@ -310,7 +214,7 @@ impl RateColumns {
         let given = &coordinates[mechanism.unknowns.len()..];
         let inputs = self.by.inputs(actuation, given, time, self.order);
         let series = rates(system, coordinates, &inputs, self.order)?;
-        let all = observed(mechanism, &series, self.order);
+        let all = observed(mechanism, &series);
         let derivatives = all
             .iter()
             .flat_map(|s| (1..=self.order).map(|k| s.derivative(k)));

@@ -4,37 +4,23 @@
 //! Along two tangents of the motion the loop's product is I + st C to the mixed order, and C is skew: its three entries
 //! are the mixed derivative of the rotation vector, which the unknowns' own mixed derivative must cancel.
 
+use super::residual_part;
 use crate::kinematics::solve::newton::{Corrector, REFINEMENTS};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::groups;
-use crate::math::Pose;
-use crate::model::chain::{Argument, Chain, Motion, Step};
-use crate::numbers::hyper_dual::{Twofold, evaluate};
-use glam::{DMat3, DVec3};
-
-/// Sine, cosine and value of a joint's argument.
-#[derive(Clone, Copy, Debug, Default)]
-struct Turn {
-    value: Twofold,
-    sin: Twofold,
-    cos: Twofold,
-}
-
-/// A pose that changes along two directions: value, first, second, mixed.
-struct Moving {
-    rotation: [DMat3; 4],
-    translation: [DVec3; 4],
-}
+use crate::model::chain::ArgumentValue;
+use crate::model::walk::Frame;
+use crate::numbers::hyper_dual::HyperDual;
 
 /// Derivatives at closed poses of a mechanism; one for each thread.
 #[derive(Clone, Debug)]
 pub struct Variation<'m> {
     system: &'m System,
     corrector: Corrector,
-    slots: Vec<Twofold>,
-    turns: Vec<Turn>,
-    scratch: Vec<Twofold>,
+    slots: Vec<HyperDual>,
+    turns: Vec<ArgumentValue<HyperDual>>,
+    scratch: Vec<HyperDual>,
     bend: Vec<f64>,
     weakest: Weakest,
 }
@@ -62,7 +48,7 @@ impl<'m> Variation<'m> {
             system,
             corrector: Corrector::new(system),
             slots: Vec::new(),
-            turns: vec![Turn::default(); mechanism.arguments.len()],
+            turns: vec![ArgumentValue::default(); mechanism.arguments.len()],
             scratch: Vec::new(),
             bend: Vec::new(),
             weakest: Weakest::default(),
@@ -85,14 +71,14 @@ impl<'m> Variation<'m> {
         first: &[f64],
         second: &[f64],
         count: usize,
-    ) -> &[Twofold] {
+    ) -> &[HyperDual] {
         let system = self.system;
         let mechanism = system.mechanism();
         let structure = system.structure();
         self.slots.clear();
         let rates = first.iter().zip(second);
         self.slots
-            .extend(pose.iter().zip(rates).map(|(q, (s, t))| Twofold {
+            .extend(pose.iter().zip(rates).map(|(q, (s, t))| HyperDual {
                 value: *q,
                 first: *s,
                 second: *t,
@@ -107,7 +93,7 @@ impl<'m> Variation<'m> {
         }
         let outputs = count.saturating_sub(self.slots.len());
         for output in mechanism.outputs.iter().take(outputs) {
-            let value = evaluate(&output.expression, &self.slots, &mut self.scratch);
+            let value = output.expression.value_with(&self.slots, &mut self.scratch);
             self.slots.push(value);
         }
         &self.slots
@@ -135,21 +121,14 @@ impl<'m> Variation<'m> {
         let mut bend = std::mem::take(&mut self.bend);
         bend.clear();
         for part in &block.loops {
-            let end = self.walk(&mechanism.loops[part.index].chain);
-            let (r, t) = (end.rotation[3], end.translation[3] / mechanism.size);
-            let six = [
-                0.5 * (r.y_axis.z - r.z_axis.y),
-                0.5 * (r.z_axis.x - r.x_axis.z),
-                0.5 * (r.x_axis.y - r.y_axis.x),
-                t.x,
-                t.y,
-                t.z,
-            ];
+            let steps = &mechanism.loops[part.index].chain.steps;
+            let end = Frame::at_end_of(steps, &self.turns);
+            let six = residual_part(end.map(|c| c.mixed), mechanism.size);
             bend.extend(part.components.iter().map(|c| six[*c]));
         }
         for equation in &block.equations {
             let expression = &mechanism.equations[*equation].expression;
-            let value = evaluate(expression, &self.slots, &mut self.scratch);
+            let value = expression.value_with(&self.slots, &mut self.scratch);
             bend.push(value.mixed * mechanism.weight_of(*equation));
         }
         self.bend = bend;
@@ -224,7 +203,7 @@ impl<'m> Variation<'m> {
         let block = &self.system.structure().blocks[index];
         self.slots.clear();
         let rates = pose.iter().zip(tangent);
-        self.slots.extend(rates.map(|(q, t)| Twofold {
+        self.slots.extend(rates.map(|(q, t)| HyperDual {
             value: *q,
             first: 0.0,
             second: *t,
@@ -240,19 +219,9 @@ impl<'m> Variation<'m> {
 
     fn fill_turns(&mut self, used: &[usize]) {
         for index in used {
-            let value = match &self.system.mechanism().arguments[*index] {
-                Argument::Affine(affine) => {
-                    let constant = Twofold::constant(affine.constant);
-                    affine.terms.iter().fold(constant, |sum, (slot, c)| {
-                        sum + self.slots[*slot].scaled(*c)
-                    })
-                }
-                Argument::Formula(expression) => {
-                    evaluate(expression, &self.slots, &mut self.scratch)
-                }
-            };
-            let (sin, cos) = value.sin_cos();
-            self.turns[*index] = Turn { value, sin, cos };
+            let argument = &self.system.mechanism().arguments[*index];
+            let value = argument.value(&self.slots, &mut self.scratch);
+            self.turns[*index] = ArgumentValue::new(value);
         }
     }
 
@@ -260,86 +229,10 @@ impl<'m> Variation<'m> {
         for trace in &self.system.mechanism().traces {
             let path = &self.system.mechanism().bodies[trace.body].world_from_body;
             self.fill_turns(&path.arguments());
-            let end = self.walk(path);
-            let [p, s, t, st] =
-                [0, 1, 2, 3].map(|k| end.rotation[k] * trace.point + end.translation[k]);
-            self.slots.extend((0..3).map(|axis| Twofold {
-                value: p[axis],
-                first: s[axis],
-                second: t[axis],
-                mixed: st[axis],
-            }));
+            let end = Frame::at_end_of(&path.steps, &self.turns);
+            self.slots.extend(end.point(trace.point.to_array()));
         }
     }
-
-    /// The product of a chain.
-    fn walk(&self, chain: &Chain) -> Moving {
-        let mut pose = Moving::IDENTITY;
-        for step in &chain.steps {
-            match *step {
-                Step::Fixed(fixed) => pose.fix(&fixed),
-                Step::Joint {
-                    motion,
-                    axis,
-                    argument,
-                    sign,
-                } => {
-                    let turn = &self.turns[argument];
-                    match motion {
-                        Motion::Translation => pose.translate(axis, turn.value.scaled(sign)),
-                        Motion::Rotation => pose.rotate(axis, turn.sin.scaled(sign), turn.cos),
-                    }
-                }
-            }
-        }
-        pose
-    }
-}
-
-impl Moving {
-    const IDENTITY: Self = Self {
-        rotation: [DMat3::IDENTITY, DMat3::ZERO, DMat3::ZERO, DMat3::ZERO],
-        translation: [DVec3::ZERO; 4],
-    };
-
-    fn fix(&mut self, fixed: &Pose) {
-        for (r, t) in self.rotation.iter_mut().zip(&mut self.translation) {
-            *t += *r * fixed.translation;
-            *r *= fixed.rotation;
-        }
-    }
-
-    fn columns(&self, axis: usize) -> [DVec3; 4] {
-        self.rotation.map(|r| r.col(axis))
-    }
-
-    fn translate(&mut self, axis: usize, value: Twofold) {
-        let moved = product(self.columns(axis), value);
-        for (t, d) in self.translation.iter_mut().zip(moved) {
-            *t += d;
-        }
-    }
-
-    /// Turns the frame about its own axis: only the two other columns change.
-    fn rotate(&mut self, axis: usize, sin: Twofold, cos: Twofold) {
-        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (a, b) = (self.columns(i), self.columns(j));
-        let (ac, bs) = (product(a, cos), product(b, sin));
-        let (bc, a_s) = (product(b, cos), product(a, sin));
-        for (k, r) in self.rotation.iter_mut().enumerate() {
-            *r.col_mut(i) = ac[k] + bs[k];
-            *r.col_mut(j) = bc[k] - a_s[k];
-        }
-    }
-}
-
-fn product(v: [DVec3; 4], n: Twofold) -> [DVec3; 4] {
-    [
-        v[0] * n.value,
-        v[0] * n.first + v[1] * n.value,
-        v[0] * n.second + v[2] * n.value,
-        v[0] * n.mixed + v[1] * n.second + v[2] * n.first + v[3] * n.value,
-    ]
 }
 
 #[cfg(test)]
@@ -349,7 +242,7 @@ mod tests {
     use crate::kinematics::measures::along;
     use crate::kinematics::motion::continuation::solve;
     use crate::kinematics::solve::newton::Pace;
-    use crate::numbers::series::Series;
+    use crate::numbers::series::TaylorSeries;
     use crate::scene::{Overrides, Scene, builtin, load};
 
     /// Built-in scenes with loops of frames, loops of points and equations, with these parameters as inputs.
@@ -396,7 +289,7 @@ mod tests {
                 let series = |moving: &[usize]| along(system, pose, moving, 2).unwrap();
                 let (s, alone, both) = (series(&[0]), series(&[t]), series(&[0, t]));
                 for (k, slot) in slots.iter().enumerate() {
-                    let part = |s: &[Series], order: usize| s[k].coefficients()[order];
+                    let part = |s: &[TaylorSeries], order: usize| s[k].coefficients()[order];
                     let mixed = part(&both, 2) - part(&s, 2) - part(&alone, 2);
                     let size = 1.0 + slot.value.abs() + mixed.abs();
                     assert!((slot.first - part(&s, 1)).abs() < 1e-10 * size);

@@ -10,6 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
+use crate::model::fixed::FixedPose;
 use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
 use glam::DVec3;
 
@@ -161,7 +162,7 @@ impl<'a> Joints<'a> {
         }
     }
 
-    fn direction(&self, nodes: &[Node; 3], back: bool) -> Result<Pose, Diagnostic> {
+    fn direction(&self, nodes: &[Node; 3], back: bool) -> Result<FixedPose, Diagnostic> {
         let mut direction = DVec3::ZERO;
         for (k, node) in nodes.iter().enumerate() {
             direction[k] = constant(node, &|n, s| self.names.constant(n, s))?;
@@ -170,7 +171,7 @@ impl<'a> Joints<'a> {
             let span = nodes[0].span.start..nodes[2].span.end;
             return Err(Diagnostic::error("the axis of a rotation has no direction").at(span));
         }
-        let pose = Pose::from_z_axis(direction);
+        let pose = FixedPose::z_axis(direction);
         Ok(if back { pose.inverse() } else { pose })
     }
 
@@ -191,8 +192,8 @@ impl<'a> Joints<'a> {
                         .hint(format!("at most {LARGEST:e}: choose a larger unit")));
                 }
                 Ok(Step::Fixed(match motion {
-                    Motion::Translation => Pose::from_translation(DVec3::AXES[axis] * value),
-                    Motion::Rotation => Pose::from_axis_rotation(axis, value),
+                    Motion::Translation => FixedPose::translation(axis, value),
+                    Motion::Rotation => FixedPose::rotation(axis, value),
                 }))
             }
             Some(affine) => Ok(self.joint(motion, axis, affine)),

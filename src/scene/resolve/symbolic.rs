@@ -1,261 +1,231 @@
 //! The frame of a chain as formulas of the coordinates: for distances and directions that are no joint's.
 //!
-//! All formulas share one list of operations; zeros and ones are left out as they arise.
+//! A [`Term`] is a kind of number: what is computed with it is written down as operations of one shared list. Zeros and
+//! ones are left out as they arise.
 
-use crate::model::chain::{Argument, Chain, Motion, Step};
-use crate::model::expression::{Expression, Function, Op};
+use crate::model::chain::{Argument, ArgumentValue, Chain, Joint, Motion, Step};
+use crate::model::expression::{Affine, Expression, Function, Op};
+use crate::model::walk::{Frame, Vector, walk};
+use crate::numbers::scalar::Ring;
+use std::cell::RefCell;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number, or the result of an operation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Term {
-    Constant(f64),
-    Op(usize),
+/// A growing list of operations over the coordinates.
+#[derive(Default)]
+pub struct Formulas {
+    ops: RefCell<Vec<Op>>,
 }
 
-/// Three terms.
-pub type Vector = [Term; 3];
+/// A number, or the result of an operation of a list.
+#[derive(Clone, Copy)]
+pub enum Term<'l> {
+    Constant(f64),
+    Op(&'l Formulas, usize),
+}
 
 /// A joint met on the way along a chain, in the chain's base frame.
-pub struct Drafted {
+pub struct Drafted<'l> {
     pub motion: Motion,
-    pub axis: Vector,
-    pub origin: Vector,
+    pub axis: Vector<Term<'l>>,
+    pub origin: Vector<Term<'l>>,
     /// Index of its argument.
     pub argument: usize,
 }
 
-/// The frame at the end of a chain.
-pub struct DraftFrame {
-    pub axes: [Vector; 3],
-    pub origin: Vector,
-    pub joints: Vec<Drafted>,
-}
+impl Formulas {
+    /// The frame at the end of `chain`, whose joints refer to `arguments`, and the joints on the way.
+    pub fn walk(
+        &self,
+        chain: &Chain,
+        arguments: &[Argument],
+    ) -> (Frame<Term<'_>>, Vec<Drafted<'_>>) {
+        let values = self.values(chain, arguments);
+        let (mut frame, mut joints) = (Frame::identity(), Vec::new());
+        walk(&chain.steps, &mut frame, &values, |here, joint| {
+            joints.push(Drafted {
+                motion: joint.motion,
+                axis: here.axes[joint.axis].map(|c| c.scale(joint.sign)),
+                origin: here.origin,
+                argument: joint.argument,
+            });
+        });
+        (frame, joints)
+    }
 
-/// A growing list of operations over the coordinates.
-pub struct Formulas<'a> {
-    arguments: &'a [Argument],
-    ops: Vec<Op>,
-}
+    /// The arguments of a chain's joints; the others stay zero.
+    fn values(&self, chain: &Chain, arguments: &[Argument]) -> Vec<ArgumentValue<Term<'_>>> {
+        let zero = Term::Constant(0.0);
+        let none = ArgumentValue {
+            value: zero,
+            sin: zero,
+            cos: zero,
+        };
+        let mut values = vec![none; arguments.len()];
+        let mut is_known = vec![false; arguments.len()];
+        let mut turns = vec![false; arguments.len()];
+        for Joint {
+            motion, argument, ..
+        } in chain.steps.iter().filter_map(Step::joint)
+        {
+            let value = &mut values[argument];
+            if !is_known[argument] {
+                value.value = self.argument(&arguments[argument]);
+                is_known[argument] = true;
+            }
+            if motion == Motion::Rotation && !turns[argument] {
+                value.cos = self.call(Function::Cos, value.value);
+                value.sin = self.call(Function::Sin, value.value);
+                turns[argument] = true;
+            }
+        }
+        values
+    }
 
-impl<'a> Formulas<'a> {
-    /// An empty list; chains refer to `arguments`.
-    pub fn new(arguments: &'a [Argument]) -> Self {
-        Self {
-            arguments,
-            ops: Vec::new(),
+    fn argument(&self, argument: &Argument) -> Term<'_> {
+        match argument {
+            Argument::Formula(expression) => self.inline(expression),
+            Argument::Affine(Affine { constant, terms }) => {
+                let terms = terms.iter();
+                terms.fold(Term::Constant(*constant), |sum, (slot, coefficient)| {
+                    sum + self.push(Op::Slot(*slot)).scale(*coefficient)
+                })
+            }
         }
     }
 
-    /// The argument with that index.
-    pub fn argument(&self, index: usize) -> &'a Argument {
-        &self.arguments[index]
+    /// A formula of the coordinates as a term.
+    pub fn inline(&self, expression: &Expression) -> Term<'_> {
+        if let [Op::Constant(value)] = expression.ops() {
+            return Term::Constant(*value);
+        }
+        let mut ops = self.ops.borrow_mut();
+        let start = ops.len();
+        ops.extend(expression.ops().iter().map(|op| op.shifted(start)));
+        Term::Op(self, ops.len() - 1)
     }
 
     /// `term` as a formula of its own.
     pub fn expression(&self, term: Term) -> Expression {
         match term {
             Term::Constant(value) => Expression::constant(value),
-            Term::Op(last) => Expression::new(self.ops[..=last].to_vec()),
+            Term::Op(_, last) => Expression::new(self.ops.borrow()[..=last].to_vec()),
         }
-    }
-
-    /// The frame at the end of `chain`.
-    pub fn walk(&mut self, chain: &Chain) -> DraftFrame {
-        let unit = |k: usize| [0, 1, 2].map(|i| Term::Constant(if i == k { 1.0 } else { 0.0 }));
-        let mut frame = DraftFrame {
-            axes: [unit(0), unit(1), unit(2)],
-            origin: [Term::Constant(0.0); 3],
-            joints: Vec::new(),
-        };
-        for step in &chain.steps {
-            match *step {
-                Step::Fixed(pose) => {
-                    let shift = self.combined(&frame.axes, pose.translation.to_array());
-                    frame.origin = self.sum(frame.origin, shift);
-                    let columns = [
-                        pose.rotation.x_axis,
-                        pose.rotation.y_axis,
-                        pose.rotation.z_axis,
-                    ];
-                    frame.axes =
-                        columns.map(|column| self.combined(&frame.axes, column.to_array()));
-                }
-                Step::Joint {
-                    motion,
-                    axis,
-                    argument,
-                    sign,
-                } => {
-                    let signed = frame.axes[axis].map(|c| self.multiply(c, Term::Constant(sign)));
-                    frame.joints.push(Drafted {
-                        motion,
-                        axis: signed,
-                        origin: frame.origin,
-                        argument,
-                    });
-                    let value = self.argument_value(argument);
-                    match motion {
-                        Motion::Translation => {
-                            let shift = signed.map(|c| self.multiply(c, value));
-                            frame.origin = self.sum(frame.origin, shift);
-                        }
-                        Motion::Rotation => self.turn(&mut frame.axes, axis, value, sign),
-                    }
-                }
-            }
-        }
-        frame
-    }
-
-    /// Turns two of the axes about the third.
-    fn turn(&mut self, axes: &mut [Vector; 3], axis: usize, angle: Term, sign: f64) {
-        let cos = self.call(Function::Cos, angle);
-        let sin = self.call(Function::Sin, angle);
-        let sin = self.multiply(sin, Term::Constant(sign));
-        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (a, b) = (axes[i], axes[j]);
-        for k in 0..3 {
-            let (ac, bs) = (self.multiply(a[k], cos), self.multiply(b[k], sin));
-            let (bc, as_) = (self.multiply(b[k], cos), self.multiply(a[k], sin));
-            axes[i][k] = self.add(ac, bs);
-            axes[j][k] = self.subtract(bc, as_);
-        }
-    }
-
-    fn argument_value(&mut self, index: usize) -> Term {
-        match &self.arguments[index] {
-            Argument::Affine(affine) => {
-                let mut sum = Term::Constant(affine.constant);
-                for (slot, coefficient) in &affine.terms {
-                    let coordinate = self.push(Op::Slot(*slot));
-                    let share = self.multiply(coordinate, Term::Constant(*coefficient));
-                    sum = self.add(sum, share);
-                }
-                sum
-            }
-            Argument::Formula(expression) => self.inline(expression),
-        }
-    }
-
-    /// A formula of the coordinates as a term.
-    pub fn inline(&mut self, expression: &Expression) -> Term {
-        if let [Op::Constant(value)] = expression.ops() {
-            return Term::Constant(*value);
-        }
-        let start = self.ops.len();
-        self.ops
-            .extend(expression.ops().iter().map(|op| op.shifted(start)));
-        Term::Op(self.ops.len() - 1)
-    }
-
-    /// Σ of the axes by constant weights.
-    fn combined(&mut self, axes: &[Vector; 3], weights: [f64; 3]) -> Vector {
-        let mut sum = [Term::Constant(0.0); 3];
-        for (axis, weight) in axes.iter().zip(weights) {
-            let share = axis.map(|c| self.multiply(c, Term::Constant(weight)));
-            sum = self.sum(sum, share);
-        }
-        sum
-    }
-
-    /// a + b
-    pub fn sum(&mut self, a: Vector, b: Vector) -> Vector {
-        [0, 1, 2].map(|k| self.add(a[k], b[k]))
-    }
-
-    /// a - b
-    pub fn difference(&mut self, a: Vector, b: Vector) -> Vector {
-        [0, 1, 2].map(|k| self.subtract(a[k], b[k]))
-    }
-
-    /// a · b
-    pub fn dot(&mut self, a: Vector, b: Vector) -> Term {
-        let mut sum = Term::Constant(0.0);
-        for (x, y) in a.into_iter().zip(b) {
-            let product = self.multiply(x, y);
-            sum = self.add(sum, product);
-        }
-        sum
-    }
-
-    /// a × b
-    pub fn cross(&mut self, a: Vector, b: Vector) -> Vector {
-        [0, 1, 2].map(|k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let (plus, minus) = (self.multiply(a[i], b[j]), self.multiply(a[j], b[i]));
-            self.subtract(plus, minus)
-        })
     }
 
     /// |a|
-    pub fn length(&mut self, a: Vector) -> Term {
-        let square = self.dot(a, a);
-        self.call(Function::Sqrt, square)
+    pub fn length<'l>(&'l self, a: Vector<Term<'l>>) -> Term<'l> {
+        self.call(Function::Sqrt, dot(a, a))
     }
 
     /// The angle in 0..90 degrees whose tangent is across / |along|.
-    pub fn angle_of(&mut self, across: Term, along: Term) -> Expression {
+    pub fn angle_of<'l>(&'l self, across: Term<'l>, along: Term<'l>) -> Expression {
         let along = self.call(Function::Abs, along);
-        let (a, b) = (self.as_op(across), self.as_op(along));
-        let angle = self.push(Op::Call(Function::Atan2, a, b));
-        self.expression(angle)
+        let (a, b) = (self.place(across), self.place(along));
+        self.expression(self.push(Op::Call(Function::Atan2, a, b)))
     }
 
-    /// a + b
-    pub fn add(&mut self, a: Term, b: Term) -> Term {
-        match (a, b) {
-            (Term::Constant(x), Term::Constant(y)) => Term::Constant(x + y),
-            (Term::Constant(0.0), other) | (other, Term::Constant(0.0)) => other,
-            _ => self.binary(Op::Add, a, b),
-        }
-    }
-
-    /// a - b
-    pub fn subtract(&mut self, a: Term, b: Term) -> Term {
-        match (a, b) {
-            (Term::Constant(x), Term::Constant(y)) => Term::Constant(x - y),
-            (other, Term::Constant(0.0)) => other,
-            _ => self.binary(Op::Subtract, a, b),
-        }
-    }
-
-    /// a b
-    pub fn multiply(&mut self, a: Term, b: Term) -> Term {
-        match (a, b) {
-            (Term::Constant(x), Term::Constant(y)) => Term::Constant(x * y),
-            (Term::Constant(0.0), _) | (_, Term::Constant(0.0)) => Term::Constant(0.0),
-            (Term::Constant(1.0), other) | (other, Term::Constant(1.0)) => other,
-            _ => self.binary(Op::Multiply, a, b),
-        }
-    }
-
-    /// a / b
-    pub fn divide(&mut self, a: Term, b: Term) -> Term {
-        self.binary(Op::Divide, a, b)
-    }
-
-    fn call(&mut self, function: Function, a: Term) -> Term {
-        let a = self.as_op(a);
+    fn call<'l>(&'l self, function: Function, a: Term<'l>) -> Term<'l> {
+        let a = self.place(a);
         self.push(Op::Call(function, a, a))
     }
 
-    fn binary(&mut self, op: fn(usize, usize) -> Op, a: Term, b: Term) -> Term {
-        let (a, b) = (self.as_op(a), self.as_op(b));
-        self.push(op(a, b))
-    }
-
-    fn as_op(&mut self, term: Term) -> usize {
+    /// Where a term stands in the list.
+    fn place(&self, term: Term) -> usize {
         match term {
-            Term::Op(index) => index,
+            Term::Op(_, place) => place,
             Term::Constant(value) => {
-                self.ops.push(Op::Constant(value));
-                self.ops.len() - 1
+                let mut ops = self.ops.borrow_mut();
+                ops.push(Op::Constant(value));
+                ops.len() - 1
             }
         }
     }
 
-    fn push(&mut self, op: Op) -> Term {
-        self.ops.push(op);
-        Term::Op(self.ops.len() - 1)
+    fn push(&self, op: Op) -> Term<'_> {
+        let mut ops = self.ops.borrow_mut();
+        ops.push(op);
+        Term::Op(self, ops.len() - 1)
+    }
+}
+
+/// a - b
+pub fn difference<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Vector<Term<'l>> {
+    [0, 1, 2].map(|k| a[k] - b[k])
+}
+
+/// a · b
+pub fn dot<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Term<'l> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// a × b
+pub fn cross<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Vector<Term<'l>> {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
+}
+
+impl<'l> Term<'l> {
+    /// The operation on both terms, or `known` of two numbers.
+    fn with(self, other: Self, op: fn(usize, usize) -> Op, known: fn(f64, f64) -> f64) -> Self {
+        let list = match (self, other) {
+            (Self::Constant(a), Self::Constant(b)) => return Self::Constant(known(a, b)),
+            (Self::Op(list, _), _) | (_, Self::Op(list, _)) => list,
+        };
+        let (a, b) = (list.place(self), list.place(other));
+        list.push(op(a, b))
+    }
+}
+
+impl Add for Term<'_> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Constant(0.0), term) | (term, Self::Constant(0.0)) => term,
+            _ => self.with(other, Op::Add, |a, b| a + b),
+        }
+    }
+}
+
+impl Sub for Term<'_> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        match other {
+            Self::Constant(0.0) => self,
+            _ => self.with(other, Op::Subtract, |a, b| a - b),
+        }
+    }
+}
+
+impl Mul for Term<'_> {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Constant(0.0), _) | (_, Self::Constant(0.0)) => Self::Constant(0.0),
+            (Self::Constant(1.0), term) | (term, Self::Constant(1.0)) => term,
+            _ => self.with(other, Op::Multiply, |a, b| a * b),
+        }
+    }
+}
+
+impl Div for Term<'_> {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        self.with(other, Op::Divide, |a, b| a / b)
+    }
+}
+
+impl Neg for Term<'_> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::Constant(-1.0) * self
+    }
+}
+
+impl Ring for Term<'_> {
+    fn number(value: f64) -> Self {
+        Self::Constant(value)
+    }
+
+    fn scale(self, factor: f64) -> Self {
+        self * Self::Constant(factor)
     }
 }

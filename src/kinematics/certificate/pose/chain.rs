@@ -7,18 +7,11 @@ use super::product::Product;
 use crate::math::Pose;
 use crate::model::chain::{Motion, Step};
 use crate::model::expression::Affine;
-use crate::numbers::double_double::Double;
-use crate::numbers::sin_cos::{FUNCTION_ERROR, Factor, sin_cos};
+use crate::model::fixed::FixedPose;
+use crate::numbers::double_double::DoubleDouble;
+use crate::numbers::rounding::{LONG_STEP, SIN_COS, U, of_decimal};
+use crate::numbers::sin_cos::{Factor, sin_cos};
 use glam::{DMat3, DVec3};
-
-/// Unit roundoff of f64.
-pub const U: f64 = f64::EPSILON / 2.0;
-
-/// A fixed rotation that is not a quarter turn was folded from a few rounded factors (radians).
-const FIXED_ROTATION: f64 = 8.0 * U;
-
-/// Relative: a translation folded through such a rotation.
-const FOLDED_TRANSLATION: f64 = 8.0 * U;
 
 /// An argument's value and how far the numbers it was made from leave it open.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,20 +36,18 @@ impl ArgumentDouble {
             cos,
             open_length,
             // An error of either function turns and stretches the pair by as much; twice that covers both.
-            open_angle: open_length + 2.0 * FUNCTION_ERROR,
+            open_angle: open_length + 2.0 * SIN_COS,
         }
     }
 }
 
 /// The value with 31 digits, and the effect of coefficients that are rounded decimals.
-pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (Double, f64) {
-    // Numbers too large for the conversion count as rounded.
-    let rounded = |v: f64| if v as i64 as f64 == v { 0.0 } else { 2.0 * U };
-    let mut open = rounded(form.constant) * form.constant.abs();
-    let mut value = Double::from(form.constant);
+pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (DoubleDouble, f64) {
+    let mut open = of_decimal(form.constant);
+    let mut value = DoubleDouble::from(form.constant);
     for &(slot, c) in &form.terms {
-        value = value + Double::product(c, coordinates[slot]);
-        open += rounded(c) * (c * coordinates[slot]).abs();
+        value = value + DoubleDouble::product(c, coordinates[slot]);
+        open += of_decimal(c) * coordinates[slot].abs();
     }
     (value, open)
 }
@@ -95,7 +86,7 @@ impl LoopPlan {
             steps: steps.len(),
             ..Self::default()
         };
-        let mut fixed: Option<Pose> = None;
+        let mut fixed: Option<FixedPose> = None;
         for step in steps {
             match *step {
                 Step::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
@@ -126,9 +117,9 @@ impl LoopPlan {
     }
 
     /// A joint after a fixed pose, which counts as behind the joint before.
-    fn after(&mut self, fixed: Option<Pose>) -> PlannedJoint {
-        let pose = fixed.unwrap_or(Pose::IDENTITY);
-        let open = open_fixed(&pose);
+    fn after(&mut self, fixed: Option<FixedPose>) -> PlannedJoint {
+        let pose = fixed.unwrap_or(FixedPose::exact(Pose::IDENTITY));
+        let open = [pose.error.rotation, pose.error.translation];
         match self.joints.last_mut() {
             Some(last) => {
                 last.open_behind = open;
@@ -139,7 +130,7 @@ impl LoopPlan {
                 self.length_before = pose.translation.length();
             }
         }
-        let part = |v: f64| (v != 0.0).then(|| Factor::short(Double::from(v)));
+        let part = |v: f64| (v != 0.0).then(|| Factor::short(DoubleDouble::from(v)));
         PlannedJoint {
             shift: pose.translation.to_array().map(part),
             turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
@@ -194,29 +185,6 @@ fn pass_fixed(product: &mut Product, joint: &PlannedJoint) {
     }
 }
 
-/// Rotation (radians) and translation (scene's unit) by which a stored fixed pose may differ from the one meant.
-fn open_fixed(pose: &Pose) -> [f64; 2] {
-    let r = pose.rotation;
-    let quarter_turns = r.to_cols_array().iter().all(|v| v.fract() == 0.0);
-    let length = pose.translation.length();
-    if quarter_turns {
-        // Only the parts that are no whole numbers are rounded.
-        let rounded = |v: f64| if v.fract() == 0.0 { 0.0 } else { v };
-        let parts = DVec3::from_array(pose.translation.to_array().map(rounded));
-        return [0.0, 2.0 * U * parts.length()];
-    }
-    let defect = (r.transpose() * r - DMat3::IDENTITY)
-        .to_cols_array()
-        .iter()
-        .map(|v| v * v)
-        .sum::<f64>()
-        .sqrt();
-    [FIXED_ROTATION + defect, FOLDED_TRANSLATION * length]
-}
-
-/// Rounding of one step of the walk (radians, sizes): six entries lose at most 11 × 2^-80 each, a shift no more of itself.
-const LOST_IN_STEP: f64 = 3e-23;
-
 impl LoopAtPose {
     /// Evaluates a loop. `play` is by how much an argument can change in the ball.
     pub fn evaluate(
@@ -241,7 +209,7 @@ impl LoopAtPose {
             t.z,
         ];
         // The last rounding loses a few units of the residual.
-        let lost = LOST_IN_STEP * plan.steps as f64;
+        let lost = LONG_STEP * plan.steps as f64;
         let last = |v: f64| 4.0 * U * v.abs();
         let turned = self.residual[..3].iter().map(|v| last(*v));
         self.open = [

@@ -1,11 +1,11 @@
 //! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
 
-use super::chain::U;
 use super::system::BlockSystem;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, groups};
+use crate::numbers::rounding::U;
 use wide::f64x4;
 
 /// What is proved of the unknowns of earlier blocks, in radians and sizes.

@@ -4,7 +4,7 @@
 //! few of them, are exact in f64, and the rests are small enough for plain arithmetic. An entry is off by less than
 //! 2^-75 (3e-23) after a step.
 
-use crate::numbers::double_double::Double;
+use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::sin_cos::{Factor, GRID};
 use glam::{DMat3, DVec3};
 use wide::f64x4;
@@ -46,9 +46,9 @@ impl Column {
 
     /// The entries.
     #[inline]
-    pub fn entries(&self) -> [Double; 3] {
+    pub fn entries(&self) -> [DoubleDouble; 3] {
         let (hi, lo) = (self.upper.to_array(), self.lower.to_array());
-        [0, 1, 2].map(|k| Double::ordered(hi[k], lo[k]))
+        [0, 1, 2].map(|k| DoubleDouble::ordered(hi[k], lo[k]))
     }
 
     /// The entries in f64.
@@ -146,7 +146,7 @@ impl Product {
     /// Turns by a fixed rotation.
     pub fn turn(&mut self, by: &DMat3) {
         let old = self.rotation;
-        let factor = |v: f64| Splat::of(&Factor::on_grid(Double::from(v)));
+        let factor = |v: f64| Splat::of(&Factor::on_grid(DoubleDouble::from(v)));
         for (j, column) in self.rotation.iter_mut().enumerate() {
             let m = by.col(j);
             let [x, y, z] = [
@@ -173,8 +173,8 @@ mod tests {
         let mut product = Product::identity();
         let pass = |product: &mut Product, (axis, value): (usize, f64), back: bool| {
             let sign = if back { -1.0 } else { 1.0 };
-            let (sin, cos) = sin_cos(Double::from(value));
-            let length = Factor::short(Double::from(sign * 0.1 * value));
+            let (sin, cos) = sin_cos(DoubleDouble::from(value));
+            let length = Factor::short(DoubleDouble::from(sign * 0.1 * value));
             if back {
                 product.shift((axis + 1) % 3, &length);
             }
@@ -190,7 +190,7 @@ mod tests {
             .for_each(|s| pass(&mut product, *s, true));
         for (j, column) in product.rotation.iter().enumerate() {
             for (i, entry) in column.entries().into_iter().enumerate() {
-                let rest = (entry - Double::from(f64::from(i == j))).hi.abs();
+                let rest = (entry - DoubleDouble::from(f64::from(i == j))).hi.abs();
                 // Sines and cosines are right to 4e-21: sin² + cos² departs from one by as much.
                 assert!(rest < 120.0 * (1e-22 + 2.0 * 4e-21), "{i} {j}: {rest:e}");
             }
@@ -203,8 +203,8 @@ mod tests {
     fn powers_of_a_rational_rotation_are_exact_to_23_digits() {
         let quotient = |a: f64| {
             let hi = a / 5.0;
-            let back = Double::product(hi, 5.0);
-            Double::ordered(hi, ((a - back.hi) - back.lo) / 5.0)
+            let back = DoubleDouble::product(hi, 5.0);
+            DoubleDouble::ordered(hi, ((a - back.hi) - back.lo) / 5.0)
         };
         let (sin, cos) = (
             Factor::on_grid(quotient(4.0)),
@@ -219,8 +219,8 @@ mod tests {
         let [x, y, _] = product.rotation[0].entries();
         for (entry, exact) in [(x, re), (y, im)] {
             // Both products are whole numbers below 2^53 times a power of five below 2^47.
-            let back = entry * Double::sum(scale as f64, 0.0);
-            let rest = (back - Double::from(exact as f64)).hi.abs() / scale as f64;
+            let back = entry * DoubleDouble::sum(scale as f64, 0.0);
+            let rest = (back - DoubleDouble::from(exact as f64)).hi.abs() / scale as f64;
             assert!(rest < 20.0 * 1e-22, "{rest:e}");
         }
     }

@@ -1,6 +1,6 @@
 //! One block as rows: residual, Jacobian and bounds of its equations. The test itself is in `kantorovich`.
 
-use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, U, affine_value};
+use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, affine_value};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
@@ -9,6 +9,7 @@ use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::Motion;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
+use crate::numbers::rounding::U;
 use std::ops::Range;
 
 /// Affine forms of the arguments, then of the equations; `None` for formulas.

@@ -6,26 +6,18 @@
 //! so that such a bound is handed on from joint to joint and does not grow.
 
 use super::form::Change;
-use super::model::{GROW, Model, Polynomial, Turn, size, tails, truncated};
-use super::series::TERMS;
-use crate::math::Pose;
+use super::model::{Model, Polynomial, TERMS, Turn, size, tails, truncated};
 use crate::model::chain::{Motion, Step};
+use crate::model::fixed::FixedPose;
+use crate::model::walk::{Carried, walk};
+use crate::numbers::rounding::{GROW, OPERATION, is_exact};
 use wide::f64x4;
 
 /// A vector as a polynomial in s; the fourth lane is zero.
 type Vector = [f64x4; TERMS];
 
-/// Entries of a fixed rotation that was folded from a few rounded factors, as the norm of nine of them.
-const FOLDED: f64 = 6e-15;
-
-/// Translations that went through such a rotation, relative.
-const FOLDED_SHIFT: f64 = 2e-15;
-
-/// Roundings of one operation, doubled so that the bound's own are covered.
-const UNIT: f64 = f64::EPSILON;
-
 /// Roundings of a sum of all products that meet in one coefficient.
-const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * UNIT;
+const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * OPERATION;
 
 /// Norm of what the columns of two rotations may differ by, over the largest of their entries' pairs.
 const PAIR: f64 = 1.5;
@@ -104,17 +96,6 @@ fn entry(v: &Vector, k: usize) -> Polynomial {
     std::array::from_fn(|j| v[j].to_array()[k])
 }
 
-/// By how much a stored fixed pose may differ from the one meant: its rotation, its translation.
-fn open_fixed(pose: &Pose) -> [f64; 2] {
-    let turns = pose.rotation.to_cols_array();
-    let length = pose.translation.length();
-    if turns.iter().all(|v| v.fract() == 0.0) {
-        let whole = pose.translation.to_array().iter().all(|v| v.fract() == 0.0);
-        return [0.0, if whole { 0.0 } else { UNIT * length }];
-    }
-    [FOLDED, FOLDED_SHIFT * length]
-}
-
 impl LoopModel {
     /// Multiplies the steps. Joints whose argument does not move (`moves`) are left out of `joints`.
     pub fn new(
@@ -133,93 +114,23 @@ impl LoopModel {
             rotation,
             translation: ZERO,
             rests: [0.0; 2],
-            joints: Vec::with_capacity(steps.len()),
+            joints: Vec::new(),
             size,
         };
-        for step in steps {
-            match *step {
-                Step::Fixed(pose) => here.fixed(&pose),
-                Step::Joint {
-                    motion,
-                    axis,
-                    argument,
-                    sign,
-                } => {
-                    if moves(argument) {
-                        here.joints.push(Joint {
-                            motion,
-                            argument,
-                            axis: here.rotation[axis].map(|c| c * f64x4::splat(sign)),
-                            origin: here.translation,
-                            rests: here.rests,
-                        });
-                    }
-                    match (motion, &arguments[argument]) {
-                        (_, None) => here.rests = [f64::INFINITY; 2],
-                        (Motion::Translation, Some(a)) => here.shift(axis, sign, &a.value),
-                        (Motion::Rotation, Some(a)) => here.rotate(axis, sign, &a.turn),
-                    }
-                }
+        let mut joints = Vec::with_capacity(steps.len());
+        walk(steps, &mut here, arguments, |here, joint| {
+            if moves(joint.argument) {
+                joints.push(Joint {
+                    motion: joint.motion,
+                    argument: joint.argument,
+                    axis: here.rotation[joint.axis].map(|c| c * f64x4::splat(joint.sign)),
+                    origin: here.translation,
+                    rests: here.rests,
+                });
             }
-        }
+        });
+        here.joints = joints;
         here
-    }
-
-    fn shift(&mut self, axis: usize, sign: f64, by: &Model) {
-        let c = by.c.map(|c| c * sign);
-        let column = &self.rotation[axis];
-        add_product(&mut self.translation, column, &c);
-        let (lengths, sizes) = (lengths(column), c.map(f64::abs));
-        let (whole, tails) = (size(&lengths), tails(&sizes));
-        let rounding = PRODUCTS * (whole * tails[0] + size(&self::lengths(&self.translation)));
-        self.rests[1] +=
-            (self.rests[0] * tails[0] + by.rest + truncated(&lengths, &tails)) * GROW + rounding;
-    }
-
-    fn rotate(&mut self, axis: usize, sign: f64, by: &Turn) {
-        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (x, y) = (self.rotation[b], self.rotation[c]);
-        let sin = by.sin.map(|v| v * sign);
-        let (mut first, mut second) = (ZERO, ZERO);
-        add_product(&mut first, &x, &by.cos);
-        add_product(&mut first, &y, &sin);
-        add_product(&mut second, &y, &by.cos);
-        add_product(&mut second, &x, &sin.map(|v| -v));
-        self.rotation[b] = first;
-        self.rotation[c] = second;
-        let pairs: Polynomial = std::array::from_fn(|k| (square(x[k]) + square(y[k])).sqrt());
-        let tails = tails(&by.sizes);
-        let moving = size(&pairs) * tails[0] - pairs[0];
-        let rounding = 4.0 * UNIT + PRODUCTS * moving.max(0.0);
-        let rest = self.rests[0];
-        self.rests[0] +=
-            ((1.0 + rest) * PAIR * by.rest + truncated(&pairs, &tails)) * GROW + PAIR * rounding;
-    }
-
-    fn fixed(&mut self, pose: &Pose) {
-        let [turn, shift] = open_fixed(pose);
-        let old = self.rotation;
-        let times = |v: [f64; 3]| -> Vector {
-            let v = v.map(f64x4::splat);
-            std::array::from_fn(|k| old[0][k] * v[0] + old[1][k] * v[1] + old[2][k] * v[2])
-        };
-        let length = pose.translation.length();
-        let sizes: f64 = old.iter().map(|v| size(&lengths(v))).sum();
-        if length > 0.0 {
-            let moved = times(pose.translation.to_array());
-            for (t, m) in self.translation.iter_mut().zip(moved) {
-                *t += m;
-            }
-            let rounding = 4.0 * UNIT * (sizes * length + size(&lengths(&self.translation)));
-            self.rests[1] += (self.rests[0] * length + shift) * GROW + rounding;
-        }
-        if pose.rotation != glam::DMat3::IDENTITY {
-            let turns = pose.rotation;
-            self.rotation = [0, 1, 2].map(|k| times(turns.col(k).to_array()));
-            if turn > 0.0 {
-                self.rests[0] += (1.0 + self.rests[0]) * turn * GROW + 8.0 * UNIT * sizes;
-            }
-        }
     }
 
     /// Trace of the rotation.
@@ -227,7 +138,7 @@ impl LoopModel {
         let [x, y, z] = [0, 1, 2].map(|k| entry(&self.rotation[k], k));
         let c: Polynomial = std::array::from_fn(|k| x[k] + y[k] + z[k]);
         Model {
-            rest: 2.0 * self.rests[0] + 4.0 * UNIT * size(&c) + 4.0 * UNIT,
+            rest: 2.0 * self.rests[0] + 4.0 * OPERATION * size(&c) + 4.0 * OPERATION,
             c,
         }
     }
@@ -264,7 +175,7 @@ impl LoopModel {
         let (first, second) = (entry(&self.rotation[b], c), entry(&self.rotation[c], b));
         let c: Polynomial = std::array::from_fn(|k| 0.5 * (first[k] - second[k]));
         Model {
-            rest: self.rests[0] * GROW + UNIT * size(&c),
+            rest: self.rests[0] * GROW + OPERATION * size(&c),
             c,
         }
     }
@@ -314,6 +225,78 @@ impl LoopModel {
             Model { c: sum, rest }.scaled(scale)
         });
         [turned[0], turned[1], turned[2], arm[0], arm[1], arm[2]]
+    }
+}
+
+impl Carried for LoopModel {
+    /// None where nothing is known of it.
+    type Argument = Option<ArgumentModel>;
+
+    fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
+        let Some(ArgumentModel { value: by, .. }) = by else {
+            self.rests = [f64::INFINITY; 2];
+            return;
+        };
+        let c = by.c.map(|c| c * sign);
+        let column = &self.rotation[axis];
+        add_product(&mut self.translation, column, &c);
+        let (lengths, sizes) = (lengths(column), c.map(f64::abs));
+        let (whole, tails) = (size(&lengths), tails(&sizes));
+        let rounding = PRODUCTS * (whole * tails[0] + size(&self::lengths(&self.translation)));
+        self.rests[1] +=
+            (self.rests[0] * tails[0] + by.rest + truncated(&lengths, &tails)) * GROW + rounding;
+    }
+
+    fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
+        let Some(ArgumentModel { turn: by, .. }) = by else {
+            self.rests = [f64::INFINITY; 2];
+            return;
+        };
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (x, y) = (self.rotation[b], self.rotation[c]);
+        let sin = by.sin.map(|v| v * sign);
+        let (mut first, mut second) = (ZERO, ZERO);
+        add_product(&mut first, &x, &by.cos);
+        add_product(&mut first, &y, &sin);
+        add_product(&mut second, &y, &by.cos);
+        add_product(&mut second, &x, &sin.map(|v| -v));
+        self.rotation[b] = first;
+        self.rotation[c] = second;
+        let pairs: Polynomial = std::array::from_fn(|k| (square(x[k]) + square(y[k])).sqrt());
+        let tails = tails(&by.sizes);
+        let moving = size(&pairs) * tails[0] - pairs[0];
+        let rounding = 4.0 * OPERATION + PRODUCTS * moving.max(0.0);
+        let rest = self.rests[0];
+        self.rests[0] +=
+            ((1.0 + rest) * PAIR * by.rest + truncated(&pairs, &tails)) * GROW + PAIR * rounding;
+    }
+
+    fn fix(&mut self, pose: &FixedPose) {
+        let error = pose.error;
+        let old = self.rotation;
+        let times = |v: [f64; 3]| -> Vector {
+            let v = v.map(f64x4::splat);
+            std::array::from_fn(|k| old[0][k] * v[0] + old[1][k] * v[1] + old[2][k] * v[2])
+        };
+        let length = pose.translation.length();
+        let sizes: f64 = old.iter().map(|v| size(&lengths(v))).sum();
+        if length > 0.0 {
+            let moved = times(pose.translation.to_array());
+            for (t, m) in self.translation.iter_mut().zip(moved) {
+                *t += m;
+            }
+            let rounding = 4.0 * OPERATION * (sizes * length + size(&lengths(&self.translation)));
+            self.rests[1] += (self.rests[0] * length + error.translation) * GROW + rounding;
+        }
+        if pose.rotation != glam::DMat3::IDENTITY {
+            let turns = pose.rotation;
+            self.rotation = [0, 1, 2].map(|k| times(turns.col(k).to_array()));
+            self.rests[0] += (1.0 + self.rests[0]) * error.rotation * GROW;
+            // Products with zeros and ones are exact.
+            if !turns.to_cols_array().into_iter().all(is_exact) {
+                self.rests[0] += 8.0 * OPERATION * sizes;
+            }
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The inputs over a stretch of time as series.
 
-use super::series::Series;
-use crate::model::drive::{Drive, Ease};
+use super::model::{Enclosure, TERMS};
+use crate::model::drive::Drive;
 use crate::numbers::interval::Interval;
 
 /// A stretch of time, from -1 to 1 in `s`.
@@ -31,55 +31,15 @@ impl Stretch {
         (Interval::point(time) - Interval::point(self.middle)) / Interval::point(self.half)
     }
 
-    /// The time as a series about s = 0, or about every place at once.
-    fn time(&self, everywhere: bool) -> Series {
-        let mut time = Series::constant(Interval::point(self.middle));
-        time.0[1] = Interval::point(self.half);
-        if everywhere {
-            time.0[0] = self.all;
-        }
-        time
-    }
-
-    /// An input over the stretch, which holds no keyframe inside.
-    pub fn input(&self, drive: &Drive, everywhere: bool) -> Series {
-        let time = self.time(everywhere);
-        match drive {
-            Drive::Formula(expression) => Series::of(expression, &[time]),
-            Drive::Keys {
-                times,
-                values,
-                ease,
-            } => {
-                let next = times.partition_point(|t| *t <= self.middle);
-                let value = |k: usize| Series::constant(Interval::decimal(values[k]));
-                if next == 0 || next == times.len() {
-                    return if values.is_empty() {
-                        Series::ZERO
-                    } else {
-                        value(next.saturating_sub(1))
-                    };
-                }
-                let from = Interval::point(times[next - 1]);
-                let length = Interval::point(times[next]) - from;
-                let progress = (time - Series::constant(from)).scale(Interval::ONE / length);
-                value(next - 1) + (value(next) - value(next - 1)) * eased(*ease, progress)
-            }
-        }
-    }
-}
-
-/// The progress of a value, as [`Ease::progress`] has it for numbers.
-fn eased(ease: Ease, s: Series) -> Series {
-    let number = |v: f64| Series::constant(Interval::point(v));
-    match ease {
-        Ease::Linear => s,
-        Ease::Smooth => s * s * (number(3.0) - s.scale(Interval::point(2.0))),
-        Ease::Smoother => {
-            let inner = s * (s.scale(Interval::point(6.0)) - number(15.0));
-            s * s * s * (number(10.0) + inner)
-        }
-        Ease::Step => Series::ZERO,
+    /// An input over the stretch, which holds no keyframe inside, as a series about s = 0, or about every place at once.
+    pub fn input(&self, drive: &Drive, everywhere: bool) -> Enclosure {
+        let start = if everywhere {
+            self.all
+        } else {
+            Interval::point(self.middle)
+        };
+        let time = Enclosure::linear(start, Interval::point(self.half), TERMS - 1);
+        drive.value_beside(time, self.middle)
     }
 }
 
@@ -101,9 +61,8 @@ pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
 mod tests {
     #![allow(clippy::panic)]
     use super::*;
-    use crate::kinematics::certificate::tube::series::TERMS;
+    use crate::model::drive::Ease;
     use crate::model::expression::{Expression, Function, Op};
-    use crate::numbers::series as taylor;
 
     /// t, then t + 1.3, and a function of both; `Floor` and `Mod` are smooth where the test looks.
     fn formula(function: Function) -> Expression {
@@ -154,15 +113,15 @@ mod tests {
             let (middle, everywhere) = (stretch.input(&drive, false), stretch.input(&drive, true));
             for share in [-1.0, -0.4, 0.0, 0.3, 1.0] {
                 let time = (stretch.middle + share * stretch.half).clamp(0.62, 0.64);
-                let numbers = taylor::drive(&drive, time, TERMS - 1);
+                let numbers = drive.series(time, TERMS - 1);
                 let mut scale = 1.0;
-                for (k, c) in numbers.coefficients().iter().enumerate() {
-                    let (c, all) = (c * scale, everywhere.0[k]);
+                for (k, c) in numbers.coefficients()[..TERMS].iter().enumerate() {
+                    let (c, all) = (c * scale, everywhere.coefficients()[k]);
                     let slack = 1e-13 * (1e-3 + c.abs());
                     let holds = all.lo <= c + slack && c <= all.hi + slack;
                     assert!(holds, "{drive:?}: {k} {c} {all:?}");
                     if share == 0.0 {
-                        let off = middle.0[k].distance(c);
+                        let off = middle.coefficients()[k].distance(c);
                         assert!(off <= 10.0 * slack, "{drive:?}: {k} {off:e}");
                     }
                     scale *= stretch.half;

@@ -1,13 +1,16 @@
 //! Arguments and equations over a stretch: dot products where they are affine, general formulas elsewhere.
 
-use super::gradient::{bounds, gradient};
 use super::model::Model;
 use super::path::Path;
-use super::series::Series;
 use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::of_decimal;
+use crate::numbers::series::Series;
+
+/// A formula to the second order along a line.
+type Bend = Series<Interval, 3>;
 
 /// An argument of a joint, or an equation.
 #[derive(Clone, Debug)]
@@ -52,8 +55,7 @@ impl<'m> Form<'m> {
         match self {
             Self::Formula(expression) => {
                 let [middle, everywhere] = path.series();
-                let of = |slots: &[Series]| Series::of(expression, slots);
-                Model::of(&of(middle), &of(everywhere))
+                Model::of(expression.value(middle), &expression.value(everywhere))
             }
             Self::Affine(affine) => Model::of_affine(affine, &path.coordinates),
         }
@@ -63,21 +65,17 @@ impl<'m> Form<'m> {
     pub fn derivatives(&self, path: &Path) -> Vec<Model> {
         match self {
             Self::Affine(affine) => {
-                let open = |c: f64| if c.fract() == 0.0 { 0.0 } else { f64::EPSILON };
                 let number = |c: f64| Model {
-                    rest: open(c) * c.abs(),
+                    rest: of_decimal(c),
                     ..Model::constant(c)
                 };
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
             Self::Formula(expression) => {
                 let [middle, everywhere] = path.series();
-                let (near, far) = (
-                    gradient(expression, middle),
-                    gradient(expression, everywhere),
-                );
+                let [near, far] = [middle, everywhere].map(|slots| expression.gradient(slots));
                 let slots = expression.slots();
-                let of = |slot: usize| Model::of(&near[slot], &far[slot]);
+                let of = |slot: usize| Model::of(near[slot], &far[slot]);
                 slots.into_iter().map(of).collect()
             }
         }
@@ -105,16 +103,74 @@ impl<'m> Form<'m> {
     /// All values in `place`.
     pub fn range(&self, place: &[Interval]) -> Interval {
         match self {
-            Self::Affine(affine) => {
-                let constant = Interval::decimal(affine.constant);
-                affine.terms.iter().fold(constant, |sum, (slot, c)| {
-                    sum + place[*slot] * Interval::decimal(*c)
-                })
-            }
-            Self::Formula(expression) => {
-                let still: Vec<Series> = place.iter().map(|i| Series::constant(*i)).collect();
-                Series::of(expression, &still).0[0]
-            }
+            Self::Affine(affine) => affine.value(place),
+            Self::Formula(expression) => expression.value(place),
+        }
+    }
+}
+
+/// Bounds of the first and second derivative of a formula in any direction whose entries are at most `rates`,
+/// anywhere in the box `place`.
+///
+/// The second bounds the bilinear form for two such directions: by polarisation that is at most twice its value for two
+/// equal ones.
+fn bounds(expression: &Expression, place: &[Interval], rates: &[f64]) -> [f64; 2] {
+    let lines = place.iter().zip(rates);
+    let lines = lines.map(|(x, rate)| Bend::linear(*x, Interval::around_zero(*rate), 2));
+    let value = expression.value(&lines.collect::<Vec<_>>());
+    let [_, first, second] = value.coefficients();
+    [first.magnitude(), 4.0 * second.magnitude()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::expression::{Function, Op};
+
+    /// f(x, y) with a slot on both sides of every operation that has two.
+    fn formulas() -> Vec<Expression> {
+        let mut list = Vec::new();
+        let slots = [Op::Slot(0), Op::Slot(1)];
+        let mut add = |op: Op| list.push(Expression::new([&slots[..], &[op]].concat()));
+        add(Op::Multiply(0, 1));
+        add(Op::Divide(0, 1));
+        add(Op::Power(0, 1));
+        add(Op::Subtract(0, 1));
+        add(Op::Negate(1));
+        for function in Function::ALL {
+            add(Op::Call(function, 0, 1));
+        }
+        list
+    }
+
+    #[test]
+    fn whole_powers_of_negative_bases_have_derivatives() {
+        for (exponent, exact) in [(2.0, -1.4), (3.0, 1.47), (-1.0, -1.0 / 0.49), (1.0, 1.0)] {
+            let ops = vec![Op::Slot(0), Op::Constant(exponent), Op::Power(0, 1)];
+            let base = Series::<Interval, 3>::constant(Interval::point(-0.7));
+            let found = Expression::new(ops).gradient(&[base])[0].coefficients()[0];
+            assert!(found.distance(exact) < 1e-14, "{exponent}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn bounds_of_derivatives_hold_those_of_f64() {
+        let (x, y) = (0.41, 0.73);
+        for expression in formulas() {
+            let exact = expression.gradient(&[x, y]);
+            // The bounds in a small box hold differences of gradients inside.
+            let (box_size, rates) = (1e-3, [1.0, 0.5]);
+            let place = [x, y].map(|v| Interval::point(v) + Interval::around_zero(box_size));
+            let [first, second] = bounds(&expression, &place, &rates);
+            let beside = expression.gradient(&[x + box_size, y - 0.5 * box_size]);
+            let slope = |g: [f64; 2]| g[0].abs() * rates[0] + g[1].abs() * rates[1];
+            let here = slope([exact[0], exact[1]]);
+            assert!(here <= first * (1.0 + 1e-12), "{expression:?}");
+            let change = [beside[0] - exact[0], beside[1] - exact[1]];
+            assert!(
+                slope(change) <= second * box_size * (1.0 + 1e-9) + 1e-15,
+                "{expression:?}: {change:?} {second}"
+            );
         }
     }
 }

@@ -10,13 +10,11 @@ mod blocks;
 mod chain;
 mod drive;
 mod form;
-mod gradient;
 mod model;
 mod path;
 mod proof;
 mod prover;
 mod rows;
-mod series;
 
 use crate::kinematics::results::certificate::{IntervalCertificate, Reason};
 use crate::kinematics::results::trajectory::Trajectory;

@@ -3,16 +3,20 @@
 //! Sums and products act on the polynomials; what they round or truncate is added to the bound. Coefficients are numbers,
 //! not intervals, so that a product costs its multiplications only.
 
-use super::series::{Series, TERMS};
 use crate::math::sin_cos;
 use crate::model::expression::Affine;
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::{GROW, OPERATION, of_decimal};
 
-/// Unit roundoff, doubled: covers one operation and the rounding of its own bound.
-const UNIT: f64 = f64::EPSILON;
+use crate::numbers::series::Series;
 
-/// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
-pub const GROW: f64 = 1.0 + 1e-12;
+/// Coefficients of a polynomial in s.
+pub const TERMS: usize = 8;
+
+/// A function of s as a series of intervals whose last coefficient is taken over the whole stretch (Lagrange's
+/// remainder). Two passes give that: one with the coefficients at s = 0, one with those at every place of the stretch at
+/// once.
+pub type Enclosure = Series<Interval, TERMS>;
 
 /// Operations that the coefficients of a sine take after each other, at most, each with its rounding.
 const SINE_STEPS: f64 = 48.0;
@@ -87,10 +91,11 @@ impl Model {
     }
 
     /// From the series about the middle and the one about every place at once.
-    pub fn of(middle: &Series, everywhere: &Series) -> Self {
+    pub fn of(middle: Enclosure, everywhere: &Enclosure) -> Self {
         let series = middle.with_remainder_of(everywhere);
-        let c = series.0.map(Interval::middle);
-        let wide = series.0.iter().zip(c).map(|(i, c)| i.distance(c));
+        let c = series.coefficients().map(Interval::middle);
+        let wide = series.coefficients().iter().zip(c);
+        let wide = wide.map(|(i, c)| i.distance(c));
         Self {
             c,
             rest: wide.sum::<f64>() * GROW,
@@ -100,22 +105,20 @@ impl Model {
     /// An affine form of coordinates.
     pub fn of_affine(form: &Affine, coordinates: &[Self]) -> Self {
         let mut sum = Self::constant(form.constant);
-        // A number of the scene that is not whole is known to a unit in the last place.
-        let open = |v: f64| if v.fract() == 0.0 { 0.0 } else { UNIT };
-        sum.rest = open(form.constant) * form.constant.abs();
+        sum.rest = of_decimal(form.constant);
         let mut all = form.constant.abs();
         for &(slot, c) in &form.terms {
             let x = &coordinates[slot];
             for (sum, x) in sum.c.iter_mut().zip(&x.c) {
                 *sum += c * x;
             }
-            let size = c.abs() * size(&x.c);
-            all += size;
-            sum.rest += c.abs() * x.rest * GROW + open(c) * size;
+            let size = size(&x.c);
+            all += c.abs() * size;
+            sum.rest += c.abs() * x.rest * GROW + of_decimal(c) * size;
         }
         let is_plain = form.constant == 0.0 && matches!(form.terms[..], [(_, c)] if c.abs() == 1.0);
         if !is_plain {
-            sum.rest += (form.terms.len() + 1) as f64 * UNIT * all;
+            sum.rest += (form.terms.len() + 1) as f64 * OPERATION * all;
         }
         sum
     }
@@ -139,7 +142,7 @@ impl Model {
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             c: self.c.map(|c| c * factor),
-            rest: factor.abs() * (self.rest + UNIT * size(&self.c)),
+            rest: factor.abs() * (self.rest + OPERATION * size(&self.c)),
         }
     }
 
@@ -147,7 +150,7 @@ impl Model {
     pub fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
         sum.c.iter_mut().zip(&other.c).for_each(|(a, b)| *a += b);
-        sum.rest += other.rest + UNIT * size(&sum.c);
+        sum.rest += other.rest + OPERATION * size(&sum.c);
         sum
     }
 
@@ -160,7 +163,7 @@ impl Model {
             rest: truncated(&a, &tails)
                 + self.rest * (tails[0] + other.rest)
                 + whole * other.rest
-                + (TERMS + 1) as f64 * UNIT * whole * tails[0],
+                + (TERMS + 1) as f64 * OPERATION * whole * tails[0],
         }
     }
 
@@ -197,7 +200,7 @@ impl Model {
         let c = self.about(s, half);
         let rest: f64 = c[3..].iter().map(|c| c.abs()).sum();
         // The shift takes two operations a step on numbers no larger than the sizes of the coefficients.
-        let rounding = (2 * TERMS * TERMS) as f64 * UNIT * size(&self.c);
+        let rounding = (2 * TERMS * TERMS) as f64 * OPERATION * size(&self.c);
         Around {
             value: c[0],
             way: c[1],
@@ -249,7 +252,7 @@ impl Turn {
         }
         let growth = libm::expm1(a[1..].iter().map(|a| a.abs()).sum());
         let known: f64 = major[1..].iter().sum();
-        let rounding = 1.5 * UNIT + SINE_STEPS * UNIT * growth;
+        let rounding = 1.5 * OPERATION + SINE_STEPS * OPERATION * growth;
         Self {
             sin,
             cos,

@@ -1,10 +1,10 @@
 //! The curve that a tube is laid around: polynomials in the unknowns, the drive itself in the inputs.
 
 use super::drive::Stretch;
-use super::model::{Model, Polynomial};
-use super::series::Series;
+use super::model::{Enclosure, Model, Polynomial};
 use crate::model::actuation::Actuation;
 use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
 use std::cell::OnceCell;
 
 /// Coordinates (unknowns, then inputs) over a stretch of time.
@@ -14,16 +14,16 @@ pub struct Path {
     /// The unknowns' are polynomials and nothing else.
     pub coordinates: Vec<Model>,
     /// The inputs about the middle and about every place at once, as intervals.
-    inputs: [Vec<Series>; 2],
+    inputs: [Vec<Enclosure>; 2],
     /// The same of all coordinates, once a formula asks for it.
-    series: OnceCell<[Vec<Series>; 2]>,
+    series: OnceCell<[Vec<Enclosure>; 2]>,
 }
 
 /// The inputs of a mechanism over a stretch.
 pub struct InputPath {
     stretch: Stretch,
     /// About the middle, about every place at once.
-    inputs: [Vec<Series>; 2],
+    inputs: [Vec<Enclosure>; 2],
 }
 
 impl InputPath {
@@ -41,7 +41,10 @@ impl InputPath {
 
     /// Whether every drive is bounded over the stretch.
     pub fn is_finite(&self) -> bool {
-        self.inputs.iter().flatten().all(Series::is_finite)
+        self.inputs
+            .iter()
+            .flatten()
+            .all(|series| series.is_finite())
     }
 
     /// Widens input `k` until its value at `time` holds `value`; returns by how much.
@@ -51,7 +54,7 @@ impl InputPath {
         let off = (value - here.hi).max(below) * (1.0 + 1e-12);
         let play = Interval::around_zero(off);
         for series in &mut self.inputs {
-            series[k].0[0] = series[k].0[0] + play;
+            series[k] = series[k] + Enclosure::constant(play);
         }
         off
     }
@@ -68,7 +71,7 @@ impl InputPath {
         let curves = unknowns.into_iter().map(|c| Model { c, rest: 0.0 });
         let [middle, everywhere] = &self.inputs;
         let inputs = middle.iter().zip(everywhere);
-        let inputs = inputs.map(|(near, far)| Model::of(near, far));
+        let inputs = inputs.map(|(near, far)| Model::of(*near, far));
         Path {
             stretch: self.stretch,
             coordinates: curves.chain(inputs).collect(),
@@ -82,8 +85,8 @@ impl Path {
     /// A pose that stands still.
     pub fn still(unknowns: usize, coordinates: &[f64]) -> Self {
         let points = coordinates[unknowns..].iter();
-        let inputs: Vec<Series> = points
-            .map(|q| Series::constant(Interval::point(*q)))
+        let inputs: Vec<Enclosure> = points
+            .map(|q| Enclosure::constant(Interval::point(*q)))
             .collect();
         Self {
             stretch: Stretch::new(0.0, 0.0),
@@ -116,15 +119,15 @@ impl Path {
     }
 
     /// All coordinates about the middle and about every place at once, as intervals.
-    pub fn series(&self) -> &[Vec<Series>; 2] {
+    pub fn series(&self) -> &[Vec<Enclosure>; 2] {
         self.series.get_or_init(|| {
             let count = self.coordinates.len() - self.inputs[0].len();
             let unknowns = &self.coordinates[..count];
-            let near: Vec<Series> = unknowns
+            let near: Vec<Enclosure> = unknowns
                 .iter()
-                .map(|x| Series(x.c.map(Interval::point)))
+                .map(|x| Enclosure::from(x.c.map(Interval::point)))
                 .collect();
-            let far = near.iter().map(Series::over_the_stretch).collect();
+            let far = near.iter().map(|x| x.over_the_stretch()).collect();
             let [mut middle, mut everywhere] = [near, far];
             middle.extend_from_slice(&self.inputs[0]);
             everywhere.extend_from_slice(&self.inputs[1]);

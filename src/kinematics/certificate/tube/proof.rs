@@ -5,15 +5,15 @@
 //! cancels along the path cancels in the bound. The path itself is made by Newton's method on polynomials.
 
 use super::form::Form;
-use super::model::{GROW, Polynomial, size};
+use super::model::{Polynomial, TERMS, size};
 use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
-use super::series::TERMS;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};
+use crate::numbers::rounding::{GROW, OPERATION};
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
 const LEAST_TRACE: f64 = 1e-6;
@@ -152,7 +152,7 @@ impl Workspace {
     fn lay_out(&mut self, basis: &[usize], width: usize) {
         let n = self.n;
         self.stride = groups(width);
-        let products = (3 * n + 8) as f64 * f64::EPSILON;
+        let products = (3 * n + 8) as f64 * OPERATION;
         self.stacked.clear();
         for matrix in self.rows.jacobian.iter().rev() {
             for row in basis {

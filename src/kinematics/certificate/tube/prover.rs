@@ -3,9 +3,8 @@
 use super::blocks::Blocks;
 use super::drive::{Stretch, keys_between};
 use super::form::Form;
-use super::model::{Model, Polynomial};
+use super::model::{Model, Polynomial, TERMS};
 use super::path::{InputPath, Path};
-use super::series::TERMS;
 use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
 };

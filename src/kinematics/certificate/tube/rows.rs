@@ -2,15 +2,15 @@
 
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Change, Form};
-use super::model::{GROW, Model};
+use super::model::{Model, TERMS};
 use super::path::Path;
-use super::series::TERMS;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::loop_part::LoopPart;
 use crate::linalg::lanes::LaneMatrix;
 use crate::model::mechanism::{Closes, Mechanism};
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::{GROW, OPERATION};
 
 /// Coefficients of the Jacobian that are kept: the inverse follows it as far, and what is of higher order is small
 /// enough in the bound.
@@ -205,7 +205,7 @@ impl<'m> Layout<'m> {
             }
             // Sums of a few entries in one place round by less than each of them once.
             let size: f64 = entry.c.iter().map(|c| c.abs()).sum();
-            *rows.rest.at_mut(row, *column) += entry.rest * GROW + 8.0 * f64::EPSILON * size;
+            *rows.rest.at_mut(row, *column) += entry.rest * GROW + 8.0 * OPERATION * size;
         }
     }
 

@@ -6,12 +6,14 @@ use super::super::super::formula::compile::{compile, constant};
 use super::super::super::formula::expression::Node;
 use super::super::joints::Joints;
 use super::super::names::Names;
-use super::super::symbolic::{Drafted, Formulas, Term, Vector};
+use super::super::symbolic::{Drafted, Formulas, Term, cross, difference, dot};
 use super::chains::{Closure, ParsedContact};
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Closes, Equation, Kind, Loop};
+use crate::model::walk::{Vector, sum};
+use crate::numbers::scalar::Ring;
 
 /// What contacts add to the mechanism.
 #[derive(Default)]
@@ -85,12 +87,10 @@ impl Contacts {
             Closure::Frame(factors) => (factors, Closes::Frame),
             Closure::Point(factors) => (factors, Closes::Point),
             Closure::Distance => {
-                let mut formulas = Formulas::new(&joints.arguments);
-                let [a, b] = frames.map(|chain| formulas.walk(chain).origin);
-                let apart = formulas.difference(b, a);
-                let distance = formulas.length(apart);
-                let radii = sum_of_radii(&mut formulas, contact, names);
-                let gap = formulas.subtract(distance, radii);
+                let formulas = Formulas::default();
+                let [a, b] = frames.map(|c| formulas.walk(c, &joints.arguments).0.origin);
+                let distance = formulas.length(difference(b, a));
+                let gap = distance - sum_of_radii(&formulas, contact, names);
                 self.equations.push(Equation {
                     name,
                     expression: formulas.expression(gap),
@@ -118,22 +118,21 @@ impl Contacts {
         frame: Option<&Chain>,
         [first, second]: [&Chain; 2],
     ) {
-        let mut formulas = Formulas::new(arguments);
+        let formulas = Formulas::default();
         let (point, normal) = match frame {
             Some(chain) => {
-                let frame = formulas.walk(chain);
+                let (frame, _) = formulas.walk(chain, arguments);
                 (frame.origin, frame.axes[0])
             }
             None => {
-                let [a, b] = [first, second].map(|chain| formulas.walk(chain).origin);
-                let apart = formulas.difference(b, a);
+                let [a, b] = [first, second].map(|c| formulas.walk(c, arguments).0.origin);
+                let apart = difference(b, a);
                 let distance = formulas.length(apart);
-                let normal = apart.map(|component| formulas.divide(component, distance));
+                let normal = apart.map(|component| component / distance);
                 let radius = sizes_of(contact).next();
-                let radius = radius.map(|node| size(&mut formulas, node, names));
+                let radius = radius.map(|node| size(&formulas, node, names));
                 let radius = radius.unwrap_or(Term::Constant(0.0));
-                let out = normal.map(|component| formulas.multiply(component, radius));
-                (formulas.sum(a, out), normal)
+                (sum(a, normal.map(|c| c * radius)), normal)
             }
         };
         let name = &contact.name.value;
@@ -147,7 +146,7 @@ impl Contacts {
                     .push((full, kind, Ok(formulas.expression(term))));
             }
         }
-        let angle = pressure_angle(&mut formulas, names, second, point, normal);
+        let angle = pressure_angle(&formulas, names, (second, arguments), point, normal);
         self.scalars
             .push((format!("{name}.pressure_angle"), Kind::Angle, angle));
     }
@@ -155,14 +154,14 @@ impl Contacts {
 
 /// The angle between the normal and the velocity that the contact point has as a point of the second body, in 0..90
 /// degrees. The velocity's direction is known where one joint alone moves that body.
-fn pressure_angle(
-    formulas: &mut Formulas,
+fn pressure_angle<'l>(
+    formulas: &'l Formulas,
     names: &Names,
-    second: &Chain,
-    point: Vector,
-    normal: Vector,
+    (second, arguments): (&Chain, &[Argument]),
+    point: Vector<Term<'l>>,
+    normal: Vector<Term<'l>>,
 ) -> Result<Expression, String> {
-    let frame = formulas.walk(second);
+    let (_, joints) = formulas.walk(second, arguments);
     let mut slots: Vec<usize> = Vec::new();
     let mut velocity = [Term::Constant(0.0); 3];
     for Drafted {
@@ -170,9 +169,9 @@ fn pressure_angle(
         axis,
         origin,
         argument,
-    } in frame.joints
+    } in joints
     {
-        let Argument::Affine(affine) = formulas.argument(argument) else {
+        let Argument::Affine(affine) = &arguments[argument] else {
             return Err("a formula drives the second body".to_owned());
         };
         // What a study varies rests along the motion.
@@ -181,13 +180,9 @@ fn pressure_angle(
             slots.push(slot);
             let share = match motion {
                 Motion::Translation => axis,
-                Motion::Rotation => {
-                    let arm = formulas.difference(point, origin);
-                    formulas.cross(axis, arm)
-                }
+                Motion::Rotation => cross(axis, difference(point, origin)),
             };
-            let share = share.map(|c| formulas.multiply(c, Term::Constant(coefficient)));
-            velocity = formulas.sum(velocity, share);
+            velocity = sum(velocity, share.map(|c| c.scale(coefficient)));
         }
     }
     slots.sort_unstable();
@@ -198,10 +193,8 @@ fn pressure_angle(
             slots.len()
         ));
     }
-    let across = formulas.cross(normal, velocity);
-    let across = formulas.length(across);
-    let along = formulas.dot(normal, velocity);
-    Ok(formulas.angle_of(across, along))
+    let across = formulas.length(cross(normal, velocity));
+    Ok(formulas.angle_of(across, dot(normal, velocity)))
 }
 
 /// Sizes must be constants, positive but for the radius of a sphere, which may be zero.
@@ -251,13 +244,9 @@ fn radii(contact: &ParsedContact, names: &Names) -> f64 {
 }
 
 /// The same as a formula: a study may vary them.
-fn sum_of_radii(formulas: &mut Formulas, contact: &ParsedContact, names: &Names) -> Term {
-    let mut sum = Term::Constant(0.0);
-    for node in sizes_of(contact) {
-        let radius = size(formulas, node, names);
-        sum = formulas.add(sum, radius);
-    }
-    sum
+fn sum_of_radii<'l>(formulas: &'l Formulas, contact: &ParsedContact, names: &Names) -> Term<'l> {
+    let radii = sizes_of(contact).map(|node| size(formulas, node, names));
+    radii.fold(Term::Constant(0.0), |sum, radius| sum + radius)
 }
 
 /// The sizes of both surfaces.
@@ -267,7 +256,7 @@ fn sizes_of(contact: &ParsedContact) -> impl Iterator<Item = &Node> {
 }
 
 /// A size that is known to be sound, as a formula.
-fn size(formulas: &mut Formulas, node: &Node, names: &Names) -> Term {
+fn size<'l>(formulas: &'l Formulas, node: &Node, names: &Names) -> Term<'l> {
     match compile(node, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => formulas.inline(&expression),
         Err(_) => Term::Constant(value(node, names)),

@@ -1,0 +1,138 @@
+//! Numbered jobs shared among threads. Results come back in the order of their numbers, whichever thread did them, so
+//! that nothing depends on how many there are.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// How often somebody who watches is told.
+const WATCH: Duration = Duration::from_millis(50);
+
+/// Number of threads that the machine runs at once.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Jobs with the numbers below `count`, done by up to `threads` threads, each with a tool of its own from `make`. A thread
+/// whose `work` returns `None` does no more of them. The results with their numbers, ascending.
+///
+/// Where the system starts fewer threads than were asked for, those do all the work; the calling one always takes part.
+pub fn share<W, T: Send>(
+    count: usize,
+    threads: usize,
+    make: impl Fn() -> W + Sync,
+    work: impl Fn(&mut W, usize) -> Option<T> + Sync,
+) -> Vec<(usize, T)> {
+    let jobs = Jobs::new(count, &make, &work);
+    std::thread::scope(|scope| {
+        for _ in 1..threads.min(count) {
+            let started = std::thread::Builder::new().spawn_scoped(scope, || jobs.run());
+            if started.is_err() {
+                break;
+            }
+        }
+        jobs.run();
+    });
+    jobs.results()
+}
+
+/// The same while the calling thread tells `watch` how many jobs are done.
+pub fn share_watched<W, T: Send>(
+    count: usize,
+    threads: usize,
+    make: impl Fn() -> W + Sync,
+    work: impl Fn(&mut W, usize) -> Option<T> + Sync,
+    watch: &dyn Fn(usize),
+) -> Vec<(usize, T)> {
+    let jobs = Jobs::new(count, &make, &work);
+    std::thread::scope(|scope| {
+        let mut workers = Vec::new();
+        for _ in 0..threads.clamp(1, count.max(1)) {
+            match std::thread::Builder::new().spawn_scoped(scope, || jobs.run()) {
+                Ok(worker) => workers.push(worker),
+                Err(_) => break,
+            }
+        }
+        if workers.is_empty() {
+            jobs.run();
+        }
+        while !workers.iter().all(|worker| worker.is_finished()) {
+            std::thread::sleep(WATCH);
+            watch(jobs.done.load(Ordering::Relaxed));
+        }
+    });
+    jobs.results()
+}
+
+struct Jobs<'f, W, T> {
+    count: usize,
+    make: &'f (dyn Fn() -> W + Sync),
+    work: &'f (dyn Fn(&mut W, usize) -> Option<T> + Sync),
+    next: AtomicUsize,
+    done: AtomicUsize,
+    found: Mutex<Vec<(usize, T)>>,
+}
+
+impl<'f, W, T: Send> Jobs<'f, W, T> {
+    fn new(
+        count: usize,
+        make: &'f (dyn Fn() -> W + Sync),
+        work: &'f (dyn Fn(&mut W, usize) -> Option<T> + Sync),
+    ) -> Self {
+        Self {
+            count,
+            make,
+            work,
+            next: AtomicUsize::new(0),
+            done: AtomicUsize::new(0),
+            found: Mutex::new(Vec::new()),
+        }
+    }
+
+    fn run(&self) {
+        let mut tool = (self.make)();
+        let mut own = Vec::new();
+        loop {
+            let index = self.next.fetch_add(1, Ordering::Relaxed);
+            if index >= self.count {
+                break;
+            }
+            let Some(result) = (self.work)(&mut tool, index) else {
+                break;
+            };
+            own.push((index, result));
+            self.done.fetch_add(1, Ordering::Relaxed);
+        }
+        let mut found = self.found.lock().unwrap_or_else(|e| e.into_inner());
+        found.append(&mut own);
+    }
+
+    fn results(self) -> Vec<(usize, T)> {
+        let mut found = self.found.into_inner().unwrap_or_else(|e| e.into_inner());
+        found.sort_by_key(|(index, _)| *index);
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_job_is_done_once_and_in_order() {
+        for threads in [0, 1, 3, 50] {
+            let squares = share(20, threads, || 0, |_, k| Some(k * k));
+            assert_eq!(squares, (0..20).map(|k| (k, k * k)).collect::<Vec<_>>());
+            let watched = share_watched(20, threads, || (), |_, k| Some(k * k), &|_| ());
+            assert_eq!(watched, squares);
+            assert!(share(0, threads, || (), |_, k| Some(k)).is_empty());
+        }
+    }
+
+    /// Whoever meets the end stops; what was done before stays.
+    #[test]
+    fn work_ends_early() {
+        let found = share(1000, 1, || 0, |_, k| (k < 7).then_some(k));
+        assert_eq!(found.len(), 7);
+    }
+}

@@ -1,0 +1,199 @@
+//! Constant poses of chains, and how far each is from the one that was meant.
+//!
+//! A run of constant factors is folded to one pose while a scene is resolved, in plain f64. No constant bounds the error of
+//! that, since a run may have thousands of factors. So every pose carries its own bound: what its numbers leave open,
+//! and what each product rounded, which is measured with two f64 a number.
+
+use crate::math::Pose;
+use crate::numbers::double_double::DoubleDouble;
+use crate::numbers::rounding::{CONSTANT_ANGLE, DECIMAL, GROW, SIN_COS, is_exact, of_decimal};
+use crate::numbers::sin_cos::sin_cos;
+use glam::{DMat3, DVec3};
+use std::f64::consts::SQRT_2;
+use std::ops::{Deref, Mul};
+
+/// Bounds of the difference between a stored pose and the one meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PoseError {
+    /// Of the rotation: the root of the sum of the squares of its nine entries. It turns nothing by a larger angle.
+    pub rotation: f64,
+    /// Of the translation: length.
+    pub translation: f64,
+}
+
+/// A constant pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedPose {
+    /// As it is computed with.
+    pub pose: Pose,
+    /// How far it may be from the one meant.
+    pub error: PoseError,
+}
+
+impl FixedPose {
+    /// A pose that is exactly the one meant.
+    pub fn exact(pose: Pose) -> Self {
+        Self {
+            pose,
+            error: PoseError::default(),
+        }
+    }
+
+    /// Along a coordinate axis by a length of the scene.
+    pub fn translation(axis: usize, length: f64) -> Self {
+        let error = PoseError {
+            rotation: 0.0,
+            translation: of_decimal(length),
+        };
+        Self {
+            pose: Pose::from_translation(DVec3::AXES[axis] * length),
+            error,
+        }
+    }
+
+    /// About a coordinate axis by an angle in radians.
+    ///
+    /// Turning by d more changes the matrix by 2√2 sin(d/2) ≤ √2 d. Its four entries are compared with a sine and a cosine
+    /// of 20 digits.
+    pub fn rotation(axis: usize, angle: f64) -> Self {
+        let pose = Pose::from_axis_rotation(axis, angle);
+        let own = pose.rotation.col((axis + 1) % 3);
+        let (cos, sin) = (own[(axis + 1) % 3], own[(axis + 2) % 3]);
+        let mut rotation = 0.0;
+        if angle != 0.0 {
+            let (exact_sin, exact_cos) = sin_cos(DoubleDouble::from(angle));
+            let off = [(exact_sin, sin), (exact_cos, cos)]
+                .map(|(exact, stored)| (exact.value() - DoubleDouble::from(stored)).hi);
+            let rounded = SQRT_2 * (off[0].hypot(off[1]) + 2.0 * SIN_COS);
+            rotation = (SQRT_2 * CONSTANT_ANGLE * angle.abs() + rounded) * GROW;
+        }
+        // Angles too large to be reduced are known by no digit.
+        let rotation = if rotation.is_nan() {
+            2.0 * SQRT_2
+        } else {
+            rotation
+        };
+        let error = PoseError {
+            rotation,
+            translation: 0.0,
+        };
+        Self { pose, error }
+    }
+
+    /// The rotation that takes the z axis to a direction of the scene, not zero. Which one is free, so that the stored
+    /// matrix M is compared with the nearest that has the exact direction.
+    ///
+    /// The nearest rotation Q is within g = |MᵀM - I| of M, and so is its axis, which is within a of the direction by M's
+    /// own; turning Q by g + a makes it exact.
+    pub fn z_axis(direction: DVec3) -> Self {
+        let pose = Pose::from_z_axis(direction);
+        let m = pose.rotation;
+        if m.to_cols_array().into_iter().all(is_exact)
+            && direction.to_array().into_iter().all(is_exact)
+        {
+            return Self::exact(pose);
+        }
+        let columns = [m.x_axis, m.y_axis, m.z_axis];
+        let mut squares = 0.0;
+        for (i, a) in columns.iter().enumerate() {
+            for (j, b) in columns.iter().enumerate() {
+                let product = dot(*a, *b) - DoubleDouble::from(f64::from(i == j));
+                squares += product.hi * product.hi;
+            }
+        }
+        let defect = squares.sqrt();
+        // Components that are open by a share turn the direction by no more than that.
+        let (z, u) = (m.z_axis, direction / direction.abs().max_element());
+        let off = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
+            let product = DoubleDouble::product(z[i], u[j]) - DoubleDouble::product(z[j], u[i]);
+            product.hi
+        });
+        let tilt = DVec3::from_array(off).length() / u.length() + 2.0 * DECIMAL;
+        let error = PoseError {
+            rotation: (defect + SQRT_2 * (defect + tilt)) * GROW,
+            translation: 0.0,
+        };
+        Self { pose, error }
+    }
+
+    /// The inverse motion.
+    pub fn inverse(&self) -> Self {
+        let pose = self.pose.inverse();
+        let back = pose.rotation;
+        let rounded = rounded(&back, self.pose.translation, DVec3::ZERO, -pose.translation);
+        let PoseError {
+            rotation,
+            translation,
+        } = self.error;
+        let error = PoseError {
+            rotation,
+            translation: (rotation * self.pose.translation.length() + translation + rounded) * GROW,
+        };
+        Self { pose, error }
+    }
+}
+
+/// a · b with 31 digits.
+fn dot(a: DVec3, b: DVec3) -> DoubleDouble {
+    let [x, y, z] = [0, 1, 2].map(|k| DoubleDouble::product(a[k], b[k]));
+    x + y + z
+}
+
+/// By how much `stored` differs from `matrix v + shift`.
+fn rounded(matrix: &DMat3, v: DVec3, shift: DVec3, stored: DVec3) -> f64 {
+    let rows = matrix.transpose();
+    let off = [0, 1, 2].map(|k| {
+        let exact = dot(rows.col(k), v) + DoubleDouble::from(shift[k]);
+        (exact - DoubleDouble::from(stored[k])).hi
+    });
+    DVec3::from_array(off).length()
+}
+
+/// The product: |AB - A*B*| ≤ |A - A*| |B| + |A*| |B - B*| where |A*| = 1, and what is rounded comes to it.
+impl Mul for FixedPose {
+    type Output = Self;
+    fn mul(self, right: Self) -> Self {
+        let pose = self.pose * right.pose;
+        let (a, b) = (self.pose, right.pose);
+        let columns = [0, 1, 2].map(|k| {
+            let column = pose.rotation.col(k);
+            rounded(&a.rotation, b.rotation.col(k), DVec3::ZERO, column)
+        });
+        let moved = rounded(&a.rotation, b.translation, a.translation, pose.translation);
+        let open = self.error.rotation * b.translation.length();
+        let error = PoseError {
+            rotation: self.error.rotation * (1.0 + right.error.rotation)
+                + right.error.rotation
+                + DVec3::from_array(columns).length(),
+            translation: self.error.translation + right.error.translation + open + moved,
+        };
+        let error = PoseError {
+            rotation: error.rotation * GROW,
+            translation: error.translation * GROW,
+        };
+        Self { pose, error }
+    }
+}
+
+impl Mul<FixedPose> for Pose {
+    type Output = Self;
+    #[inline]
+    fn mul(self, right: FixedPose) -> Self {
+        self * right.pose
+    }
+}
+
+impl From<Pose> for FixedPose {
+    fn from(pose: Pose) -> Self {
+        Self::exact(pose)
+    }
+}
+
+/// What can be asked of a pose can be asked of a constant one.
+impl Deref for FixedPose {
+    type Target = Pose;
+    #[inline]
+    fn deref(&self) -> &Pose {
+        &self.pose
+    }
+}

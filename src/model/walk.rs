@@ -1,0 +1,213 @@
+//! The product of a chain, step by step, in any arithmetic: poses, series, derivatives, formulas, enclosures.
+//!
+//! Two products are written out apart from this one, because they are hot or exact: `kinematics/loops/joint_lanes` (four
+//! joints at once) and `kinematics/certificate/pose/product` (two f64 a number). Tests hold them against this one.
+
+use super::chain::{ArgumentValue, Joint, Motion, Step};
+use super::fixed::FixedPose;
+use crate::math::Pose;
+use crate::numbers::scalar::Ring;
+use glam::{DMat3, DVec3};
+
+/// What is carried along a chain: a frame, in some arithmetic, that every step moves by its own axes.
+pub trait Carried {
+    /// Value of a joint in this arithmetic.
+    type Argument;
+
+    /// Moves the frame by a constant pose.
+    fn fix(&mut self, fixed: &FixedPose);
+
+    /// Moves the frame along its own axis.
+    fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument);
+
+    /// Turns the frame about its own axis.
+    fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument);
+}
+
+/// Carries `frame` along the steps. `meet` sees every joint before it moves the frame, and the frame there.
+#[inline]
+pub fn walk<F: Carried>(
+    steps: &[Step],
+    frame: &mut F,
+    arguments: &[F::Argument],
+    mut meet: impl FnMut(&F, Joint),
+) {
+    for step in steps {
+        if let Some(joint) = step.joint() {
+            meet(frame, joint);
+        }
+        step.advance(frame, arguments);
+    }
+}
+
+impl Step {
+    /// Moves the frame by this step.
+    #[inline]
+    pub fn advance<F: Carried>(&self, frame: &mut F, arguments: &[F::Argument]) {
+        match *self {
+            Self::Fixed(pose) => frame.fix(&pose),
+            Self::Joint {
+                motion,
+                axis,
+                argument,
+                sign,
+            } => match motion {
+                Motion::Translation => frame.shift(axis, sign, &arguments[argument]),
+                Motion::Rotation => frame.turn(axis, sign, &arguments[argument]),
+            },
+        }
+    }
+}
+
+impl Carried for Pose {
+    type Argument = ArgumentValue;
+
+    #[inline]
+    fn fix(&mut self, fixed: &FixedPose) {
+        *self = *self * *fixed;
+    }
+
+    #[inline]
+    fn shift(&mut self, axis: usize, sign: f64, by: &ArgumentValue) {
+        self.translation += self.rotation.col(axis) * (sign * by.value);
+    }
+
+    /// Only two columns change.
+    #[inline]
+    fn turn(&mut self, axis: usize, sign: f64, by: &ArgumentValue) {
+        let r = &mut self.rotation;
+        let (sin, cos) = (sign * by.sin, by.cos);
+        let turn = |a: DVec3, b: DVec3| (a * cos + b * sin, b * cos - a * sin);
+        match axis {
+            0 => (r.y_axis, r.z_axis) = turn(r.y_axis, r.z_axis),
+            1 => (r.z_axis, r.x_axis) = turn(r.z_axis, r.x_axis),
+            _ => (r.x_axis, r.y_axis) = turn(r.x_axis, r.y_axis),
+        }
+    }
+}
+
+/// Three numbers.
+pub type Vector<S> = [S; 3];
+
+/// A pose whose entries are numbers of any kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<S> {
+    /// The frame's axes in the base frame.
+    pub axes: [Vector<S>; 3],
+    /// Its origin.
+    pub origin: Vector<S>,
+}
+
+impl<S: Ring> Frame<S> {
+    /// Where every chain begins.
+    pub fn identity() -> Self {
+        let unit = |k: usize| [0, 1, 2].map(|i| S::number(if i == k { 1.0 } else { 0.0 }));
+        Self {
+            axes: [0, 1, 2].map(unit),
+            origin: [S::number(0.0); 3],
+        }
+    }
+
+    /// The frame at the end of a chain.
+    pub fn at_end_of(steps: &[Step], arguments: &[ArgumentValue<S>]) -> Self {
+        let mut frame = Self::identity();
+        walk(steps, &mut frame, arguments, |_, _| {});
+        frame
+    }
+
+    /// The frame of one part of every number.
+    pub fn map<T>(self, part: impl Fn(S) -> T + Copy) -> Frame<T> {
+        Frame {
+            axes: self.axes.map(|axis| axis.map(part)),
+            origin: self.origin.map(part),
+        }
+    }
+
+    /// A direction of the frame in the base frame.
+    pub fn direction(&self, v: [f64; 3]) -> Vector<S> {
+        let [x, y, z] = &self.axes;
+        [0, 1, 2].map(|k| x[k].scale(v[0]) + y[k].scale(v[1]) + z[k].scale(v[2]))
+    }
+
+    /// A point of the frame in the base frame.
+    pub fn point(&self, v: [f64; 3]) -> Vector<S> {
+        sum(self.direction(v), self.origin)
+    }
+}
+
+/// a + b
+pub fn sum<S: Ring>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [0, 1, 2].map(|k| a[k] + b[k])
+}
+
+impl<S: Ring> Carried for Frame<S> {
+    type Argument = ArgumentValue<S>;
+
+    fn fix(&mut self, fixed: &FixedPose) {
+        self.origin = sum(self.origin, self.direction(fixed.translation.to_array()));
+        if fixed.rotation != DMat3::IDENTITY {
+            let columns = fixed.rotation.to_cols_array_2d();
+            self.axes = columns.map(|column| self.direction(column));
+        }
+    }
+
+    fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
+        let value = by.value.scale(sign);
+        self.origin = sum(self.origin, self.axes[axis].map(|c| c * value));
+    }
+
+    /// Only two axes change.
+    fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (sin, cos) = (by.sin.scale(sign), by.cos);
+        let (a, b) = (self.axes[i], self.axes[j]);
+        self.axes[i] = [0, 1, 2].map(|k| a[k] * cos + b[k] * sin);
+        self.axes[j] = [0, 1, 2].map(|k| b[k] * cos - a[k] * sin);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_advance_like_products_of_poses() {
+        let value = ArgumentValue::new(0.7);
+        for axis in 0..3 {
+            for (motion, sign) in [
+                (Motion::Rotation, 1.0),
+                (Motion::Rotation, -1.0),
+                (Motion::Translation, -1.0),
+            ] {
+                let start = Pose::from_axis_rotation(1, 0.4)
+                    * Pose::from_translation(DVec3::new(1.0, 2.0, 3.0));
+                let joint = Step::Joint {
+                    motion,
+                    axis,
+                    argument: 0,
+                    sign,
+                };
+                let steps = [Step::Fixed(start.into()), joint];
+                let mut pose = Pose::IDENTITY;
+                let mut met = Vec::new();
+                walk(&steps, &mut pose, &[value], |here, joint| {
+                    met.push((*here, joint))
+                });
+                assert_eq!(met.len(), 1);
+                assert_eq!(met[0].0, start);
+                let right = match motion {
+                    Motion::Rotation => Pose::from_axis_rotation(axis, sign * 0.7),
+                    Motion::Translation => Pose::from_translation(DVec3::AXES[axis] * (sign * 0.7)),
+                };
+                let product = start * right;
+                assert!((product.translation - pose.translation).length() < 1e-15);
+                let off = (product.rotation - pose.rotation).to_cols_array();
+                assert!(off.iter().all(|v| v.abs() < 1e-15));
+                // Plain numbers take the same operations, whether they lie in lists or in vectors.
+                let frame = Frame::at_end_of(&steps, &[value]);
+                assert_eq!(frame.axes, pose.rotation.to_cols_array_2d());
+                assert_eq!(frame.origin, pose.translation.to_array());
+            }
+        }
+    }
+}

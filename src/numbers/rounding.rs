@@ -1,0 +1,78 @@
+//! What one operation can lose: every constant that proofs count rounding with.
+//!
+//! Arithmetic is IEEE 754 in double precision, to nearest. Four things are taken for granted and nothing else: that
+//! operations and square roots are rounded correctly, that functions of `libm` are right within one unit in the last place,
+//! that the numbers of a scene are those meant within one unit in the last place unless they are whole, and that angles
+//! typed in degrees, or folded from constants, are within [`CONSTANT_ANGLE`].
+
+/// Unit roundoff: an operation returns the exact result times 1 + e, |e| ≤ U.
+pub const U: f64 = f64::EPSILON / 2.0;
+
+/// One operation, doubled so that the rounding of the bound itself is covered. Also a unit in the last place, relative to
+/// the smallest number that has such a unit.
+pub const OPERATION: f64 = 2.0 * U;
+
+/// A number of a scene that is not whole, relative: one unit in the last place.
+pub const DECIMAL: f64 = 2.0 * U;
+
+/// A constant angle, relative: typed (U), the factor from its unit to radians (U), their product (U), and one to spare for
+/// a sum or quotient of constants.
+pub const CONSTANT_ANGLE: f64 = 4.0 * U;
+
+/// Relative widening of an interval after one operation: U, and U² for the widening itself, rounded up.
+pub const WIDENING: f64 = 2.3e-16;
+
+/// Relative widening after a function of `libm`: one unit in the last place is at most 2 U of the value (2.23e-16), and the
+/// same for the widening itself.
+pub const FUNCTION_WIDENING: f64 = 4.7e-16;
+
+/// Covers what underflow loses in a product. Large enough to keep slow subnormal numbers away.
+pub const UNDERFLOW: f64 = 1e-200;
+
+/// Makes up for the rounding of sums of positive terms in bounds themselves: a thousand operations lose 1.2e-13.
+pub const GROW: f64 = 1.0 + 1e-12;
+
+/// Error of a sine or a cosine of [`super::sin_cos`], and so of the angle they stand for (radians): the rest's cube over
+/// six, computed in f64 to five units in the last place, is all that counts.
+pub const SIN_COS: f64 = 4e-21;
+
+/// Rounding of one step of a product with 23 digits (radians, sizes): six entries lose at most 11 × 2^-80 each, a shift no
+/// more of itself.
+pub const LONG_STEP: f64 = 3e-23;
+
+/// Up to here every whole number is one of f64.
+const LARGEST_WHOLE: f64 = (1u64 << 53) as f64;
+
+/// Whether a number of a scene is exact: whole numbers are, as long as f64 has them all.
+#[inline]
+pub const fn is_exact(value: f64) -> bool {
+    // The conversion is faster than a call that rounds.
+    value as i64 as f64 == value && value.abs() <= LARGEST_WHOLE
+}
+
+/// By how much a number of a scene may differ from the one meant.
+#[inline]
+pub const fn of_decimal(value: f64) -> f64 {
+    if is_exact(value) {
+        0.0
+    } else {
+        DECIMAL * value.abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_are_exact_as_long_as_there_are_all() {
+        for value in [0.0, -0.0, 1.0, -7.0, LARGEST_WHOLE] {
+            assert_eq!(of_decimal(value), 0.0);
+        }
+        // 2^53 + 1 and 1e23 are none of f64.
+        for value in [0.1, 2.5, 2.0 * LARGEST_WHOLE, 1e23, f64::INFINITY, f64::NAN] {
+            assert!(!is_exact(value), "{value}");
+        }
+        assert_eq!(of_decimal(-0.5), f64::EPSILON / 2.0);
+    }
+}

@@ -1,0 +1,288 @@
+//! What formulas and chains compute with: one set of operations and functions for every kind of number.
+//!
+//! A formula is walked once, in `model::expression`, over any [`Scalar`]: plain numbers, numbers with derivatives
+//! ([`HyperDual`](super::hyper_dual::HyperDual), [`Series`](super::series::Series)) and enclosures
+//! ([`Interval`](super::interval::Interval), series of intervals). What a kind leaves out follows from the rest.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Whole exponents up to this are products, so that they exist for negative bases and at zero, exact for squares.
+pub const LARGEST_PRODUCT: f64 = 16.0;
+
+/// What can be added and multiplied: enough for products of chains.
+pub trait Ring:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// Exactly this number, which does not change.
+    fn number(value: f64) -> Self;
+
+    /// Product with an exact number.
+    fn scale(self, factor: f64) -> Self {
+        Self::number(factor) * self
+    }
+}
+
+/// A number, or something that stands for one.
+pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
+    /// A number as it was typed: enclosures hold the decimal that was meant, which `value` is the nearest to.
+    fn decimal(value: f64) -> Self {
+        Self::number(value)
+    }
+
+    /// What has no value, or none that is known.
+    fn undefined() -> Self;
+
+    /// Whether all parts are numbers and bounded.
+    fn is_finite(self) -> bool;
+
+    /// The number, if this is a single one that does not change.
+    fn as_number(self) -> Option<f64>;
+
+    /// Whether it is below zero, just behind a zero for what changes; `None` where that is open.
+    fn is_below_zero(self) -> Option<bool>;
+
+    /// Square.
+    fn square(self) -> Self {
+        self * self
+    }
+
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Exponential.
+    fn exp(self) -> Self;
+
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+
+    /// Square root.
+    fn sqrt(self) -> Self;
+
+    /// Inverse sine, -π/2 to π/2.
+    fn asin(self) -> Self;
+
+    /// Inverse cosine, 0 to π.
+    fn acos(self) -> Self;
+
+    /// Inverse tangent, -π/2 to π/2.
+    fn atan(self) -> Self;
+
+    /// Angle of the point (`x`, `self`), -π to π.
+    fn atan2(self, x: Self) -> Self;
+
+    /// Largest whole number that is not above.
+    fn floor(self) -> Self;
+
+    /// A power whose exponent is one number, but no small whole one.
+    fn real_power(self, exponent: f64) -> Self {
+        (self.ln() * Self::decimal(exponent)).exp()
+    }
+
+    /// Sine.
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+
+    /// Cosine.
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+
+    /// Tangent.
+    fn tan(self) -> Self {
+        let (sin, cos) = self.sin_cos();
+        sin / cos
+    }
+
+    /// Length of (`self`, `other`).
+    fn hypot(self, other: Self) -> Self {
+        (self.square() + other.square()).sqrt()
+    }
+
+    /// Remainder of the division by `divisor`, with the sign of the divisor.
+    fn modulo(self, divisor: Self) -> Self {
+        self - divisor * (self / divisor).floor()
+    }
+
+    /// `negative` where this is below zero, else `other`; nothing where the sign is open.
+    fn choose(self, negative: Self, other: Self) -> Self {
+        match self.is_below_zero() {
+            Some(true) => negative,
+            Some(false) => other,
+            None => Self::undefined(),
+        }
+    }
+
+    /// Magnitude.
+    fn abs(self) -> Self {
+        self.choose(-self, self)
+    }
+
+    /// The smaller one.
+    fn min(self, other: Self) -> Self {
+        (other - self).choose(other, self)
+    }
+
+    /// The larger one.
+    fn max(self, other: Self) -> Self {
+        (self - other).choose(other, self)
+    }
+
+    /// Power. Small whole exponents are products; others that change need a positive base.
+    fn power(self, exponent: Self) -> Self {
+        match exponent.as_number() {
+            None => (self.ln() * exponent).exp(),
+            Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_PRODUCT => {
+                let product = self.whole_power(e.abs() as u32);
+                if e < 0.0 {
+                    Self::number(1.0) / product
+                } else {
+                    product
+                }
+            }
+            Some(e) => self.real_power(e),
+        }
+    }
+
+    /// A power as a product of squares.
+    fn whole_power(self, exponent: u32) -> Self {
+        match exponent {
+            0 => Self::number(1.0),
+            1 => self,
+            _ => {
+                let even = self.square().whole_power(exponent / 2);
+                if exponent.is_multiple_of(2) {
+                    even
+                } else {
+                    even * self
+                }
+            }
+        }
+    }
+
+    /// By which share a power changes with its exponent: the logarithm of the base.
+    ///
+    /// A plain number without a logarithm still has powers of whole exponents, between which there is no slope to
+    /// follow: zero.
+    fn slope_by_exponent(self) -> Self {
+        self.ln()
+    }
+}
+
+impl Ring for f64 {
+    #[inline]
+    fn number(value: f64) -> Self {
+        value
+    }
+}
+
+impl Scalar for f64 {
+    fn undefined() -> Self {
+        Self::NAN
+    }
+
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+
+    fn as_number(self) -> Option<f64> {
+        Some(self)
+    }
+
+    #[inline]
+    fn is_below_zero(self) -> Option<bool> {
+        Some(self < 0.0)
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        crate::math::sin_cos(self)
+    }
+
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+
+    fn ln(self) -> Self {
+        libm::log(self)
+    }
+
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    fn asin(self) -> Self {
+        libm::asin(self)
+    }
+
+    fn acos(self) -> Self {
+        libm::acos(self)
+    }
+
+    fn atan(self) -> Self {
+        libm::atan(self)
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2(self, x)
+    }
+
+    fn floor(self) -> Self {
+        Self::floor(self)
+    }
+
+    fn real_power(self, exponent: f64) -> Self {
+        libm::pow(self, exponent)
+    }
+
+    fn sin(self) -> Self {
+        libm::sin(self)
+    }
+
+    fn cos(self) -> Self {
+        libm::cos(self)
+    }
+
+    fn tan(self) -> Self {
+        libm::tan(self)
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        libm::hypot(self, other)
+    }
+
+    fn abs(self) -> Self {
+        Self::abs(self)
+    }
+
+    fn slope_by_exponent(self) -> Self {
+        if self > 0.0 { libm::log(self) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_are_products_of_few_roundings() {
+        for exponent in 0..=16_u32 {
+            let e = f64::from(exponent);
+            let exact = (-3.0_f64).powi(exponent as i32);
+            assert_eq!(Scalar::power(-3.0, e), exact);
+            let inverse = Scalar::power(-3.0, -e) * exact - 1.0;
+            assert!(inverse.abs() <= f64::EPSILON);
+        }
+        assert_eq!(Scalar::power(2.0_f64, 0.5), std::f64::consts::SQRT_2);
+        assert_eq!(Scalar::power(0.0_f64, 0.0), 1.0);
+        assert!(Scalar::power(-2.0_f64, 0.5).is_nan());
+    }
+
+    #[test]
+    fn choices_of_plain_numbers_pass_on_what_is_none() {
+        assert_eq!(Scalar::min(1.0, 2.0), 1.0);
+        assert_eq!(Scalar::max(1.0, 2.0), 2.0);
+        assert!(Scalar::min(f64::NAN, 2.0).is_nan());
+        assert_eq!(Scalar::min(f64::INFINITY, f64::INFINITY), f64::INFINITY);
+        assert_eq!(Scalar::modulo(-1.0, 3.0), 2.0);
+    }
+}
