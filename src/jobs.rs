@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// How often somebody who watches is told.
-const WATCH: Duration = Duration::from_millis(50);
+/// How often somebody who watches is told: work that is done sooner is not held up by it.
+const WATCH: Duration = Duration::from_millis(5);
 
 /// Number of threads that the machine runs at once.
 pub fn cores() -> usize {

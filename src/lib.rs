@@ -12,6 +12,7 @@ pub mod diag;
 pub mod export;
 pub mod geometry;
 pub mod import;
+pub mod jobs;
 pub mod kinematics;
 pub mod linalg;
 pub mod math;

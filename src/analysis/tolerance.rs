@@ -3,8 +3,8 @@
 
 use super::random::Random;
 use super::study::{Evaluator, Family, Gradients, Stand};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::Duration;
+use crate::jobs::share_watched;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a dimension scatters within its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,9 +105,6 @@ pub struct Batch {
 /// Pieces that a worker takes at once.
 const PORTION: usize = 64;
 
-/// How often `watch` is called.
-const WATCH: Duration = Duration::from_millis(5);
-
 /// Makes and measures random pieces around `nominal`; those made so far if `cancel` is raised.
 ///
 /// `watch` is called now and then on this thread with the number of pieces made.
@@ -120,44 +117,32 @@ pub fn pieces(
     watch: &dyn Fn(usize),
 ) -> Pieces {
     let measures = family.measures.list.len();
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || {
-        let mut evaluator = Evaluator::new(family);
-        let mut portions: Vec<(usize, Vec<f64>)> = Vec::new();
-        loop {
-            let start = next.fetch_add(PORTION, Ordering::Relaxed);
-            if start >= batch.samples || cancel.load(Ordering::Relaxed) {
-                return portions;
-            }
-            let count = PORTION.min(batch.samples - start);
-            let mut values = Vec::with_capacity(count * measures);
-            for item in start..start + count {
-                let drawn = values_of(nominal, tolerances, batch, item);
-                match piece(&mut evaluator, nominal, &drawn) {
-                    Some(found) => values.extend(found),
-                    None => values.resize(values.len() + measures, f64::NAN),
-                }
-            }
-            portions.push((start, values));
-            done.fetch_add(count, Ordering::Relaxed);
+    let portion = |evaluator: &mut Evaluator, index: usize| {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
         }
+        let start = PORTION * index;
+        let mut values = Vec::with_capacity(PORTION * measures);
+        for item in start..batch.samples.min(start + PORTION) {
+            let drawn = values_of(nominal, tolerances, batch, item);
+            match piece(evaluator, nominal, &drawn) {
+                Some(found) => values.extend(found),
+                None => values.resize(values.len() + measures, f64::NAN),
+            }
+        }
+        Some(values)
     };
-    let mut portions: Vec<(usize, Vec<f64>)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..batch.threads.max(1))
-            .map(|_| scope.spawn(work))
-            .collect();
-        while !workers.iter().all(|w| w.is_finished()) {
-            std::thread::sleep(WATCH);
-            watch(done.load(Ordering::Relaxed));
-        }
-        let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
-        results.flatten().collect()
-    });
-    portions.sort_by_key(|(start, _)| *start);
+    let portions = share_watched(
+        batch.samples.div_ceil(PORTION),
+        batch.threads,
+        || Evaluator::new(family),
+        portion,
+        &|portions| watch((PORTION * portions).min(batch.samples)),
+    );
     let mut values = Vec::with_capacity(batch.samples * measures);
-    for (start, portion) in portions {
+    for (index, portion) in portions {
         // Work that was cut short may have left a portion out: what lies behind it is not counted.
-        if start * measures != values.len() {
+        if PORTION * index * measures != values.len() {
             break;
         }
         values.extend(portion);

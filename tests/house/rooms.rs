@@ -8,9 +8,10 @@ use crate::source::{Source, sources};
 /// The floors of the house, lowest first: folders and files under `src/`. A room uses itself and the rooms of lower
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
-    &["diag.rs", "math.rs", "linalg/"],
+    &["diag.rs", "math.rs", "linalg/", "jobs.rs"],
+    &["numbers/"],
     &["model/"],
-    &["numbers/", "geometry/"],
+    &["geometry/"],
     &["scene/"],
     &["kinematics/results/", "kinematics/structure/"],
     // Ball joints are found in a structure and are part of a system.

@@ -4,6 +4,7 @@
 use super::measure::Shown;
 use super::slopes::Slopes;
 use super::stand::{Evaluator, Rejection, Stand};
+use crate::jobs;
 use crate::kinematics::measures::along;
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
@@ -135,35 +136,22 @@ impl Evaluator<'_> {
         };
         let mechanism = self.family.mechanism();
         let count = stand.values.len();
-        let work = |first: usize, poses: &[Vec<f64>]| -> Vec<Option<Changes>> {
-            let poses = poses.iter().enumerate().map(|(k, pose)| (first + k, pose));
-            let changes = poses.map(|(index, pose)| {
-                if stand.is_singular(index) {
-                    return None;
-                }
-                let slots = &shown[index].slots;
-                let slopes = Slopes::new(mechanism, count, slots, &sensitivities[index]);
-                self.changes_at(index, pose, slopes)
-            });
-            changes.collect()
+        let work = |index: usize| {
+            if stand.is_singular(index) {
+                return None;
+            }
+            let slots = &shown[index].slots;
+            let slopes = Slopes::new(mechanism, count, slots, &sensitivities[index]);
+            self.changes_at(index, &stand.poses[index], slopes)
         };
-        let found: Vec<Option<Changes>> = if self.derives_by_inputs() {
-            let workers = std::thread::available_parallelism().map_or(1, usize::from);
-            let portion = stand.poses.len().div_ceil(workers).max(LEAST_PORTION);
-            std::thread::scope(|scope| {
-                let work = &work;
-                let portions = stand.poses.chunks(portion).enumerate();
-                let workers: Vec<_> = portions
-                    .map(|(k, poses)| scope.spawn(move || work(k * portion, poses)))
-                    .collect();
-                let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
-                results.flatten().collect()
-            })
-        } else {
-            work(0, &stand.poses)
+        let poses = stand.poses.len();
+        // Only series through the loops are worth a thread.
+        let threads = match self.derives_by_inputs() {
+            true => jobs::cores().min(poses.div_ceil(LEAST_PORTION)),
+            false => 1,
         };
-        let places = found.into_iter().enumerate();
-        let changes = places.map(|(index, changes)| {
+        let found = jobs::share(poses, threads, || (), |(), index| Some(work(index)));
+        let changes = found.into_iter().map(|(index, changes)| {
             changes.ok_or_else(|| {
                 let (track, pose) = self.family.place_of(index);
                 Rejection::NotReached { track, pose }

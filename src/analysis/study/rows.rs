@@ -2,6 +2,7 @@
 //! variables. The poses are shared among threads; the numbers do not depend on how many there are.
 
 use super::family::Family;
+use crate::jobs::{cores, share};
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
@@ -304,29 +305,13 @@ fn answers(
     poses: &[Vec<f64>],
     with_slope: &(dyn Fn(f64) -> bool + Sync),
 ) -> Vec<(f64, Vec<f64>)> {
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let portion = jobs.len().div_ceil(workers).max(LEAST_PORTION);
-    let work = |jobs: &[(Question, usize)]| -> Vec<(f64, Vec<f64>)> {
-        let mut reader = Reader::new(family);
-        let answers = jobs
-            .iter()
-            .map(|(q, k)| reader.answer(*q, &poses[*k], with_slope));
-        answers.collect()
-    };
-    if jobs.len() <= portion {
-        return work(jobs);
-    }
-    let mut found: Vec<(f64, Vec<f64>)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = jobs
-            .chunks(portion)
-            .map(|jobs| scope.spawn(|| work(jobs)))
-            .collect();
-        let results = workers.into_iter().map(|w| w.join().unwrap_or_default());
-        results.flatten().collect()
+    let threads = cores().min(jobs.len().div_ceil(LEAST_PORTION));
+    let make = || Reader::new(family);
+    let found = share(jobs.len(), threads, make, |reader, job| {
+        let (question, pose) = jobs[job];
+        Some(reader.answer(question, &poses[pose], with_slope))
     });
-    // A thread that failed leaves its poses without numbers.
-    found.resize(jobs.len(), (f64::NAN, Vec::new()));
-    found
+    found.into_iter().map(|(_, answer)| answer).collect()
 }
 
 /// Every sign's side of the values of some rows.

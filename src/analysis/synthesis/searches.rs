@@ -7,8 +7,7 @@ use super::starts::{Begun, Origin, begin};
 use super::touching::Touching;
 use crate::analysis::optimise::minimax;
 use crate::analysis::study::{Evaluator, Family, Peaks, Stand};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::jobs::share;
 use std::time::Instant;
 
 /// Starts that are searched without knowing of each other.
@@ -94,27 +93,17 @@ impl Run<'_> {
         count: usize,
         one: &(dyn Fn(usize) -> Start + Sync),
     ) -> Vec<Start> {
-        let next = AtomicUsize::new(0);
-        let found: Mutex<Vec<(usize, Start)>> = Mutex::new(Vec::new());
-        let work = || {
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= count {
-                    return;
-                }
+        let threads = self.plan.threads;
+        let found = share(
+            count,
+            threads,
+            || (),
+            |(), index| {
                 let start = one(index);
                 (self.listener.done)(first + index, &start);
-                let mut found = found.lock().unwrap_or_else(|e| e.into_inner());
-                found.push((index, start));
-            }
-        };
-        std::thread::scope(|scope| {
-            for _ in 0..self.plan.threads.clamp(1, count.max(1)) {
-                scope.spawn(work);
-            }
-        });
-        let mut found = found.into_inner().unwrap_or_else(|e| e.into_inner());
-        found.sort_by_key(|(index, _)| *index);
+                Some(start)
+            },
+        );
         found.into_iter().map(|(_, start)| start).collect()
     }
 

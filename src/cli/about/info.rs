@@ -8,7 +8,7 @@ use std::io::Write;
 /// Runs the verb.
 pub fn run(as_json: bool) -> Result<Outcome, Failure> {
     let adapters = list_adapters();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = crate::jobs::cores();
     let mut out = std::io::stdout().lock();
     if as_json {
         let adapters: Vec<_> = adapters

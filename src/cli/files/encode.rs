@@ -46,7 +46,7 @@ pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
         flat_colours: Vec::new(),
         alpha: frames.opaque.is_none() && frames.are_translucent()?,
     };
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = crate::jobs::cores();
     let count = args.file.threads.unwrap_or(cores);
     let mut workers: Vec<_> = (0..count)
         .map(|_| move |index: usize, image: &mut RgbaImage| frames.read(index, image))

@@ -35,7 +35,7 @@ pub type Worker<'a> = Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderE
 impl<'a> Pictures<'a> {
     /// One worker a thread, or one for an adapter.
     pub fn workers(self, args: &RenderArgs, term: &Term) -> Result<Vec<Worker<'a>>, Failure> {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let cores = crate::jobs::cores();
         let count = args.file.threads.unwrap_or(cores);
         let parts = self.panes.iter().map(|(corner, pane)| (*corner, pane));
         let mut views: Vec<_> = parts.collect();

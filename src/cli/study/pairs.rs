@@ -1,7 +1,6 @@
 //! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
 
 use super::method::{SCHEMA, ended, method, widen};
-use super::tolerance::cores;
 use crate::analysis::study::optimum::{Optimum, optimise};
 use crate::analysis::study::{Family, FamilyError};
 use crate::cli::args::study::OptimiseArgs;
@@ -11,13 +10,11 @@ use crate::cli::open::study::Opened;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
+use crate::jobs::{cores, share_watched};
 use crate::report::cells::{aligned, six};
 use serde_json::{Value, json};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// How often progress is shown.
-const WATCH: Duration = Duration::from_millis(5);
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 /// One pair of variables with its optimum.
 struct Pair {
@@ -44,37 +41,19 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
     }
     let start = Instant::now();
     let progress = Progress::new(args.progress, term.quiet()).counting("pairs");
-    let (next, count) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(names) = jobs.get(index).filter(|_| !CANCEL.load(Ordering::Relaxed)) else {
-                return done;
-            };
-            let found = pair(args, opened, names);
-            // What an interrupt has cut short is no optimum of the pair.
-            if CANCEL.load(Ordering::Relaxed) {
-                return done;
-            }
-            let names = names.clone();
-            done.push((index, Pair { names, found }));
-            count.fetch_add(1, Ordering::Relaxed);
-        }
-    };
     let threads = args.threads.unwrap_or_else(cores);
-    let mut done: Vec<(usize, Pair)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        while !workers.iter().all(|w| w.is_finished()) {
-            std::thread::sleep(WATCH);
-            progress.show(count.load(Ordering::Relaxed), jobs.len());
+    let one = |_: &mut (), index: usize| {
+        if CANCEL.load(Ordering::Relaxed) {
+            return None;
         }
-        progress.end();
-        workers
-            .into_iter()
-            .flat_map(|w| w.join().unwrap_or_default())
-            .collect()
-    });
+        let names = jobs[index].clone();
+        let found = pair(args, opened, &names);
+        // What an interrupt has cut short is no optimum of the pair.
+        (!CANCEL.load(Ordering::Relaxed)).then_some(Pair { names, found })
+    };
+    let watch = |done| progress.show(done, jobs.len());
+    let mut done = share_watched(jobs.len(), threads, || (), one, &watch);
+    progress.end();
     if done.is_empty() {
         return Err(Failure::Interrupted);
     }

@@ -132,7 +132,7 @@ pub fn write(
         Ok(())
     };
     let format = sinks::format(args)?;
-    let threads = super::tolerance::cores();
+    let threads = crate::jobs::cores();
     let mut workers: Vec<_> = (0..threads).map(|_| draw).collect();
     let film = Film {
         args,

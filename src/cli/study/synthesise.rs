@@ -1,6 +1,5 @@
 //! `mechanim synthesise`: dimensions found from many starts, proved, reported, and written as scenes.
 
-use super::tolerance::cores;
 use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::prove;
@@ -13,6 +12,7 @@ use crate::cli::open::study::{Opened, open};
 use crate::cli::report::synthesis::{Found, document, ladder, rows, text};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::jobs::cores;
 use crate::report::cells::six;
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;

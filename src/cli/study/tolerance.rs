@@ -11,6 +11,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::export::{ExportError, Output, Target};
+use crate::jobs::cores;
 use crate::model::measure::Measure;
 use crate::report::cells::{aligned, six};
 use serde_json::{Map, Value, json};
@@ -85,11 +86,6 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         )));
     }
     Ok(Outcome::Done)
-}
-
-/// Number of cores.
-pub fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Tolerance of every variable: the study's, else the one of the command line.

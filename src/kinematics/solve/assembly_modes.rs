@@ -8,6 +8,7 @@
 use super::assembly::{assemble, turns_matter};
 use super::branch::BranchWatch;
 use super::newton::Corrector;
+use crate::jobs::{cores, share};
 use crate::kinematics::ball::chart::Chart;
 use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::{body_poses, closure_error};
@@ -16,7 +17,6 @@ use crate::math::{Pose, sin_cos};
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Random starts unless asked otherwise. The rarest of the sixteen assemblies of the known 6R arm is met by one start
 /// in 25, the rarest of the gearshift with its 18 unknowns by one in 120.
@@ -151,38 +151,27 @@ fn closures(
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Vec<(usize, Vec<f64>)> {
     let mechanism = system.mechanism();
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let start = next.fetch_add(1, Ordering::Relaxed);
-            if start > starts || cancelled() {
-                return found;
+    let found = share(
+        starts + 1,
+        cores(),
+        || (),
+        |(), start| {
+            if cancelled() {
+                return None;
             }
             let mut values = start_values(mechanism, first, start);
             for held in &system.structure().held {
                 values[held.unknown] = first[held.unknown];
             }
+            // Buffers of its own: what another start has left in them must not show in the last digits.
             let mut corrector = Corrector::new(system);
-            if let Ok(pose) = assemble(system, &mut corrector, &values, false)
-                && closure_error(mechanism, &pose.coordinates) <= CLOSED
-            {
-                found.push((start, pose.coordinates));
-            }
-        }
-    };
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let mut all: Vec<(usize, Vec<f64>)> = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
-        let mut all = work();
-        for other in others {
-            // A thread that failed has found nothing; the count says how many closed.
-            all.extend(other.join().unwrap_or_default());
-        }
-        all
-    });
-    all.sort_by_key(|(start, _)| *start);
-    all
+            let pose = assemble(system, &mut corrector, &values, false).ok();
+            let pose = pose.map(|pose| pose.coordinates);
+            Some(pose.filter(|pose| closure_error(mechanism, pose) <= CLOSED))
+        },
+    );
+    let closed = |(start, pose): (usize, Option<Vec<f64>>)| Some((start, pose?));
+    found.into_iter().filter_map(closed).collect()
 }
 
 /// Start values and inputs: the given ones for start 0, else random numbers that depend on the start's number only.
