@@ -9,8 +9,9 @@ use crate::source::{Source, sources};
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
     &["diag.rs", "math.rs", "linalg/"],
+    &["numbers/"],
     &["model/"],
-    &["numbers/", "geometry/"],
+    &["geometry/"],
     &["scene/"],
     &["kinematics/results/", "kinematics/structure/"],
     // Ball joints are found in a structure and are part of a system.
