@@ -3,11 +3,11 @@
 //! Sums and products act on the polynomials; what they round or truncate is added to the bound. Coefficients are numbers,
 //! not intervals, so that a product costs its multiplications only.
 
-use crate::math::sin_cos;
 use crate::model::expression::Affine;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION, of_decimal};
 
+use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
 
 /// Coefficients of a polynomial in s.
@@ -23,6 +23,9 @@ const SINE_STEPS: f64 = 48.0;
 
 /// Σ cₖ sᵏ.
 pub type Polynomial = [f64; TERMS];
+
+/// The same as a series of plain numbers.
+type Numbers = Series<f64, TERMS>;
 
 /// A function of s, -1 ≤ s ≤ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -236,26 +239,16 @@ impl Turn {
     /// The coefficients of the pair are bounded by those of exp(Σ |aₖ| sᵏ), and so is the tail that is cut off.
     pub fn new(angle: &Model) -> Self {
         let a = &angle.c;
-        let (mut sin, mut cos, mut major) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
-        (sin[0], cos[0]) = sin_cos(a[0]);
-        major[0] = 1.0;
-        for k in 1..TERMS {
-            let (mut s, mut c, mut m) = (0.0, 0.0, 0.0);
-            for j in 1..=k {
-                let slope = j as f64 * a[j];
-                s += slope * cos[k - j];
-                c += slope * sin[k - j];
-                m += slope.abs() * major[k - j];
-            }
-            let k_inverse = 1.0 / k as f64;
-            (sin[k], cos[k], major[k]) = (s * k_inverse, -c * k_inverse, m * k_inverse);
-        }
+        let (sin, cos) = Numbers::from(*a).sin_cos();
+        let mut sizes = a.map(f64::abs);
+        sizes[0] = 0.0;
+        let major = *Numbers::from(sizes).exp().coefficients();
         let growth = libm::expm1(a[1..].iter().map(|a| a.abs()).sum());
         let known: f64 = major[1..].iter().sum();
         let rounding = 1.5 * OPERATION + SINE_STEPS * OPERATION * growth;
         Self {
-            sin,
-            cos,
+            sin: *sin.coefficients(),
+            cos: *cos.coefficients(),
             sizes: major.map(|m| m * GROW),
             rest: ((growth - known).max(0.0) + rounding + angle.rest) * GROW,
         }
