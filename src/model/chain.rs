@@ -5,8 +5,6 @@
 
 use super::expression::{Affine, Expression};
 use super::fixed::FixedPose;
-use super::walk::walk;
-use crate::math::Pose;
 use crate::numbers::scalar::Scalar;
 
 /// Rotation about a coordinate axis, or translation along it.
@@ -143,13 +141,6 @@ impl Step {
 }
 
 impl Chain {
-    /// The product at the given argument values.
-    pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
-        let mut pose = Pose::IDENTITY;
-        walk(&self.steps, &mut pose, arguments, |_, _| {});
-        pose
-    }
-
     /// Indices of the arguments it uses, ascending.
     pub fn arguments(&self) -> Vec<usize> {
         let joints = self.steps.iter().filter_map(Step::joint);

@@ -3,7 +3,7 @@
 //! Two products are written out apart from this one, because they are hot or exact: `kinematics/loops/joint_lanes` (four
 //! joints at once) and `kinematics/certificate/pose/product` (two f64 a number). Tests hold them against this one.
 
-use super::chain::{ArgumentValue, Joint, Motion, Step};
+use super::chain::{ArgumentValue, Chain, Joint, Motion, Step};
 use super::fixed::FixedPose;
 use crate::math::Pose;
 use crate::numbers::scalar::Ring;
@@ -37,6 +37,15 @@ pub fn walk<F: Carried>(
             meet(frame, joint);
         }
         step.advance(frame, arguments);
+    }
+}
+
+impl Chain {
+    /// The product at the given argument values.
+    pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
+        let mut pose = Pose::IDENTITY;
+        walk(&self.steps, &mut pose, arguments, |_, _| {});
+        pose
     }
 }
 
