@@ -65,7 +65,7 @@ const WALLS: [Wall; 18] = [
     },
     Wall {
         words: &["serde_json::"],
-        rooms: &["report/", "export/", "analysis/", "cli/"],
+        rooms: &["report/", "export/", "cli/"],
     },
     Wall {
         words: &["clap::", "clap_complete::"],
