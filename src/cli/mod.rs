@@ -9,7 +9,6 @@ pub mod io;
 pub mod motion;
 pub mod open;
 pub mod pictures;
-pub mod report;
 pub mod study;
 mod term;
 

@@ -1,4 +1,4 @@
-//! The clearance report as JSON, JUnit XML and CSV text. Nothing is computed here.
+//! The clearance report as a table for people, as JSON, JUnit XML and CSV. Nothing is computed here.
 
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport};
 use crate::model::mechanism::Mechanism;
@@ -198,4 +198,86 @@ pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The worst pairs, then what was left out.
+pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String {
+    let unit = &mechanism.length_unit;
+    let mut text = format!(
+        "  clearance        {} pairs judged, {} excluded; lengths in {unit}\n",
+        found.judged.len(),
+        found.excluded.len()
+    );
+    if !found.judged.is_empty() {
+        text.push_str("      distance   never below     minimum      at t/s  verdict    pair\n");
+    }
+    for p in found.judged.iter().take(worst) {
+        text.push_str(&row(mechanism, p));
+        if let Some(farthest) = p.farthest {
+            let sure = if p.least.is_certified {
+                "proved"
+            } else {
+                "estimated"
+            };
+            text.push_str(&format!(
+                "                  touching: between the samples from {:.2e} to {farthest:.2e} {unit} apart ({sure})\n",
+                p.least.bound
+            ));
+        }
+    }
+    if found.judged.len() > worst {
+        let rest = found.judged.len() - worst;
+        text.push_str(&format!(
+            "    and {rest} more (--worst {})\n",
+            found.judged.len()
+        ));
+    }
+    for p in &found.excluded {
+        let [a, b] = names(mechanism, p);
+        let (kind, why) = match &p.judgement {
+            Judgement::Ignored(reason) => ("ignored", reason.as_str()),
+            Judgement::Neighbours(joint) => ("neighbours", *joint),
+            other => (word(other), ""),
+        };
+        text.push_str(&format!(
+            "    {:>10.4}{}  {kind:<10} {a} / {b}: {why}\n",
+            p.least.distance,
+            inside(p)
+        ));
+    }
+    for [start, end] in &found.gaps {
+        text.push_str(&format!(
+            "    not checked from t = {start:.6} s to {end:.6} s\n"
+        ));
+    }
+    text
+}
+
+fn inside(p: &PairReport) -> &'static str {
+    if p.least.inside.contains(&true) {
+        " (inside)"
+    } else {
+        ""
+    }
+}
+
+fn row(mechanism: &Mechanism, p: &PairReport) -> String {
+    let [a, b] = names(mechanism, p);
+    // A depth has no bound: it is only known that the bodies overlap.
+    let bound = match (
+        p.least.distance > 0.0 && p.farthest.is_none(),
+        p.least.is_certified,
+    ) {
+        (false, _) => "-".to_owned(),
+        (true, true) => format!("{:.4}", p.least.bound),
+        (true, false) => format!("~{:.4}", p.least.bound),
+    };
+    format!(
+        "    {:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {a} / {b}{}\n",
+        p.least.distance,
+        p.minimum,
+        p.least.time,
+        word(&p.judgement),
+        inside(p),
+    )
 }

@@ -1,9 +1,14 @@
-//! Results as tables and documents: CSV, JSON, JUnit. Nothing is solved here, and nothing printed.
+//! Results in words, as tables and as documents: text, CSV, JSON, JUnit. Nothing is printed here.
 
 pub mod cells;
 pub mod clearance;
 pub mod events;
+pub mod freedoms;
 pub mod iterates;
+pub mod measures;
 pub mod precision;
+pub mod proof;
 pub mod sensitivity;
+pub mod sentences;
+pub mod synthesis;
 pub mod table;

@@ -4,24 +4,23 @@ pub mod clearance;
 
 use super::args::motion::{CertifyArg, CheckArgs};
 use super::motion::certify;
-use super::motion::certify::MotionProof;
-use super::report::measures;
-use super::report::measures::Measured;
-use super::term::Term;
-use super::term::outcome::{Failure, Outcome};
-
+use super::motion::event_messages;
 use super::open::inputs_table;
 use super::open::scene::{self as open_scene, OpenScene};
-use super::report::{events as report, freedoms};
+use super::term::Term;
+use super::term::outcome::{Failure, Outcome};
 use crate::cli::io;
 use crate::diag::nearest;
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::motion::sampling::{even_times, frame_times, knots, only};
-use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::pose_check::{OfferedLoop, Verdict, judge};
 use crate::model::mechanism::Mechanism;
 use crate::report::events::gaps;
+use crate::report::measures;
+use crate::report::measures::Measured;
+use crate::report::proof::{MotionProof, PoseProofs, assumptions};
+use crate::report::{freedoms, sentences};
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
@@ -64,11 +63,12 @@ fn motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Report, F
     };
     let trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
     let mobility = Mobility::new(system, actuation);
-    let closed = report::events(system, actuation, &trajectory, term)?;
+    let closed = event_messages::tell(system, actuation, &trajectory, term)?;
     let worst = trajectory.closure_error();
     // Sums and means are over the samples that were asked for.
     let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));
-    let motion = MotionProof::of(&trajectory, args.certify);
+    let proves_motion = args.certify == CertifyArg::Motion;
+    let motion = proves_motion.then(|| MotionProof::of(&trajectory));
     let clearances = clearance::run(args, opened, &trajectory, term)?;
     let fails = [
         worst > args.closure,
@@ -86,11 +86,15 @@ fn motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Report, F
         .fold(f64::INFINITY, f64::min);
     let condition = trajectory.poses().map(|p| p.condition).fold(0.0, f64::max);
     let branches = branches(&trajectory);
-    let proof = Proof::of(&trajectory, args.certify);
+    let is_proof_asked = args.certify != CertifyArg::None;
+    let proof = PoseProofs::of(&trajectory, is_proof_asked);
     let verdict = verdict(outcome);
     let lines = measured.iter().map(|m| format!("  {}\n", m.line()));
     let lines: String = lines.collect();
-    let assumptions = certify::assumptions(system.structure(), args.certify);
+    let assumptions = match is_proof_asked {
+        true => assumptions(system.structure()),
+        false => Vec::new(),
+    };
     let assumed = match assumptions.is_empty() {
         true => String::new(),
         false => format!("  assumed          {}\n", assumptions.join("; ")),
@@ -135,100 +139,12 @@ fn motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Report, F
         "assumed": assumptions,
         "motion": motion.as_ref().map(MotionProof::json),
         "mobility": freedoms::document(mechanism, &mobility),
-        "events": trajectory.events.iter().map(|e| report::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "events": trajectory.events.iter().map(|e| sentences::sentence(mechanism, e)).collect::<Vec<_>>(),
         "clearance": clearances.map(|part| part.document),
         "gaps": gaps(mechanism, &trajectory),
         "result": verdict,
     });
     Ok((text, document, outcome))
-}
-
-/// The certificates of a motion, summed up.
-struct Proof {
-    poses: usize,
-    error_bound: f64,
-    unique_radius: f64,
-    refused: usize,
-    /// Proved as rotations only.
-    locked: usize,
-    reasons: Vec<&'static str>,
-}
-
-impl Proof {
-    /// Of the certificates that were `asked` for: clearances may have needed more.
-    fn of(trajectory: &Trajectory, asked: CertifyArg) -> Self {
-        let mut proof = Self {
-            poses: 0,
-            error_bound: 0.0,
-            unique_radius: f64::INFINITY,
-            refused: 0,
-            locked: 0,
-            reasons: Vec::new(),
-        };
-        for pose in trajectory.poses() {
-            proof.poses += 1;
-            let certificate = match asked {
-                CertifyArg::None => Certificate::Refused {
-                    reason: Reason::NotAsked,
-                },
-                _ => pose.certificate,
-            };
-            match certificate {
-                Certificate::Certified {
-                    error_bound,
-                    unique_radius,
-                }
-                | Certificate::Locked {
-                    error_bound,
-                    unique_radius,
-                } => {
-                    let is_locked = matches!(certificate, Certificate::Locked { .. });
-                    proof.locked += usize::from(is_locked);
-                    proof.error_bound = proof.error_bound.max(error_bound);
-                    proof.unique_radius = proof.unique_radius.min(unique_radius);
-                }
-                Certificate::Refused { reason } => {
-                    proof.refused += 1;
-                    if !proof.reasons.contains(&reason.word()) {
-                        proof.reasons.push(reason.word());
-                    }
-                }
-            }
-        }
-        proof
-    }
-
-    /// Itself if any pose is certified; the bounds mean nothing otherwise.
-    fn certified(&self) -> Option<&Self> {
-        (self.refused < self.poses).then_some(self)
-    }
-
-    fn sentence(&self, mechanism: &Mechanism) -> String {
-        if self.reasons == [Reason::NotAsked.word()] {
-            return "not asked for".to_owned();
-        }
-        let unit = &mechanism.length_unit;
-        let bounds = self.certified().map_or_else(String::new, |p| {
-            format!(
-                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
-                p.error_bound,
-                report::radius(p.unique_radius)
-            )
-        });
-        let reasons = if self.reasons.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", self.reasons.join(", "))
-        };
-        let locked = match self.locked {
-            0 => String::new(),
-            n => format!("; {n} with locked angles, of which the rotation is proved"),
-        };
-        format!(
-            "{bounds}refused {} of {}{reasons}{locked}",
-            self.refused, self.poses
-        )
-    }
 }
 
 /// The branch signatures met, in order.

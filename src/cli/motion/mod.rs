@@ -1,6 +1,7 @@
 //! The verbs on the motion of one scene: solve, render, plot, modes.
 
 pub mod certify;
+pub mod event_messages;
 pub mod models;
 pub mod modes;
 pub mod plot;

@@ -3,13 +3,13 @@
 use crate::cli::args::files::FileArgs;
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::to_stdout;
-use crate::cli::report::events::inputs;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::export::glb::write_glb;
 use crate::export::solid::{Library, write_obj, write_stl};
 use crate::export::{ExportSummary, Format, Target};
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::report::sentences::inputs;
 use crate::scene::Scene;
 use crate::staging::Staging;
 use crate::staging::model::of_motion;

@@ -5,11 +5,11 @@ use crate::cli::io;
 use crate::cli::open::mode::{count, search};
 use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::solve::assembly_modes::{Mode, Modes};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::report::sentences;
 use serde_json::{Map, Value, json};
 
 /// Runs the verb.
@@ -53,7 +53,7 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
 
 /// The table, and what it is worth.
 fn text(mechanism: &Mechanism, inputs: &[f64], time: f64, modes: &Modes) -> String {
-    let inputs = report::inputs(mechanism, inputs);
+    let inputs = sentences::inputs(mechanism, inputs);
     let mut text = format!(
         "{}\n{} found at t = {time} s ({inputs})\n",
         mechanism.title,

@@ -1,12 +1,12 @@
 //! `mechanim plot`: curves of the motion as SVG or PNG.
 
+use super::event_messages;
 use crate::charts::motion::{chart, default_plot};
 use crate::cli::args::charts::PlotArgs;
 use crate::cli::files::chart::{PlotFormat, write};
 use crate::cli::io;
 use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::continuation::solve;
@@ -31,7 +31,7 @@ pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut output = io::open(&args.out)?;
     let trajectory = solve_with_ends(&system, actuation, times);
     crate::cli::interrupt::refuse_interrupted()?;
-    let outcome = report::events(&system, actuation, &trajectory, term)?;
+    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
     let chart = chart(&system, actuation, &plots, &trajectory);
     write(&chart, format, args.size, args.theme, output.as_mut())?;
     output.commit()?;

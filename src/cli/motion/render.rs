@@ -1,7 +1,7 @@
 //! `mechanim render`: solve, stage, draw, encode; or write shapes and their motion.
 
 use super::solve::up_to;
-use super::{models, plot};
+use super::{event_messages, models, plot};
 use crate::cli::args::motion::{RenderArgs, ShowArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::Film;
@@ -10,7 +10,6 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::pictures::clearance as clearance_picture;
 use crate::cli::pictures::frames::Pictures;
-use crate::cli::report::events as report;
 use crate::cli::term::Term;
 use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
@@ -44,7 +43,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         let plan = Plan::new(args, &scene, &format)?;
         let trajectory = solve(&system, &scene.actuation, &plan.times);
-        let outcome = report::events(&system, &scene.actuation, &trajectory, term)?;
+        let outcome = event_messages::tell(&system, &scene.actuation, &trajectory, term)?;
         (plan, trajectory, outcome)
     };
     let scene = scene;

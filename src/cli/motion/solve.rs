@@ -1,13 +1,11 @@
 //! `mechanim solve`: the motion as a table.
 
-use super::certify;
-use super::certify::MotionProof;
+use super::{certify, event_messages};
 use crate::cli::args::motion::{CertifyArg, SolveArgs, TableFormat};
 use crate::cli::interrupt::refuse_interrupted;
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
-use crate::cli::report::{events as report, freedoms};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Output;
@@ -18,8 +16,9 @@ use crate::kinematics::solve::iterates::iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
-use crate::report::iterates as iterate_table;
+use crate::report::proof::MotionProof;
 use crate::report::table::{Columns, write_csv, write_json};
+use crate::report::{freedoms, iterates as iterate_table};
 use crate::scene::Scene;
 use std::path::Path;
 
@@ -50,8 +49,9 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
-    let outcome = report::events(&system, actuation, &trajectory, term)?;
-    let proof = MotionProof::of(&trajectory, args.certify);
+    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
+    let proves_motion = args.certify == CertifyArg::Motion;
+    let proof = proves_motion.then(|| MotionProof::of(&trajectory));
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {
         term.warning(&format!(
             "motion: {}",
@@ -68,7 +68,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     let columns = Columns {
         rates: args.rates,
         derivatives,
-        motion: args.certify == CertifyArg::Motion,
+        motion: proves_motion,
     };
     match format {
         TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,

@@ -9,11 +9,11 @@ use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
 use crate::cli::open::study::{Opened, open};
-use crate::cli::report::synthesis::{Found, document, ladder, rows, text};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::jobs::cores;
 use crate::report::cells::six;
+use crate::report::synthesis::{Found, document, ladder, rows, text};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::io::Write;
@@ -154,7 +154,7 @@ fn one<'a>(
     let own = own_measures(opened)?;
     Ok(Found {
         name: name.to_owned(),
-        opened,
+        family: &opened.family,
         seed: args.seed,
         synthesis,
         own,

@@ -1,7 +1,6 @@
 //! Where exactly a singular pose was passed: the smallest singular value, with the determinant's sign, goes through
 //! zero there as a smooth function of time. It is read off at some distance, where poses still have their digits.
 
-use super::events::Events;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::MAX_CORRECTION;
@@ -36,26 +35,13 @@ struct Node {
     value: f64,
 }
 
-impl Events {
-    /// Locates the last crossing, now that there is a regular pose behind it.
-    pub(crate) fn locate_crossing(&mut self, tracker: &mut PathTracker, after: &PathPoint) {
-        let Some(crossing) = self.crossing.take() else {
-            return;
-        };
-        let Some(time) = zero_between(tracker, crossing.before, after.clone()) else {
-            return;
-        };
-        let inputs = tracker.actuation().inputs_at(time);
-        if let Some(event) = self.list.get_mut(crossing.event) {
-            event.time = time;
-            event.inputs = inputs;
-        }
-    }
-}
-
 /// Time at which the determinant of a block vanishes between two poses; `None` where none changes its sign, or
 /// where poses between them cannot be found.
-fn zero_between(tracker: &mut PathTracker, before: PathPoint, after: PathPoint) -> Option<f64> {
+pub(crate) fn zero_between(
+    tracker: &mut PathTracker,
+    before: PathPoint,
+    after: PathPoint,
+) -> Option<f64> {
     let mut pairs = before.branch.signs.iter().zip(&after.branch.signs);
     let block = pairs.position(|(a, b)| a * b < 0)?;
     let mut low = node(tracker, before, block);

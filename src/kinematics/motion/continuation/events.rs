@@ -1,7 +1,7 @@
 //! What happens between samples: singular poses that are passed or met, and locked ball joints. They are told by the
 //! tracker while it goes along.
 
-use super::crossings::Crossing;
+use super::crossings::{Crossing, zero_between};
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, PathWatcher};
 use crate::kinematics::results::trajectory::{Event, EventKind};
 use crate::model::actuation::Actuation;
@@ -31,6 +31,21 @@ impl Events {
             event: self.list.len() - 1,
             before,
         });
+    }
+
+    /// Locates the last crossing, now that there is a regular pose behind it.
+    pub(crate) fn locate_crossing(&mut self, tracker: &mut PathTracker, after: &PathPoint) {
+        let Some(crossing) = self.crossing.take() else {
+            return;
+        };
+        let Some(time) = zero_between(tracker, crossing.before, after.clone()) else {
+            return;
+        };
+        let inputs = tracker.actuation().inputs_at(time);
+        if let Some(event) = self.list.get_mut(crossing.event) {
+            event.time = time;
+            event.inputs = inputs;
+        }
     }
 }
 

@@ -1,17 +1,8 @@
-//! Stretches of the drive without a pose: how far the mechanism stays from closing there, and where poses begin again.
-//!
-//! Where a pose is found after a gap, the motion is followed backwards from it until it ends: the gap's end is located
-//! as its beginning is. What can be followed back past the beginning of the gap is another assembly, which the motion
-//! cannot reach; taking it up would be a jump.
+//! Stretches of the drive without a pose, and how far the mechanism stays from closing there.
 
-use super::recorder::Recorder;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
-use crate::kinematics::motion::tracker::singular::Target;
-use crate::kinematics::results::trajectory::{EventKind, Gap, Instant, Lack};
-use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake, smallest_gap};
-
-/// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
-const ASIDE: f64 = 0.3;
+use crate::kinematics::results::trajectory::{Gap, Instant, Lack};
+use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
 const SAME_POSE: f64 = 1e-6;
@@ -24,10 +15,10 @@ pub(crate) struct Gaps {
     /// Of the samples of the present gap the one that is farthest from closing.
     widest: Option<(f64, NotClosed)>,
     /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
-    elsewhere: Option<PathPoint>,
+    pub(super) elsewhere: Option<PathPoint>,
 }
 
-fn instant(tracker: &PathTracker, time: f64) -> Instant {
+pub(super) fn instant(tracker: &PathTracker, time: f64) -> Instant {
     Instant {
         time,
         inputs: tracker.actuation().inputs_at(time),
@@ -76,7 +67,7 @@ impl Gaps {
     }
 
     /// Whether `found` belongs to the assembly that was refused at the sample before.
-    fn is_known_elsewhere(&mut self, tracker: &mut PathTracker, found: &PathPoint) -> bool {
+    pub fn is_known_elsewhere(&mut self, tracker: &mut PathTracker, found: &PathPoint) -> bool {
         let Some(before) = self.elsewhere.clone() else {
             return false;
         };
@@ -90,123 +81,5 @@ impl Gaps {
             self.elsewhere = Some(found.clone());
         }
         same
-    }
-}
-
-impl Recorder<'_> {
-    /// Assembles from `start`, and from beside it where that fails: from links in line no correction leaves the line.
-    pub(crate) fn assembled_from_beside(&mut self, start: &[f64]) -> Result<Assembled, NotClosed> {
-        let solver = &mut self.tracker.solver;
-        let attempt = self.samples.len();
-        solver.assembled(start, false).or_else(|gap| {
-            let mut beside = start.to_vec();
-            shake(solver.system().mechanism(), attempt, ASIDE, &mut beside);
-            let found = solver.assembled(&beside, false).map_err(|_| gap)?;
-            Ok(Assembled { start: 1, ..found })
-        })
-    }
-
-    /// After a gap: assembles again from the last pose, without searching.
-    pub(crate) fn resume(
-        &mut self,
-        last: PathPoint,
-        time: f64,
-    ) -> Result<PathPoint, Option<PathPoint>> {
-        let Ok(inputs) = self.tracker.inputs(time) else {
-            return Err(None);
-        };
-        let unknowns = &last.coordinates[..self.tracker.unknowns()];
-        let start = [unknowns, &inputs].concat();
-        match self.assembled_from_beside(&start) {
-            Ok(found) => {
-                self.tracker.solver.iterations += found.iterations;
-                let point = self.tracker.point(time, found.coordinates);
-                if self.gaps.is_known_elsewhere(&mut self.tracker, &point) {
-                    return Err(None);
-                }
-                self.re_enter(&last, point)
-            }
-            Err(best) => {
-                self.gaps.note_lack(&self.tracker, time, best);
-                Err(None)
-            }
-        }
-    }
-
-    /// The first pose of a motion whose drive begins where there is none.
-    pub(crate) fn enter(&mut self, found: PathPoint) -> Result<PathPoint, Option<PathPoint>> {
-        let first = self.walk_back(&found, None);
-        self.close_gap(&found, first.map_or(found.time, |s| s.time), true);
-        Ok(self.restart(found))
-    }
-
-    /// Takes the motion up again at `found`, on the branch of `last` if it can.
-    fn re_enter(
-        &mut self,
-        last: &PathPoint,
-        found: PathPoint,
-    ) -> Result<PathPoint, Option<PathPoint>> {
-        let gap = self.gaps.list.last();
-        let began = gap.and_then(|g| g.from.as_ref()).map(|from| from.time);
-        let Some(first) = self.walk_back(&found, began) else {
-            self.gaps.elsewhere = Some(found);
-            return Err(None);
-        };
-        let wanted = &last.branch.signs;
-        let found = if found.branch.signs == *wanted {
-            found
-        } else {
-            let other = self.tracker.other_branch(&first, &found, wanted);
-            other.unwrap_or(found)
-        };
-        let same_branch = found.branch.signs == *wanted;
-        self.close_gap(&found, first.time, same_branch);
-        Ok(self.restart(found))
-    }
-
-    /// Where the motion to `found` begins; `None` if it can be followed back to where the gap began, or to the first sample.
-    fn walk_back(&mut self, found: &PathPoint, began: Option<f64>) -> Option<PathPoint> {
-        let target = match began {
-            Some(time) => Target::Gap(time),
-            None => Target::Time(self.samples.first()?.time),
-        };
-        self.tracker.walk_back(found, target, &mut Unwatched)
-    }
-
-    fn close_gap(&mut self, found: &PathPoint, time: f64, same_branch: bool) {
-        self.gaps.measure(&self.tracker);
-        let until = instant(&self.tracker, time);
-        if let Some(gap) = self.gaps.list.last_mut() {
-            gap.until = Some(until);
-        }
-        self.fill_back(found, time);
-        self.event(time, EventKind::MotionResumes { same_branch });
-    }
-
-    /// Lost samples behind the end of a gap have poses after all: the search from before the gap has missed them.
-    fn fill_back(&mut self, found: &PathPoint, time: f64) {
-        let mut here = found.clone();
-        for index in (0..self.samples.len()).rev() {
-            let sample = &self.samples[index];
-            if sample.pose.is_some() || sample.time < time {
-                return;
-            }
-            self.tracker.anchor = Some(here.clone());
-            match self.tracker.follow(here, sample.time, &mut Unwatched) {
-                Ok(point) => {
-                    self.samples[index].pose = self.closed_pose(&point);
-                    here = point;
-                }
-                Err(_) => return,
-            }
-        }
-    }
-
-    /// The motion goes on from `point`; what was met before is no anchor any more.
-    fn restart(&mut self, point: PathPoint) -> PathPoint {
-        self.tracker.anchor = None;
-        self.events.crossing = None;
-        self.events.singular_sample = None;
-        self.tracker.keep(point, &mut self.events)
     }
 }

@@ -7,6 +7,7 @@ mod gaps;
 mod locks;
 mod poses;
 mod recorder;
+mod resumptions;
 mod starts;
 
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};

@@ -1,11 +1,10 @@
 //! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
 
-use crate::analysis::study::FamilyError;
+use super::cells::{aligned, six};
+use crate::analysis::study::{Family, FamilyError};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{Start, Synthesis, ended};
-use crate::cli::open::study::Opened;
 use crate::model::measure::Measure;
-use crate::report::cells::{aligned, six};
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
@@ -19,7 +18,7 @@ pub struct Found<'a> {
     /// As it was asked for.
     pub name: String,
     /// The scene.
-    pub opened: &'a Opened,
+    pub family: &'a Family,
     /// Where random numbers started.
     pub seed: u64,
     /// The search.
@@ -41,7 +40,7 @@ impl Found<'_> {
     }
 
     fn violation(&self, proof: &Proof) -> f64 {
-        let pairs = self.opened.family.measures.list.iter().zip(&proof.measures);
+        let pairs = self.family.measures.list.iter().zip(&proof.measures);
         let values = pairs.map(|(m, v)| m.violation(v.unwrap_or(f64::NAN)));
         values.fold(f64::NEG_INFINITY, |worst, v| {
             if v > worst || v.is_nan() { v } else { worst }
@@ -50,7 +49,7 @@ impl Found<'_> {
 
     /// Printed, own and found values of a measure, in the file's unit.
     fn values(&self, index: usize, measure: &Measure) -> [Option<f64>; 3] {
-        let study = &self.opened.family.study;
+        let study = &self.family.study;
         let printed = study.printed.iter().find(|(k, _)| *k == index);
         let is_objective = study.objective == Some(index);
         let found = match &self.proof {
@@ -59,7 +58,7 @@ impl Found<'_> {
             Ok(proof) => proof.measures[index],
             Err(_) => None,
         };
-        let shown = |v: f64| self.opened.family.shown(measure, v);
+        let shown = |v: f64| self.family.shown(measure, v);
         [
             printed.map(|(_, v)| shown(*v)),
             Some(shown(self.own[index])),
@@ -78,12 +77,12 @@ fn words(list: &[&str]) -> Vec<String> {
 
 /// One scene for people.
 pub fn text(found: &Found) -> String {
-    let (opened, synthesis) = (found.opened, &found.synthesis);
-    let objective = opened.family.objective();
-    let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
+    let (family, synthesis) = (found.family, &found.synthesis);
+    let objective = family.objective();
+    let unit = objective.map_or(1.0, |m| family.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
-    let mut text = format!("{}\n", opened.family.mechanism().title);
-    if let Some(note) = &opened.family.study.note {
+    let mut text = format!("{}\n", family.mechanism().title);
+    if let Some(note) = &family.study.note {
         text.push_str(&format!("  {note}\n"));
     }
     let rejected = synthesis.rejected();
@@ -158,10 +157,10 @@ fn start_row(index: usize, start: &Start, is_polish: bool, unit: f64) -> Vec<Str
 }
 
 fn variables(found: &Found) -> String {
-    let study = &found.opened.family.study;
+    let study = &found.family.study;
     let mut table = vec![words(&["variable", "scene", "found", "lowest", "highest"])];
     for (variable, x) in study.variables.iter().zip(&found.synthesis.best) {
-        let unit = found.opened.family.units(variable.kind);
+        let unit = found.family.units(variable.kind);
         let numbers = [variable.start, *x, variable.lower, variable.upper];
         let mut row = vec![variable.name.clone()];
         row.extend(numbers.map(|v| six(v * unit)));
@@ -172,7 +171,7 @@ fn variables(found: &Found) -> String {
 
 fn measures(found: &Found) -> String {
     let mut table = vec![words(&["measure", "printed", "scene", "found"])];
-    for (index, measure) in found.opened.family.measures.list.iter().enumerate() {
+    for (index, measure) in found.family.measures.list.iter().enumerate() {
         let mut row = vec![measure.name.clone()];
         row.extend(found.values(index, measure).map(cell));
         table.push(row);
@@ -185,7 +184,7 @@ fn proof(found: &Found) -> String {
         Ok(proof) => proof,
         Err(error) => return format!("\n  NOT PROVED: {error}\n"),
     };
-    let unit = &found.opened.family.mechanism().length_unit;
+    let unit = &found.family.mechanism().length_unit;
     let open = proof.open.map_or(String::new(), |open| {
         format!(", back where it began within {open:.1e} {unit}")
     });
@@ -233,21 +232,8 @@ fn common(found: &[Found]) -> Vec<String> {
     let Some(first) = found.first() else {
         return Vec::new();
     };
-    let has = |one: &Found, name: &str| {
-        one.opened
-            .family
-            .measures
-            .list
-            .iter()
-            .any(|m| m.name == name)
-    };
-    let names = first
-        .opened
-        .family
-        .measures
-        .list
-        .iter()
-        .map(|m| m.name.clone());
+    let has = |one: &Found, name: &str| one.family.measures.list.iter().any(|m| m.name == name);
+    let names = first.family.measures.list.iter().map(|m| m.name.clone());
     names
         .filter(|name| found.iter().all(|one| has(one, name)))
         .collect()
@@ -269,11 +255,11 @@ pub fn ladder(found: &[Found]) -> String {
             "proved",
         ])];
         for one in found {
-            let measures = one.opened.family.measures.list.iter().enumerate();
+            let measures = one.family.measures.list.iter().enumerate();
             for (index, measure) in measures.filter(|(_, m)| m.name == *name) {
                 let mut row = vec![
                     one.name.clone(),
-                    one.opened.family.study.variables.len().to_string(),
+                    one.family.study.variables.len().to_string(),
                 ];
                 row.extend(one.values(index, measure).map(cell));
                 row.extend([
@@ -295,7 +281,7 @@ pub fn rows(found: &[Found]) -> String {
     let mut text = "scene,kind,name,printed,scene_value,found\n".to_owned();
     let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:?}"));
     for one in found {
-        for (index, measure) in one.opened.family.measures.list.iter().enumerate() {
+        for (index, measure) in one.family.measures.list.iter().enumerate() {
             let [printed, own, value] = one.values(index, measure).map(number);
             let name = &measure.name;
             text.push_str(&format!(
@@ -303,9 +289,9 @@ pub fn rows(found: &[Found]) -> String {
                 one.name
             ));
         }
-        let study = &one.opened.family.study;
+        let study = &one.family.study;
         for (variable, x) in study.variables.iter().zip(&one.synthesis.best) {
-            let unit = one.opened.family.units(variable.kind);
+            let unit = one.family.units(variable.kind);
             let (own, value) = (variable.start * unit, x * unit);
             text.push_str(&format!(
                 "{},variable,{},,{own:?},{value:?}\n",
@@ -323,9 +309,9 @@ pub fn document(found: &[Found]) -> Value {
 }
 
 fn scene_document(found: &Found) -> Value {
-    let (opened, synthesis) = (found.opened, &found.synthesis);
-    let objective = opened.family.objective();
-    let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
+    let (family, synthesis) = (found.family, &found.synthesis);
+    let objective = family.objective();
+    let unit = objective.map_or(1.0, |m| family.units(m.kind));
     let starts: Vec<Value> = synthesis
         .starts
         .iter()
@@ -344,14 +330,14 @@ fn scene_document(found: &Found) -> Value {
         })
         .collect();
     let mut measures = Map::new();
-    for (index, measure) in opened.family.measures.list.iter().enumerate() {
+    for (index, measure) in family.measures.list.iter().enumerate() {
         let [printed, own, value] = found.values(index, measure);
         let entry = json!({ "printed": printed, "scene": own, "found": value });
         measures.insert(measure.name.clone(), entry);
     }
     let mut variables = Map::new();
-    for (variable, x) in opened.family.study.variables.iter().zip(&synthesis.best) {
-        let unit = opened.family.units(variable.kind);
+    for (variable, x) in family.study.variables.iter().zip(&synthesis.best) {
+        let unit = family.units(variable.kind);
         let entry = json!({ "scene": variable.start * unit, "found": x * unit });
         variables.insert(variable.name.clone(), entry);
     }
@@ -365,8 +351,8 @@ fn scene_document(found: &Found) -> Value {
     });
     json!({
         "name": found.name,
-        "title": opened.family.mechanism().title,
-        "note": opened.family.study.note,
+        "title": family.mechanism().title,
+        "note": family.study.note,
         "objective": objective.map(|m| &m.name),
         "value": synthesis.value * unit,
         "seed": found.seed,

@@ -1,68 +1,13 @@
-//! Events of a trajectory in words and the outcome they mean.
+//! Events and gaps of a motion as sentences, with values in the scene's units.
 
-use crate::cli::term::Term;
-use crate::cli::term::outcome::{Failure, Outcome};
-use crate::kinematics::motion::feasible::feasible_inputs;
-use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant, Trajectory};
-use crate::kinematics::structure::system::System;
-use crate::model::actuation::Actuation;
+use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant};
 use crate::model::mechanism::{Kind, Mechanism};
 
 /// Angles above this are no rounding of a zero.
 const SEEN_ANGLE: f64 = 5e-7;
 
-/// Most events that are printed one by one.
-const MAX_LINES: usize = 12;
-
 /// Angles this near to gimbal lock are called locked: what is left is rounding of the way there.
 const LOCKED: f64 = 1e-9;
-
-/// Says what happened; a motion without any pose is a failure.
-pub fn events(
-    system: &System,
-    actuation: &Actuation,
-    trajectory: &Trajectory,
-    term: &Term,
-) -> Result<Outcome, Failure> {
-    if trajectory.poses().next().is_none() {
-        return Err(never_closed(system, actuation, trajectory));
-    }
-    let mechanism = system.mechanism();
-    // What a gap says is not said again as an event.
-    let told = |e: &&Event| {
-        !matches!(
-            e.kind,
-            EventKind::MotionEnds
-                | EventKind::MotionResumes { same_branch: true }
-                | EventKind::LimitPosition { .. }
-        )
-    };
-    let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
-    let events = trajectory.events.iter().filter(told);
-    let lines: Vec<String> = gaps.chain(events.map(|e| sentence(mechanism, e))).collect();
-    for line in lines.iter().take(MAX_LINES) {
-        term.warning(line);
-    }
-    if lines.len() > MAX_LINES {
-        term.warning(&format!("and {} more events", lines.len() - MAX_LINES));
-    }
-    let limits = trajectory.events.iter();
-    for event in limits.filter(|e| matches!(e.kind, EventKind::LimitPosition { .. })) {
-        term.note(&sentence(mechanism, event));
-    }
-    let missing = trajectory.missing();
-    if missing == 0 && trajectory.gaps.is_empty() {
-        return Ok(Outcome::Done);
-    }
-    term.warning(&match missing {
-        0 => "every sample has a pose, but not every instant between them".to_owned(),
-        _ => format!(
-            "{missing} of {} samples have no pose",
-            trajectory.samples.len()
-        ),
-    });
-    Ok(Outcome::NotClosed)
-}
 
 /// A stretch without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
 pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
@@ -216,80 +161,12 @@ pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
     }
 }
 
-/// `-17.000000000 mm`.
-fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
+/// A value with its unit: `-17.000000000 mm`.
+pub fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
     let unit = match kind {
         Kind::Angle => format!(" {}", mechanism.angle_unit.name),
         Kind::Length => format!(" {}", mechanism.length_unit),
         Kind::Number => String::new(),
     };
     format!("{:.9}{unit}", value * mechanism.file_units(kind))
-}
-
-fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory) -> Failure {
-    let mechanism = system.mechanism();
-    let first = trajectory.events.first();
-    let message = first.map_or_else(
-        || "no pose was found".to_owned(),
-        |event| sentence(mechanism, event),
-    );
-    let mut hints: Vec<String> = first
-        .into_iter()
-        .filter_map(|e| contradiction(system, e))
-        .collect();
-    hints.extend([
-        "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
-            .to_owned(),
-        "or change the inputs: the mechanism may not reach this far".to_owned(),
-    ]);
-    for feasible in feasible_inputs(system, actuation) {
-        let input = &mechanism.inputs[feasible.input];
-        let value = |v: f64| with_unit(mechanism, input.kind, v);
-        let stretches = feasible.stretches.iter();
-        let list: Vec<String> = stretches
-            .map(|[from, to]| format!("{} to {}", value(*from), value(*to)))
-            .collect();
-        hints.push(format!(
-            "poses were found for `{}` from {}",
-            input.name,
-            list.join(", and from ")
-        ));
-    }
-    Failure::NeverClosed { message, hints }
-}
-
-/// What to say when the loop that does not close has too few unknowns for its equations.
-fn contradiction(system: &System, event: &Event) -> Option<String> {
-    let mechanism = system.mechanism();
-    let EventKind::StartNotClosed { name, .. } = &event.kind else {
-        return None;
-    };
-    let block = system.structure().overfull(mechanism, name)?;
-    let slots = block
-        .arguments
-        .iter()
-        .flat_map(|a| mechanism.arguments[*a].coordinates());
-    let equations = block.equations.iter();
-    let mut slots: Vec<usize> = slots
-        .chain(equations.flat_map(|e| mechanism.equations[*e].expression.slots()))
-        .filter_map(|slot| slot.checked_sub(mechanism.unknowns.len()))
-        .collect();
-    slots.sort_unstable();
-    slots.dedup();
-    let (rows, unknowns) = (block.rows(), block.unknowns.len());
-    let inputs: Vec<&str> = slots
-        .iter()
-        .map(|k| mechanism.inputs[*k].name.as_str())
-        .collect();
-    let fit = match inputs[..] {
-        [] => "the dimensions must fit".to_owned(),
-        [one] => format!("input {one} and the dimensions must fit"),
-        _ => format!(
-            "inputs {} contradict each other unless they fit",
-            inputs.join(", ")
-        ),
-    };
-    Some(format!(
-        "`{name}` has {rows} equations and {unknowns} unknowns: {fit} exactly"
-    ))
 }

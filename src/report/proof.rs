@@ -1,0 +1,212 @@
+//! What is proved of a motion: its poses and the intervals between them, summed up.
+
+use super::sentences;
+use crate::kinematics::results::certificate::{Certificate, IntervalCertificate, Reason};
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::block::Structure;
+use crate::model::actuation::Actuation;
+use crate::model::mechanism::Mechanism;
+use serde_json::{Value, json};
+
+/// What proofs of a mechanism rest on, one sentence each.
+pub fn assumptions(structure: &Structure) -> Vec<String> {
+    let mut list = vec![
+        "sine and cosine right within one unit in the last place".to_owned(),
+        "inputs as printed".to_owned(),
+    ];
+    let unknowns: usize = structure.blocks.iter().map(|b| b.unknowns.len()).sum();
+    let dropped = structure.equation_count().saturating_sub(unknowns);
+    if dropped > 0 {
+        list.push(format!("{dropped} dependent equations checked, not proved"));
+    }
+    let empty = structure.empty_equations.len();
+    if empty > 0 {
+        list.push(format!(
+            "{empty} equations empty at random poses hold at all"
+        ));
+    }
+    list
+}
+
+/// The intervals of a motion, summed up.
+pub struct MotionProof<'t> {
+    trajectory: &'t Trajectory,
+    certified: usize,
+    tubes: usize,
+    radius: f64,
+    unique_radius: f64,
+}
+
+impl<'t> MotionProof<'t> {
+    /// Of the intervals between the samples.
+    pub fn of(trajectory: &'t Trajectory) -> Self {
+        let mut proof = Self {
+            trajectory,
+            certified: 0,
+            tubes: 0,
+            radius: 0.0,
+            unique_radius: f64::INFINITY,
+        };
+        for interval in trajectory.intervals.iter().filter(|i| i.refused.is_none()) {
+            proof.certified += 1;
+            proof.tubes += interval.tubes;
+            proof.radius = proof.radius.max(interval.radius);
+            proof.unique_radius = proof.unique_radius.min(interval.unique_radius);
+        }
+        proof
+    }
+
+    /// Whether every interval is certified.
+    pub fn is_whole(&self) -> bool {
+        self.certified == self.trajectory.intervals.len()
+    }
+
+    /// The first interval that is not certified: its sample and its certificate.
+    fn first_refused(&self) -> Option<(usize, &IntervalCertificate)> {
+        let mut intervals = self.trajectory.intervals.iter().enumerate();
+        intervals.find(|(_, interval)| interval.refused.is_some())
+    }
+
+    /// One line.
+    pub fn sentence(&self, mechanism: &Mechanism, actuation: &Actuation) -> String {
+        let unit = &mechanism.length_unit;
+        let mut text = format!(
+            "{} of {} intervals certified in {} tubes",
+            self.certified,
+            self.trajectory.intervals.len(),
+            self.tubes
+        );
+        if self.certified > 0 {
+            text.push_str(&format!(
+                "; within {:.1e} {unit} of the proved path, the only motion within {} {unit}",
+                self.radius,
+                sentences::radius(self.unique_radius)
+            ));
+        }
+        let refusal = self.first_refused().and_then(|(_, i)| i.refused);
+        if let Some(refusal) = refusal {
+            let inputs = sentences::inputs(mechanism, &actuation.inputs_at(refusal.time));
+            let word = refusal.obstacle.word();
+            let time = refusal.time;
+            text.push_str(&format!(
+                "; refused first after t = {time:.9} s ({inputs}): {word}"
+            ));
+        }
+        text
+    }
+
+    /// For the JSON report.
+    pub fn json(&self) -> Value {
+        let intervals = self.trajectory.intervals.iter().enumerate();
+        let refused = intervals.filter_map(|(k, interval)| {
+            let refusal = interval.refused?;
+            Some(json!({
+                "after_sample": k,
+                "time": refusal.time,
+                "because": refusal.obstacle.word(),
+            }))
+        });
+        let any = self.certified > 0;
+        json!({
+            "intervals": self.trajectory.intervals.len(),
+            "certified": self.certified,
+            "tubes": self.tubes,
+            "radius": any.then_some(self.radius),
+            "unique_radius": any.then_some(self.unique_radius),
+            "refused": refused.collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// The certificates of a motion, summed up.
+pub struct PoseProofs {
+    poses: usize,
+    /// Largest error bound of a certified pose.
+    pub error_bound: f64,
+    /// Smallest radius of uniqueness.
+    pub unique_radius: f64,
+    /// Poses without a certificate.
+    pub refused: usize,
+    /// Proved as rotations only.
+    pub locked: usize,
+    /// Words of all reasons for a refusal.
+    pub reasons: Vec<&'static str>,
+}
+
+impl PoseProofs {
+    /// Of the certificates, if they were asked for: clearances may have needed more.
+    pub fn of(trajectory: &Trajectory, is_asked: bool) -> Self {
+        let mut proof = Self {
+            poses: 0,
+            error_bound: 0.0,
+            unique_radius: f64::INFINITY,
+            refused: 0,
+            locked: 0,
+            reasons: Vec::new(),
+        };
+        for pose in trajectory.poses() {
+            proof.poses += 1;
+            let certificate = match is_asked {
+                false => Certificate::Refused {
+                    reason: Reason::NotAsked,
+                },
+                true => pose.certificate,
+            };
+            match certificate {
+                Certificate::Certified {
+                    error_bound,
+                    unique_radius,
+                }
+                | Certificate::Locked {
+                    error_bound,
+                    unique_radius,
+                } => {
+                    let is_locked = matches!(certificate, Certificate::Locked { .. });
+                    proof.locked += usize::from(is_locked);
+                    proof.error_bound = proof.error_bound.max(error_bound);
+                    proof.unique_radius = proof.unique_radius.min(unique_radius);
+                }
+                Certificate::Refused { reason } => {
+                    proof.refused += 1;
+                    if !proof.reasons.contains(&reason.word()) {
+                        proof.reasons.push(reason.word());
+                    }
+                }
+            }
+        }
+        proof
+    }
+
+    /// Itself if any pose is certified; the bounds mean nothing otherwise.
+    pub fn certified(&self) -> Option<&Self> {
+        (self.refused < self.poses).then_some(self)
+    }
+
+    /// One line.
+    pub fn sentence(&self, mechanism: &Mechanism) -> String {
+        if self.reasons == [Reason::NotAsked.word()] {
+            return "not asked for".to_owned();
+        }
+        let unit = &mechanism.length_unit;
+        let bounds = self.certified().map_or_else(String::new, |p| {
+            format!(
+                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
+                p.error_bound,
+                sentences::radius(p.unique_radius)
+            )
+        });
+        let reasons = if self.reasons.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", self.reasons.join(", "))
+        };
+        let locked = match self.locked {
+            0 => String::new(),
+            n => format!("; {n} with locked angles, of which the rotation is proved"),
+        };
+        format!(
+            "{bounds}refused {} of {}{reasons}{locked}",
+            self.refused, self.poses
+        )
+    }
+}
