@@ -1,0 +1,2 @@
+//! Joints of small scenes.
+#![allow(clippy::unwrap_used, clippy::panic)]
