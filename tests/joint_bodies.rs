@@ -59,8 +59,8 @@ fn a_hand_that_folds_into_its_forearm_fails() {
 struct Case {
     word: &'static str,
     inputs: &'static str,
-    /// One motion after the other.
-    motions: &'static [&'static str],
+    /// Frames behind its motions, one after the other, and what each motion is by itself.
+    frames: &'static [[&'static str; 2]],
     /// Shapes of the first and the last body.
     outer: [&'static str; 2],
 }
@@ -71,7 +71,10 @@ const CASES: [Case; 5] = [
     Case {
         word: "universal joint",
         inputs: r#"a = 0.1, b = "3*t""#,
-        motions: &["Rz(a)", "Rx(b)"],
+        frames: &[
+            ["Rz(a)", "revolute joint"],
+            ["Rz(a) Rx(b)", "revolute joint"],
+        ],
         outer: [
             "{ capsule = { from = [0, 0, -100], to = [0, 0, -40], radius = 10 } }",
             "{ capsule = { from = [0, 0, 40], to = [0, 0, 100], radius = 10 } }",
@@ -80,7 +83,11 @@ const CASES: [Case; 5] = [
     Case {
         word: "spherical joint",
         inputs: r#"a = 0.1, b = "3*t", c = 0.2"#,
-        motions: &["Rz(a)", "Rx(b)", "Rz(c)"],
+        frames: &[
+            ["Rz(a)", "revolute joint"],
+            ["Rz(a) Rx(b)", "revolute joint"],
+            ["Rz(a) Rx(b) Rz(c)", "revolute joint"],
+        ],
         outer: [
             "{ capsule = { from = [0, 0, -100], to = [0, 0, -40], radius = 10 } }",
             "{ capsule = { from = [0, 0, 40], to = [0, 0, 100], radius = 10 } }",
@@ -89,7 +96,10 @@ const CASES: [Case; 5] = [
     Case {
         word: "cylindrical joint",
         inputs: r#"a = "t", d = "-50*t""#,
-        motions: &["Rz(a - 1)", "Tz(d)"],
+        frames: &[
+            ["Rz(a - 1)", "revolute joint"],
+            ["Rz(a - 1) Tz(d)", "prismatic joint"],
+        ],
         outer: [
             BLOCK,
             "{ box = { center = [20, 0, 50], size = [6, 6, 6] } }",
@@ -98,7 +108,10 @@ const CASES: [Case; 5] = [
     Case {
         word: "helical joint",
         inputs: r#"a = "2*pi*t""#,
-        motions: &["Rz(a)", "Tz(-8*a)"],
+        frames: &[
+            ["Rz(a)", "revolute joint"],
+            ["Hz(-50, a)", "prismatic joint"],
+        ],
         outer: [
             BLOCK,
             "{ box = { center = [20, 0, 50], size = [6, 6, 6] } }",
@@ -107,10 +120,14 @@ const CASES: [Case; 5] = [
     Case {
         word: "planar joint",
         inputs: r#"x = "-50*t", y = "-30*t", c = 0.1"#,
-        motions: &["Tx(x)", "Ty(y)", "Rz(c)"],
+        frames: &[
+            ["Tx(x)", "prismatic joint"],
+            ["Tx(x) Ty(y)", "prismatic joint"],
+            ["Tx(x) Ty(y) Rz(c)", "revolute joint"],
+        ],
         outer: [
             BLOCK,
-            "{ box = { center = [70, 30, 0], size = [9, 9, 9] } }",
+            "{ box = { center = [70, 30, 0], size = [20, 20, 20] } }",
         ],
     },
 ];
@@ -118,20 +135,18 @@ const CASES: [Case; 5] = [
 impl Case {
     /// The scene, with bodies far away after the motions of these numbers.
     fn scene(&self, between: &[usize]) -> Scene {
-        let body = |name: &str, motions: &[&str], shape: &str| {
-            let frame = motions.join(" ");
-            let frame = if frame.is_empty() { "Tx(0)" } else { &frame };
+        let body = |name: &str, frame: &str, shape: &str| {
             format!("  {{ name = \"{name}\", frame = \"{frame}\", shapes = [{shape}] }},\n")
         };
-        let mut bodies = body("first", &[], self.outer[0]);
+        let mut bodies = body("first", "Tx(0)", self.outer[0]);
         for k in between {
             let far = format!(
                 "{{ sphere = {{ center = [{}, 300, 0], radius = 3 }} }}",
                 500 * (k + 1)
             );
-            bodies += &body(&format!("part {k}"), &self.motions[..=*k], &far);
+            bodies += &body(&format!("part {k}"), self.frames[*k][0], &far);
         }
-        bodies += &body("last", self.motions, self.outer[1]);
+        bodies += &body("last", self.frames[self.frames.len() - 1][0], self.outer[1]);
         open(&format!(
             "duration = 1\nunits = {{ length = \"mm\", angle = \"rad\" }}\ninputs = {{ {} }}\nbodies = [\n{bodies}]\nclearance = {{ minimum = 1 }}\n",
             self.inputs
@@ -155,7 +170,7 @@ fn outer_bodies_of_a_joint_are_neighbours_unless_a_body_is_between() {
         let (judgement, depth) = case.verdict(&[]);
         assert_eq!(judgement, Judgement::Neighbours(case.word));
         assert!(depth < 0.0, "{}: {depth}", case.word);
-        let inner = case.motions.len() - 1;
+        let inner = case.frames.len() - 1;
         for k in 0..inner {
             let (judgement, depth) = case.verdict(&[k]);
             assert_eq!(judgement, Judgement::Failed, "{}, part {k}", case.word);
@@ -169,7 +184,7 @@ fn outer_bodies_of_a_joint_are_neighbours_unless_a_body_is_between() {
 #[test]
 fn parts_of_a_joint_are_neighbours_of_what_they_touch() {
     for case in &CASES {
-        let inner: Vec<usize> = (0..case.motions.len() - 1).collect();
+        let inner: Vec<usize> = (0..case.frames.len() - 1).collect();
         let scene = case.scene(&inner);
         let report = report(&scene);
         for k in 0..=inner.len() {
@@ -178,10 +193,7 @@ fn parts_of_a_joint_are_neighbours_of_what_they_touch() {
                 .iter()
                 .find(|p| p.pair == [k, k + 1])
                 .unwrap();
-            let word = match case.motions[k].starts_with('R') {
-                true => "revolute joint",
-                false => "prismatic joint",
-            };
+            let word = case.frames[k][1];
             assert_eq!(pair.judgement, Judgement::Neighbours(word), "{}", case.word);
         }
     }

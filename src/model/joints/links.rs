@@ -9,7 +9,7 @@
 //! commutes with the motion (a turn about the axis; of a rotation a shift along it; of a translation any shift) are frames of
 //! the same motion.
 
-use super::EXACT;
+use super::{EXACT, LinkFrame};
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
@@ -21,14 +21,7 @@ const FLIP: Pose = Pose {
     translation: DVec3::ZERO,
 };
 
-/// A frame on a link.
-#[derive(Clone, Copy, Debug)]
-pub struct Position {
-    pub link: usize,
-    pub link_from_here: Pose,
-}
-
-impl Position {
+impl LinkFrame {
     const WORLD: Self = Self {
         link: 0,
         link_from_here: Pose::IDENTITY,
@@ -51,7 +44,7 @@ pub struct Edge {
     /// One of the arguments that are this combination, with its coordinates.
     pub argument: usize,
     /// Frames on the link before and on the link behind whose z is the axis.
-    pub ends: [Position; 2],
+    pub ends: [LinkFrame; 2],
 }
 
 /// An edge as a path passes it.
@@ -60,6 +53,28 @@ pub struct Crossing {
     pub edge: usize,
     pub is_inverse: bool,
 }
+
+impl Crossing {
+    /// The same the other way.
+    pub fn inverse(self) -> Self {
+        Self {
+            is_inverse: !self.is_inverse,
+            ..self
+        }
+    }
+}
+
+/// A motion of a chain as a step of its path.
+#[derive(Clone, Copy, Debug)]
+pub struct Stride {
+    pub crossing: Crossing,
+    /// The chain's frame before and behind the step.
+    pub from: LinkFrame,
+    pub to: LinkFrame,
+}
+
+/// A chain's steps; constant poses cross nothing.
+pub type Path = Vec<Option<Stride>>;
 
 /// An argument as a multiple ±1 of its label, and a constant.
 #[derive(Clone, Copy)]
@@ -73,26 +88,27 @@ struct Value {
 /// The chains as paths.
 #[derive(Default)]
 pub struct Paths {
-    /// Per chain and step; constant poses cross nothing.
-    pub bodies: Vec<Vec<Option<Crossing>>>,
-    pub loops: Vec<Vec<Option<Crossing>>>,
+    pub bodies: Vec<Path>,
+    pub loops: Vec<Path>,
 }
 
 /// The graph while it grows.
 pub struct LinkGraph<'m> {
     mechanism: &'m Mechanism,
     values: Vec<Value>,
+    /// Steps from the world to every link.
+    routes: Vec<Vec<Step>>,
     /// Where a link went that was found to be part of another.
-    merged_links: Vec<Option<Position>>,
+    merged_links: Vec<Option<LinkFrame>>,
     edges: Vec<Edge>,
     /// The edge that an edge was found to be.
     merged_edges: Vec<Option<Crossing>>,
     /// Edges at every link.
     at: Vec<Vec<usize>>,
     paths: Paths,
-    body_ends: Vec<Position>,
+    body_ends: Vec<LinkFrame>,
     /// Where loops begin.
-    loop_starts: Vec<Position>,
+    loop_starts: Vec<LinkFrame>,
     closes: Vec<bool>,
 }
 
@@ -103,6 +119,8 @@ pub struct Finished {
     /// Edges at every link.
     pub at: Vec<Vec<usize>>,
     pub paths: Paths,
+    /// Steps from the world to every link.
+    pub routes: Vec<Vec<Step>>,
     /// Link of every body.
     pub of_body: Vec<usize>,
     /// Links in which a loop begins.
@@ -127,6 +145,7 @@ impl<'m> LinkGraph<'m> {
         Self {
             mechanism,
             values: values(&mechanism.arguments),
+            routes: vec![Vec::new()],
             merged_links: vec![None],
             edges: Vec::new(),
             merged_edges: Vec::new(),
@@ -140,7 +159,7 @@ impl<'m> LinkGraph<'m> {
 
     /// Follows a body's chain from the world.
     pub fn add_body(&mut self, chain: &Chain) {
-        let (end, path) = self.follow(Position::WORLD, &chain.steps);
+        let (end, path) = self.follow(LinkFrame::WORLD, &chain.steps);
         self.body_ends.push(end);
         self.paths.bodies.push(path);
     }
@@ -164,16 +183,17 @@ impl<'m> LinkGraph<'m> {
         let steps = &item.chain.steps;
         let anchor = self.anchor(item).unwrap_or(Anchor {
             step: 0,
-            here: Position::WORLD,
+            here: LinkFrame::WORLD,
         });
         let (ahead, behind) = steps.split_at(anchor.step);
         let back: Vec<Step> = ahead.iter().rev().map(Step::inverse).collect();
         let (start, path_back) = self.follow(anchor.here, &back);
         let (end, path_on) = self.follow(anchor.here, behind);
-        let reversed = path_back.into_iter().rev().map(|crossing| {
-            crossing.map(|c| Crossing {
-                is_inverse: !c.is_inverse,
-                ..c
+        let reversed = path_back.into_iter().rev().map(|stride| {
+            stride.map(|s| Stride {
+                crossing: s.crossing.inverse(),
+                from: s.to,
+                to: s.from,
             })
         });
         self.paths.loops[index] = reversed.chain(path_on).collect();
@@ -198,14 +218,16 @@ impl<'m> LinkGraph<'m> {
                 ..edge.clone()
             })
         });
-        let resolve = |list: &[Vec<Option<Crossing>>]| -> Vec<Vec<Option<Crossing>>> {
-            let path = |path: &Vec<Option<Crossing>>| {
-                let steps = path.iter();
-                steps.map(|c| c.map(|c| self.resolved_edge(c))).collect()
+        let resolve = |list: &[Path]| -> Vec<Path> {
+            let stride = |stride: Stride| Stride {
+                crossing: self.resolved_edge(stride.crossing),
+                from: self.resolved(stride.from),
+                to: self.resolved(stride.to),
             };
+            let path = |path: &Path| path.iter().map(|s| s.map(stride)).collect();
             list.iter().map(path).collect()
         };
-        let links = |list: &[Position]| list.iter().map(|p| self.resolved(*p).link).collect();
+        let links = |list: &[LinkFrame]| list.iter().map(|p| self.resolved(*p).link).collect();
         Finished {
             edges: edges.collect(),
             paths: Paths {
@@ -216,6 +238,7 @@ impl<'m> LinkGraph<'m> {
             starts: links(&self.loop_starts),
             closes: self.closes.clone(),
             at: self.at.clone(),
+            routes: self.routes.clone(),
         }
     }
 
@@ -227,7 +250,7 @@ impl<'m> LinkGraph<'m> {
         edges - links + 1
     }
 
-    fn resolved(&self, mut position: Position) -> Position {
+    fn resolved(&self, mut position: LinkFrame) -> LinkFrame {
         while let Some(into) = self.merged_links[position.link] {
             position = into.moved(position.link_from_here);
         }
@@ -247,7 +270,7 @@ impl<'m> LinkGraph<'m> {
     /// How a step moves; the pose instead if it never changes.
     fn met(&self, step: &Step) -> Result<Met, Pose> {
         let (motion, axis, argument, sign) = match *step {
-            Step::Fixed(pose) => return Err(pose),
+            Step::Fixed(fixed) => return Err(fixed.pose),
             Step::Joint {
                 motion,
                 axis,
@@ -276,7 +299,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Walks along steps from a position, on known edges where there are some.
-    fn follow(&mut self, start: Position, steps: &[Step]) -> (Position, Vec<Option<Crossing>>) {
+    fn follow(&mut self, start: LinkFrame, steps: &[Step]) -> (LinkFrame, Path) {
         let mut here = start;
         let mut path = Vec::with_capacity(steps.len());
         for step in steps {
@@ -286,11 +309,14 @@ impl<'m> LinkGraph<'m> {
                     path.push(None);
                 }
                 Ok(met) => {
-                    let (there, crossing) = self
-                        .known(here, &met)
-                        .unwrap_or_else(|| self.grow(here, &met));
-                    here = there;
-                    path.push(Some(crossing));
+                    let known = self.known(here, &met);
+                    let (to, crossing) = known.unwrap_or_else(|| self.grow(here, &met, step));
+                    path.push(Some(Stride {
+                        crossing,
+                        from: here,
+                        to,
+                    }));
+                    here = to;
                 }
             }
         }
@@ -298,7 +324,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// A known edge that the motion is, and where it leads.
-    fn known(&self, here: Position, met: &Met) -> Option<(Position, Crossing)> {
+    fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, Crossing)> {
         let here = self.resolved(here);
         let axis = here.link_from_here * met.to_axis;
         self.at[here.link].iter().find_map(|index| {
@@ -320,7 +346,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Frames of an edge as passed forwards or backwards: both flipped, the motion is along z again.
-    fn ends(&self, edge: &Edge, is_inverse: bool) -> [Position; 2] {
+    fn ends(&self, edge: &Edge, is_inverse: bool) -> [LinkFrame; 2] {
         let [before, after] = edge.ends.map(|end| self.resolved(end));
         if is_inverse {
             [after.moved(FLIP), before.moved(FLIP)]
@@ -329,19 +355,28 @@ impl<'m> LinkGraph<'m> {
         }
     }
 
-    /// A new edge to a new link.
-    fn grow(&mut self, here: Position, met: &Met) -> (Position, Crossing) {
+    /// A new edge to a new link, whose frame is the one behind the step.
+    fn grow(&mut self, here: LinkFrame, met: &Met, step: &Step) -> (LinkFrame, Crossing) {
         let here = self.resolved(here);
         let (link, edge) = (self.at.len(), self.edges.len());
-        let after = Position {
+        let behind = LinkFrame {
             link,
             link_from_here: Pose::IDENTITY,
         };
+        let mut route = self.routes[here.link].clone();
+        if here.link_from_here != Pose::IDENTITY {
+            route.push(Step::Fixed(here.link_from_here.into()));
+        }
+        route.push(*step);
+        self.routes.push(route);
         self.edges.push(Edge {
             motion: met.motion,
             label: met.label,
             argument: met.argument,
-            ends: [here.moved(met.to_axis), after],
+            ends: [
+                here.moved(met.to_axis),
+                behind.moved(met.from_axis.inverse()),
+            ],
         });
         self.merged_edges.push(None);
         self.merged_links.push(None);
@@ -351,7 +386,7 @@ impl<'m> LinkGraph<'m> {
             edge,
             is_inverse: false,
         };
-        (after.moved(met.from_axis), crossing)
+        (behind, crossing)
     }
 
     /// Whether a pose between two frames of an axis along z leaves the motion as it is.
@@ -371,11 +406,11 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Makes two positions one frame, and folds what follows from it.
-    fn join(&mut self, a: Position, b: Position) {
+    fn join(&mut self, a: LinkFrame, b: LinkFrame) {
         let mut same = vec![[a, b]];
         while let Some([a, b]) = same.pop() {
             let [a, b] = [self.resolved(a), self.resolved(b)];
-            // Positions on one link either agree already, or the loops contradict each other, which solving will say.
+            // Frames on one link either agree already, or the loops contradict each other, which solving will say.
             if a.link == b.link {
                 continue;
             }
@@ -393,7 +428,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Merges edges at a link that are the same motion; what they lead to is the same.
-    fn fold(&mut self, link: usize, same: &mut Vec<[Position; 2]>) {
+    fn fold(&mut self, link: usize, same: &mut Vec<[LinkFrame; 2]>) {
         let mut k = 0;
         while k < self.at[link].len() {
             let index = self.at[link][k];
@@ -413,7 +448,7 @@ impl<'m> LinkGraph<'m> {
 
     /// Edge `other` as a passage of edge `known`, if it is the same motion from the link, and two positions that
     /// are the same frame behind it.
-    fn twin(&self, link: usize, known: usize, other: usize) -> Option<(Crossing, [Position; 2])> {
+    fn twin(&self, link: usize, known: usize, other: usize) -> Option<(Crossing, [LinkFrame; 2])> {
         let (one, two) = (&self.edges[known], &self.edges[other]);
         if one.label != two.label || one.motion != two.motion {
             return None;
@@ -447,7 +482,7 @@ impl<'m> LinkGraph<'m> {
         let steps = &item.chain.steps;
         let world = Anchor {
             step: 0,
-            here: Position::WORLD,
+            here: LinkFrame::WORLD,
         };
         let mut best = (self.known_steps(item, &world), world);
         for (step, met) in steps.iter().enumerate() {
@@ -488,7 +523,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// How many motions are known from a position on, and whether all are.
-    fn known_in_a_row(&self, here: Position, steps: impl Iterator<Item = Step>) -> (usize, bool) {
+    fn known_in_a_row(&self, here: LinkFrame, steps: impl Iterator<Item = Step>) -> (usize, bool) {
         let (mut here, mut count) = (here, 0);
         for step in steps {
             match self.met(&step) {
@@ -506,7 +541,7 @@ impl<'m> LinkGraph<'m> {
 /// A loop's step, and the position it starts from.
 struct Anchor {
     step: usize,
-    here: Position,
+    here: LinkFrame,
 }
 
 /// What every argument is: equal combinations of coordinates, their sign aside, get the same label.

@@ -16,8 +16,9 @@
 mod links;
 mod pairs;
 
-use super::chain::Step;
+use super::chain::{Chain, Step};
 use super::mechanism::Mechanism;
+use crate::math::Pose;
 use links::LinkGraph;
 use std::ops::Range;
 
@@ -79,10 +80,10 @@ pub struct Joint {
     pub steps: Vec<Step>,
     /// Coordinates that move it, ascending.
     pub coordinates: Vec<usize>,
-    /// Link that its first motion starts from.
-    pub before: usize,
-    /// Link that its last motion leads to.
-    pub after: usize,
+    /// Where its steps begin.
+    pub before: LinkFrame,
+    /// Where they end.
+    pub after: LinkFrame,
 }
 
 impl Joint {
@@ -96,15 +97,27 @@ impl Joint {
 
     /// Whether it connects the two links.
     fn connects(&self, a: usize, b: usize) -> bool {
-        [self.before, self.after] == [a, b] || [self.before, self.after] == [b, a]
+        let own = [self.before.link, self.after.link];
+        own == [a, b] || own == [b, a]
     }
 }
 
-/// A rigid part. Number 0 is the frame.
+/// A frame that moves with a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkFrame {
+    /// Index of the link.
+    pub link: usize,
+    /// Where it is on the link.
+    pub link_from_here: Pose,
+}
+
+/// A rigid part. Number 0 is the frame of the mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Link {
     /// Bodies that belong to it.
     pub bodies: Vec<usize>,
+    /// A way to it, by the chains and closed loops.
+    pub world_from_link: Chain,
 }
 
 /// Where a chain passes a joint.
@@ -144,6 +157,15 @@ impl Joints {
         }
         graph.add_loops(&mechanism.loops);
         pairs::table(mechanism, &graph.finished())
+    }
+
+    /// Chain from the world to a frame of a link.
+    pub fn world_from(&self, frame: &LinkFrame) -> Chain {
+        let mut chain = self.links[frame.link].world_from_link.clone();
+        if frame.link_from_here != Pose::IDENTITY {
+            chain.steps.push(Step::Fixed(frame.link_from_here.into()));
+        }
+        chain
     }
 
     /// Whether two bodies are one rigid part.

@@ -1,8 +1,8 @@
 //! From elementary motions between links to joints: which motions in a row are one joint.
 
-use super::links::{Crossing, Edge, Finished, Position};
-use super::{EXACT, Joint, JointKind, Joints, Link, Passage};
-use crate::model::chain::{Motion, Step};
+use super::links::{Crossing, Edge, Finished, Path};
+use super::{EXACT, Joint, JointKind, Joints, Link, LinkFrame, Passage};
+use crate::model::chain::{Chain, Motion, Step};
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
@@ -19,55 +19,71 @@ pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
             joint_of[crossing.edge] = Some((index, crossing.is_inverse));
         }
     }
-    let along = |paths: &[Vec<Option<Crossing>>]| -> Vec<Vec<Passage>> {
+    let along = |paths: &[Path]| -> Vec<Vec<Passage>> {
         let passages = paths.iter().map(|path| passages(path, &joint_of));
         passages.collect()
     };
+    let numbers = Numbers::new(graph);
+    let mut links = vec![Link::default(); numbers.count];
+    for (route, number) in graph.routes.iter().zip(&numbers.of) {
+        if let Some(number) = number {
+            links[*number].world_from_link = Chain {
+                steps: route.clone(),
+            };
+        }
+    }
+    let of_body = graph.of_body.iter().map(|link| numbers.get(*link));
+    let of_body: Vec<usize> = of_body.collect();
+    for (body, link) in of_body.iter().enumerate() {
+        links[*link].bodies.push(body);
+    }
     let along_bodies = along(&graph.paths.bodies);
     let along_loops = along(&graph.paths.loops);
-    let numbers = Numbers::new(graph);
-    let mut joints = Joints {
-        list: Vec::with_capacity(runs.len()),
-        links: vec![Link::default(); numbers.count],
-        of_body: graph.of_body.iter().map(|l| numbers.of[*l]).collect(),
-        along_bodies,
-        along_loops,
-        closes: graph.closes.clone(),
-    };
-    for (body, link) in joints.of_body.iter().enumerate() {
-        joints.links[*link].bodies.push(body);
-    }
-    for (index, run) in runs.iter().enumerate() {
-        let [before, after] = rows.outer(run).map(|link| numbers.of[link]);
-        joints.list.push(Joint {
+    let chains = Chains::new(mechanism, graph, [&along_bodies, &along_loops]);
+    let joint = |(index, run): (usize, &Run)| {
+        let (steps, ends) = chains.spelled(index)?;
+        let [before, after] = ends.map(|frame| LinkFrame {
+            link: numbers.get(frame.link),
+            ..frame
+        });
+        Some(Joint {
             kind: run.kind,
-            steps: spelled(mechanism, &joints, index),
+            steps,
             coordinates: rows.coordinates_of(&run.crossings),
             before,
             after,
-        });
+        })
+    };
+    Joints {
+        list: runs.iter().enumerate().filter_map(joint).collect(),
+        links,
+        of_body,
+        along_bodies,
+        along_loops,
+        closes: graph.closes.clone(),
     }
-    joints
 }
 
 /// The remaining links, numbered anew.
 struct Numbers {
-    of: Vec<usize>,
+    of: Vec<Option<usize>>,
     count: usize,
 }
 
 impl Numbers {
     fn new(graph: &Finished) -> Self {
-        let mut of = vec![0; graph.at.len()];
         // The frame is there even if nothing is joined to it.
-        let mut count = 1;
-        for (link, edges) in graph.at.iter().enumerate().skip(1) {
-            if !edges.is_empty() {
-                of[link] = count;
-                count += 1;
-            }
+        let (mut of, mut count) = (vec![Some(0)], 1);
+        for edges in &graph.at[1..] {
+            let number = (!edges.is_empty()).then_some(count);
+            count += usize::from(number.is_some());
+            of.push(number);
         }
         Self { of, count }
+    }
+
+    fn get(&self, link: usize) -> usize {
+        self.of[link].unwrap_or(0)
     }
 }
 
@@ -139,12 +155,8 @@ impl<'a> Rows<'a> {
             edge,
             is_inverse: false,
         };
-        let back = Crossing {
-            edge,
-            is_inverse: true,
-        };
-        let mut row: Vec<Crossing> = self.onward(back, edge);
-        row.iter_mut().for_each(|c| c.is_inverse = !c.is_inverse);
+        let mut row: Vec<Crossing> = self.onward(forward.inverse(), edge);
+        row.iter_mut().for_each(|c| *c = c.inverse());
         row.reverse();
         let met: Vec<usize> = row.iter().map(|c| c.edge).collect();
         row.push(forward);
@@ -177,7 +189,7 @@ impl<'a> Rows<'a> {
         Some(Crossing { edge, is_inverse })
     }
 
-    fn ends(&self, crossing: Crossing) -> Option<[Position; 2]> {
+    fn ends(&self, crossing: Crossing) -> Option<[LinkFrame; 2]> {
         let [before, after] = self.graph.edges[crossing.edge].as_ref()?.ends;
         Some(if crossing.is_inverse {
             [after, before]
@@ -186,29 +198,24 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// Links before and behind a run.
-    fn outer(&self, run: &Run) -> [usize; 2] {
-        let [first, last] = [run.crossings.first(), run.crossings.last()];
-        let ends = [first, last].map(|c| c.and_then(|c| self.ends(*c)));
-        let link = |end: Option<Position>| end.map_or(0, |end| end.link);
-        [link(ends[0].map(|e| e[0])), link(ends[1].map(|e| e[1]))]
-    }
-
-    /// Parts a row into joints: three unknowns first, then three motions, two, one.
+    /// Parts a row into joints: three unknown angles about axes at right angles first (they reach every rotation), then
+    /// any three motions, two, one.
     fn parted(&self, row: &[Crossing]) -> Vec<Run> {
-        let is_unknown = |crossing: &Crossing| {
-            let mut slots = self.coordinates[crossing.edge].iter();
+        let is_full = |part: &[Crossing]| {
+            let mut slots = part.iter().flat_map(|c| &self.coordinates[c.edge]);
+            let mut corners = part.windows(2).map(|c| self.corner(c));
             slots.all(|slot| *slot < self.first_input)
+                && corners.all(|corner| corner.is_some_and(|c| c.is_right()))
         };
         let mut runs: Vec<Run> = Vec::new();
         let mut free = vec![true; row.len()];
-        for (length, unknowns_only) in [(3, true), (3, false), (2, false), (1, false)] {
+        for (length, full_only) in [(3, true), (3, false), (2, false), (1, false)] {
             let mut first = 0;
             while first + length <= row.len() {
                 let part = first..first + length;
                 let crossings = &row[part.clone()];
                 let fits = free[part.clone()].iter().all(|free| *free)
-                    && (!unknowns_only || crossings.iter().all(is_unknown));
+                    && (!full_only || is_full(crossings));
                 match fits.then(|| self.kind(crossings)).flatten() {
                     Some(kind) => {
                         let crossings = crossings.to_vec();
@@ -354,11 +361,13 @@ fn is_planar(motions: [Motion; 3], [one, other]: [&Corner; 2]) -> bool {
 }
 
 /// The joints along a path.
-fn passages(path: &[Option<Crossing>], joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
+fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
     let mut list: Vec<Passage> = Vec::new();
     let mut edges: Vec<usize> = Vec::new();
-    for (step, crossing) in path.iter().enumerate() {
-        let Some(crossing) = crossing else { continue };
+    for (step, stride) in path.iter().enumerate() {
+        let Some(crossing) = stride.as_ref().map(|stride| stride.crossing) else {
+            continue;
+        };
         let Some((joint, own)) = joint_of[crossing.edge] else {
             continue;
         };
@@ -382,19 +391,37 @@ fn passages(path: &[Option<Crossing>], joint_of: &[Option<(usize, bool)>]) -> Ve
     list
 }
 
-/// The steps of a joint, forwards, as the first chain that passes it has them.
-fn spelled(mechanism: &Mechanism, joints: &Joints, index: usize) -> Vec<Step> {
-    let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
-    let loops = mechanism.loops.iter().map(|l| &l.chain);
-    let along = joints.along_bodies.iter().chain(&joints.along_loops);
-    let mut all = bodies.chain(loops).zip(along);
-    let first = all.find_map(|(chain, passages)| {
-        let passage = passages.iter().find(|p| p.joint == index)?;
-        Some((&chain.steps[passage.steps.clone()], passage.is_inverse))
-    });
-    match first {
-        Some((steps, true)) => steps.iter().rev().map(Step::inverse).collect(),
-        Some((steps, false)) => steps.to_vec(),
-        None => Vec::new(),
+/// All chains, those of bodies first, with their paths and the joints along them.
+struct Chains<'a>(Vec<(&'a Chain, &'a Path, &'a [Passage])>);
+
+impl<'a> Chains<'a> {
+    fn new(
+        mechanism: &'a Mechanism,
+        graph: &'a Finished,
+        [bodies, loops]: [&'a [Vec<Passage>]; 2],
+    ) -> Self {
+        let chains = mechanism.bodies.iter().map(|b| &b.world_from_body);
+        let chains = chains.chain(mechanism.loops.iter().map(|l| &l.chain));
+        let paths = graph.paths.bodies.iter().chain(&graph.paths.loops);
+        let along = bodies.iter().chain(loops);
+        let all = chains.zip(paths).zip(along);
+        Self(all.map(|((c, p), a)| (c, p, a.as_slice())).collect())
+    }
+
+    /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
+    /// behind them.
+    fn spelled(&self, joint: usize) -> Option<(Vec<Step>, [LinkFrame; 2])> {
+        self.0.iter().find_map(|(chain, path, passages)| {
+            let passage = passages.iter().find(|p| p.joint == joint)?;
+            let steps = &chain.steps[passage.steps.clone()];
+            let from = path[passage.steps.start]?.from;
+            let to = path[passage.steps.end - 1]?.to;
+            Some(if passage.is_inverse {
+                let steps = steps.iter().rev().map(Step::inverse);
+                (steps.collect(), [to, from])
+            } else {
+                (steps.to_vec(), [from, to])
+            })
+        })
     }
 }
