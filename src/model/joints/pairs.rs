@@ -23,7 +23,7 @@ pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
         let passages = paths.iter().map(|path| passages(path, &joint_of));
         passages.collect()
     };
-    let numbers = Numbers::new(graph);
+    let numbers = Numbers::new(graph, &rows.within(&runs));
     let mut links = vec![Link::default(); numbers.count];
     for (route, number) in graph.routes.iter().zip(&numbers.of) {
         if let Some(number) = number {
@@ -64,18 +64,18 @@ pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     }
 }
 
-/// The remaining links, numbered anew.
+/// The links that joints connect, numbered anew: those within a joint are none.
 struct Numbers {
     of: Vec<Option<usize>>,
     count: usize,
 }
 
 impl Numbers {
-    fn new(graph: &Finished) -> Self {
+    fn new(graph: &Finished, is_within: &[bool]) -> Self {
         // The frame is there even if nothing is joined to it.
         let (mut of, mut count) = (vec![Some(0)], 1);
-        for edges in &graph.at[1..] {
-            let number = (!edges.is_empty()).then_some(count);
+        for (edges, is_within) in graph.at.iter().zip(is_within).skip(1) {
+            let number = (!edges.is_empty() && !is_within).then_some(count);
             count += usize::from(number.is_some());
             of.push(number);
         }
@@ -196,6 +196,20 @@ impl<'a> Rows<'a> {
         } else {
             [before, after]
         })
+    }
+
+    /// Links within joints.
+    fn within(&self, runs: &[Run]) -> Vec<bool> {
+        let mut is_within = vec![false; self.graph.at.len()];
+        for run in runs {
+            let ends = run.crossings.iter().filter_map(|c| self.ends(*c));
+            let behind: Vec<usize> = ends.map(|ends| ends[1].link).collect();
+            let inner = behind.len().saturating_sub(1);
+            behind[..inner]
+                .iter()
+                .for_each(|link| is_within[*link] = true);
+        }
+        is_within
     }
 
     /// Parts a row into joints: three unknown angles about axes at right angles first (they reach every rotation), then
