@@ -256,13 +256,13 @@ fn neighbours_of_the_gearshift() {
         [
             "cardan arm - pull rod: revolute joint",
             "coupler - gear lever: revolute joint",
-            "coupler - short link: ball joint",
-            "frame - gear lever: ball joint",
+            "coupler - short link: spherical joint",
+            "frame - gear lever: spherical joint",
             "frame - rocker: revolute joint",
             "frame - shaft: cylindrical joint",
-            "pull rod - rocker: ball joint",
+            "pull rod - rocker: spherical joint",
             "pull rod - short link: universal joint",
-            "rocker - coupler: ball joint",
+            "rocker - coupler: spherical joint",
             "shaft - cardan arm: revolute joint",
         ]
     );

@@ -6,7 +6,7 @@ pub use super::contact::BETWEEN_SAMPLES;
 use super::core::Core;
 use super::mesh_tree::Enclosure;
 use super::motion::Motion;
-use super::neighbours::Neighbours;
+use super::neighbours::neighbours;
 use super::sweep::{Least, PairSweep};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -77,6 +77,17 @@ impl ClearanceReport {
         self.judged.iter().all(|p| p.judgement == Judgement::Passed)
     }
 
+    /// That a check which passes has looked at nothing.
+    fn nothing_judged(&self) -> Option<String> {
+        let why = match self.excluded.len() {
+            0 => "fewer than two bodies have shapes".to_owned(),
+            1 => "the only one is excluded".to_owned(),
+            all => format!("all {all} are excluded"),
+        };
+        (self.judged.is_empty() && self.gaps.is_empty())
+            .then(|| format!("no pair of bodies was judged: {why}"))
+    }
+
     /// The pair to look at first.
     pub fn worst(&self) -> Option<&PairReport> {
         self.judged.first()
@@ -115,7 +126,6 @@ pub fn check(
     progress(0, all);
     let mut motion = Motion::new(system, actuation, trajectory);
     let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
-    let neighbours = Neighbours::new(mechanism);
     let mut report = ClearanceReport {
         judged: Vec::new(),
         excluded: Vec::new(),
@@ -139,7 +149,7 @@ pub fn check(
             let minimum = rules.minimum_of([a, b]);
             let sweep = PairSweep::new(&motion, [a, b], [first, second], tolerance, minimum);
             let ignored = rules.ignored.iter().find(|i| i.pair == [a, b]);
-            let joint = neighbours.joint(a, b);
+            let joint = neighbours(&mechanism.joints, [a, b]);
             let excluded = match (ignored, joint) {
                 (Some(ignored), _) => Some(Judgement::Ignored(ignored.reason.clone())),
                 (None, Some(joint)) => Some(Judgement::Neighbours(joint)),
@@ -161,6 +171,7 @@ pub fn check(
         }
     }
     progress(all, all);
+    report.warnings.extend(report.nothing_judged());
     report.gaps = motion.gaps;
     let rank = |p: &PairReport| match p.judgement {
         Judgement::Failed => 0,

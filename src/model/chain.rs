@@ -74,6 +74,18 @@ impl Argument {
         }
     }
 
+    /// Rates of the value by the coordinates it depends on, at a pose.
+    pub fn gradient(&self, coordinates: &[f64]) -> Vec<(usize, f64)> {
+        match self {
+            Self::Affine(affine) => affine.terms.clone(),
+            Self::Formula(expression) => {
+                let gradient = expression.gradient(coordinates);
+                let slots = expression.slots().into_iter();
+                slots.map(|slot| (slot, gradient[slot])).collect()
+            }
+        }
+    }
+
     /// Value at the coordinates.
     pub fn value<S: Scalar>(&self, coordinates: &[S], scratch: &mut Vec<S>) -> S {
         match self {

@@ -2,6 +2,7 @@
 
 use super::chain::{Argument, ArgumentValue, Chain};
 use super::expression::Expression;
+use super::joints::Joints;
 use super::shape::Shape;
 use glam::DVec3;
 
@@ -142,6 +143,8 @@ pub struct Mechanism {
     pub traces: Vec<Trace>,
     /// Named scalars.
     pub outputs: Vec<Output>,
+    /// What its chains are as joints and links.
+    pub joints: Joints,
     /// Characteristic length: what residuals and unknown lengths are measured against.
     pub size: f64,
     /// What plain numbers among the unknowns amount to, by unknown; empty where each counts as one.

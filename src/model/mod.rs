@@ -8,6 +8,7 @@ pub mod drive;
 pub mod expression;
 pub mod fixed;
 pub mod function;
+pub mod joints;
 pub mod measure;
 pub mod mechanism;
 pub mod palette;

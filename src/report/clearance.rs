@@ -84,6 +84,7 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport) -> Value {
         "unit": mechanism.length_unit,
         "tolerance": report.tolerance,
         "passed": report.passed(),
+        "judged": report.judged.len(),
         "pairs": report.judged.iter().map(pair).collect::<Vec<_>>(),
         "excluded": report.excluded.iter().map(pair).collect::<Vec<_>>(),
         "unchecked": report.gaps,

@@ -1,5 +1,6 @@
 //! The mobility report in words and as JSON, for `check` and `solve`.
 
+use crate::kinematics::freedoms::count::{JointCount, LoopSpace};
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::structure::block::Held;
 use crate::kinematics::structure::loop_part::component_name;
@@ -15,9 +16,10 @@ const MAX_EQUATIONS: usize = 6;
 /// Lines of the report, each with its head, as `check` prints them.
 pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
     let mut lines = vec![("mobility", sentence(mobility))];
-    if let Some(dependents) = mobility.planar_dependents() {
-        let (k, s1) = (mobility.loops.len(), mobility.couplings);
-        let all = mobility.count() + dependents as i64;
+    let count = &mobility.count;
+    if let Some(dependents) = count.planar_dependents() {
+        let (k, s1) = (count.closing().count(), count.equations);
+        let all = count.freedoms() + dependents as i64;
         lines.push((
             "",
             format!("planar, as vector loops d = 2k + s1 = 2*{k} + {s1} = {dependents} dependent of {all} coordinates"),
@@ -42,34 +44,54 @@ pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
     lines.into_iter().map(line).collect()
 }
 
-/// The count, the numeric mobility, and the number of inputs.
-fn sentence(mobility: &Mobility) -> String {
-    let mut cost: Vec<String> = if mobility.loops.len() > MAX_LOOPS {
-        let total: usize = mobility.loops.iter().map(|l| l.dimension).sum();
-        vec![format!("{total} of {} loops", mobility.loops.len())]
+/// The terms of the count.
+fn terms(count: &JointCount) -> String {
+    let joints = match count.is_by_coordinates {
+        true => format!(
+            "{} coordinates, some shared by several joints",
+            count.joints
+        ),
+        false => format!("{} joint freedoms", count.joints),
+    };
+    let mut text = match (count.joints, count.free) {
+        (_, 0) => joints,
+        (0, free) => format!("{free} coordinates of equations"),
+        (_, free) => format!("{joints} + {free} coordinates of equations"),
+    };
+    let closing: Vec<&LoopSpace> = count.closing().collect();
+    let mut cost: Vec<String> = if closing.len() > MAX_LOOPS {
+        let total: usize = closing.iter().map(|l| l.dimension).sum();
+        vec![format!("{total} of {} loops", closing.len())]
     } else {
-        let loops = mobility.loops.iter();
+        let loops = closing.iter();
         loops
             .map(|l| format!("{} of loop {}", l.dimension, l.name))
             .collect()
     };
-    if mobility.couplings > 0 {
-        cost.push(format!("{} of equations", mobility.couplings));
+    if count.equations > 0 {
+        cost.push(format!("{} of equations", count.equations));
     }
-    let cost = if cost.is_empty() {
-        "nothing".to_owned()
-    } else {
-        cost.join(" - ")
-    };
-    let mut text = format!(
-        "{} by count ({} joint freedoms - {cost})",
-        mobility.count(),
-        mobility.freedoms
-    );
+    if count.shared > 0 {
+        cost.push(format!("{} of shared coordinates", count.shared));
+    }
+    if cost.is_empty() {
+        cost.push("nothing".to_owned());
+    }
+    for term in cost {
+        text.push_str(" - ");
+        text.push_str(&term);
+    }
+    text
+}
+
+/// The count, the numeric mobility, and the number of inputs.
+fn sentence(mobility: &Mobility) -> String {
+    let count = &mobility.count;
+    let mut text = format!("{} by count ({})", count.freedoms(), terms(count));
     match (mobility.generic, mobility.at_start) {
         (None, _) => text.push_str("; no closed pose to take a rank at"),
         (Some(generic), start) => {
-            let used = mobility.freedoms;
+            let used = mobility.coordinates;
             text.push_str(&format!(
                 ", {} by the rank {} of {used} coordinates",
                 generic.mobility, generic.rank
@@ -138,7 +160,8 @@ pub fn idle(mechanism: &Mechanism, held: &Held) -> String {
 /// The report as JSON.
 pub fn document(mechanism: &Mechanism, mobility: &Mobility) -> Value {
     let name = |u: &usize| mechanism.unknowns[*u].name.clone();
-    let loops: Vec<Value> = mobility
+    let count = &mobility.count;
+    let loops: Vec<Value> = count
         .loops
         .iter()
         .map(|l| json!({ "loop": l.name, "dimension": l.dimension, "planar": l.is_planar }))
@@ -162,12 +185,16 @@ pub fn document(mechanism: &Mechanism, mobility: &Mobility) -> Value {
         })
         .collect();
     json!({
-        "count": mobility.count(),
-        "joint_freedoms": mobility.freedoms,
+        "count": count.freedoms(),
+        "joint_freedoms": count.joints,
+        "equation_coordinates": count.free,
+        "coordinates": mobility.coordinates,
         "inputs": mobility.inputs,
         "loops": loops,
-        "equations": mobility.couplings,
-        "planar_dependents": mobility.planar_dependents(),
+        "equations": count.equations,
+        "shared": count.shared,
+        "by_coordinates": count.is_by_coordinates,
+        "planar_dependents": count.planar_dependents(),
         "numeric": mobility.generic.map(|n| n.mobility),
         "numeric_rank": mobility.generic.map(|n| n.rank),
         "numeric_at_start": mobility.at_start.map(|n| n.mobility),

@@ -1,9 +1,10 @@
 //! Where along its axis the sign of a joint stands: a chain fixes the axis only, the bodies say where it is borne.
 
-use super::joints::{Joint, JointKind};
+use super::joints::PlacedJoint;
 use crate::geometry::mesh_of;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain};
+use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
@@ -58,7 +59,7 @@ impl Outlines {
     pub fn place(
         &self,
         mechanism: &Mechanism,
-        joint: &Joint,
+        joint: &PlacedJoint,
         values: &[Vec<ArgumentValue>],
         reach: f64,
     ) -> JointPlace {
@@ -67,10 +68,10 @@ impl Outlines {
             values.iter().step_by(stride).map(Vec::as_slice).collect();
         // What guides a slider is beside its line.
         let reach = match joint.kind {
-            JointKind::Slider => GUIDE * reach,
+            JointKind::Prismatic | JointKind::Planar => GUIDE * reach,
             _ => reach,
         };
-        let meets = matches!(joint.kind, JointKind::Ball | JointKind::Cross);
+        let meets = matches!(joint.kind, JointKind::Spherical | JointKind::Universal);
         let [before, after] = [&joint.before, &joint.after].map(|chain| {
             let mut stretches = self.stretches(mechanism, chain, joint.axis, &some, reach);
             if meets {
@@ -204,7 +205,7 @@ mod tests {
             .map(|(sample, pose)| joints::arguments(&mechanism, sample, pose))
             .collect();
         let outlines = Outlines::new(&mechanism);
-        let places = joints::find(&mechanism, &values[0])
+        let places = joints::placed(&mechanism)
             .into_iter()
             .filter(|joint| joint.grounded)
             .map(|joint| {

@@ -1,13 +1,14 @@
-//! Signs of joints by kind: pin, ball, slider guide, screw; and hatched ground under those
+//! Signs of joints by kind: a pin, a ball in a ring, a block on its guide, a screw; and hatched ground under those
 //! that stand on the frame where no body does.
 
 use super::joint_places::Outlines;
-use super::joints::{self, Joint, JointKind};
+use super::joints::{self, PlacedJoint};
 use super::solids::{merged, sign};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, Step};
+use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use crate::render::Instance;
@@ -59,7 +60,7 @@ impl JointSigns {
         let radius = RADIUS * extent;
         let mut signs = Self::default();
         let outlines = Outlines::new(mechanism);
-        for joint in joints::find(mechanism, first) {
+        for joint in joints::placed(mechanism) {
             let place = outlines.place(mechanism, &joint, &values, HOLD * radius);
             let shift = DVec3::AXES[joint.axis] * place.shift;
             let strokes = values.iter().map(|values| joint.stroke(values));
@@ -81,7 +82,7 @@ impl JointSigns {
             add(mover, Some(&shifted(&joint.after, shift)), MOVER);
             if joint.grounded && !place.held {
                 let at = joint.before.pose(first) * Pose::from_translation(shift);
-                let slides = matches!(joint.kind, JointKind::Slider);
+                let slides = joint.kind == JointKind::Prismatic;
                 let middle = if slides {
                     at.rotation.col(joint.axis) * (0.5 * (stroke[0] + stroke[1]))
                 } else {
@@ -150,19 +151,19 @@ fn rod(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
 }
 
 /// The parts in the frames before and behind a joint of pin radius `r`; a translation goes from `low` to `high`.
-fn solids(joint: &Joint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
+fn solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
     let axis = DVec3::AXES[joint.axis];
     let guide = rod(axis, low - 6.0 * r, high + 6.0 * r, 0.7 * r);
     match joint.kind {
-        JointKind::Pin => (
+        JointKind::Revolute => (
             vec![rod(axis, -2.0 * r, 2.0 * r, 1.6 * r)],
             vec![rod(axis, -3.0 * r, 3.0 * r, r)],
         ),
-        JointKind::Cross => (
+        JointKind::Universal => (
             vec![rod(axis, -3.0 * r, 3.0 * r, r)],
             vec![rod(DVec3::AXES[joint.last_axis], -3.0 * r, 3.0 * r, r)],
         ),
-        JointKind::Ball => {
+        JointKind::Spherical => {
             let ring = Solid::Torus {
                 center: DVec3::ZERO,
                 axis,
@@ -175,7 +176,7 @@ fn solids(joint: &Joint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Soli
             };
             (vec![ring], vec![ball])
         }
-        JointKind::Slider => {
+        JointKind::Prismatic => {
             let block = Solid::Box {
                 center: DVec3::ZERO,
                 size: DVec3::splat(3.2 * r) + axis * (1.6 * r),
@@ -183,7 +184,12 @@ fn solids(joint: &Joint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Soli
             (vec![guide], vec![block])
         }
         JointKind::Cylindrical => (vec![guide], vec![rod(axis, -3.0 * r, 3.0 * r, 1.7 * r)]),
-        JointKind::Screw => {
+        JointKind::Planar => {
+            // A puck on a table; the table is a guide in the direction of the first motion.
+            let puck = rod(DVec3::AXES[joint.last_axis], -0.8 * r, 0.8 * r, 2.4 * r);
+            (vec![guide], vec![puck])
+        }
+        JointKind::Helical => {
             let turns = ((high - low) / (1.2 * r)) as u32 + 10;
             let thread = (0..turns.min(200)).map(|k| Solid::Torus {
                 center: axis * (low - 6.0 * r + 1.2 * r * f64::from(k)),

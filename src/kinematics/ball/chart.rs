@@ -10,6 +10,7 @@ use crate::kinematics::structure::system::System;
 use crate::math::Pose;
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::Affine;
+use crate::model::joints::{Joints, Passage};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use glam::DVec3;
 use std::sync::Arc;
@@ -33,6 +34,8 @@ pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
         bodies: Vec::new(),
         traces: Vec::new(),
         outputs: Vec::new(),
+        // The scene's table says nothing of the chart's chains, and nobody asks for theirs.
+        joints: Joints::default(),
         ..mechanism.clone()
     };
     let mut small = Vec::new();
@@ -54,8 +57,8 @@ pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
         }));
         small.push(first);
     }
-    for item in &mut charted.loops {
-        rewrite(&mut item.chain, balls, &small, mechanism.size);
+    for (item, passages) in charted.loops.iter_mut().zip(&mechanism.joints.along_loops) {
+        rewrite(&mut item.chain, passages, balls, &small);
     }
     let mut structure = system.structure().clone();
     for item in &mut structure.blocks {
@@ -148,31 +151,23 @@ fn rebase(argument: &mut Argument, slot: usize) {
 
 /// Puts small rotations behind every ball joint of a chain (before it, where it stands inverted), about the point in
 /// which its axes meet. Their arguments begin at `small`, for every ball.
-fn rewrite(chain: &mut Chain, balls: &[Ball], small: &[usize], size: f64) {
-    let mut steps: Vec<Step> = Vec::new();
-    let mut k = 0;
-    while k < chain.steps.len() {
-        let known = balls.iter().zip(small).find_map(|(ball, first)| {
-            let (taken, is_inverse) = ball.stands_at(&chain.steps, k, size)?;
-            Some((ball, *first, taken, is_inverse))
-        });
-        let Some((ball, first, taken, is_inverse)) = known else {
-            steps.push(chain.steps[k]);
-            k += 1;
+fn rewrite(chain: &mut Chain, passages: &[Passage], balls: &[Ball], small: &[usize]) {
+    // From the last to the first, so that the steps before keep their numbers.
+    for passage in passages.iter().rev() {
+        let mut pairs = balls.iter().zip(small);
+        let Some((ball, first)) = pairs.find(|(ball, _)| ball.joint == passage.joint) else {
             continue;
         };
-        let turns = turns_about(ball.centre, first);
-        let own = &chain.steps[k..k + taken];
-        if is_inverse {
-            steps.extend(turns.iter().rev().map(Step::inverse));
-            steps.extend(own);
+        let turns = turns_about(ball.centre, *first);
+        if ball.is_inverse(passage) {
+            let turns = turns.iter().rev().map(Step::inverse);
+            let at = passage.steps.start;
+            chain.steps.splice(at..at, turns.collect::<Vec<_>>());
         } else {
-            steps.extend(own);
-            steps.extend(turns);
+            let at = passage.steps.end;
+            chain.steps.splice(at..at, turns);
         }
-        k += taken;
     }
-    chain.steps = steps;
 }
 
 /// Rotations about x, y and z in a point, with the arguments from `first` on.

@@ -1,4 +1,5 @@
-//! Ball joints written as three rotations in a row: which they are, and their angles from their rotation.
+//! Ball joints written as three rotations in a row: their rotation from their angles, and their angles from their
+//! rotation.
 //!
 //! Where the middle angle makes the first and the last axis parallel, the three angles are no coordinates of a
 //! rotation any more, though nothing is wrong with the joint: they are gimbal-locked. What is solved instead next to
@@ -11,12 +12,13 @@
 //! It is locked where cos(b + mu) = 0; only a + c or a - c is determined there. Axes that are not at right angles do
 //! not reach all rotations: where they come to lie in one plane the joint is at its end, and rightly called singular.
 //!
-//! Three rotations count as a ball joint if they stand together wherever they are used, are unknowns of their own,
-//! and no body belongs to a link between them: a body there would show the single angles.
+//! Which rotations are a spherical joint is said by the [table of joints](crate::model::joints); a ball is one of them
+//! whose three angles are unknowns of their own, solved in one block.
 
 use crate::kinematics::structure::block::Structure;
 use crate::math::{Pose, sin_cos};
-use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::chain::{Argument, Motion, Step};
+use crate::model::joints::{EXACT, JointKind, Passage};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -28,49 +30,37 @@ const NEAR: f64 = 0.064_094_216_849;
 /// radians at most, no more than rounding of a long chain.
 const UNREADABLE: f64 = 4e-15;
 
-/// Axes meet, and are at right angles, if they miss it by no more than the rounding of folded constants (radians, sizes).
-const EXACT: f64 = 1e-12;
-
 /// Three rotations in a row with the constant poses between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Run {
     /// Axis, argument and sign.
     turns: [(usize, usize, f64); 3],
     between: [Pose; 2],
-    /// Steps of the chain that it takes.
-    steps: usize,
 }
 
 impl Run {
-    /// The run that begins at step `first`.
-    fn at(steps: &[Step], first: usize) -> Option<Self> {
-        let mut turns = [(0, 0, 0.0); 3];
+    /// The run that these steps are, from its first rotation to its last.
+    fn of(steps: &[Step]) -> Option<Self> {
+        let mut turns = Vec::with_capacity(3);
         let mut between = [Pose::IDENTITY; 2];
-        let mut found = 0;
-        for (k, step) in steps.iter().enumerate().skip(first) {
+        for step in steps {
             match *step {
                 Step::Joint {
                     motion: Motion::Rotation,
                     axis,
                     argument,
                     sign,
-                } => {
-                    turns[found] = (axis, argument, sign);
-                    found += 1;
-                    if found == 3 {
-                        let steps = k + 1 - first;
-                        return Some(Self {
-                            turns,
-                            between,
-                            steps,
-                        });
-                    }
+                } => turns.push((axis, argument, sign)),
+                Step::Fixed(pose) => {
+                    let gap = turns.len().checked_sub(1)?;
+                    let before = between.get_mut(gap)?;
+                    *before = *before * pose;
                 }
-                Step::Fixed(pose) if found > 0 => between[found - 1] = between[found - 1] * pose,
-                _ => return None,
+                Step::Joint { .. } => return None,
             }
         }
-        None
+        let turns = turns.try_into().ok()?;
+        Some(Self { turns, between })
     }
 
     fn inverse(&self) -> Self {
@@ -81,7 +71,6 @@ impl Run {
         Self {
             turns: [third, second, first],
             between: [other, one],
-            steps: self.steps,
         }
     }
 
@@ -108,6 +97,10 @@ pub struct Ball {
     pub slots: [usize; 3],
     /// Block that solves them.
     pub block: usize,
+    /// Index into the table of joints.
+    pub(crate) joint: usize,
+    /// The table has it the other way round.
+    is_reversed: bool,
     run: Run,
     /// Radians by unknown.
     factors: [f64; 3],
@@ -136,16 +129,9 @@ impl Ball {
         self.run.arguments()
     }
 
-    /// Whether the joint stands at step `first` of a chain: how many steps it takes there, and whether it is inverted.
-    pub(crate) fn stands_at(
-        &self,
-        steps: &[Step],
-        first: usize,
-        size: f64,
-    ) -> Option<(usize, bool)> {
-        let run = Run::at(steps, first)?;
-        let is_inverse = run.inverse().is(&self.run, size);
-        (is_inverse || run.is(&self.run, size)).then_some((run.steps, is_inverse))
+    /// Whether a passage of the joint takes it inverted.
+    pub(crate) fn is_inverse(&self, passage: &Passage) -> bool {
+        self.is_reversed != passage.is_inverse
     }
 
     /// Two smooth numbers that vanish where the angles are locked; their length is |cos(b + mu)|.
@@ -230,8 +216,20 @@ impl Ball {
         } else {
             one
         };
+        self.write(nearest, coordinates);
+    }
+
+    /// Writes the other unknowns that give the same rotation into `coordinates`:
+    /// every rotation has two triples of angles.
+    pub(crate) fn rename(&self, coordinates: &mut [f64]) {
+        let [a, b, c] = self.angles(coordinates);
+        self.write([a + PI, PI - b - 2.0 * self.mu, c + PI], coordinates);
+    }
+
+    /// Writes the unknowns that are these angles.
+    fn write(&self, angles: [f64; 3], coordinates: &mut [f64]) {
         for k in 0..3 {
-            let argument = self.run.turns[k].2 * nearest[k];
+            let argument = self.run.turns[k].2 * angles[k];
             coordinates[self.slots[k]] = (argument - self.offsets[k]) / self.factors[k];
         }
     }
@@ -252,33 +250,30 @@ impl Ball {
     }
 }
 
-/// All ball joints of the loops.
+/// All ball joints of the loops, in the order in which loops pass them.
 pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
     let mut list: Vec<Ball> = Vec::new();
-    for item in &mechanism.loops {
-        let steps = &item.chain.steps;
-        let mut k = 0;
-        while k < steps.len() {
-            let known = list
-                .iter()
-                .find_map(|ball| ball.stands_at(steps, k, mechanism.size));
-            if let Some((taken, _)) = known {
-                k += taken;
+    let passages = mechanism.joints.along_loops.iter();
+    for (item, passages) in mechanism.loops.iter().zip(passages) {
+        for passage in passages {
+            let kind = mechanism.joints.list[passage.joint].kind;
+            if kind != JointKind::Spherical || list.iter().any(|b| b.joint == passage.joint) {
                 continue;
             }
-            let found = Run::at(steps, k).and_then(|run| ball_of(mechanism, structure, run));
-            let found = found.filter(|ball| {
-                let mut others = list.iter().flat_map(|b| b.slots);
-                !others.any(|slot| ball.slots.contains(&slot)) && is_alone(mechanism, ball)
-            });
-            k += found.as_ref().map_or(1, |ball| ball.run.steps);
-            list.extend(found);
+            let run = Run::of(&item.chain.steps[passage.steps.clone()]);
+            list.extend(run.and_then(|run| ball_of(mechanism, structure, run, passage)));
         }
     }
     list
 }
 
-fn ball_of(mechanism: &Mechanism, structure: &Structure, run: Run) -> Option<Ball> {
+/// The ball that is `run` as a loop's `passage` has it.
+fn ball_of(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    run: Run,
+    passage: &Passage,
+) -> Option<Ball> {
     let mut slots = [0; 3];
     let (mut factors, mut offsets) = ([0.0; 3], [0.0; 3]);
     for (k, argument) in run.arguments().into_iter().enumerate() {
@@ -290,20 +285,18 @@ fn ball_of(mechanism: &Mechanism, structure: &Structure, run: Run) -> Option<Bal
         };
         (slots[k], factors[k], offsets[k]) = (slot, factor, affine.constant);
     }
-    let block = structure
-        .blocks
-        .iter()
-        .position(|b| b.unknowns.contains(&slots[0]))?;
-    let unknowns = &structure.blocks[block].unknowns;
-    let is_whole = slots.iter().all(|slot| unknowns.contains(slot));
-    let differ = slots[0] != slots[1] && slots[1] != slots[2] && slots[0] != slots[2];
-    if !is_whole || !differ || factors.contains(&0.0) {
-        return None;
-    }
+    let of_slot = |slot: &usize| {
+        let mut blocks = structure.blocks.iter();
+        blocks.position(|b| b.unknowns.contains(slot))
+    };
+    let block = of_slot(&slots[0])?;
+    let is_whole = slots.iter().all(|slot| of_slot(slot) == Some(block));
     let axes = axes_of(&run)?;
-    Some(Ball {
+    let ball = Ball {
         slots,
         block,
+        joint: passage.joint,
+        is_reversed: passage.is_inverse,
         factors,
         offsets,
         frame: axes.frame,
@@ -311,6 +304,26 @@ fn ball_of(mechanism: &Mechanism, structure: &Structure, run: Run) -> Option<Bal
         mu: axes.mu,
         centre: centre(&run, mechanism.size)?,
         run,
+    };
+    (is_whole && is_spelled_alike(mechanism, &ball)).then_some(ball)
+}
+
+/// Whether all loops have the joint with the same constants between its rotations: small rotations that stand behind it
+/// in one loop can then stand behind it in all.
+fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball) -> bool {
+    let loops = mechanism.loops.iter().zip(&mechanism.joints.along_loops);
+    let mut own = loops.flat_map(|(item, passages)| {
+        let own = passages.iter().filter(|p| p.joint == ball.joint);
+        own.map(|p| (p, &item.chain.steps[p.steps.clone()]))
+    });
+    own.all(|(passage, steps)| {
+        Run::of(steps).is_some_and(|run| {
+            let run = match ball.is_inverse(passage) {
+                true => run.inverse(),
+                false => run,
+            };
+            run.is(&ball.run, mechanism.size)
+        })
     })
 }
 
@@ -357,44 +370,6 @@ fn centre(run: &Run, size: f64) -> Option<DVec3> {
     (misses <= EXACT).then(|| own[2] * onward)
 }
 
-/// Whether the three unknowns are used nowhere but in this joint, and no body stands between its rotations.
-fn is_alone(mechanism: &Mechanism, ball: &Ball) -> bool {
-    let uses = |slots: &[usize]| slots.iter().any(|slot| ball.slots.contains(slot));
-    let own = ball.arguments();
-    let elsewhere = mechanism
-        .arguments
-        .iter()
-        .enumerate()
-        .any(|(k, argument)| !own.contains(&k) && uses(&argument.coordinates()));
-    let in_equations = mechanism
-        .equations
-        .iter()
-        .any(|e| uses(&e.expression.slots()));
-    let chains = mechanism.loops.iter().map(|l| &l.chain);
-    let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
-    let mut chains = chains.chain(bodies);
-    !elsewhere && !in_equations && chains.all(|chain| is_whole_in(chain, ball, mechanism.size))
-}
-
-/// Whether the joint's rotations stand in a chain only together.
-fn is_whole_in(chain: &Chain, ball: &Ball, size: f64) -> bool {
-    let own = ball.arguments();
-    let mut k = 0;
-    while k < chain.steps.len() {
-        if let Some((taken, _)) = ball.stands_at(&chain.steps, k, size) {
-            k += taken;
-            continue;
-        }
-        if let Step::Joint { argument, .. } = chain.steps[k]
-            && own.contains(&argument)
-        {
-            return false;
-        }
-        k += 1;
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -416,11 +391,13 @@ mod tests {
             Step::Fixed(between[1].into()),
             turn(2),
         ];
-        let run = Run::at(&steps, 0).unwrap();
+        let run = Run::of(&steps).unwrap();
         let found = axes_of(&run).unwrap();
-        let ball = Ball {
+        Ball {
             slots: [0, 1, 2],
             block: 0,
+            joint: 0,
+            is_reversed: false,
             factors: [1.0, 1.0, -2.0],
             offsets: [0.1, 0.0, -0.3],
             frame: found.frame,
@@ -428,11 +405,7 @@ mod tests {
             mu: found.mu,
             centre: centre(&run, 1.0).unwrap(),
             run,
-        };
-        assert_eq!(ball.stands_at(&steps, 0, 1.0), Some((5, false)));
-        let inverse: Vec<Step> = steps.iter().rev().map(Step::inverse).collect();
-        assert_eq!(ball.stands_at(&inverse, 0, 1.0), Some((5, true)));
-        ball
+        }
     }
 
     /// Orders of axes with constants that keep neighbours at right angles.
@@ -483,6 +456,10 @@ mod tests {
                         }
                     }
                     assert!(difference(&ball.rotation(&found), &rotation) < 5e-15);
+                    let mut other = truth;
+                    ball.rename(&mut other);
+                    assert!(difference(&ball.rotation(&other), &rotation) < 5e-15);
+                    assert!((other[2] - truth[2]).abs() > 1.0);
                     let mut far = [9.0, -4.0, 2.5];
                     ball.read(&rotation, &mut far);
                     assert!(difference(&ball.rotation(&far), &rotation) < 5e-15);
@@ -517,7 +494,6 @@ mod tests {
         let run = |between: [Pose; 2]| Run {
             turns: [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)],
             between,
-            steps: 5,
         };
         // Along the axes before and behind a constant nothing is moved apart.
         let met = run([shift(3.0, -2.0, 0.0), shift(0.0, 2.0, 5.0)]);

@@ -1,11 +1,11 @@
 //! How many freedoms a mechanism has: by counting joints and loops, and by the rank at closed poses; which equations
 //! are redundant and which freedoms are idle. Values only; the words are the command line's.
 //!
-//! The count (Grübler, Kutzbach, for loops): joint freedoms, less the dimension of every loop's group of motions (6; 3
-//! for planar and spherical loops, wherever their plane or centre lies), less the couplings. It is wrong for
-//! over-constrained mechanisms, whose equations depend on each other at closed poses: there the numeric one holds.
+//! The [count](super::count) is wrong for over-constrained mechanisms, whose equations depend on each other at closed poses:
+//! there the numeric one holds.
 
-use super::generic_rank::{RANK, closed_poses, random_poses};
+use super::count::JointCount;
+use super::generic_rank::{RANK, closed_poses};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble;
 use crate::kinematics::solve::branch::BranchWatch;
@@ -14,22 +14,9 @@ use crate::kinematics::structure::block::{Block, Held, block};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
-use crate::math::Pose;
 use crate::model::actuation::Actuation;
-use crate::model::chain::Motion;
-use crate::model::mechanism::{Closes, Mechanism};
-use crate::model::walk::walk;
-
-/// The motions that a loop's joints can make together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoopSpace {
-    /// Name of the loop.
-    pub name: String,
-    /// Dimension of the span of all its joints' twists over all poses: what closing it costs at most.
-    pub dimension: usize,
-    /// All rotations are about one direction, and all translations across it.
-    pub is_planar: bool,
-}
+use crate::model::chain::Chain;
+use crate::model::mechanism::Mechanism;
 
 /// Freedoms at closed poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,14 +30,12 @@ pub struct Numeric {
 /// The freedoms of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mobility {
-    /// Coordinates (unknowns and inputs) that a loop or equation uses: the joints' freedoms.
-    pub freedoms: usize,
+    /// Joints, loops and equations, counted.
+    pub count: JointCount,
+    /// Coordinates (unknowns and inputs) that a loop, an equation or a body uses.
+    pub coordinates: usize,
     /// Of these the inputs.
     pub inputs: usize,
-    /// Every loop.
-    pub loops: Vec<LoopSpace>,
-    /// Scalar equations.
-    pub couplings: usize,
     /// Where the drive starts; `None` if there is no pose.
     pub at_start: Option<Numeric>,
     /// At the most regular of a few closed poses.
@@ -74,10 +59,9 @@ impl Mobility {
         let numeric: Vec<Numeric> = poses.iter().map(|pose| whole.numeric(pose)).collect();
         let used = whole.block.unknowns.iter();
         let mut mobility = Self {
-            freedoms: whole.block.unknowns.len(),
+            count: JointCount::new(mechanism),
+            coordinates: whole.block.unknowns.len(),
             inputs: used.filter(|u| **u >= mechanism.unknowns.len()).count(),
-            loops: loop_spaces(mechanism),
-            couplings: mechanism.equations.len(),
             at_start: start(system, actuation).map(|pose| whole.numeric(&pose)),
             generic: numeric.into_iter().min_by_key(|n| n.mobility),
             redundant: Vec::new(),
@@ -88,19 +72,6 @@ impl Mobility {
             mobility.left_out(system, &whole, pose);
         }
         mobility
-    }
-
-    /// Joint freedoms less what the loops and couplings cost.
-    pub fn count(&self) -> i64 {
-        let cost: usize = self.loops.iter().map(|l| l.dimension).sum();
-        self.freedoms as i64 - cost as i64 - self.couplings as i64
-    }
-
-    /// Dependent coordinates of a planar mechanism written as vector loops with angles to the frame: two equations
-    /// a loop and one a coupling, d = 2k + s1. `None` if it is not planar.
-    pub fn planar_dependents(&self) -> Option<usize> {
-        let is_planar = !self.loops.is_empty() && self.loops.iter().all(|l| l.is_planar);
-        is_planar.then_some(2 * self.loops.len() + self.couplings)
     }
 
     /// Sorts the equations that are not solved: implied by others, or conditions on the inputs.
@@ -170,7 +141,7 @@ fn row_names(block: &Block) -> impl Iterator<Item = RowName> + '_ {
     loops.chain(block.equations.iter().map(|e| RowName::Equation(*e)))
 }
 
-/// All equations as one block whose unknowns are all coordinates that are used, the inputs too.
+/// All equations as one block whose unknowns are all coordinates that are used, by bodies too, and the inputs too.
 struct Whole {
     mechanism: Mechanism,
     block: Block,
@@ -194,7 +165,9 @@ impl Whole {
             })
             .collect();
         let used = |slot: &usize| {
-            let mut chains = lifted.loops.iter().flat_map(|l| l.chain.arguments());
+            let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
+            let chains = lifted.loops.iter().map(|l| &l.chain).chain(bodies);
+            let mut chains = chains.flat_map(Chain::arguments);
             let mut equations = lifted.equations.iter();
             chains.any(|a| lifted.arguments[a].coordinates().contains(slot))
                 || equations.any(|e| e.expression.slots().contains(slot))
@@ -241,42 +214,4 @@ impl Whole {
         qr.factor(rows, columns, rows.len() / columns, RANK);
         qr.rank()
     }
-}
-
-/// Spans of the loops' twists over random poses, closed or not: the group that the joints generate.
-fn loop_spaces(mechanism: &Mechanism) -> Vec<LoopSpace> {
-    let poses = random_poses(mechanism);
-    let of_loop = |item: &crate::model::mechanism::Loop| {
-        let (mut twists, mut turns) = (Vec::new(), Vec::new());
-        for pose in &poses {
-            let arguments = mechanism.argument_values(pose);
-            let mut here = Pose::IDENTITY;
-            walk(&item.chain.steps, &mut here, &arguments, |here, joint| {
-                let axis = here.rotation.col(joint.axis);
-                let (turn, speed) = match joint.motion {
-                    Motion::Rotation => (axis, here.translation.cross(axis) / mechanism.size),
-                    Motion::Translation => (glam::DVec3::ZERO, axis),
-                };
-                twists.extend(turn.to_array().into_iter().chain(speed.to_array()));
-                turns.extend(turn.to_array());
-            });
-        }
-        let rank = |entries: &[f64], rows: usize| {
-            let mut qr = PivotedQr::default();
-            qr.factor(entries, rows, entries.len() / rows, RANK);
-            qr.rank()
-        };
-        let all = rank(&twists, 6);
-        // Where a point closes the loop, its three coordinates are all that counts.
-        let dimension = match item.closes {
-            Closes::Frame => all,
-            Closes::Point => all.min(3),
-        };
-        LoopSpace {
-            name: item.name.clone(),
-            dimension,
-            is_planar: dimension == 3 && rank(&turns, 3) == 1,
-        }
-    };
-    mechanism.loops.iter().map(of_loop).collect()
 }

@@ -3,6 +3,7 @@
 //! Above `solve`, since closed poses decide on ranks.
 
 pub mod analysis;
+pub mod count;
 pub mod generic_rank;
 pub mod mobility;
 pub mod passive;

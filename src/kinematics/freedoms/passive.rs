@@ -3,8 +3,7 @@
 //!
 //! A free motion is a null vector of the Jacobian at closed poses. It is idle when within every loop the links that
 //! move turn about one common line, between links that stand still, while no other body moves, no traced point and no
-//! output changes. A link is what lies between two joints; rotations that follow one another directly are one joint.
-//! Several idle freedoms are parted by elimination, so that each turns about a line of its own.
+//! output changes. Several idle freedoms are parted by elimination, so that each turns about a line of its own.
 //!
 //! One unknown of each is held at its start value: the one that turns about the line itself wherever there is one (the
 //! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
@@ -223,7 +222,7 @@ impl FreeMotion<'_> {
         };
         let parts = self.block.loops.iter();
         let lines: Option<Lines> = parts
-            .map(|part| common(walk.links(&self.mechanism.loops[part.index].chain)))
+            .map(|part| common(walk.links(self.mechanism, part.index)))
             .collect();
         let lines = lines?;
         let bodies = self.mechanism.bodies.iter();

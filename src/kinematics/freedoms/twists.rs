@@ -1,7 +1,7 @@
 //! How links move along chains for given rates of the coordinates: twists, and the lines of pure rotations.
 
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{Argument, ArgumentValue, Chain, Motion};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk;
 use glam::DVec3;
@@ -49,14 +49,9 @@ pub struct Walk {
 impl Walk {
     /// The motion with the given rates of all coordinates, in their own units.
     pub fn new(mechanism: &Mechanism, pose: &[f64], rates: &[f64]) -> Self {
-        let rate_of = |argument: &Argument| match argument {
-            Argument::Affine(affine) => affine.terms.iter().map(|(s, c)| c * rates[*s]).sum(),
-            Argument::Formula(expression) => {
-                let mut gradient = vec![0.0; rates.len()];
-                let (mut values, mut adjoints) = (Vec::new(), Vec::new());
-                expression.add_gradient(pose, 1.0, &mut gradient, &mut values, &mut adjoints);
-                gradient.iter().zip(rates).map(|(g, r)| g * r).sum()
-            }
+        let rate_of = |argument: &Argument| {
+            let gradient = argument.gradient(pose).into_iter();
+            gradient.map(|(slot, g)| g * rates[slot]).sum()
         };
         Self {
             arguments: mechanism.argument_values(pose),
@@ -79,9 +74,11 @@ impl Walk {
         twists
     }
 
-    /// Twists of the links: what lies between the joints.
-    pub fn links(&self, chain: &Chain) -> Vec<Twist> {
-        let kind = |step: &Step| step.joint().map(|joint| joint.motion);
+    /// Twists of the links behind the joints of a loop.
+    pub fn links(&self, mechanism: &Mechanism, index: usize) -> Vec<Twist> {
+        let chain = &mechanism.loops[index].chain;
+        let passages = mechanism.joints.along_loops[index].iter();
+        let mut ends = passages.map(|passage| passage.steps.end).peekable();
         let (mut turn, mut speed, mut list) = (DVec3::ZERO, DVec3::ZERO, Vec::new());
         let mut twists = self.twists(chain).into_iter();
         for (k, step) in chain.steps.iter().enumerate() {
@@ -89,8 +86,7 @@ impl Walk {
                 turn += t;
                 speed += s;
             }
-            let next = chain.steps.get(k + 1).and_then(kind);
-            if next.is_none() || next != kind(step) {
+            if ends.next_if_eq(&(k + 1)).is_some() {
                 list.push((turn, speed));
             }
         }

@@ -2,8 +2,7 @@
 //!
 //! A count, not a proof: an assembly that no start leads to stays unknown. Two closures are the same assembly when
 //! all links stand alike, whatever the angles are called: whole turns and the second set of Euler angles of a ball
-//! joint make no other assembly. A link is what lies between two joints of a chain; rotations that follow one
-//! another directly are one joint.
+//! joint make no other assembly.
 
 use super::assembly::{assemble, turns_matter};
 use super::branch::BranchWatch;
@@ -14,7 +13,8 @@ use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::{body_poses, closure_error};
 use crate::kinematics::structure::system::System;
 use crate::math::{Pose, sin_cos};
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{ArgumentValue, Chain};
+use crate::model::joints::Passage;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
 
@@ -85,7 +85,7 @@ pub fn find_modes(
     let closed = closures.len();
     let mut groups: Vec<Group> = Vec::new();
     for (start, coordinates) in closures {
-        let fingerprint = fingerprint(mechanism, system.balls(), &coordinates);
+        let fingerprint = fingerprint(mechanism, &coordinates);
         let known = groups
             .iter_mut()
             .find(|g| same(&g.fingerprint, &fingerprint));
@@ -128,13 +128,13 @@ impl Group {
 
     /// Replaces second Euler angles by first ones where that makes the angles smaller and moves no link.
     fn rename(&mut self, mechanism: &Mechanism, balls: &[Ball]) {
-        for triple in triples(mechanism) {
+        for ball in balls {
             let mut other = self.coordinates.clone();
-            triple.rename(&mut other);
+            ball.rename(&mut other);
             wrap(mechanism, &mut other);
             if angles(mechanism, &other) < angles(mechanism, &self.coordinates) - EQUAL
                 && closure_error(mechanism, &other) <= CLOSED
-                && same(&fingerprint(mechanism, balls, &other), &self.fingerprint)
+                && same(&fingerprint(mechanism, &other), &self.fingerprint)
             {
                 self.coordinates = other;
             }
@@ -205,21 +205,15 @@ fn random(key: u64, counter: u64) -> f64 {
 }
 
 /// Everything that tells assemblies apart: poses of links and bodies, and unknowns that move neither.
-fn fingerprint(mechanism: &Mechanism, balls: &[Ball], coordinates: &[f64]) -> Vec<f64> {
+fn fingerprint(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     let arguments = mechanism.argument_values(coordinates);
     let mut numbers = Vec::new();
     let mut note = |pose: &Pose| {
         numbers.extend(pose.rotation.to_cols_array());
         numbers.extend((pose.translation / mechanism.size).to_array());
     };
-    for item in &mechanism.loops {
-        let inner = |k: usize| {
-            let joint = balls
-                .iter()
-                .find_map(|b| b.stands_at(&item.chain.steps, k, mechanism.size));
-            joint.map_or(0, |(taken, _)| taken - 1)
-        };
-        links(&item.chain, inner, &arguments, &mut note);
+    for (item, passages) in mechanism.loops.iter().zip(&mechanism.joints.along_loops) {
+        links(&item.chain, passages, &arguments, &mut note);
     }
     body_poses(mechanism, coordinates).iter().for_each(note);
     for slot in outside_chains(mechanism) {
@@ -233,25 +227,18 @@ fn fingerprint(mechanism: &Mechanism, balls: &[Ball], coordinates: &[f64]) -> Ve
     numbers
 }
 
-/// Poses between the joints of a chain. Rotations in a row are one joint, and so are translations in a row, and as many
-/// steps after step `k` as `inner` says.
+/// Poses of the links behind the joints of a chain.
 fn links(
     chain: &Chain,
-    inner: impl Fn(usize) -> usize,
+    passages: &[Passage],
     arguments: &[ArgumentValue],
     note: &mut impl FnMut(&Pose),
 ) {
-    let motion_of = |step: &Step| match step {
-        Step::Fixed(_) => None,
-        Step::Joint { motion, .. } => Some(*motion),
-    };
     let mut pose = Pose::IDENTITY;
-    let mut within = 0;
+    let mut ends = passages.iter().map(|p| p.steps.end).peekable();
     for (k, step) in chain.steps.iter().enumerate() {
         step.advance(&mut pose, arguments);
-        let next = chain.steps.get(k + 1).and_then(motion_of);
-        within = if within > 0 { within - 1 } else { inner(k) };
-        if within == 0 && (next.is_none() || next != motion_of(step)) {
+        if ends.next_if_eq(&(k + 1)).is_some() {
             note(&pose);
         }
     }
@@ -295,56 +282,6 @@ fn wrap(mechanism: &Mechanism, coordinates: &mut [f64]) {
             coordinates[slot] = value - TAU * turns;
         }
     }
-}
-
-/// Three rotations in a row about axes that differ from one to the next: they have two sets of angles.
-struct Triple {
-    slots: [usize; 3],
-    /// First and last axis are the same (z, x, z), so that the middle angle changes its sign only.
-    is_proper: bool,
-}
-
-impl Triple {
-    /// The other set: (a + π, π - b, c + π), or (a + π, -b, c + π).
-    fn rename(&self, coordinates: &mut [f64]) {
-        let [a, b, c] = self.slots;
-        coordinates[a] += PI;
-        coordinates[c] += PI;
-        coordinates[b] = if self.is_proper { 0.0 } else { PI } - coordinates[b];
-    }
-}
-
-/// The ball joints of all loops whose three angles are unknowns of their own.
-fn triples(mechanism: &Mechanism) -> Vec<Triple> {
-    let angle = |step: &Step| match *step {
-        Step::Joint {
-            motion: Motion::Rotation,
-            axis,
-            argument,
-            ..
-        } => match &mechanism.arguments[argument] {
-            Argument::Affine(affine) => match affine.terms[..] {
-                [(slot, factor)] if slot < mechanism.unknowns.len() => {
-                    (affine.constant == 0.0 && factor.abs() == 1.0).then_some((axis, slot))
-                }
-                _ => None,
-            },
-            Argument::Formula(_) => None,
-        },
-        _ => None,
-    };
-    let chains = mechanism.loops.iter().map(|l| &l.chain);
-    let windows = chains.flat_map(|chain| chain.steps.windows(3));
-    windows
-        .filter_map(|w| {
-            let (a, b, c) = (angle(&w[0])?, angle(&w[1])?, angle(&w[2])?);
-            let differ = a.0 != b.0 && b.0 != c.0;
-            differ.then_some(Triple {
-                slots: [a.1, b.1, c.1],
-                is_proper: a.0 == c.0,
-            })
-        })
-        .collect()
 }
 
 /// Signatures and singular values, and the order of the table.

@@ -27,6 +27,7 @@ use super::overrides::Overrides;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
+use crate::model::joints::Joints;
 use crate::model::measure::Measures;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use contacts::closure::Contacts;
@@ -125,6 +126,7 @@ pub fn resolve(
         bodies,
         traces,
         outputs,
+        joints: Joints::default(),
         size: 1.0,
         magnitudes: Vec::new(),
     };
@@ -137,6 +139,7 @@ pub fn resolve(
         .size
         .unwrap_or_else(|| size(&mechanism, &actuation, &names));
     magnitudes::estimate(&mut mechanism, &actuation);
+    mechanism.joints = Joints::new(&mechanism);
     loops::warn(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {

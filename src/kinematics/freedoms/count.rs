@@ -1,0 +1,251 @@
+//! The count of freedoms by Grübler and Kutzbach: of joints between links, whatever coordinates they are written in.
+//!
+//! Joint freedoms, and coordinates that stand in equations only; less the dimension of every loop's group of motions (6;
+//! 3 for planar and spherical loops, wherever their plane or centre lies); less the equations; less the joints that share
+//! coordinates with others. Some sharing is no cost: the angles of bars to the frame are shared by the joints at both their
+//! ends, and just so the rotations of the loop close by themselves. So what is shared, less what closes by itself,
+//! is counted.
+
+use super::generic_rank::{RANK, random_poses};
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::math::Pose;
+use crate::model::chain::{ArgumentValue, Chain, Motion};
+use crate::model::joints::Joints;
+use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
+use crate::model::walk::walk;
+use glam::DVec3;
+
+/// The motions that a loop's joints can make together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopSpace {
+    /// Name of the loop.
+    pub name: String,
+    /// What closing it costs at most: the dimension of the span of all its joints' twists over all poses. None if the
+    /// loops before it close it already.
+    pub dimension: usize,
+    /// All rotations are about one direction, and all translations across it.
+    pub is_planar: bool,
+}
+
+/// The terms of the count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointCount {
+    /// Freedoms of the joints: those of loops, and those of bodies that move by a coordinate of their own.
+    pub joints: usize,
+    /// Coordinates that stand in equations only.
+    pub free: usize,
+    /// Every loop.
+    pub loops: Vec<LoopSpace>,
+    /// Scalar equations.
+    pub equations: usize,
+    /// Joints that others move along with, by coordinates that they share.
+    pub shared: usize,
+    /// Counted by coordinates, not by joints: some coordinates are shared in more than one way at once.
+    pub is_by_coordinates: bool,
+}
+
+impl JointCount {
+    /// Counts a mechanism's joints.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let poses = random_poses(mechanism);
+        let counted = counted(mechanism);
+        let list = &mechanism.joints.list;
+        let freedoms: usize = counted.iter().map(|j| list[*j].kind.freedoms()).sum();
+        let arguments = counted.iter().flat_map(|j| list[*j].arguments());
+        let independent = poses.first().map_or(0, |pose| {
+            independent(mechanism, &arguments.collect::<Vec<_>>(), pose)
+        });
+        let spaces = spaces(mechanism, &poses);
+        let by_themselves: usize = spaces.iter().map(|s| s.joints - s.coordinates).sum();
+        let shared = (freedoms - independent).checked_sub(by_themselves);
+        let is_by_coordinates = shared.is_none();
+        let of_loop = |(item, space): (&Loop, Space)| LoopSpace {
+            name: item.name.clone(),
+            dimension: match is_by_coordinates {
+                true => space.coordinates,
+                false => space.joints,
+            },
+            is_planar: space.is_planar,
+        };
+        Self {
+            joints: match is_by_coordinates {
+                true => independent,
+                false => freedoms,
+            },
+            free: in_equations_only(mechanism, &counted),
+            loops: mechanism.loops.iter().zip(spaces).map(of_loop).collect(),
+            equations: mechanism.equations.len(),
+            shared: shared.unwrap_or(0),
+            is_by_coordinates,
+        }
+    }
+
+    /// The freedoms: less than there are where loops are over-constrained.
+    pub fn freedoms(&self) -> i64 {
+        let loops: usize = self.loops.iter().map(|l| l.dimension).sum();
+        let cost = loops + self.equations + self.shared;
+        (self.joints + self.free) as i64 - cost as i64
+    }
+
+    /// Dependent coordinates of a planar mechanism written as vector loops with angles to the frame: two equations
+    /// a loop and one an equation, d = 2k + s1. `None` if it is not planar.
+    pub fn planar_dependents(&self) -> Option<usize> {
+        let mut closing = self.closing().peekable();
+        closing.peek()?;
+        let (mut loops, mut is_planar) = (0, true);
+        closing.for_each(|l| (loops, is_planar) = (loops + 1, is_planar && l.is_planar));
+        is_planar.then_some(2 * loops + self.equations)
+    }
+
+    /// Loops that close something that the loops before them have left open.
+    pub fn closing(&self) -> impl Iterator<Item = &LoopSpace> {
+        self.loops.iter().filter(|l| l.dimension > 0)
+    }
+}
+
+/// Joints that loops pass, and of the others those that bring a coordinate of their own: what follows another
+/// joint (a piece of a rope, a stage of a telescope) is placed, not jointed.
+fn counted(mechanism: &Mechanism) -> Vec<usize> {
+    let Joints {
+        list, along_loops, ..
+    } = &mechanism.joints;
+    let mut counted: Vec<usize> = along_loops.iter().flatten().map(|p| p.joint).collect();
+    counted.sort_unstable();
+    counted.dedup();
+    let mut known: Vec<usize> = counted
+        .iter()
+        .flat_map(|j| list[*j].coordinates.clone())
+        .collect();
+    for (index, joint) in list.iter().enumerate() {
+        if joint.coordinates.iter().any(|slot| !known.contains(slot)) {
+            counted.push(index);
+            known.extend(&joint.coordinates);
+        }
+    }
+    counted
+}
+
+fn in_equations_only(mechanism: &Mechanism, counted: &[usize]) -> usize {
+    let joints = &mechanism.joints.list;
+    let equations = mechanism.equations.iter();
+    let mut slots: Vec<usize> = equations.flat_map(|e| e.expression.slots()).collect();
+    slots.sort_unstable();
+    slots.dedup();
+    let is_joint = |slot: &&usize| {
+        counted
+            .iter()
+            .any(|j| joints[*j].coordinates.contains(slot))
+    };
+    slots.len() - slots.iter().filter(is_joint).count()
+}
+
+/// How many of the arguments change independently of each other.
+fn independent(mechanism: &Mechanism, arguments: &[usize], pose: &[f64]) -> usize {
+    let mut rows = Vec::new();
+    for argument in arguments {
+        let mut row = vec![0.0; pose.len()];
+        for (slot, rate) in mechanism.arguments[*argument].gradient(pose) {
+            row[slot] = rate * unit_of(mechanism, slot);
+        }
+        // Angles and lengths alike.
+        let largest = row.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        rows.extend(row.iter().map(|v| v / largest.max(f64::MIN_POSITIVE)));
+    }
+    rank(&rows, pose.len())
+}
+
+/// What a coordinate is counted in.
+fn unit_of(mechanism: &Mechanism, slot: usize) -> f64 {
+    let mut coordinates = mechanism.unknowns.iter().chain(&mechanism.inputs);
+    match coordinates.nth(slot).map(|c| c.kind) {
+        Some(Kind::Length) => mechanism.size,
+        _ => 1.0,
+    }
+}
+
+/// Dimensions of a loop's motions.
+struct Space {
+    /// As its joints would make them, each by itself.
+    joints: usize,
+    /// As its coordinates make them: less where some equations of the loop always hold.
+    coordinates: usize,
+    is_planar: bool,
+}
+
+/// Spans of the loops' twists over random poses, closed or not: the groups that the joints generate.
+fn spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
+    let loops = mechanism.loops.iter().zip(&mechanism.joints.closes);
+    let of_loop = |(item, closes): (&Loop, &bool)| {
+        let (mut joints, mut turns, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
+        for pose in poses {
+            let arguments = mechanism.argument_values(pose);
+            let mut columns = vec![[0.0; 6]; pose.len()];
+            each_twist(
+                mechanism,
+                &item.chain,
+                &arguments,
+                |argument, unit, twist| {
+                    joints.extend(twist);
+                    turns.extend(&twist[..3]);
+                    for (slot, rate) in mechanism.arguments[argument].gradient(pose) {
+                        let rate = rate * unit_of(mechanism, slot) / unit;
+                        let column = columns[slot].iter_mut().zip(twist);
+                        column.for_each(|(c, t)| *c += rate * t);
+                    }
+                },
+            );
+            coordinates.extend(columns.into_iter().flatten());
+        }
+        // Where a point closes the loop, its three coordinates are all that counts.
+        let most = match (closes, item.closes) {
+            (false, _) => 0,
+            (true, Closes::Frame) => 6,
+            (true, Closes::Point) => 3,
+        };
+        let dimension = rank(&joints, 6);
+        Space {
+            joints: dimension.min(most),
+            coordinates: rank(&coordinates, 6).min(most),
+            is_planar: dimension == 3 && rank(&turns, 3) == 1,
+        }
+    };
+    loops.map(of_loop).collect()
+}
+
+/// Calls `each` with every motion's argument, its unit (radian, size) and its twist for a rate of one unit: angular
+/// velocity, and velocity at the origin over the size.
+fn each_twist(
+    mechanism: &Mechanism,
+    chain: &Chain,
+    arguments: &[ArgumentValue],
+    mut each: impl FnMut(usize, f64, [f64; 6]),
+) {
+    let size = mechanism.size;
+    let mut end = Pose::IDENTITY;
+    walk(&chain.steps, &mut end, arguments, |here, joint| {
+        let axis = here.rotation.col(joint.axis) * joint.sign;
+        let (unit, turn, speed) = match joint.motion {
+            Motion::Rotation => (1.0, axis, here.translation.cross(axis) / size),
+            Motion::Translation => (size, DVec3::ZERO, axis),
+        };
+        let twist = [turn.x, turn.y, turn.z, speed.x, speed.y, speed.z];
+        each(joint.argument, unit, twist);
+    });
+}
+
+/// Rank of rows of numbers; a row without a value says nothing.
+fn rank(entries: &[f64], columns: usize) -> usize {
+    if columns == 0 {
+        return 0;
+    }
+    let rows = entries.chunks(columns);
+    let known = rows.filter(|row| row.iter().all(|v| v.is_finite()));
+    let known: Vec<f64> = known.flatten().copied().collect();
+    if known.is_empty() {
+        return 0;
+    }
+    // Rows one after the other are columns of the transposed matrix, which has the same rank.
+    let mut qr = PivotedQr::default();
+    qr.factor(&known, columns, known.len() / columns, RANK);
+    qr.rank()
+}

@@ -1,0 +1,600 @@
+//! Which positions of chains lie on one link: chains as paths in a graph of links, folded.
+//!
+//! Links are the nodes, elementary motions the edges. A chain is a path: constant poses stay on a link, a motion leads to the
+//! next. Two motions by the same coordinates about the same axis that start from the same link are the same motion, and lead to
+//! the same link (Stallings' folding, with a pose beside every node); a closed loop is a path that comes back to where it
+//! began. So links are found through chains and loops alike, however they are written.
+//!
+//! The two frames of an edge have its axis as z: the motion is `before · M(value) · after⁻¹`. Frames that differ by what
+//! commutes with the motion (a turn about the axis; of a rotation a shift along it; of a translation any shift) are frames of
+//! the same motion.
+
+use super::{EXACT, LinkFrame};
+use crate::math::Pose;
+use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::mechanism::{Closes, Loop, Mechanism};
+use glam::{DMat3, DVec3};
+
+/// Half a turn about x: reverses a motion along z, and undoes itself.
+const FLIP: Pose = Pose {
+    rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
+    translation: DVec3::ZERO,
+};
+
+impl LinkFrame {
+    const WORLD: Self = Self {
+        link: 0,
+        link_from_here: Pose::IDENTITY,
+    };
+
+    fn moved(self, by: Pose) -> Self {
+        Self {
+            link_from_here: self.link_from_here * by,
+            ..self
+        }
+    }
+}
+
+/// An elementary motion between two links.
+#[derive(Clone, Debug)]
+pub struct Edge {
+    pub motion: Motion,
+    /// Which combination of coordinates moves it.
+    label: usize,
+    /// One of the arguments that are this combination, with its coordinates.
+    pub argument: usize,
+    /// Frames on the link before and on the link behind whose z is the axis.
+    pub ends: [LinkFrame; 2],
+}
+
+/// An edge as a path passes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    pub edge: usize,
+    pub is_inverse: bool,
+}
+
+impl Crossing {
+    /// The same the other way.
+    pub fn inverse(self) -> Self {
+        Self {
+            is_inverse: !self.is_inverse,
+            ..self
+        }
+    }
+}
+
+/// A motion of a chain as a step of its path.
+#[derive(Clone, Copy, Debug)]
+pub struct Stride {
+    pub crossing: Crossing,
+    /// The chain's frame before and behind the step.
+    pub from: LinkFrame,
+    pub to: LinkFrame,
+}
+
+/// A chain's steps; constant poses cross nothing.
+pub type Path = Vec<Option<Stride>>;
+
+/// An argument as a multiple ±1 of its label, and a constant.
+#[derive(Clone, Copy)]
+struct Value {
+    /// `None` if it never changes.
+    label: Option<usize>,
+    sign: f64,
+    constant: f64,
+}
+
+/// The chains as paths.
+#[derive(Default)]
+pub struct Paths {
+    pub bodies: Vec<Path>,
+    pub loops: Vec<Path>,
+}
+
+/// The graph while it grows.
+pub struct LinkGraph<'m> {
+    mechanism: &'m Mechanism,
+    values: Vec<Value>,
+    /// Steps from the world to every link.
+    routes: Vec<Vec<Step>>,
+    /// Where a link went that was found to be part of another.
+    merged_links: Vec<Option<LinkFrame>>,
+    edges: Vec<Edge>,
+    /// The edge that an edge was found to be.
+    merged_edges: Vec<Option<Crossing>>,
+    /// Edges at every link.
+    at: Vec<Vec<usize>>,
+    paths: Paths,
+    body_ends: Vec<LinkFrame>,
+    /// Where loops begin.
+    loop_starts: Vec<LinkFrame>,
+    closes: Vec<bool>,
+}
+
+/// The graph when all is folded: links that were merged have no edges.
+pub struct Finished {
+    /// All edges; those that were merged into others are `None`.
+    pub edges: Vec<Option<Edge>>,
+    /// Edges at every link.
+    pub at: Vec<Vec<usize>>,
+    pub paths: Paths,
+    /// Steps from the world to every link.
+    pub routes: Vec<Vec<Step>>,
+    /// Link of every body.
+    pub of_body: Vec<usize>,
+    /// Links in which a loop begins.
+    pub starts: Vec<usize>,
+    /// Whether every loop closed something new.
+    pub closes: Vec<bool>,
+}
+
+/// A motion as met in a chain: how it is numbered, and where its axis is.
+struct Met {
+    motion: Motion,
+    label: usize,
+    argument: usize,
+    /// From the frame before the step to the frame whose z is the axis, and the way back behind it.
+    to_axis: Pose,
+    from_axis: Pose,
+}
+
+impl<'m> LinkGraph<'m> {
+    /// The frame alone.
+    pub fn new(mechanism: &'m Mechanism) -> Self {
+        Self {
+            mechanism,
+            values: values(&mechanism.arguments),
+            routes: vec![Vec::new()],
+            merged_links: vec![None],
+            edges: Vec::new(),
+            merged_edges: Vec::new(),
+            at: vec![Vec::new()],
+            paths: Paths::default(),
+            body_ends: Vec::new(),
+            loop_starts: Vec::new(),
+            closes: Vec::new(),
+        }
+    }
+
+    /// Follows a body's chain from the world.
+    pub fn add_body(&mut self, chain: &Chain) {
+        let (end, path) = self.follow(LinkFrame::WORLD, &chain.steps);
+        self.body_ends.push(end);
+        self.paths.bodies.push(path);
+    }
+
+    /// Lays the loops where their motions stand already: those that meet most of what is known come first, and one
+    /// that meets nothing begins in the world.
+    pub fn add_loops(&mut self, loops: &[Loop]) {
+        self.paths.loops = vec![Vec::new(); loops.len()];
+        self.closes = vec![false; loops.len()];
+        let mut left: Vec<usize> = (0..loops.len()).collect();
+        while !left.is_empty() {
+            // The first that meets anything; else the first.
+            let known = left.iter().position(|k| self.anchor(&loops[*k]).is_some());
+            let index = left.remove(known.unwrap_or(0));
+            self.add_loop(index, &loops[index]);
+        }
+    }
+
+    fn add_loop(&mut self, index: usize, item: &Loop) {
+        let before = self.cycles();
+        let steps = &item.chain.steps;
+        let anchor = self.anchor(item).unwrap_or(Anchor {
+            step: 0,
+            here: LinkFrame::WORLD,
+        });
+        let (ahead, behind) = steps.split_at(anchor.step);
+        let back: Vec<Step> = ahead.iter().rev().map(Step::inverse).collect();
+        let (start, path_back) = self.follow(anchor.here, &back);
+        let (end, path_on) = self.follow(anchor.here, behind);
+        let reversed = path_back.into_iter().rev().map(|stride| {
+            stride.map(|s| Stride {
+                crossing: s.crossing.inverse(),
+                from: s.to,
+                to: s.from,
+            })
+        });
+        self.paths.loops[index] = reversed.chain(path_on).collect();
+        self.loop_starts.push(start);
+        self.closes[index] = match item.closes {
+            Closes::Frame => {
+                self.join(start, end);
+                self.cycles() > before
+            }
+            // Its three equations are its own.
+            Closes::Point => true,
+        };
+    }
+
+    /// The graph with all positions on the links that remain.
+    pub fn finished(self) -> Finished {
+        let edges = self.edges.iter().zip(&self.merged_edges);
+        let edges = edges.map(|(edge, merged)| {
+            let ends = edge.ends.map(|end| self.resolved(end));
+            merged.is_none().then(|| Edge {
+                ends,
+                ..edge.clone()
+            })
+        });
+        let resolve = |list: &[Path]| -> Vec<Path> {
+            let stride = |stride: Stride| Stride {
+                crossing: self.resolved_edge(stride.crossing),
+                from: self.resolved(stride.from),
+                to: self.resolved(stride.to),
+            };
+            let path = |path: &Path| path.iter().map(|s| s.map(stride)).collect();
+            list.iter().map(path).collect()
+        };
+        let links = |list: &[LinkFrame]| list.iter().map(|p| self.resolved(*p).link).collect();
+        Finished {
+            edges: edges.collect(),
+            paths: Paths {
+                bodies: resolve(&self.paths.bodies),
+                loops: resolve(&self.paths.loops),
+            },
+            of_body: links(&self.body_ends),
+            starts: links(&self.loop_starts),
+            closes: self.closes.clone(),
+            at: self.at.clone(),
+            routes: self.routes.clone(),
+        }
+    }
+
+    /// Independent cycles of the graph, which is connected.
+    fn cycles(&self) -> i64 {
+        let live = |list: &mut dyn Iterator<Item = bool>| list.filter(|live| *live).count() as i64;
+        let edges = live(&mut self.merged_edges.iter().map(Option::is_none));
+        let links = live(&mut self.merged_links.iter().map(Option::is_none));
+        edges - links + 1
+    }
+
+    fn resolved(&self, mut position: LinkFrame) -> LinkFrame {
+        while let Some(into) = self.merged_links[position.link] {
+            position = into.moved(position.link_from_here);
+        }
+        position
+    }
+
+    fn resolved_edge(&self, mut crossing: Crossing) -> Crossing {
+        while let Some(into) = self.merged_edges[crossing.edge] {
+            crossing = Crossing {
+                edge: into.edge,
+                is_inverse: into.is_inverse != crossing.is_inverse,
+            };
+        }
+        crossing
+    }
+
+    /// How a step moves; the pose instead if it never changes.
+    fn met(&self, step: &Step) -> Result<Met, Pose> {
+        let (motion, axis, argument, sign) = match *step {
+            Step::Fixed(fixed) => return Err(fixed.pose),
+            Step::Joint {
+                motion,
+                axis,
+                argument,
+                sign,
+            } => (motion, axis, argument, sign),
+        };
+        let value = self.values[argument];
+        let constant = along_z(motion, sign * value.constant);
+        let axis = axis_as_z(axis);
+        let Some(label) = value.label else {
+            return Err(axis * constant * axis.inverse());
+        };
+        let flip = if sign * value.sign < 0.0 {
+            FLIP
+        } else {
+            Pose::IDENTITY
+        };
+        Ok(Met {
+            motion,
+            label,
+            argument,
+            to_axis: axis * constant * flip,
+            from_axis: flip * axis.inverse(),
+        })
+    }
+
+    /// Walks along steps from a position, on known edges where there are some.
+    fn follow(&mut self, start: LinkFrame, steps: &[Step]) -> (LinkFrame, Path) {
+        let mut here = start;
+        let mut path = Vec::with_capacity(steps.len());
+        for step in steps {
+            match self.met(step) {
+                Err(pose) => {
+                    here = here.moved(pose);
+                    path.push(None);
+                }
+                Ok(met) => {
+                    let known = self.known(here, &met);
+                    let (to, crossing) = known.unwrap_or_else(|| self.grow(here, &met, step));
+                    path.push(Some(Stride {
+                        crossing,
+                        from: here,
+                        to,
+                    }));
+                    here = to;
+                }
+            }
+        }
+        (here, path)
+    }
+
+    /// A known edge that the motion is, and where it leads.
+    fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, Crossing)> {
+        let here = self.resolved(here);
+        let axis = here.link_from_here * met.to_axis;
+        self.at[here.link].iter().find_map(|index| {
+            let edge = &self.edges[*index];
+            if edge.label != met.label || edge.motion != met.motion {
+                return None;
+            }
+            [false, true].into_iter().find_map(|is_inverse| {
+                let [from, to] = self.ends(edge, is_inverse);
+                let apart = from.link_from_here.inverse() * axis;
+                let is_it = from.link == here.link && self.commutes(met.motion, &apart);
+                let crossing = Crossing {
+                    edge: *index,
+                    is_inverse,
+                };
+                is_it.then(|| (to.moved(apart * met.from_axis), crossing))
+            })
+        })
+    }
+
+    /// Frames of an edge as passed forwards or backwards: both flipped, the motion is along z again.
+    fn ends(&self, edge: &Edge, is_inverse: bool) -> [LinkFrame; 2] {
+        let [before, after] = edge.ends.map(|end| self.resolved(end));
+        if is_inverse {
+            [after.moved(FLIP), before.moved(FLIP)]
+        } else {
+            [before, after]
+        }
+    }
+
+    /// A new edge to a new link, whose frame is the one behind the step.
+    fn grow(&mut self, here: LinkFrame, met: &Met, step: &Step) -> (LinkFrame, Crossing) {
+        let here = self.resolved(here);
+        let (link, edge) = (self.at.len(), self.edges.len());
+        let behind = LinkFrame {
+            link,
+            link_from_here: Pose::IDENTITY,
+        };
+        let mut route = self.routes[here.link].clone();
+        if here.link_from_here != Pose::IDENTITY {
+            route.push(Step::Fixed(here.link_from_here.into()));
+        }
+        route.push(*step);
+        self.routes.push(route);
+        self.edges.push(Edge {
+            motion: met.motion,
+            label: met.label,
+            argument: met.argument,
+            ends: [
+                here.moved(met.to_axis),
+                behind.moved(met.from_axis.inverse()),
+            ],
+        });
+        self.merged_edges.push(None);
+        self.merged_links.push(None);
+        self.at.push(vec![edge]);
+        self.at[here.link].push(edge);
+        let crossing = Crossing {
+            edge,
+            is_inverse: false,
+        };
+        (behind, crossing)
+    }
+
+    /// Whether a pose between two frames of an axis along z leaves the motion as it is.
+    fn commutes(&self, motion: Motion, apart: &Pose) -> bool {
+        let tilted = (apart.rotation.z_axis - DVec3::Z).length();
+        let aside = match motion {
+            Motion::Rotation => apart.translation.truncate().length() / self.mechanism.size,
+            Motion::Translation => 0.0,
+        };
+        tilted <= EXACT && aside <= EXACT
+    }
+
+    fn is_identity(&self, pose: &Pose) -> bool {
+        let turned = (pose.rotation - DMat3::IDENTITY).to_cols_array();
+        let moved = pose.translation.length() / self.mechanism.size;
+        turned.iter().fold(moved, |m, v| m.max(v.abs())) <= EXACT
+    }
+
+    /// Makes two positions one frame, and folds what follows from it.
+    fn join(&mut self, a: LinkFrame, b: LinkFrame) {
+        let mut same = vec![[a, b]];
+        while let Some([a, b]) = same.pop() {
+            let [a, b] = [self.resolved(a), self.resolved(b)];
+            // Frames on one link either agree already, or the loops contradict each other, which solving will say.
+            if a.link == b.link {
+                continue;
+            }
+            // The older link stays, so that the world is always itself.
+            let [a, b] = if a.link < b.link { [a, b] } else { [b, a] };
+            self.merged_links[b.link] = Some(a.moved(b.link_from_here.inverse()));
+            let edges = std::mem::take(&mut self.at[b.link]);
+            for edge in edges {
+                if !self.at[a.link].contains(&edge) {
+                    self.at[a.link].push(edge);
+                }
+            }
+            self.fold(a.link, &mut same);
+        }
+    }
+
+    /// Merges edges at a link that are the same motion; what they lead to is the same.
+    fn fold(&mut self, link: usize, same: &mut Vec<[LinkFrame; 2]>) {
+        let mut k = 0;
+        while k < self.at[link].len() {
+            let index = self.at[link][k];
+            let twin = (0..k).find_map(|j| self.twin(link, self.at[link][j], index));
+            match twin {
+                Some((crossing, ends)) => {
+                    self.merged_edges[index] = Some(crossing);
+                    let [before, after] = self.edges[index].ends.map(|e| self.resolved(e).link);
+                    self.at[before].retain(|edge| *edge != index);
+                    self.at[after].retain(|edge| *edge != index);
+                    same.push(ends);
+                }
+                None => k += 1,
+            }
+        }
+    }
+
+    /// Edge `other` as a passage of edge `known`, if it is the same motion from the link, and two positions that
+    /// are the same frame behind it.
+    fn twin(&self, link: usize, known: usize, other: usize) -> Option<(Crossing, [LinkFrame; 2])> {
+        let (one, two) = (&self.edges[known], &self.edges[other]);
+        if one.label != two.label || one.motion != two.motion {
+            return None;
+        }
+        let ways = [[false, false], [false, true], [true, false], [true, true]];
+        ways.into_iter().find_map(|[first, second]| {
+            let ([from, to], [from_other, to_other]) =
+                (self.ends(one, first), self.ends(two, second));
+            if from.link != link || from_other.link != link {
+                return None;
+            }
+            let apart = from.link_from_here.inverse() * from_other.link_from_here;
+            if !self.commutes(one.motion, &apart) {
+                return None;
+            }
+            let behind = to.moved(apart);
+            let gap = behind.link_from_here * to_other.link_from_here.inverse();
+            if behind.link == to_other.link && !self.is_identity(&gap) {
+                return None;
+            }
+            let crossing = Crossing {
+                edge: known,
+                is_inverse: first != second,
+            };
+            Some((crossing, [behind, to_other]))
+        })
+    }
+
+    /// Where a loop meets the most of what is known; `None` if it meets nothing.
+    fn anchor(&self, item: &Loop) -> Option<Anchor> {
+        let steps = &item.chain.steps;
+        let world = Anchor {
+            step: 0,
+            here: LinkFrame::WORLD,
+        };
+        let mut best = (self.known_steps(item, &world), world);
+        for (step, met) in steps.iter().enumerate() {
+            let Ok(met) = self.met(met) else { continue };
+            for (edge, merged) in self.edges.iter().zip(&self.merged_edges) {
+                let is_it = edge.label == met.label && edge.motion == met.motion;
+                if !is_it || merged.is_some() {
+                    continue;
+                }
+                for is_inverse in [false, true] {
+                    let [from, _] = self.ends(edge, is_inverse);
+                    let here = from.moved(met.to_axis.inverse());
+                    let anchor = Anchor { step, here };
+                    let known = self.known_steps(item, &anchor);
+                    if known > best.0 {
+                        best = (known, anchor);
+                    }
+                }
+            }
+        }
+        (best.0 > 0).then_some(best.1)
+    }
+
+    /// How many motions of a loop are known if it lies at an anchor: in a row to both sides of it.
+    fn known_steps(&self, item: &Loop, anchor: &Anchor) -> usize {
+        let (before, behind) = item.chain.steps.split_at(anchor.step);
+        let is_closed = item.closes == Closes::Frame;
+        let on = behind.iter().chain(before.iter().filter(|_| is_closed));
+        let (ahead, all) = self.known_in_a_row(anchor.here, on.copied());
+        if all {
+            return ahead;
+        }
+        let back = before
+            .iter()
+            .rev()
+            .chain(behind.iter().rev().filter(|_| is_closed));
+        ahead + self.known_in_a_row(anchor.here, back.map(Step::inverse)).0
+    }
+
+    /// How many motions are known from a position on, and whether all are.
+    fn known_in_a_row(&self, here: LinkFrame, steps: impl Iterator<Item = Step>) -> (usize, bool) {
+        let (mut here, mut count) = (here, 0);
+        for step in steps {
+            match self.met(&step) {
+                Err(pose) => here = here.moved(pose),
+                Ok(met) => match self.known(here, &met) {
+                    Some((there, _)) => (here, count) = (there, count + 1),
+                    None => return (count, false),
+                },
+            }
+        }
+        (count, true)
+    }
+}
+
+/// A loop's step, and the position it starts from.
+struct Anchor {
+    step: usize,
+    here: LinkFrame,
+}
+
+/// What every argument is: equal combinations of coordinates, their sign aside, get the same label.
+fn values(arguments: &[Argument]) -> Vec<Value> {
+    let mut labels: Vec<Vec<(usize, f64)>> = Vec::new();
+    let constants = arguments.iter().enumerate().map(|(index, argument)| {
+        let Argument::Affine(affine) = argument else {
+            // A formula is itself only.
+            return Value {
+                label: Some(usize::MAX - index),
+                sign: 1.0,
+                constant: 0.0,
+            };
+        };
+        let sign = match affine.terms.first() {
+            Some((_, factor)) if *factor < 0.0 => -1.0,
+            _ => 1.0,
+        };
+        let terms: Vec<_> = affine
+            .terms
+            .iter()
+            .map(|(slot, c)| (*slot, sign * c))
+            .collect();
+        let known = labels.iter().position(|label| *label == terms);
+        let label = known.unwrap_or_else(|| {
+            labels.push(terms);
+            labels.len() - 1
+        });
+        Value {
+            label: (!affine.terms.is_empty()).then_some(label),
+            sign,
+            constant: affine.constant,
+        }
+    });
+    constants.collect()
+}
+
+/// The rotation that takes z to a coordinate axis: the axes in turn.
+fn axis_as_z(axis: usize) -> Pose {
+    let rotation = match axis {
+        0 => DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X),
+        1 => DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
+        _ => DMat3::IDENTITY,
+    };
+    Pose {
+        rotation,
+        translation: DVec3::ZERO,
+    }
+}
+
+fn along_z(motion: Motion, value: f64) -> Pose {
+    match motion {
+        Motion::Rotation => Pose::from_axis_rotation(2, value),
+        Motion::Translation => Pose::from_translation(DVec3::Z * value),
+    }
+}

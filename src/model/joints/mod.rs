@@ -1,0 +1,184 @@
+//! The joints and links of a mechanism: one table, made once while resolving, that everybody reads.
+//!
+//! A chain is a product of elementary motions. What these are as joints is decided here and nowhere else:
+//!
+//! * A **link** is what moves as one rigid part. Positions in different chains lie on one link when the motions from the
+//!   world to them are the same, by the chains or by closed loops ([`links`]).
+//! * A **joint** is what connects two links: one elementary motion (revolute, prismatic), or a run of two or three of
+//!   them ([`pairs`]). A run is one joint only if no body's frame and no loop ends between its motions, nothing else
+//!   branches off there, and its coordinates stand nowhere else: not in an equation, not in another joint. A coordinate that
+//!   does so tells single angles apart, and with them the parts between.
+//! * **Inputs** may take part. That a drive moves an axis of a universal joint does not part the two bodies that it
+//!   connects. Where runs compete for a motion, those of unknowns come first.
+//!
+//! Loops that close in a point (a contact of surfaces) join no links: nothing is known of how their ends are turned.
+
+mod links;
+mod pairs;
+
+use super::chain::{Chain, Step};
+use super::mechanism::Mechanism;
+use crate::math::Pose;
+use links::LinkGraph;
+use std::ops::Range;
+
+/// Axes meet, or are parallel, or frames agree, if they miss it by no more than this (radians, sizes): the rounding of
+/// a few folded constants. Anything that was meant to be apart is farther apart than that, and a ball joint whose axes
+/// miss each other by more cannot be solved as a rotation to the last digits.
+pub const EXACT: f64 = 1e-12;
+
+/// What a joint lets move: the lower pairs, and the universal joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JointKind {
+    /// One rotation.
+    Revolute,
+    /// One translation.
+    Prismatic,
+    /// A rotation about and a translation along one axis.
+    Cylindrical,
+    /// The same, coupled: a screw.
+    Helical,
+    /// Two rotations about axes that meet.
+    Universal,
+    /// Three rotations about axes that meet in one point.
+    Spherical,
+    /// Two translations, and a rotation about the normal of their plane.
+    Planar,
+}
+
+impl JointKind {
+    /// As in reports.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute joint",
+            Self::Prismatic => "prismatic joint",
+            Self::Cylindrical => "cylindrical joint",
+            Self::Helical => "helical joint",
+            Self::Universal => "universal joint",
+            Self::Spherical => "spherical joint",
+            Self::Planar => "planar joint",
+        }
+    }
+
+    /// Degrees of freedom.
+    pub const fn freedoms(self) -> usize {
+        match self {
+            Self::Revolute | Self::Prismatic | Self::Helical => 1,
+            Self::Cylindrical | Self::Universal => 2,
+            Self::Spherical | Self::Planar => 3,
+        }
+    }
+}
+
+/// A joint between two links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// What it lets move.
+    pub kind: JointKind,
+    /// From the frame before it to the frame behind it: its motions with their axes and arguments, and the constant
+    /// poses between them, as the first chain that passes it spells them.
+    pub steps: Vec<Step>,
+    /// Coordinates that move it, ascending.
+    pub coordinates: Vec<usize>,
+    /// Where its steps begin.
+    pub before: LinkFrame,
+    /// Where they end.
+    pub after: LinkFrame,
+}
+
+impl Joint {
+    /// Arguments of its motions, in their order.
+    pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
+        self.steps.iter().filter_map(|step| match step {
+            Step::Joint { argument, .. } => Some(*argument),
+            Step::Fixed(_) => None,
+        })
+    }
+
+    /// Whether it connects the two links.
+    fn connects(&self, a: usize, b: usize) -> bool {
+        let own = [self.before.link, self.after.link];
+        own == [a, b] || own == [b, a]
+    }
+}
+
+/// A frame that moves with a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkFrame {
+    /// Index of the link.
+    pub link: usize,
+    /// Where it is on the link.
+    pub link_from_here: Pose,
+}
+
+/// A rigid part. Number 0 is the frame of the mechanism.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Link {
+    /// Bodies that belong to it.
+    pub bodies: Vec<usize>,
+    /// A way to it, by the chains and closed loops.
+    pub world_from_link: Chain,
+}
+
+/// Where a chain passes a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// Index of the joint.
+    pub joint: usize,
+    /// Steps of the chain, from the joint's first motion to its last.
+    pub steps: Range<usize>,
+    /// From the link behind the joint to the link before it.
+    pub is_inverse: bool,
+}
+
+/// All joints and links of a mechanism.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Joints {
+    /// In the order in which the chains of bodies, then loops, pass them first.
+    pub list: Vec<Joint>,
+    /// The frame first.
+    pub links: Vec<Link>,
+    /// Link of every body.
+    pub of_body: Vec<usize>,
+    /// Passages of every body's chain, in its order.
+    pub along_bodies: Vec<Vec<Passage>>,
+    /// Passages of every loop, in its order.
+    pub along_loops: Vec<Vec<Passage>>,
+    /// Whether a loop closes anything that the loops before it have left open.
+    pub closes: Vec<bool>,
+}
+
+impl Joints {
+    /// The joints of `mechanism`, whose own table is not looked at.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let mut graph = LinkGraph::new(mechanism);
+        for body in &mechanism.bodies {
+            graph.add_body(&body.world_from_body);
+        }
+        graph.add_loops(&mechanism.loops);
+        pairs::table(mechanism, &graph.finished())
+    }
+
+    /// Chain from the world to a frame of a link.
+    pub fn world_from(&self, frame: &LinkFrame) -> Chain {
+        let mut chain = self.links[frame.link].world_from_link.clone();
+        if frame.link_from_here != Pose::IDENTITY {
+            chain.steps.push(Step::Fixed(frame.link_from_here.into()));
+        }
+        chain
+    }
+
+    /// Whether two bodies are one rigid part.
+    pub fn are_rigid(&self, a: usize, b: usize) -> bool {
+        self.of_body[a] == self.of_body[b]
+    }
+
+    /// The joint that connects two bodies with nothing between.
+    pub fn between(&self, a: usize, b: usize) -> Option<&Joint> {
+        let [a, b] = [a, b].map(|body| self.of_body[body]);
+        self.list.iter().find(|joint| joint.connects(a, b))
+    }
+}
+
+#[cfg(test)]
+mod tests;

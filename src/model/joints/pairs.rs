@@ -1,0 +1,441 @@
+//! From elementary motions between links to joints: which motions in a row are one joint.
+
+use super::links::{Crossing, Edge, Finished, Path};
+use super::{EXACT, Joint, JointKind, Joints, Link, LinkFrame, Passage};
+use crate::model::chain::{Chain, Motion, Step};
+use crate::model::mechanism::Mechanism;
+use glam::DVec3;
+
+/// Below this sine two axes that meet are one axis: no angle of a real joint is as small.
+const PARALLEL: f64 = 1e-6;
+
+/// The table of a finished graph.
+pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
+    let rows = Rows::new(mechanism, graph);
+    let runs = rows.runs();
+    let mut joint_of = vec![None; graph.edges.len()];
+    for (index, run) in runs.iter().enumerate() {
+        for crossing in &run.crossings {
+            joint_of[crossing.edge] = Some((index, crossing.is_inverse));
+        }
+    }
+    let along = |paths: &[Path]| -> Vec<Vec<Passage>> {
+        let passages = paths.iter().map(|path| passages(path, &joint_of));
+        passages.collect()
+    };
+    let numbers = Numbers::new(graph, &rows.within(&runs));
+    let mut links = vec![Link::default(); numbers.count];
+    for (route, number) in graph.routes.iter().zip(&numbers.of) {
+        if let Some(number) = number {
+            links[*number].world_from_link = Chain {
+                steps: route.clone(),
+            };
+        }
+    }
+    let of_body = graph.of_body.iter().map(|link| numbers.get(*link));
+    let of_body: Vec<usize> = of_body.collect();
+    for (body, link) in of_body.iter().enumerate() {
+        links[*link].bodies.push(body);
+    }
+    let along_bodies = along(&graph.paths.bodies);
+    let along_loops = along(&graph.paths.loops);
+    let chains = Chains::new(mechanism, graph, [&along_bodies, &along_loops]);
+    let joint = |(index, run): (usize, &Run)| {
+        let (steps, ends) = chains.spelled(index)?;
+        let [before, after] = ends.map(|frame| LinkFrame {
+            link: numbers.get(frame.link),
+            ..frame
+        });
+        Some(Joint {
+            kind: run.kind,
+            steps,
+            coordinates: rows.coordinates_of(&run.crossings),
+            before,
+            after,
+        })
+    };
+    Joints {
+        list: runs.iter().enumerate().filter_map(joint).collect(),
+        links,
+        of_body,
+        along_bodies,
+        along_loops,
+        closes: graph.closes.clone(),
+    }
+}
+
+/// The links that joints connect, numbered anew: those within a joint are none.
+struct Numbers {
+    of: Vec<Option<usize>>,
+    count: usize,
+}
+
+impl Numbers {
+    fn new(graph: &Finished, is_within: &[bool]) -> Self {
+        // The frame is there even if nothing is joined to it.
+        let (mut of, mut count) = (vec![Some(0)], 1);
+        for (edges, is_within) in graph.at.iter().zip(is_within).skip(1) {
+            let number = (!edges.is_empty() && !is_within).then_some(count);
+            count += usize::from(number.is_some());
+            of.push(number);
+        }
+        Self { of, count }
+    }
+
+    fn get(&self, link: usize) -> usize {
+        self.of[link].unwrap_or(0)
+    }
+}
+
+/// Motions in a row that are one joint.
+struct Run {
+    kind: JointKind,
+    /// Passed in this direction.
+    crossings: Vec<Crossing>,
+}
+
+/// What decides whether motions are one joint.
+struct Rows<'a> {
+    graph: &'a Finished,
+    size: f64,
+    /// Whether a link may lie within a joint.
+    is_inner: Vec<bool>,
+    /// Coordinates of every edge.
+    coordinates: Vec<Vec<usize>>,
+    /// Edges and equations that every coordinate stands in.
+    uses: Vec<usize>,
+    /// Coordinates from this one on are inputs.
+    first_input: usize,
+}
+
+impl<'a> Rows<'a> {
+    fn new(mechanism: &Mechanism, graph: &'a Finished) -> Self {
+        let of_edge = |edge: &Option<Edge>| {
+            let argument = edge.as_ref().map(|e| &mechanism.arguments[e.argument]);
+            argument.map_or_else(Vec::new, |argument| argument.coordinates())
+        };
+        let coordinates: Vec<Vec<usize>> = graph.edges.iter().map(of_edge).collect();
+        let mut uses = vec![0; mechanism.coordinate_count()];
+        let equations = mechanism.equations.iter().map(|e| e.expression.slots());
+        for slot in coordinates.iter().cloned().chain(equations).flatten() {
+            uses[slot] += 1;
+        }
+        let mut is_inner: Vec<bool> = graph.at.iter().map(|edges| edges.len() == 2).collect();
+        let seen = graph.of_body.iter().chain(&graph.starts).chain(&[0]);
+        seen.for_each(|link| is_inner[*link] = false);
+        Self {
+            graph,
+            size: mechanism.size,
+            is_inner,
+            coordinates,
+            uses,
+            first_input: mechanism.unknowns.len(),
+        }
+    }
+
+    /// All joints, in the order of their first motions.
+    fn runs(&self) -> Vec<Run> {
+        let mut taken = vec![false; self.graph.edges.len()];
+        let mut runs = Vec::new();
+        for (index, edge) in self.graph.edges.iter().enumerate() {
+            if edge.is_none() || taken[index] {
+                continue;
+            }
+            let row = self.row(index);
+            row.iter().for_each(|crossing| taken[crossing.edge] = true);
+            runs.extend(self.parted(&row));
+        }
+        runs.sort_by_key(|run| run.crossings.iter().map(|c| c.edge).min());
+        runs
+    }
+
+    /// All motions in a row with this one, with inner links between them.
+    fn row(&self, edge: usize) -> Vec<Crossing> {
+        let forward = Crossing {
+            edge,
+            is_inverse: false,
+        };
+        let mut row: Vec<Crossing> = self.onward(forward.inverse(), edge);
+        row.iter_mut().for_each(|c| *c = c.inverse());
+        row.reverse();
+        let met: Vec<usize> = row.iter().map(|c| c.edge).collect();
+        row.push(forward);
+        let ahead = self.onward(forward, edge);
+        row.extend(ahead.into_iter().filter(|c| !met.contains(&c.edge)));
+        row
+    }
+
+    /// What follows a motion over inner links, up to where it began.
+    fn onward(&self, mut last: Crossing, first: usize) -> Vec<Crossing> {
+        let mut list = Vec::new();
+        while let Some(next) = self.next(last).filter(|next| next.edge != first) {
+            list.push(next);
+            last = next;
+        }
+        list
+    }
+
+    /// The one motion behind the inner link that a motion leads to.
+    fn next(&self, last: Crossing) -> Option<Crossing> {
+        let link = self.ends(last)?[1].link;
+        if !self.is_inner[link] {
+            return None;
+        }
+        let edge = *self.graph.at[link]
+            .iter()
+            .find(|edge| **edge != last.edge)?;
+        let ends = &self.graph.edges[edge].as_ref()?.ends;
+        let is_inverse = ends[0].link != link;
+        Some(Crossing { edge, is_inverse })
+    }
+
+    fn ends(&self, crossing: Crossing) -> Option<[LinkFrame; 2]> {
+        let [before, after] = self.graph.edges[crossing.edge].as_ref()?.ends;
+        Some(if crossing.is_inverse {
+            [after, before]
+        } else {
+            [before, after]
+        })
+    }
+
+    /// Links within joints.
+    fn within(&self, runs: &[Run]) -> Vec<bool> {
+        let mut is_within = vec![false; self.graph.at.len()];
+        for run in runs {
+            let ends = run.crossings.iter().filter_map(|c| self.ends(*c));
+            let behind: Vec<usize> = ends.map(|ends| ends[1].link).collect();
+            let inner = behind.len().saturating_sub(1);
+            behind[..inner]
+                .iter()
+                .for_each(|link| is_within[*link] = true);
+        }
+        is_within
+    }
+
+    /// Parts a row into joints: three unknown angles about axes at right angles first (they reach every rotation), then
+    /// any three motions, two, one.
+    fn parted(&self, row: &[Crossing]) -> Vec<Run> {
+        let is_full = |part: &[Crossing]| {
+            let mut slots = part.iter().flat_map(|c| &self.coordinates[c.edge]);
+            let mut corners = part.windows(2).map(|c| self.corner(c));
+            slots.all(|slot| *slot < self.first_input)
+                && corners.all(|corner| corner.is_some_and(|c| c.is_right()))
+        };
+        let mut runs: Vec<Run> = Vec::new();
+        let mut free = vec![true; row.len()];
+        for (length, full_only) in [(3, true), (3, false), (2, false), (1, false)] {
+            let mut first = 0;
+            while first + length <= row.len() {
+                let part = first..first + length;
+                let crossings = &row[part.clone()];
+                let fits = free[part.clone()].iter().all(|free| *free)
+                    && (!full_only || is_full(crossings));
+                match fits.then(|| self.kind(crossings)).flatten() {
+                    Some(kind) => {
+                        let crossings = crossings.to_vec();
+                        runs.push(Run { kind, crossings });
+                        free[part.clone()].iter_mut().for_each(|free| *free = false);
+                        first = part.end;
+                    }
+                    None => first += 1,
+                }
+            }
+        }
+        runs
+    }
+
+    /// What motions in a row are; `None` if they are no joint.
+    fn kind(&self, crossings: &[Crossing]) -> Option<JointKind> {
+        use Motion::{Rotation, Translation};
+        let motions: Vec<Motion> = crossings
+            .iter()
+            .filter_map(|c| Some(self.graph.edges[c.edge].as_ref()?.motion))
+            .collect();
+        match motions[..] {
+            [Rotation] => return Some(JointKind::Revolute),
+            [Translation] => return Some(JointKind::Prismatic),
+            _ => {}
+        }
+        let is_coupled = crossings.windows(2).all(|pair| {
+            let [a, b] = [&pair[0], &pair[1]].map(|c| &self.coordinates[c.edge]);
+            a == b && a.len() == 1
+        });
+        if !self.are_alone(crossings, is_coupled) {
+            return None;
+        }
+        let corners: Option<Vec<Corner>> = crossings.windows(2).map(|c| self.corner(c)).collect();
+        match (&motions[..], &corners?[..]) {
+            ([Rotation, Rotation], [corner]) if corner.meets() => Some(JointKind::Universal),
+            ([Rotation, Translation] | [Translation, Rotation], [corner])
+                if corner.is_parallel() =>
+            {
+                Some(if is_coupled {
+                    JointKind::Helical
+                } else {
+                    JointKind::Cylindrical
+                })
+            }
+            ([Rotation, Rotation, Rotation], [one, other])
+                if one.meets()
+                    && other.meets()
+                    && (one.behind - other.before).abs() <= EXACT * self.size =>
+            {
+                Some(JointKind::Spherical)
+            }
+            ([a, b, c], [one, other]) if is_planar([*a, *b, *c], [one, other]) => {
+                Some(JointKind::Planar)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether the coordinates of motions in a row stand nowhere else, and each in one of the motions only (all in all of
+    /// them if they are coupled).
+    fn are_alone(&self, crossings: &[Crossing], is_coupled: bool) -> bool {
+        let own = if is_coupled { crossings.len() } else { 1 };
+        let mut slots = crossings.iter().flat_map(|c| &self.coordinates[c.edge]);
+        (!is_coupled || crossings.len() == 2) && slots.all(|slot| self.uses[*slot] == own)
+    }
+
+    fn coordinates_of(&self, crossings: &[Crossing]) -> Vec<usize> {
+        let slots = crossings.iter().flat_map(|c| &self.coordinates[c.edge]);
+        let mut slots: Vec<usize> = slots.copied().collect();
+        slots.sort_unstable();
+        slots.dedup();
+        slots
+    }
+
+    /// How the axes of two motions lie to each other on the link between them.
+    fn corner(&self, pair: &[Crossing]) -> Option<Corner> {
+        let before = self.ends(*pair.first()?)?[1].link_from_here;
+        let behind = self.ends(*pair.last()?)?[0].link_from_here;
+        let (u, v) = (before.rotation.z_axis, behind.rotation.z_axis);
+        let way = behind.translation - before.translation;
+        let normal = u.cross(v);
+        let sine = normal.length();
+        // Feet of the common normal along both axes; of parallel axes there is none.
+        let square = sine * sine;
+        let along = |axis: DVec3| way.cross(axis).dot(normal) / square;
+        Some(Corner {
+            sine,
+            cosine: u.dot(v),
+            apart: way.dot(normal).abs() / (sine * self.size),
+            before: along(v),
+            behind: along(u),
+            first: behind.rotation.transpose() * u,
+            second: before.rotation.transpose() * v,
+        })
+    }
+}
+
+/// Two axes on a link.
+struct Corner {
+    sine: f64,
+    cosine: f64,
+    /// Their distance over the size, if they are not parallel.
+    apart: f64,
+    /// Where their common normal meets the first, and the second, from the origins of their frames.
+    before: f64,
+    behind: f64,
+    /// Direction of the first in the frame of the second, and of the second in the frame of the first.
+    first: DVec3,
+    second: DVec3,
+}
+
+impl Corner {
+    fn meets(&self) -> bool {
+        self.sine > PARALLEL && self.apart <= EXACT
+    }
+
+    fn is_parallel(&self) -> bool {
+        self.sine <= EXACT
+    }
+
+    fn is_right(&self) -> bool {
+        self.cosine.abs() <= EXACT
+    }
+}
+
+/// Whether motions are two translations and a rotation about the normal of their plane.
+fn is_planar(motions: [Motion; 3], [one, other]: [&Corner; 2]) -> bool {
+    use Motion::{Rotation, Translation};
+    // A translation in the middle turns nothing: the outer axes keep their angle.
+    let outer_are_right = one.first.dot(other.second).abs() <= EXACT;
+    match motions {
+        // With the rotation between them the translations are parallel now and then only.
+        [Translation, Rotation, Translation] => one.is_right() && other.is_right(),
+        [Translation, Translation, Rotation] => {
+            one.sine > PARALLEL && other.is_right() && outer_are_right
+        }
+        [Rotation, Translation, Translation] => {
+            one.is_right() && other.sine > PARALLEL && outer_are_right
+        }
+        _ => false,
+    }
+}
+
+/// The joints along a path.
+fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
+    let mut list: Vec<Passage> = Vec::new();
+    let mut edges: Vec<usize> = Vec::new();
+    for (step, stride) in path.iter().enumerate() {
+        let Some(crossing) = stride.as_ref().map(|stride| stride.crossing) else {
+            continue;
+        };
+        let Some((joint, own)) = joint_of[crossing.edge] else {
+            continue;
+        };
+        let is_inverse = own != crossing.is_inverse;
+        let goes_on = list.last().is_some_and(|last| {
+            (last.joint, last.is_inverse) == (joint, is_inverse) && !edges.contains(&crossing.edge)
+        });
+        match list.last_mut() {
+            Some(last) if goes_on => last.steps.end = step + 1,
+            _ => {
+                edges.clear();
+                list.push(Passage {
+                    joint,
+                    steps: step..step + 1,
+                    is_inverse,
+                });
+            }
+        }
+        edges.push(crossing.edge);
+    }
+    list
+}
+
+/// All chains, those of bodies first, with their paths and the joints along them.
+struct Chains<'a>(Vec<(&'a Chain, &'a Path, &'a [Passage])>);
+
+impl<'a> Chains<'a> {
+    fn new(
+        mechanism: &'a Mechanism,
+        graph: &'a Finished,
+        [bodies, loops]: [&'a [Vec<Passage>]; 2],
+    ) -> Self {
+        let chains = mechanism.bodies.iter().map(|b| &b.world_from_body);
+        let chains = chains.chain(mechanism.loops.iter().map(|l| &l.chain));
+        let paths = graph.paths.bodies.iter().chain(&graph.paths.loops);
+        let along = bodies.iter().chain(loops);
+        let all = chains.zip(paths).zip(along);
+        Self(all.map(|((c, p), a)| (c, p, a.as_slice())).collect())
+    }
+
+    /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
+    /// behind them.
+    fn spelled(&self, joint: usize) -> Option<(Vec<Step>, [LinkFrame; 2])> {
+        self.0.iter().find_map(|(chain, path, passages)| {
+            let passage = passages.iter().find(|p| p.joint == joint)?;
+            let steps = &chain.steps[passage.steps.clone()];
+            let from = path[passage.steps.start]?.from;
+            let to = path[passage.steps.end - 1]?.to;
+            Some(if passage.is_inverse {
+                let steps = steps.iter().rev().map(Step::inverse);
+                (steps.collect(), [to, from])
+            } else {
+                (steps.to_vec(), [from, to])
+            })
+        })
+    }
+}
