@@ -9,25 +9,20 @@
 //! commutes with the motion (a turn about the axis; of a rotation a shift along it; of a translation any shift) are frames of
 //! the same motion.
 
+use super::motions::{FLIP, Met, Motions};
 use super::{EXACT, LinkFrame};
 use crate::math::Pose;
-use crate::model::chain::{Argument, Chain, Motion, Step};
-use crate::model::mechanism::{Closes, Loop, Mechanism};
+use crate::model::chain::{Chain, Motion, Step};
+use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 
-/// Half a turn about x: reverses a motion along z, and undoes itself.
-const FLIP: Pose = Pose {
-    rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
-    translation: DVec3::ZERO,
-};
-
 impl LinkFrame {
-    const WORLD: Self = Self {
+    pub(super) const WORLD: Self = Self {
         link: 0,
         link_from_here: Pose::IDENTITY,
     };
 
-    fn moved(self, by: Pose) -> Self {
+    pub(super) fn moved(self, by: Pose) -> Self {
         Self {
             link_from_here: self.link_from_here * by,
             ..self
@@ -40,7 +35,7 @@ impl LinkFrame {
 pub struct Edge {
     pub motion: Motion,
     /// Which combination of coordinates moves it.
-    label: usize,
+    pub label: usize,
     /// One of the arguments that are this combination, with its coordinates.
     pub argument: usize,
     /// Frames on the link before and on the link behind whose z is the axis.
@@ -76,15 +71,6 @@ pub struct Stride {
 /// A chain's steps; constant poses cross nothing.
 pub type Path = Vec<Option<Stride>>;
 
-/// An argument as a multiple ±1 of its label, and a constant.
-#[derive(Clone, Copy)]
-struct Value {
-    /// `None` if it never changes.
-    label: Option<usize>,
-    sign: f64,
-    constant: f64,
-}
-
 /// The chains as paths.
 #[derive(Default)]
 pub struct Paths {
@@ -95,21 +81,21 @@ pub struct Paths {
 /// The graph while it grows.
 pub struct LinkGraph<'m> {
     mechanism: &'m Mechanism,
-    values: Vec<Value>,
+    pub(super) motions: Motions,
     /// Steps from the world to every link.
     routes: Vec<Vec<Step>>,
     /// Where a link went that was found to be part of another.
     merged_links: Vec<Option<LinkFrame>>,
-    edges: Vec<Edge>,
+    pub(super) edges: Vec<Edge>,
     /// The edge that an edge was found to be.
-    merged_edges: Vec<Option<Crossing>>,
+    pub(super) merged_edges: Vec<Option<Crossing>>,
     /// Edges at every link.
     at: Vec<Vec<usize>>,
-    paths: Paths,
+    pub(super) paths: Paths,
     body_ends: Vec<LinkFrame>,
     /// Where loops begin.
-    loop_starts: Vec<LinkFrame>,
-    closes: Vec<bool>,
+    pub(super) loop_starts: Vec<LinkFrame>,
+    pub(super) closes: Vec<bool>,
 }
 
 /// The graph when all is folded: links that were merged have no edges.
@@ -129,22 +115,12 @@ pub struct Finished {
     pub closes: Vec<bool>,
 }
 
-/// A motion as met in a chain: how it is numbered, and where its axis is.
-struct Met {
-    motion: Motion,
-    label: usize,
-    argument: usize,
-    /// From the frame before the step to the frame whose z is the axis, and the way back behind it.
-    to_axis: Pose,
-    from_axis: Pose,
-}
-
 impl<'m> LinkGraph<'m> {
     /// The frame alone.
     pub fn new(mechanism: &'m Mechanism) -> Self {
         Self {
             mechanism,
-            values: values(&mechanism.arguments),
+            motions: Motions::new(&mechanism.arguments),
             routes: vec![Vec::new()],
             merged_links: vec![None],
             edges: Vec::new(),
@@ -162,50 +138,6 @@ impl<'m> LinkGraph<'m> {
         let (end, path) = self.follow(LinkFrame::WORLD, &chain.steps);
         self.body_ends.push(end);
         self.paths.bodies.push(path);
-    }
-
-    /// Lays the loops where their motions stand already: those that meet most of what is known come first, and one
-    /// that meets nothing begins in the world.
-    pub fn add_loops(&mut self, loops: &[Loop]) {
-        self.paths.loops = vec![Vec::new(); loops.len()];
-        self.closes = vec![false; loops.len()];
-        let mut left: Vec<usize> = (0..loops.len()).collect();
-        while !left.is_empty() {
-            // The first that meets anything; else the first.
-            let known = left.iter().position(|k| self.anchor(&loops[*k]).is_some());
-            let index = left.remove(known.unwrap_or(0));
-            self.add_loop(index, &loops[index]);
-        }
-    }
-
-    fn add_loop(&mut self, index: usize, item: &Loop) {
-        let before = self.cycles();
-        let steps = &item.chain.steps;
-        let anchor = self.anchor(item).unwrap_or(Anchor {
-            step: 0,
-            here: LinkFrame::WORLD,
-        });
-        let (ahead, behind) = steps.split_at(anchor.step);
-        let back: Vec<Step> = ahead.iter().rev().map(Step::inverse).collect();
-        let (start, path_back) = self.follow(anchor.here, &back);
-        let (end, path_on) = self.follow(anchor.here, behind);
-        let reversed = path_back.into_iter().rev().map(|stride| {
-            stride.map(|s| Stride {
-                crossing: s.crossing.inverse(),
-                from: s.to,
-                to: s.from,
-            })
-        });
-        self.paths.loops[index] = reversed.chain(path_on).collect();
-        self.loop_starts.push(start);
-        self.closes[index] = match item.closes {
-            Closes::Frame => {
-                self.join(start, end);
-                self.cycles() > before
-            }
-            // Its three equations are its own.
-            Closes::Point => true,
-        };
     }
 
     /// The graph with all positions on the links that remain.
@@ -243,7 +175,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Independent cycles of the graph, which is connected.
-    fn cycles(&self) -> i64 {
+    pub(super) fn cycles(&self) -> i64 {
         let live = |list: &mut dyn Iterator<Item = bool>| list.filter(|live| *live).count() as i64;
         let edges = live(&mut self.merged_edges.iter().map(Option::is_none));
         let links = live(&mut self.merged_links.iter().map(Option::is_none));
@@ -267,43 +199,12 @@ impl<'m> LinkGraph<'m> {
         crossing
     }
 
-    /// How a step moves; the pose instead if it never changes.
-    fn met(&self, step: &Step) -> Result<Met, Pose> {
-        let (motion, axis, argument, sign) = match *step {
-            Step::Fixed(fixed) => return Err(fixed.pose),
-            Step::Joint {
-                motion,
-                axis,
-                argument,
-                sign,
-            } => (motion, axis, argument, sign),
-        };
-        let value = self.values[argument];
-        let constant = along_z(motion, sign * value.constant);
-        let axis = axis_as_z(axis);
-        let Some(label) = value.label else {
-            return Err(axis * constant * axis.inverse());
-        };
-        let flip = if sign * value.sign < 0.0 {
-            FLIP
-        } else {
-            Pose::IDENTITY
-        };
-        Ok(Met {
-            motion,
-            label,
-            argument,
-            to_axis: axis * constant * flip,
-            from_axis: flip * axis.inverse(),
-        })
-    }
-
     /// Walks along steps from a position, on known edges where there are some.
-    fn follow(&mut self, start: LinkFrame, steps: &[Step]) -> (LinkFrame, Path) {
+    pub(super) fn follow(&mut self, start: LinkFrame, steps: &[Step]) -> (LinkFrame, Path) {
         let mut here = start;
         let mut path = Vec::with_capacity(steps.len());
         for step in steps {
-            match self.met(step) {
+            match self.motions.met(step) {
                 Err(pose) => {
                     here = here.moved(pose);
                     path.push(None);
@@ -324,7 +225,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// A known edge that the motion is, and where it leads.
-    fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, Crossing)> {
+    pub(super) fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, Crossing)> {
         let here = self.resolved(here);
         let axis = here.link_from_here * met.to_axis;
         self.at[here.link].iter().find_map(|index| {
@@ -346,7 +247,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Frames of an edge as passed forwards or backwards: both flipped, the motion is along z again.
-    fn ends(&self, edge: &Edge, is_inverse: bool) -> [LinkFrame; 2] {
+    pub(super) fn ends(&self, edge: &Edge, is_inverse: bool) -> [LinkFrame; 2] {
         let [before, after] = edge.ends.map(|end| self.resolved(end));
         if is_inverse {
             [after.moved(FLIP), before.moved(FLIP)]
@@ -406,7 +307,7 @@ impl<'m> LinkGraph<'m> {
     }
 
     /// Makes two positions one frame, and folds what follows from it.
-    fn join(&mut self, a: LinkFrame, b: LinkFrame) {
+    pub(super) fn join(&mut self, a: LinkFrame, b: LinkFrame) {
         let mut same = vec![[a, b]];
         while let Some([a, b]) = same.pop() {
             let [a, b] = [self.resolved(a), self.resolved(b)];
@@ -475,126 +376,5 @@ impl<'m> LinkGraph<'m> {
             };
             Some((crossing, [behind, to_other]))
         })
-    }
-
-    /// Where a loop meets the most of what is known; `None` if it meets nothing.
-    fn anchor(&self, item: &Loop) -> Option<Anchor> {
-        let steps = &item.chain.steps;
-        let world = Anchor {
-            step: 0,
-            here: LinkFrame::WORLD,
-        };
-        let mut best = (self.known_steps(item, &world), world);
-        for (step, met) in steps.iter().enumerate() {
-            let Ok(met) = self.met(met) else { continue };
-            for (edge, merged) in self.edges.iter().zip(&self.merged_edges) {
-                let is_it = edge.label == met.label && edge.motion == met.motion;
-                if !is_it || merged.is_some() {
-                    continue;
-                }
-                for is_inverse in [false, true] {
-                    let [from, _] = self.ends(edge, is_inverse);
-                    let here = from.moved(met.to_axis.inverse());
-                    let anchor = Anchor { step, here };
-                    let known = self.known_steps(item, &anchor);
-                    if known > best.0 {
-                        best = (known, anchor);
-                    }
-                }
-            }
-        }
-        (best.0 > 0).then_some(best.1)
-    }
-
-    /// How many motions of a loop are known if it lies at an anchor: in a row to both sides of it.
-    fn known_steps(&self, item: &Loop, anchor: &Anchor) -> usize {
-        let (before, behind) = item.chain.steps.split_at(anchor.step);
-        let is_closed = item.closes == Closes::Frame;
-        let on = behind.iter().chain(before.iter().filter(|_| is_closed));
-        let (ahead, all) = self.known_in_a_row(anchor.here, on.copied());
-        if all {
-            return ahead;
-        }
-        let back = before
-            .iter()
-            .rev()
-            .chain(behind.iter().rev().filter(|_| is_closed));
-        ahead + self.known_in_a_row(anchor.here, back.map(Step::inverse)).0
-    }
-
-    /// How many motions are known from a position on, and whether all are.
-    fn known_in_a_row(&self, here: LinkFrame, steps: impl Iterator<Item = Step>) -> (usize, bool) {
-        let (mut here, mut count) = (here, 0);
-        for step in steps {
-            match self.met(&step) {
-                Err(pose) => here = here.moved(pose),
-                Ok(met) => match self.known(here, &met) {
-                    Some((there, _)) => (here, count) = (there, count + 1),
-                    None => return (count, false),
-                },
-            }
-        }
-        (count, true)
-    }
-}
-
-/// A loop's step, and the position it starts from.
-struct Anchor {
-    step: usize,
-    here: LinkFrame,
-}
-
-/// What every argument is: equal combinations of coordinates, their sign aside, get the same label.
-fn values(arguments: &[Argument]) -> Vec<Value> {
-    let mut labels: Vec<Vec<(usize, f64)>> = Vec::new();
-    let constants = arguments.iter().enumerate().map(|(index, argument)| {
-        let Argument::Affine(affine) = argument else {
-            // A formula is itself only.
-            return Value {
-                label: Some(usize::MAX - index),
-                sign: 1.0,
-                constant: 0.0,
-            };
-        };
-        let sign = match affine.terms.first() {
-            Some((_, factor)) if *factor < 0.0 => -1.0,
-            _ => 1.0,
-        };
-        let terms: Vec<_> = affine
-            .terms
-            .iter()
-            .map(|(slot, c)| (*slot, sign * c))
-            .collect();
-        let known = labels.iter().position(|label| *label == terms);
-        let label = known.unwrap_or_else(|| {
-            labels.push(terms);
-            labels.len() - 1
-        });
-        Value {
-            label: (!affine.terms.is_empty()).then_some(label),
-            sign,
-            constant: affine.constant,
-        }
-    });
-    constants.collect()
-}
-
-/// The rotation that takes z to a coordinate axis: the axes in turn.
-fn axis_as_z(axis: usize) -> Pose {
-    let rotation = match axis {
-        0 => DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X),
-        1 => DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
-        _ => DMat3::IDENTITY,
-    };
-    Pose {
-        rotation,
-        translation: DVec3::ZERO,
-    }
-}
-
-fn along_z(motion: Motion, value: f64) -> Pose {
-    match motion {
-        Motion::Rotation => Pose::from_axis_rotation(2, value),
-        Motion::Translation => Pose::from_translation(DVec3::Z * value),
     }
 }

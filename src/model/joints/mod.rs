@@ -13,8 +13,11 @@
 //!
 //! Loops that close in a point (a contact of surfaces) join no links: nothing is known of how their ends are turned.
 
+mod anchors;
 mod links;
+mod motions;
 mod pairs;
+mod table;
 
 use super::chain::{Chain, Step};
 use super::mechanism::Mechanism;
@@ -156,7 +159,7 @@ impl Joints {
             graph.add_body(&body.world_from_body);
         }
         graph.add_loops(&mechanism.loops);
-        pairs::table(mechanism, &graph.finished())
+        table::table(mechanism, &graph.finished())
     }
 
     /// Chain from the world to a frame of a link.

@@ -1,101 +1,23 @@
 //! From elementary motions between links to joints: which motions in a row are one joint.
 
-use super::links::{Crossing, Edge, Finished, Path};
-use super::{EXACT, Joint, JointKind, Joints, Link, LinkFrame, Passage};
-use crate::model::chain::{Chain, Motion, Step};
+use super::links::{Crossing, Edge, Finished};
+use super::{EXACT, JointKind, LinkFrame};
+use crate::model::chain::Motion;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
 /// Below this sine two axes that meet are one axis: no angle of a real joint is as small.
 const PARALLEL: f64 = 1e-6;
 
-/// The table of a finished graph.
-pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
-    let rows = Rows::new(mechanism, graph);
-    let runs = rows.runs();
-    let mut joint_of = vec![None; graph.edges.len()];
-    for (index, run) in runs.iter().enumerate() {
-        for crossing in &run.crossings {
-            joint_of[crossing.edge] = Some((index, crossing.is_inverse));
-        }
-    }
-    let along = |paths: &[Path]| -> Vec<Vec<Passage>> {
-        let passages = paths.iter().map(|path| passages(path, &joint_of));
-        passages.collect()
-    };
-    let numbers = Numbers::new(graph, &rows.within(&runs));
-    let mut links = vec![Link::default(); numbers.count];
-    for (route, number) in graph.routes.iter().zip(&numbers.of) {
-        if let Some(number) = number {
-            links[*number].world_from_link = Chain {
-                steps: route.clone(),
-            };
-        }
-    }
-    let of_body = graph.of_body.iter().map(|link| numbers.get(*link));
-    let of_body: Vec<usize> = of_body.collect();
-    for (body, link) in of_body.iter().enumerate() {
-        links[*link].bodies.push(body);
-    }
-    let along_bodies = along(&graph.paths.bodies);
-    let along_loops = along(&graph.paths.loops);
-    let chains = Chains::new(mechanism, graph, [&along_bodies, &along_loops]);
-    let joint = |(index, run): (usize, &Run)| {
-        let (steps, ends) = chains.spelled(index)?;
-        let [before, after] = ends.map(|frame| LinkFrame {
-            link: numbers.get(frame.link),
-            ..frame
-        });
-        Some(Joint {
-            kind: run.kind,
-            steps,
-            coordinates: rows.coordinates_of(&run.crossings),
-            before,
-            after,
-        })
-    };
-    Joints {
-        list: runs.iter().enumerate().filter_map(joint).collect(),
-        links,
-        of_body,
-        along_bodies,
-        along_loops,
-        closes: graph.closes.clone(),
-    }
-}
-
-/// The links that joints connect, numbered anew: those within a joint are none.
-struct Numbers {
-    of: Vec<Option<usize>>,
-    count: usize,
-}
-
-impl Numbers {
-    fn new(graph: &Finished, is_within: &[bool]) -> Self {
-        // The frame is there even if nothing is joined to it.
-        let (mut of, mut count) = (vec![Some(0)], 1);
-        for (edges, is_within) in graph.at.iter().zip(is_within).skip(1) {
-            let number = (!edges.is_empty() && !is_within).then_some(count);
-            count += usize::from(number.is_some());
-            of.push(number);
-        }
-        Self { of, count }
-    }
-
-    fn get(&self, link: usize) -> usize {
-        self.of[link].unwrap_or(0)
-    }
-}
-
 /// Motions in a row that are one joint.
-struct Run {
-    kind: JointKind,
+pub struct Run {
+    pub kind: JointKind,
     /// Passed in this direction.
-    crossings: Vec<Crossing>,
+    pub crossings: Vec<Crossing>,
 }
 
 /// What decides whether motions are one joint.
-struct Rows<'a> {
+pub struct Rows<'a> {
     graph: &'a Finished,
     size: f64,
     /// Whether a link may lie within a joint.
@@ -109,7 +31,7 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(mechanism: &Mechanism, graph: &'a Finished) -> Self {
+    pub fn new(mechanism: &Mechanism, graph: &'a Finished) -> Self {
         let of_edge = |edge: &Option<Edge>| {
             let argument = edge.as_ref().map(|e| &mechanism.arguments[e.argument]);
             argument.map_or_else(Vec::new, |argument| argument.coordinates())
@@ -134,7 +56,7 @@ impl<'a> Rows<'a> {
     }
 
     /// All joints, in the order of their first motions.
-    fn runs(&self) -> Vec<Run> {
+    pub fn runs(&self) -> Vec<Run> {
         let mut taken = vec![false; self.graph.edges.len()];
         let mut runs = Vec::new();
         for (index, edge) in self.graph.edges.iter().enumerate() {
@@ -199,7 +121,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Links within joints.
-    fn within(&self, runs: &[Run]) -> Vec<bool> {
+    pub fn within(&self, runs: &[Run]) -> Vec<bool> {
         let mut is_within = vec![false; self.graph.at.len()];
         for run in runs {
             let ends = run.crossings.iter().filter_map(|c| self.ends(*c));
@@ -297,7 +219,7 @@ impl<'a> Rows<'a> {
         (!is_coupled || crossings.len() == 2) && slots.all(|slot| self.uses[*slot] == own)
     }
 
-    fn coordinates_of(&self, crossings: &[Crossing]) -> Vec<usize> {
+    pub fn coordinates_of(&self, crossings: &[Crossing]) -> Vec<usize> {
         let slots = crossings.iter().flat_map(|c| &self.coordinates[c.edge]);
         let mut slots: Vec<usize> = slots.copied().collect();
         slots.sort_unstable();
@@ -371,71 +293,5 @@ fn is_planar(motions: [Motion; 3], [one, other]: [&Corner; 2]) -> bool {
             one.is_right() && other.sine > PARALLEL && outer_are_right
         }
         _ => false,
-    }
-}
-
-/// The joints along a path.
-fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
-    let mut list: Vec<Passage> = Vec::new();
-    let mut edges: Vec<usize> = Vec::new();
-    for (step, stride) in path.iter().enumerate() {
-        let Some(crossing) = stride.as_ref().map(|stride| stride.crossing) else {
-            continue;
-        };
-        let Some((joint, own)) = joint_of[crossing.edge] else {
-            continue;
-        };
-        let is_inverse = own != crossing.is_inverse;
-        let goes_on = list.last().is_some_and(|last| {
-            (last.joint, last.is_inverse) == (joint, is_inverse) && !edges.contains(&crossing.edge)
-        });
-        match list.last_mut() {
-            Some(last) if goes_on => last.steps.end = step + 1,
-            _ => {
-                edges.clear();
-                list.push(Passage {
-                    joint,
-                    steps: step..step + 1,
-                    is_inverse,
-                });
-            }
-        }
-        edges.push(crossing.edge);
-    }
-    list
-}
-
-/// All chains, those of bodies first, with their paths and the joints along them.
-struct Chains<'a>(Vec<(&'a Chain, &'a Path, &'a [Passage])>);
-
-impl<'a> Chains<'a> {
-    fn new(
-        mechanism: &'a Mechanism,
-        graph: &'a Finished,
-        [bodies, loops]: [&'a [Vec<Passage>]; 2],
-    ) -> Self {
-        let chains = mechanism.bodies.iter().map(|b| &b.world_from_body);
-        let chains = chains.chain(mechanism.loops.iter().map(|l| &l.chain));
-        let paths = graph.paths.bodies.iter().chain(&graph.paths.loops);
-        let along = bodies.iter().chain(loops);
-        let all = chains.zip(paths).zip(along);
-        Self(all.map(|((c, p), a)| (c, p, a.as_slice())).collect())
-    }
-
-    /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
-    /// behind them.
-    fn spelled(&self, joint: usize) -> Option<(Vec<Step>, [LinkFrame; 2])> {
-        self.0.iter().find_map(|(chain, path, passages)| {
-            let passage = passages.iter().find(|p| p.joint == joint)?;
-            let steps = &chain.steps[passage.steps.clone()];
-            let from = path[passage.steps.start]?.from;
-            let to = path[passage.steps.end - 1]?.to;
-            Some(if passage.is_inverse {
-                let steps = steps.iter().rev().map(Step::inverse);
-                (steps.collect(), [to, from])
-            } else {
-                (steps.to_vec(), [from, to])
-            })
-        })
     }
 }

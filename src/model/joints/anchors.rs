@@ -1,0 +1,120 @@
+//! Where loops lie in the graph of links: a loop may begin on any link, and its motions say on which.
+
+use super::LinkFrame;
+use super::links::{LinkGraph, Stride};
+use crate::model::chain::Step;
+use crate::model::mechanism::{Closes, Loop};
+
+/// A loop's step, and the position it starts from.
+struct Anchor {
+    step: usize,
+    here: LinkFrame,
+}
+
+impl LinkGraph<'_> {
+    /// Lays the loops where their motions stand already: those that meet most of what is known come first, and one
+    /// that meets nothing begins in the world.
+    pub fn add_loops(&mut self, loops: &[Loop]) {
+        self.paths.loops = vec![Vec::new(); loops.len()];
+        self.closes = vec![false; loops.len()];
+        let mut left: Vec<usize> = (0..loops.len()).collect();
+        while !left.is_empty() {
+            // The first that meets anything; else the first.
+            let known = left.iter().position(|k| self.anchor(&loops[*k]).is_some());
+            let index = left.remove(known.unwrap_or(0));
+            self.add_loop(index, &loops[index]);
+        }
+    }
+
+    fn add_loop(&mut self, index: usize, item: &Loop) {
+        let before = self.cycles();
+        let steps = &item.chain.steps;
+        let anchor = self.anchor(item).unwrap_or(Anchor {
+            step: 0,
+            here: LinkFrame::WORLD,
+        });
+        let (ahead, behind) = steps.split_at(anchor.step);
+        let back: Vec<Step> = ahead.iter().rev().map(Step::inverse).collect();
+        let (start, path_back) = self.follow(anchor.here, &back);
+        let (end, path_on) = self.follow(anchor.here, behind);
+        let reversed = path_back.into_iter().rev().map(|stride| {
+            stride.map(|s| Stride {
+                crossing: s.crossing.inverse(),
+                from: s.to,
+                to: s.from,
+            })
+        });
+        self.paths.loops[index] = reversed.chain(path_on).collect();
+        self.loop_starts.push(start);
+        self.closes[index] = match item.closes {
+            Closes::Frame => {
+                self.join(start, end);
+                self.cycles() > before
+            }
+            // Its three equations are its own.
+            Closes::Point => true,
+        };
+    }
+
+    /// Where a loop meets the most of what is known; `None` if it meets nothing.
+    fn anchor(&self, item: &Loop) -> Option<Anchor> {
+        let steps = &item.chain.steps;
+        let world = Anchor {
+            step: 0,
+            here: LinkFrame::WORLD,
+        };
+        let mut best = (self.known_steps(item, &world), world);
+        for (step, met) in steps.iter().enumerate() {
+            let Ok(met) = self.motions.met(met) else {
+                continue;
+            };
+            for (edge, merged) in self.edges.iter().zip(&self.merged_edges) {
+                let is_it = edge.label == met.label && edge.motion == met.motion;
+                if !is_it || merged.is_some() {
+                    continue;
+                }
+                for is_inverse in [false, true] {
+                    let [from, _] = self.ends(edge, is_inverse);
+                    let here = from.moved(met.to_axis.inverse());
+                    let anchor = Anchor { step, here };
+                    let known = self.known_steps(item, &anchor);
+                    if known > best.0 {
+                        best = (known, anchor);
+                    }
+                }
+            }
+        }
+        (best.0 > 0).then_some(best.1)
+    }
+
+    /// How many motions of a loop are known if it lies at an anchor: in a row to both sides of it.
+    fn known_steps(&self, item: &Loop, anchor: &Anchor) -> usize {
+        let (before, behind) = item.chain.steps.split_at(anchor.step);
+        let is_closed = item.closes == Closes::Frame;
+        let on = behind.iter().chain(before.iter().filter(|_| is_closed));
+        let (ahead, all) = self.known_in_a_row(anchor.here, on.copied());
+        if all {
+            return ahead;
+        }
+        let back = before
+            .iter()
+            .rev()
+            .chain(behind.iter().rev().filter(|_| is_closed));
+        ahead + self.known_in_a_row(anchor.here, back.map(Step::inverse)).0
+    }
+
+    /// How many motions are known from a position on, and whether all are.
+    fn known_in_a_row(&self, here: LinkFrame, steps: impl Iterator<Item = Step>) -> (usize, bool) {
+        let (mut here, mut count) = (here, 0);
+        for step in steps {
+            match self.motions.met(&step) {
+                Err(pose) => here = here.moved(pose),
+                Ok(met) => match self.known(here, &met) {
+                    Some((there, _)) => (here, count) = (there, count + 1),
+                    None => return (count, false),
+                },
+            }
+        }
+        (count, true)
+    }
+}

@@ -1,0 +1,127 @@
+//! The motions of chains in a form in which equal ones are seen to be equal: along z, by a combination of coordinates.
+
+use crate::math::Pose;
+use crate::model::chain::{Argument, Motion, Step};
+use glam::{DMat3, DVec3};
+
+/// Half a turn about x: reverses a motion along z, and undoes itself.
+pub const FLIP: Pose = Pose {
+    rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
+    translation: DVec3::ZERO,
+};
+
+/// An argument as a multiple ±1 of its label, and a constant.
+#[derive(Clone, Copy)]
+struct Value {
+    /// `None` if it never changes.
+    label: Option<usize>,
+    sign: f64,
+    constant: f64,
+}
+
+/// What the arguments of a mechanism are.
+pub struct Motions(Vec<Value>);
+
+/// A motion as met in a chain: how it is numbered, and where its axis is.
+pub struct Met {
+    pub motion: Motion,
+    /// Which combination of coordinates moves it.
+    pub label: usize,
+    pub argument: usize,
+    /// From the frame before the step to the frame whose z is the axis, and the way back behind it.
+    pub to_axis: Pose,
+    pub from_axis: Pose,
+}
+
+impl Motions {
+    /// Equal combinations of coordinates, their sign aside, get the same label.
+    pub fn new(arguments: &[Argument]) -> Self {
+        Self(values(arguments))
+    }
+
+    /// How a step moves; the pose instead if it never changes.
+    pub fn met(&self, step: &Step) -> Result<Met, Pose> {
+        let (motion, axis, argument, sign) = match *step {
+            Step::Fixed(fixed) => return Err(fixed.pose),
+            Step::Joint {
+                motion,
+                axis,
+                argument,
+                sign,
+            } => (motion, axis, argument, sign),
+        };
+        let value = self.0[argument];
+        let constant = along_z(motion, sign * value.constant);
+        let axis = axis_as_z(axis);
+        let Some(label) = value.label else {
+            return Err(axis * constant * axis.inverse());
+        };
+        let flip = if sign * value.sign < 0.0 {
+            FLIP
+        } else {
+            Pose::IDENTITY
+        };
+        Ok(Met {
+            motion,
+            label,
+            argument,
+            to_axis: axis * constant * flip,
+            from_axis: flip * axis.inverse(),
+        })
+    }
+}
+
+/// What every argument is: equal combinations of coordinates, their sign aside, get the same label.
+fn values(arguments: &[Argument]) -> Vec<Value> {
+    let mut labels: Vec<Vec<(usize, f64)>> = Vec::new();
+    let constants = arguments.iter().enumerate().map(|(index, argument)| {
+        let Argument::Affine(affine) = argument else {
+            // A formula is itself only.
+            return Value {
+                label: Some(usize::MAX - index),
+                sign: 1.0,
+                constant: 0.0,
+            };
+        };
+        let sign = match affine.terms.first() {
+            Some((_, factor)) if *factor < 0.0 => -1.0,
+            _ => 1.0,
+        };
+        let terms: Vec<_> = affine
+            .terms
+            .iter()
+            .map(|(slot, c)| (*slot, sign * c))
+            .collect();
+        let known = labels.iter().position(|label| *label == terms);
+        let label = known.unwrap_or_else(|| {
+            labels.push(terms);
+            labels.len() - 1
+        });
+        Value {
+            label: (!affine.terms.is_empty()).then_some(label),
+            sign,
+            constant: affine.constant,
+        }
+    });
+    constants.collect()
+}
+
+/// The rotation that takes z to a coordinate axis: the axes in turn.
+fn axis_as_z(axis: usize) -> Pose {
+    let rotation = match axis {
+        0 => DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X),
+        1 => DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y),
+        _ => DMat3::IDENTITY,
+    };
+    Pose {
+        rotation,
+        translation: DVec3::ZERO,
+    }
+}
+
+fn along_z(motion: Motion, value: f64) -> Pose {
+    match motion {
+        Motion::Rotation => Pose::from_axis_rotation(2, value),
+        Motion::Translation => Pose::from_translation(DVec3::Z * value),
+    }
+}

@@ -1,0 +1,151 @@
+//! The table of joints from the folded graph and the runs of motions that are one joint.
+
+use super::links::{Finished, Path};
+use super::pairs::{Rows, Run};
+use super::{Joint, Joints, Link, LinkFrame, Passage};
+use crate::model::chain::{Chain, Step};
+use crate::model::mechanism::Mechanism;
+
+/// The table of a finished graph.
+pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
+    let rows = Rows::new(mechanism, graph);
+    let runs = rows.runs();
+    let mut joint_of = vec![None; graph.edges.len()];
+    for (index, run) in runs.iter().enumerate() {
+        for crossing in &run.crossings {
+            joint_of[crossing.edge] = Some((index, crossing.is_inverse));
+        }
+    }
+    let along = |paths: &[Path]| -> Vec<Vec<Passage>> {
+        let passages = paths.iter().map(|path| passages(path, &joint_of));
+        passages.collect()
+    };
+    let numbers = Numbers::new(graph, &rows.within(&runs));
+    let mut links = vec![Link::default(); numbers.count];
+    for (route, number) in graph.routes.iter().zip(&numbers.of) {
+        if let Some(number) = number {
+            links[*number].world_from_link = Chain {
+                steps: route.clone(),
+            };
+        }
+    }
+    let of_body = graph.of_body.iter().map(|link| numbers.get(*link));
+    let of_body: Vec<usize> = of_body.collect();
+    for (body, link) in of_body.iter().enumerate() {
+        links[*link].bodies.push(body);
+    }
+    let along_bodies = along(&graph.paths.bodies);
+    let along_loops = along(&graph.paths.loops);
+    let chains = Chains::new(mechanism, graph, [&along_bodies, &along_loops]);
+    let joint = |(index, run): (usize, &Run)| {
+        let (steps, ends) = chains.spelled(index)?;
+        let [before, after] = ends.map(|frame| LinkFrame {
+            link: numbers.get(frame.link),
+            ..frame
+        });
+        Some(Joint {
+            kind: run.kind,
+            steps,
+            coordinates: rows.coordinates_of(&run.crossings),
+            before,
+            after,
+        })
+    };
+    Joints {
+        list: runs.iter().enumerate().filter_map(joint).collect(),
+        links,
+        of_body,
+        along_bodies,
+        along_loops,
+        closes: graph.closes.clone(),
+    }
+}
+
+/// The links that joints connect, numbered anew: those within a joint are none.
+struct Numbers {
+    of: Vec<Option<usize>>,
+    count: usize,
+}
+
+impl Numbers {
+    fn new(graph: &Finished, is_within: &[bool]) -> Self {
+        // The frame is there even if nothing is joined to it.
+        let (mut of, mut count) = (vec![Some(0)], 1);
+        for (edges, is_within) in graph.at.iter().zip(is_within).skip(1) {
+            let number = (!edges.is_empty() && !is_within).then_some(count);
+            count += usize::from(number.is_some());
+            of.push(number);
+        }
+        Self { of, count }
+    }
+
+    fn get(&self, link: usize) -> usize {
+        self.of[link].unwrap_or(0)
+    }
+}
+
+/// The joints along a path.
+fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
+    let mut list: Vec<Passage> = Vec::new();
+    let mut edges: Vec<usize> = Vec::new();
+    for (step, stride) in path.iter().enumerate() {
+        let Some(crossing) = stride.as_ref().map(|stride| stride.crossing) else {
+            continue;
+        };
+        let Some((joint, own)) = joint_of[crossing.edge] else {
+            continue;
+        };
+        let is_inverse = own != crossing.is_inverse;
+        let goes_on = list.last().is_some_and(|last| {
+            (last.joint, last.is_inverse) == (joint, is_inverse) && !edges.contains(&crossing.edge)
+        });
+        match list.last_mut() {
+            Some(last) if goes_on => last.steps.end = step + 1,
+            _ => {
+                edges.clear();
+                list.push(Passage {
+                    joint,
+                    steps: step..step + 1,
+                    is_inverse,
+                });
+            }
+        }
+        edges.push(crossing.edge);
+    }
+    list
+}
+
+/// All chains, those of bodies first, with their paths and the joints along them.
+struct Chains<'a>(Vec<(&'a Chain, &'a Path, &'a [Passage])>);
+
+impl<'a> Chains<'a> {
+    fn new(
+        mechanism: &'a Mechanism,
+        graph: &'a Finished,
+        [bodies, loops]: [&'a [Vec<Passage>]; 2],
+    ) -> Self {
+        let chains = mechanism.bodies.iter().map(|b| &b.world_from_body);
+        let chains = chains.chain(mechanism.loops.iter().map(|l| &l.chain));
+        let paths = graph.paths.bodies.iter().chain(&graph.paths.loops);
+        let along = bodies.iter().chain(loops);
+        let all = chains.zip(paths).zip(along);
+        Self(all.map(|((c, p), a)| (c, p, a.as_slice())).collect())
+    }
+
+    /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
+    /// behind them.
+    fn spelled(&self, joint: usize) -> Option<(Vec<Step>, [LinkFrame; 2])> {
+        self.0.iter().find_map(|(chain, path, passages)| {
+            let passage = passages.iter().find(|p| p.joint == joint)?;
+            let steps = &chain.steps[passage.steps.clone()];
+            let from = path[passage.steps.start]?.from;
+            let to = path[passage.steps.end - 1]?.to;
+            Some(if passage.is_inverse {
+                let steps = steps.iter().rev().map(Step::inverse);
+                (steps.collect(), [to, from])
+            } else {
+                (steps.to_vec(), [from, to])
+            })
+        })
+    }
+}
