@@ -4,7 +4,7 @@ use super::expression::Expression;
 use super::mechanism::Kind;
 
 /// Highest order of a derivative that is offered; the cost grows with the third power.
-pub const MAX_ORDER: usize = crate::numbers::series::HIGHEST_ORDER;
+pub const MAX_ORDER: usize = HIGHEST_ORDER;
 
 /// A plot of the motion; curves of different units stand in panels of their own.
 #[derive(Clone, Debug, PartialEq)]
