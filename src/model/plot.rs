@@ -2,6 +2,7 @@
 
 use super::expression::Expression;
 use super::mechanism::Kind;
+use crate::numbers::series::HIGHEST_ORDER;
 
 /// Highest order of a derivative that is offered; the cost grows with the third power.
 pub const MAX_ORDER: usize = HIGHEST_ORDER;
