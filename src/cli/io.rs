@@ -9,12 +9,12 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
 
-/// Refuses to write over an input of the command.
+/// Refuses to write over an input of the command; `-` is standard output and no file.
 pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
-    match is_scene_file(scene, path) {
-        true => Err(is_input(path)),
-        false => Ok(()),
+    if path != Path::new("-") && is_scene_file(scene, path) {
+        return Err(is_input(path));
     }
+    Ok(())
 }
 
 /// The refusal to write over an input.
@@ -45,9 +45,7 @@ pub fn write_json(scene: &SceneArgs, path: &Path, document: &Value) -> Result<()
 
 /// The same for any text.
 pub fn write_text(scene: &SceneArgs, path: &Path, text: &str) -> Result<(), Failure> {
-    if path != Path::new("-") {
-        refuse_input(scene, path)?;
-    }
+    refuse_input(scene, path)?;
     write_out(path, text)
 }
 

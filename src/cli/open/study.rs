@@ -1,4 +1,4 @@
-//! What the verbs on studies share: opening a family, units of measures, and parameters as the scene file has them.
+//! What the verbs on studies share: opening a family, and its variables as parameters of the scene file.
 
 use super::{inputs_table, mode, scene as open_scene};
 use crate::analysis::study::{Evaluator, Family, FamilyError, Rejection, Stand};
