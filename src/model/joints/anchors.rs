@@ -1,6 +1,6 @@
 //! Where loops lie in the graph of links: a loop may begin on any link, and its motions say on which.
 
-use super::LinkFrame;
+use super::joint::LinkFrame;
 use super::links::{LinkGraph, Stride};
 use crate::model::chain::Step;
 use crate::model::mechanism::{Closes, Loop};

@@ -9,8 +9,8 @@
 //! commutes with the motion (a turn about the axis; of a rotation a shift along it; of a translation any shift) are frames of
 //! the same motion.
 
+use super::joint::{EXACT, LinkFrame};
 use super::motions::{FLIP, Met, Motions};
-use super::{EXACT, LinkFrame};
 use crate::math::Pose;
 use crate::model::chain::{Chain, Motion, Step};
 use crate::model::mechanism::Mechanism;

@@ -1,7 +1,7 @@
 //! From elementary motions between links to joints: which motions in a row are one joint.
 
+use super::joint::{EXACT, JointKind, LinkFrame};
 use super::links::{Crossing, Edge, Finished};
-use super::{EXACT, JointKind, LinkFrame};
 use crate::model::chain::Motion;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;

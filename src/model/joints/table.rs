@@ -1,13 +1,25 @@
 //! The table of joints from the folded graph and the runs of motions that are one joint.
 
-use super::links::{Finished, Path};
+use super::joint::{Joint, Joints, Link, LinkFrame, Passage};
+use super::links::{Finished, LinkGraph, Path};
 use super::pairs::{Rows, Run};
-use super::{Joint, Joints, Link, LinkFrame, Passage};
 use crate::model::chain::{Chain, Step};
 use crate::model::mechanism::Mechanism;
 
+impl Joints {
+    /// The joints of `mechanism`, whose own table is not looked at.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let mut graph = LinkGraph::new(mechanism);
+        for body in &mechanism.bodies {
+            graph.add_body(&body.world_from_body);
+        }
+        graph.add_loops(&mechanism.loops);
+        table(mechanism, &graph.finished())
+    }
+}
+
 /// The table of a finished graph.
-pub fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
+fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     let rows = Rows::new(mechanism, graph);
     let runs = rows.runs();
     let mut joint_of = vec![None; graph.edges.len()];

@@ -1,0 +1,153 @@
+//! Joints, links and where chains pass them, as values.
+
+use crate::math::Pose;
+use crate::model::chain::{Chain, Step};
+use std::ops::Range;
+
+/// Axes meet, or are parallel, or frames agree, if they miss it by no more than this (radians, sizes): the rounding of
+/// a few folded constants. Anything that was meant to be apart is farther apart than that, and a ball joint whose axes
+/// miss each other by more cannot be solved as a rotation to the last digits.
+pub const EXACT: f64 = 1e-12;
+
+/// What a joint lets move: the lower pairs, and the universal joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JointKind {
+    /// One rotation.
+    Revolute,
+    /// One translation.
+    Prismatic,
+    /// A rotation about and a translation along one axis.
+    Cylindrical,
+    /// The same, coupled: a screw.
+    Helical,
+    /// Two rotations about axes that meet.
+    Universal,
+    /// Three rotations about axes that meet in one point.
+    Spherical,
+    /// Two translations, and a rotation about the normal of their plane.
+    Planar,
+}
+
+impl JointKind {
+    /// As in reports.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute joint",
+            Self::Prismatic => "prismatic joint",
+            Self::Cylindrical => "cylindrical joint",
+            Self::Helical => "helical joint",
+            Self::Universal => "universal joint",
+            Self::Spherical => "spherical joint",
+            Self::Planar => "planar joint",
+        }
+    }
+
+    /// Degrees of freedom.
+    pub const fn freedoms(self) -> usize {
+        match self {
+            Self::Revolute | Self::Prismatic | Self::Helical => 1,
+            Self::Cylindrical | Self::Universal => 2,
+            Self::Spherical | Self::Planar => 3,
+        }
+    }
+}
+
+/// A joint between two links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// What it lets move.
+    pub kind: JointKind,
+    /// From the frame before it to the frame behind it: its motions with their axes and arguments, and the constant
+    /// poses between them, as the first chain that passes it spells them.
+    pub steps: Vec<Step>,
+    /// Coordinates that move it, ascending.
+    pub coordinates: Vec<usize>,
+    /// Where its steps begin.
+    pub before: LinkFrame,
+    /// Where they end.
+    pub after: LinkFrame,
+}
+
+impl Joint {
+    /// Arguments of its motions, in their order.
+    pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
+        self.steps.iter().filter_map(|step| match step {
+            Step::Joint { argument, .. } => Some(*argument),
+            Step::Fixed(_) => None,
+        })
+    }
+
+    /// Whether it connects the two links.
+    fn connects(&self, a: usize, b: usize) -> bool {
+        let own = [self.before.link, self.after.link];
+        own == [a, b] || own == [b, a]
+    }
+}
+
+/// A frame that moves with a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkFrame {
+    /// Index of the link.
+    pub link: usize,
+    /// Where it is on the link.
+    pub link_from_here: Pose,
+}
+
+/// A rigid part. Number 0 is the frame of the mechanism.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Link {
+    /// Bodies that belong to it.
+    pub bodies: Vec<usize>,
+    /// A way to it, by the chains and closed loops.
+    pub world_from_link: Chain,
+}
+
+/// Where a chain passes a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// Index of the joint.
+    pub joint: usize,
+    /// Steps of the chain, from the joint's first motion to its last.
+    pub steps: Range<usize>,
+    /// From the link behind the joint to the link before it.
+    pub is_inverse: bool,
+}
+
+/// All joints and links of a mechanism.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Joints {
+    /// In the order in which the chains of bodies, then loops, pass them first.
+    pub list: Vec<Joint>,
+    /// The frame first.
+    pub links: Vec<Link>,
+    /// Link of every body.
+    pub of_body: Vec<usize>,
+    /// Passages of every body's chain, in its order.
+    pub along_bodies: Vec<Vec<Passage>>,
+    /// Passages of every loop, in its order.
+    pub along_loops: Vec<Vec<Passage>>,
+    /// Whether a loop closes anything that the loops before it have left open.
+    pub closes: Vec<bool>,
+}
+
+impl Joints {
+    /// Chain from the world to a frame of a link.
+    pub fn world_from(&self, frame: &LinkFrame) -> Chain {
+        let mut chain = self.links[frame.link].world_from_link.clone();
+        if frame.link_from_here != Pose::IDENTITY {
+            chain.steps.push(Step::Fixed(frame.link_from_here.into()));
+        }
+        chain
+    }
+
+    /// Whether two bodies are one rigid part.
+    pub fn are_rigid(&self, a: usize, b: usize) -> bool {
+        self.of_body[a] == self.of_body[b]
+    }
+
+    /// The joint that connects two bodies with nothing between.
+    pub fn between(&self, a: usize, b: usize) -> Option<&Joint> {
+        let [a, b] = [a, b].map(|body| self.of_body[body]);
+        self.list.iter().find(|joint| joint.connects(a, b))
+    }
+}
