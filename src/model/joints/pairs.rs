@@ -187,7 +187,9 @@ impl<'a> Rows<'a> {
         }
         let corners: Option<Vec<Corner>> = crossings.windows(2).map(|c| self.corner(c)).collect();
         match (&motions[..], &corners?[..]) {
-            ([Rotation, Rotation], [corner]) if corner.meets() => Some(JointKind::Universal),
+            ([Rotation, Rotation], [corner]) if !is_coupled && corner.meets() => {
+                Some(JointKind::Universal)
+            }
             ([Rotation, Translation] | [Translation, Rotation], [corner])
                 if corner.is_parallel() =>
             {

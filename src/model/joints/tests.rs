@@ -115,6 +115,7 @@ fn motions_in_a_row_are_one_joint_where_their_axes_fit() {
 #[test]
 fn coordinates_that_stand_elsewhere_part_a_joint() {
     assert_eq!(body("Rz(a) Rx(b) Ty(L) Rz(a + b)"), [Revolute; 3]);
+    assert_eq!(body("Rz(a) Rx(a)"), [Revolute; 2]);
     let text = "duration = 1\n[inputs]\nu = 0.1\n[loops]\n\
         A = \"Rx(a) Ry(b) Tz(5) Ry(-b) Rx(-a) Tz(-5) Tx(h)\"\n[equations]\ne = \"a - u\"\n[guess]\nh = 1\n";
     assert!(!kinds(&read(text)).contains(&Universal));
