@@ -199,6 +199,48 @@ fn parts_of_a_joint_are_neighbours_of_what_they_touch() {
     }
 }
 
+/// A contact whose surface belongs to a part between is a part between.
+#[test]
+fn a_contact_between_the_motions_of_a_joint_parts_its_bodies() {
+    for case in CASES.iter().filter(|case| case.word != "helical joint") {
+        for k in 0..case.frames.len() - 1 {
+            let text = format!(
+                "duration = 1\nunits = {{ length = \"mm\", angle = \"rad\" }}\ninputs = {{ {} }}\n\
+                [contacts.c]\nfirst = {{ sphere = {{ radius = 1 }}, frame = \"{} T(20, 0, 0)\" }}\n\
+                second = {{ plane = {{}}, frame = \"Tz(-z)\" }}\n[guess]\nz = 30\n\
+                [[bodies]]\nname = \"first\"\nshapes = [{}]\n\
+                [[bodies]]\nname = \"last\"\nframe = \"{}\"\nshapes = [{}]\n[clearance]\nminimum = 1\n",
+                case.inputs,
+                case.frames[k][0],
+                case.outer[0],
+                case.frames[case.frames.len() - 1][0],
+                case.outer[1],
+            );
+            let scene = open(&text);
+            let joint = scene.mechanism.joints.between(0, 1);
+            assert!(joint.is_none(), "{}, part {k}: {joint:?}", case.word);
+        }
+    }
+}
+
+/// Two rotations by one coordinate are geared, not a joint; a translation by a formula of an angle is a cam, not a screw.
+#[test]
+fn motions_that_are_coupled_otherwise_than_a_screw_are_joints_of_their_own() {
+    for frame in [
+        "Rz(a) Rx(2*a)",
+        "Rz(a) Rx(a + 0.5)",
+        "Rz(sin(a)) Rx(cos(a))",
+        "Rz(a) Tz(5*sin(a))",
+    ] {
+        let scene = open(&format!(
+            "duration = 1\ninputs = {{ a = \"t\" }}\nbodies = [\n\
+            {{ name = \"first\", shapes = [{BLOCK}] }},\n\
+            {{ name = \"last\", frame = \"{frame}\", shapes = [{BLOCK}] }},\n]\nclearance = {{ minimum = 1 }}\n"
+        ));
+        assert!(scene.mechanism.joints.between(0, 1).is_none(), "{frame}");
+    }
+}
+
 #[test]
 fn a_check_that_judges_no_pair_warns() {
     let w = Workspace::new();

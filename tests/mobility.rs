@@ -290,6 +290,66 @@ fn open_chains_and_joints_that_move_alike_are_counted() {
     }
 }
 
+/// Sums and differences of coordinates are freedoms of their own as long as they are independent, in whatever order.
+#[test]
+fn joints_driven_by_sums_of_coordinates_are_counted() {
+    for (frames, freedoms) in [
+        (&["Tx(20*(u+v)) Ty(20*(u-v))"][..], 2),
+        (&["Rz((u+v)/2) Rx((u-v)/2)"], 2),
+        (&["Rz(u+v+w) Rx(u-v) Rz(w-v)"], 3),
+        (&["Rz(v-u)", "Tx(30) Rz(u)"], 2),
+        (&["Rz(u)", "Tx(30) Rz(v-u)"], 2),
+        (&["Ry(v-u) Ry(u)"], 2),
+        // The third follows the other two.
+        (&["Rz(u)", "Tx(30) Rz(v)", "Tx(60) Rz(u+2*v)"], 2),
+    ] {
+        let mut text = "duration = 1\n[inputs]\nu = \"t\"\nv = 0.1\nw = 0.2\n".to_owned();
+        for (k, frame) in frames.iter().enumerate() {
+            text += &format!("[[bodies]]\nname = \"b{k}\"\nframe = \"{frame}\"\n");
+        }
+        assert_eq!(mobility_of(&text).count.freedoms(), freedoms, "{text}");
+    }
+}
+
+/// Rounding of an equation that always holds is no rank.
+#[test]
+fn a_parallelogram_whose_loop_always_closes_has_its_freedom() {
+    let text = "duration = 1\n[inputs]\nphi = \"0.5 + t\"\n[loops]\n\
+        A = \"Rz(phi) Tx(60) Rz(-phi) Tx(80) Rz(phi) Tx(-60) Rz(-phi) Tx(-80)\"\n";
+    let mobility = mobility_of(text);
+    assert_eq!(mobility.count.freedoms(), 1);
+    let numeric = mobility.generic.unwrap();
+    assert_eq!((numeric.mobility, numeric.rank), (1, 0));
+}
+
+/// A six-bar whose first loop is written from another joint, and the other way round: it lies where it lay.
+#[test]
+fn the_count_does_not_depend_on_where_a_loop_begins() {
+    let ring = [
+        "Rz(phi)", "Tx(35)", "Rz(al)", "Tx(95)", "Rz(mu)", "Tx(-80)", "Rz(-psi)", "Tx(-105)",
+    ];
+    let reversed = [
+        "Tx(105)", "Rz(psi)", "Tx(80)", "Rz(-mu)", "Tx(-95)", "Rz(-al)", "Tx(-35)", "Rz(-phi)",
+    ];
+    for ring in [ring, reversed] {
+        for first in 0..ring.len() {
+            let turned = [&ring[first..], &ring[..first]].concat().join(" ");
+            let text = format!(
+                "duration = 1\n[inputs]\nphi = \"0.5 + 0.2*t\"\n[loops]\nA = \"{turned}\"\n\
+                B = \"Rz(phi) Tx(35) Rz(al) Tx(45) Ty(40) Rz(b1) Tx(90) Rz(b2) Tx(-90) Rz(-b3) Ty(-60) Tx(-120)\"\n\
+                [guess]\nal = 0.4\npsi = 1.5\nmu = 1\nb1 = 0.4\nb2 = 2\nb3 = 1.6\n\
+                [[bodies]]\nname = \"crank\"\nframe = \"Rz(phi)\"\n"
+            );
+            let count = mobility_of(&text).count;
+            assert_eq!(
+                (count.joints, count.shared, count.freedoms()),
+                (7, 0, 1),
+                "{turned}"
+            );
+        }
+    }
+}
+
 #[test]
 fn loops_that_close_in_a_point_are_counted_with_their_three_equations() {
     for name in ["sphere-torus", "sphere-sphere", "torus-torus"] {

@@ -213,7 +213,10 @@ impl PivotedQr {
             .zip(below.chunks_exact(stride))
         {
             *v = other[start][k % 4] * share;
-            add_scaled(sums, *v, &other[start..]);
+            // Of a matrix with a diagonal below it half of the rows are still zero here.
+            if *v != 0.0 {
+                add_scaled(sums, *v, &other[start..]);
+            }
         }
         scale(sums, tau);
         // Columns that are done keep what they have.
@@ -229,7 +232,9 @@ impl PivotedQr {
             .zip(below.chunks_exact_mut(stride))
         {
             let other = &mut other[start..];
-            add_scaled(other, -v, sums);
+            if *v != 0.0 {
+                add_scaled(other, -v, sums);
+            }
             add_squares(squares, other);
         }
         self.scalars[k] = tau;

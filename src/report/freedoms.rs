@@ -44,6 +44,11 @@ pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
     lines.into_iter().map(line).collect()
 }
 
+/// A number of things.
+fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// The terms of the count.
 fn terms(count: &JointCount) -> String {
     let joints = match count.is_by_coordinates {
@@ -51,12 +56,13 @@ fn terms(count: &JointCount) -> String {
             "{} coordinates, some shared by several joints",
             count.joints
         ),
-        false => format!("{} joint freedoms", count.joints),
+        false => counted(count.joints, "joint freedom"),
     };
+    let free = counted(count.free, "coordinate");
     let mut text = match (count.joints, count.free) {
         (_, 0) => joints,
-        (0, free) => format!("{free} coordinates of equations"),
-        (_, free) => format!("{joints} + {free} coordinates of equations"),
+        (0, _) => format!("{free} of equations"),
+        (_, _) => format!("{joints} + {free} of equations"),
     };
     let closing: Vec<&LoopSpace> = count.closing().collect();
     let mut cost: Vec<String> = if closing.len() > MAX_LOOPS {
@@ -73,9 +79,6 @@ fn terms(count: &JointCount) -> String {
     }
     if count.shared > 0 {
         cost.push(format!("{} of shared coordinates", count.shared));
-    }
-    if cost.is_empty() {
-        cost.push("nothing".to_owned());
     }
     for term in cost {
         text.push_str(" - ");
@@ -104,16 +107,12 @@ fn sentence(mobility: &Mobility) -> String {
             }
         }
     }
-    let inputs = if mobility.inputs == 1 {
-        "input"
-    } else {
-        "inputs"
-    };
-    text.push_str(&format!("; {} {inputs}", mobility.inputs));
-    match mobility.idle.len() {
-        0 => {}
-        1 => text.push_str(", 1 idle freedom"),
-        n => text.push_str(&format!(", {n} idle freedoms")),
+    text.push_str(&format!("; {}", counted(mobility.inputs, "input")));
+    if !mobility.idle.is_empty() {
+        text.push_str(&format!(
+            ", {}",
+            counted(mobility.idle.len(), "idle freedom")
+        ));
     }
     text
 }

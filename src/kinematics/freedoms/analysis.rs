@@ -4,7 +4,7 @@
 //! [`ordering`](crate::kinematics::structure::ordering), the poses that decide on ranks in [`generic_rank`](super::generic_rank),
 //! passive freedoms in [`passive`](super::passive).
 
-use super::generic_rank::{Ranks, closed_poses, random_poses};
+use super::generic_rank::{EMPTY, Ranks, closed_poses, random_poses};
 use super::passive;
 use crate::kinematics::ball::chart::charted;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
@@ -15,10 +15,6 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use std::sync::Arc;
-
-/// An equation counts as empty when it stays below this (residuals are scaled, of order one) at all probes.
-/// Rounding of a long chain stays far below, a real equation far above.
-const EMPTY: f64 = 1e-12;
 
 impl System {
     /// Analyses `mechanism` and lays it out for solving.

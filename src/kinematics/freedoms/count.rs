@@ -6,14 +6,14 @@
 //! ends, and just so the rotations of the loop close by themselves. So what is shared, less what closes by itself,
 //! is counted.
 
-use super::generic_rank::{RANK, random_poses};
-use crate::linalg::pivoted_qr::PivotedQr;
+use super::generic_rank::{RANK, random_poses, rank_of_rows};
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, Motion};
-use crate::model::joints::Joints;
+use crate::model::joints::{Joint, Joints};
 use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
 use crate::model::walk::walk;
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,17 +112,77 @@ fn counted(mechanism: &Mechanism) -> Vec<usize> {
     let mut counted: Vec<usize> = along_loops.iter().flatten().map(|p| p.joint).collect();
     counted.sort_unstable();
     counted.dedup();
-    let mut known: Vec<usize> = counted
-        .iter()
-        .flat_map(|j| list[*j].coordinates.clone())
-        .collect();
+    // Everything else is judged by what its arguments add: sums and differences of coordinates that are known one by
+    // one add nothing, those of coordinates that only stand in other sums do.
+    let mut span = Span::default();
+    let poses = random_poses(mechanism);
+    let Some(pose) = poses.first() else {
+        return counted;
+    };
+    for joint in &counted {
+        adds(mechanism, &mut span, &list[*joint], pose);
+    }
+    let in_loops = counted.len();
     for (index, joint) in list.iter().enumerate() {
-        if joint.coordinates.iter().any(|slot| !known.contains(slot)) {
+        if !counted[..in_loops].contains(&index) && adds(mechanism, &mut span, joint, pose) {
             counted.push(index);
-            known.extend(&joint.coordinates);
         }
     }
     counted
+}
+
+/// Whether the motions of a joint change something that those in `span` do not; they are in it from then on.
+fn adds(mechanism: &Mechanism, span: &mut Span, joint: &Joint, pose: &[f64]) -> bool {
+    let arguments = joint.arguments();
+    let added = arguments.filter(|a| span.add(&gradient_of(mechanism, *a, pose)));
+    added.count() > 0
+}
+
+/// Rates of an argument by the coordinates in their units, the largest being one.
+fn gradient_of(mechanism: &Mechanism, argument: usize, pose: &[f64]) -> Vec<(usize, f64)> {
+    let rates = mechanism.arguments[argument].gradient(pose).into_iter();
+    let rates: Vec<(usize, f64)> = rates
+        .map(|(slot, rate)| (slot, rate * unit_of(mechanism, slot)))
+        .collect();
+    let largest = rates.iter().fold(0.0_f64, |m, (_, v)| m.max(v.abs()));
+    let unit = largest.max(f64::MIN_POSITIVE);
+    rates
+        .iter()
+        .map(|(slot, rate)| (*slot, rate / unit))
+        .collect()
+}
+
+/// A space of rows with few entries, each row with a pivot of its own.
+#[derive(Default)]
+struct Span {
+    rows: BTreeMap<usize, BTreeMap<usize, f64>>,
+}
+
+impl Span {
+    /// Takes a row in; whether it is independent of those before it.
+    fn add(&mut self, row: &[(usize, f64)]) -> bool {
+        let mut row: BTreeMap<usize, f64> = row.iter().copied().filter(|e| e.1 != 0.0).collect();
+        // Every row of the span begins at its pivot: one pass from left to right leaves none of them.
+        let mut from = 0;
+        while let Some((slot, value)) = row.range(from..).next().map(|(s, v)| (*s, *v)) {
+            from = slot + 1;
+            if value.abs() <= RANK || !value.is_finite() {
+                row.remove(&slot);
+                continue;
+            }
+            let Some(known) = self.rows.get(&slot) else {
+                row.retain(|other, _| *other >= slot);
+                self.rows.insert(slot, row);
+                return true;
+            };
+            let factor = value / known[&slot];
+            for (other, entry) in known {
+                *row.entry(*other).or_insert(0.0) -= factor * entry;
+            }
+            row.remove(&slot);
+        }
+        false
+    }
 }
 
 fn in_equations_only(mechanism: &Mechanism, counted: &[usize]) -> usize {
@@ -141,17 +201,9 @@ fn in_equations_only(mechanism: &Mechanism, counted: &[usize]) -> usize {
 
 /// How many of the arguments change independently of each other.
 fn independent(mechanism: &Mechanism, arguments: &[usize], pose: &[f64]) -> usize {
-    let mut rows = Vec::new();
-    for argument in arguments {
-        let mut row = vec![0.0; pose.len()];
-        for (slot, rate) in mechanism.arguments[*argument].gradient(pose) {
-            row[slot] = rate * unit_of(mechanism, slot);
-        }
-        // Angles and lengths alike.
-        let largest = row.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        rows.extend(row.iter().map(|v| v / largest.max(f64::MIN_POSITIVE)));
-    }
-    rank(&rows, pose.len())
+    let mut span = Span::default();
+    let rows = arguments.iter().map(|a| gradient_of(mechanism, *a, pose));
+    rows.filter(|row| span.add(row)).count()
 }
 
 /// What a coordinate is counted in.
@@ -202,11 +254,11 @@ fn spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
             (true, Closes::Frame) => 6,
             (true, Closes::Point) => 3,
         };
-        let dimension = rank(&joints, 6);
+        let dimension = rank_of_rows(&joints, 6);
         Space {
             joints: dimension.min(most),
-            coordinates: rank(&coordinates, 6).min(most),
-            is_planar: dimension == 3 && rank(&turns, 3) == 1,
+            coordinates: rank_of_rows(&coordinates, 6).min(most),
+            is_planar: dimension == 3 && rank_of_rows(&turns, 3) == 1,
         }
     };
     loops.map(of_loop).collect()
@@ -231,21 +283,4 @@ fn each_twist(
         let twist = [turn.x, turn.y, turn.z, speed.x, speed.y, speed.z];
         each(joint.argument, unit, twist);
     });
-}
-
-/// Rank of rows of numbers; a row without a value says nothing.
-fn rank(entries: &[f64], columns: usize) -> usize {
-    if columns == 0 {
-        return 0;
-    }
-    let rows = entries.chunks(columns);
-    let known = rows.filter(|row| row.iter().all(|v| v.is_finite()));
-    let known: Vec<f64> = known.flatten().copied().collect();
-    if known.is_empty() {
-        return 0;
-    }
-    // Rows one after the other are columns of the transposed matrix, which has the same rank.
-    let mut qr = PivotedQr::default();
-    qr.factor(&known, columns, known.len() / columns, RANK);
-    qr.rank()
 }

@@ -16,6 +16,27 @@ const PROBES: usize = 6;
 /// Rank tolerance at random and at closed poses, relative to the largest pivot: ranks are clear-cut there.
 pub const RANK: f64 = 1e-9;
 
+/// Entries (rotations in radians, lengths over the size) below this are rounding of a long chain; real ones are far above.
+pub const EMPTY: f64 = 1e-12;
+
+/// Rank of rows of numbers, one after the other; a row without a value says nothing.
+pub fn rank_of_rows(entries: &[f64], columns: usize) -> usize {
+    if columns == 0 {
+        return 0;
+    }
+    let rows = entries.chunks(columns);
+    let known = rows.filter(|row| row.iter().all(|v| v.is_finite()));
+    let without_noise = |v: &f64| if v.abs() > EMPTY { *v } else { 0.0 };
+    let known: Vec<f64> = known.flatten().map(without_noise).collect();
+    if known.is_empty() {
+        return 0;
+    }
+    // Rows one after the other are columns of the transposed matrix, which has the same rank.
+    let mut qr = PivotedQr::default();
+    qr.factor(&known, columns, known.len() / columns, RANK);
+    qr.rank()
+}
+
 /// Random coordinates, the same in every run.
 pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;

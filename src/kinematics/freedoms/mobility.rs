@@ -5,7 +5,7 @@
 //! there the numeric one holds.
 
 use super::count::JointCount;
-use super::generic_rank::{RANK, closed_poses};
+use super::generic_rank::{closed_poses, rank_of_rows};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble;
 use crate::kinematics::solve::branch::BranchWatch;
@@ -13,7 +13,6 @@ use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::{Block, Held, block};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
 use crate::kinematics::structure::system::System;
-use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::Actuation;
 use crate::model::chain::Chain;
 use crate::model::mechanism::Mechanism;
@@ -205,13 +204,6 @@ impl Whole {
     }
 
     fn rank_of(&self, rows: &[f64]) -> usize {
-        let columns = self.block.unknowns.len();
-        if columns == 0 || rows.is_empty() {
-            return 0;
-        }
-        // Rows one after the other are columns of the transposed matrix, which has the same rank.
-        let mut qr = PivotedQr::default();
-        qr.factor(rows, columns, rows.len() / columns, RANK);
-        qr.rank()
+        rank_of_rows(rows, self.block.unknowns.len())
     }
 }

@@ -93,8 +93,10 @@ impl<'s> PoseSolver<'s> {
             }
         };
         // Angles that run into a locked pose get there with half of the digits.
-        let correction = self.correct(&mut found.coordinates, Pace::Patient);
-        found.iterations += correction.iterations;
+        if chart.is_needed(&found.coordinates) {
+            let correction = self.correct(&mut found.coordinates, Pace::Patient);
+            found.iterations += correction.iterations;
+        }
         Ok(found)
     }
 

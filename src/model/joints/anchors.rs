@@ -45,7 +45,8 @@ impl LinkGraph<'_> {
             })
         });
         self.paths.loops[index] = reversed.chain(path_on).collect();
-        self.loop_starts.push(start);
+        // A loop that closes in a point also ends on a link, which the touching surface belongs to.
+        self.loop_ends.extend([start, end]);
         self.closes[index] = match item.closes {
             Closes::Frame => {
                 self.join(start, end);
@@ -73,7 +74,9 @@ impl LinkGraph<'_> {
                 if !is_it || merged.is_some() {
                     continue;
                 }
-                for is_inverse in [false, true] {
+                // One motion alone fits both ways round. A loop that passes it backwards then lies upright, and not
+                // forwards upside down.
+                for is_inverse in [met.is_reversed, !met.is_reversed] {
                     let [from, _] = self.ends(edge, is_inverse);
                     let here = from.moved(met.to_axis.inverse());
                     let anchor = Anchor { step, here };

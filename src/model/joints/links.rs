@@ -93,8 +93,8 @@ pub struct LinkGraph<'m> {
     at: Vec<Vec<usize>>,
     pub(super) paths: Paths,
     body_ends: Vec<LinkFrame>,
-    /// Where loops begin.
-    pub(super) loop_starts: Vec<LinkFrame>,
+    /// Where loops begin and end.
+    pub(super) loop_ends: Vec<LinkFrame>,
     pub(super) closes: Vec<bool>,
 }
 
@@ -109,8 +109,8 @@ pub struct Finished {
     pub routes: Vec<Vec<Step>>,
     /// Link of every body.
     pub of_body: Vec<usize>,
-    /// Links in which a loop begins.
-    pub starts: Vec<usize>,
+    /// Links on which loops begin or end.
+    pub loop_ends: Vec<usize>,
     /// Whether every loop closed something new.
     pub closes: Vec<bool>,
 }
@@ -128,7 +128,7 @@ impl<'m> LinkGraph<'m> {
             at: vec![Vec::new()],
             paths: Paths::default(),
             body_ends: Vec::new(),
-            loop_starts: Vec::new(),
+            loop_ends: Vec::new(),
             closes: Vec::new(),
         }
     }
@@ -167,7 +167,7 @@ impl<'m> LinkGraph<'m> {
                 loops: resolve(&self.paths.loops),
             },
             of_body: links(&self.body_ends),
-            starts: links(&self.loop_starts),
+            loop_ends: links(&self.loop_ends),
             closes: self.closes.clone(),
             at: self.at.clone(),
             routes: self.routes.clone(),

@@ -28,6 +28,8 @@ pub struct Met {
     /// Which combination of coordinates moves it.
     pub label: usize,
     pub argument: usize,
+    /// It follows the combination backwards.
+    pub is_reversed: bool,
     /// From the frame before the step to the frame whose z is the axis, and the way back behind it.
     pub to_axis: Pose,
     pub from_axis: Pose,
@@ -56,15 +58,13 @@ impl Motions {
         let Some(label) = value.label else {
             return Err(axis * constant * axis.inverse());
         };
-        let flip = if sign * value.sign < 0.0 {
-            FLIP
-        } else {
-            Pose::IDENTITY
-        };
+        let is_reversed = sign * value.sign < 0.0;
+        let flip = if is_reversed { FLIP } else { Pose::IDENTITY };
         Ok(Met {
             motion,
             label,
             argument,
+            is_reversed,
             to_axis: axis * constant * flip,
             from_axis: flip * axis.inverse(),
         })

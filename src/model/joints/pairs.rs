@@ -2,7 +2,7 @@
 
 use super::joint::{EXACT, JointKind, LinkFrame};
 use super::links::{Crossing, Edge, Finished};
-use crate::model::chain::Motion;
+use crate::model::chain::{Argument, Motion};
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
@@ -24,6 +24,8 @@ pub struct Rows<'a> {
     is_inner: Vec<bool>,
     /// Coordinates of every edge.
     coordinates: Vec<Vec<usize>>,
+    /// Whether its argument is a coordinate scaled and shifted, or a sum of such.
+    is_affine: Vec<bool>,
     /// Edges and equations that every coordinate stands in.
     uses: Vec<usize>,
     /// Coordinates from this one on are inputs.
@@ -36,6 +38,10 @@ impl<'a> Rows<'a> {
             let argument = edge.as_ref().map(|e| &mechanism.arguments[e.argument]);
             argument.map_or_else(Vec::new, |argument| argument.coordinates())
         };
+        let is_affine = |edge: &Option<Edge>| {
+            let argument = edge.as_ref().map(|e| &mechanism.arguments[e.argument]);
+            matches!(argument, Some(Argument::Affine(_)))
+        };
         let coordinates: Vec<Vec<usize>> = graph.edges.iter().map(of_edge).collect();
         let mut uses = vec![0; mechanism.coordinate_count()];
         let equations = mechanism.equations.iter().map(|e| e.expression.slots());
@@ -43,12 +49,13 @@ impl<'a> Rows<'a> {
             uses[slot] += 1;
         }
         let mut is_inner: Vec<bool> = graph.at.iter().map(|edges| edges.len() == 2).collect();
-        let seen = graph.of_body.iter().chain(&graph.starts).chain(&[0]);
+        let seen = graph.of_body.iter().chain(&graph.loop_ends).chain(&[0]);
         seen.for_each(|link| is_inner[*link] = false);
         Self {
             graph,
             size: mechanism.size,
             is_inner,
+            is_affine: graph.edges.iter().map(is_affine).collect(),
             coordinates,
             uses,
             first_input: mechanism.unknowns.len(),
@@ -178,9 +185,10 @@ impl<'a> Rows<'a> {
             [Translation] => return Some(JointKind::Prismatic),
             _ => {}
         }
+        // A lead is the same at every angle; a formula of an angle is a cam.
         let is_coupled = crossings.windows(2).all(|pair| {
             let [a, b] = [&pair[0], &pair[1]].map(|c| &self.coordinates[c.edge]);
-            a == b && a.len() == 1
+            a == b && a.len() == 1 && pair.iter().all(|c| self.is_affine[c.edge])
         });
         if !self.are_alone(crossings, is_coupled) {
             return None;
