@@ -91,6 +91,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
     }
 
     /// The coefficients one after the other, each from those before it.
+    #[inline]
     fn built(length: usize, mut coefficient: impl FnMut(usize, &[T; N]) -> T) -> Self {
         let mut coefficients = [T::number(0.0); N];
         for k in 0..length {
@@ -102,6 +103,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         }
     }
 
+    #[inline]
     fn map(mut self, f: impl Fn(T) -> T) -> Self {
         let used = &mut self.coefficients[..self.length];
         used.iter_mut().for_each(|c| *c = f(*c));
@@ -109,6 +111,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
     }
 
     /// Term by term; constants continue with zeros.
+    #[inline]
     fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
         let length = self.length.max(other.length);
         let (a, b) = (&self.coefficients, &other.coefficients);
@@ -116,6 +119,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
     }
 
     /// Coefficient k of ∫ self' b: Σ from j = 1 to k of j cⱼ bₖ₋ⱼ, over k.
+    #[inline]
     fn integral(&self, b: &[T; N], k: usize) -> T {
         let last = k.min(self.length - 1);
         let terms = (1..=last).map(|j| self.coefficients[j].scale(j as f64) * b[k - j]);
@@ -151,6 +155,7 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Series<T, N> {
 }
 
 /// The sum of the terms in their order.
+#[inline]
 fn sum<T: Scalar>(mut terms: impl Iterator<Item = T>) -> T {
     let first = terms.next().unwrap_or(T::number(0.0));
     terms.fold(first, |sum, term| sum + term)
