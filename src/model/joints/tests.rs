@@ -20,10 +20,13 @@ fn kinds(joints: &Joints) -> Vec<JointKind> {
     joints.list.iter().map(|joint| joint.kind).collect()
 }
 
+/// A scene, its links, and how many joints of each kind it has.
+type Counted = (&'static str, usize, &'static [(JointKind, usize)]);
+
 #[test]
 fn joints_and_links_of_built_in_scenes() {
     // Name; links, the frame among them; how many joints of which kind.
-    let table: [(&str, usize, &[(JointKind, usize)]); 10] = [
+    let table: [Counted; 10] = [
         ("bennett", 4, &[(Revolute, 4)]),
         ("bricard", 6, &[(Revolute, 6)]),
         ("slider-crank", 4, &[(Revolute, 3), (Prismatic, 1)]),
