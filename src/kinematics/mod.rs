@@ -1,6 +1,6 @@
 //! Position kinematics: closes the loops at every instant of the drive, and says how well.
 //!
-//! A [`Trajectory`](trajectory::Trajectory) is complete before anything is drawn; nothing here draws or prints.
+//! A [`Trajectory`](results::trajectory::Trajectory) is complete before anything is drawn; nothing here draws or prints.
 
 pub mod ball;
 pub mod certificate;

@@ -1,7 +1,7 @@
 //! A proof beside a pose: how near the exact closed pose is, and within which radius it is the only one.
 //!
 //! Newton and Kantorovich with explicit constants. With x the computed pose, R near the inverse of the Jacobian J,
-//! F the residual in the form of [`chain`], and all unknowns measured in radians and mechanism sizes:
+//! F the residual in the form of [`chain`](pose::chain), and all unknowns measured in radians and mechanism sizes:
 //!
 //! ```text
 //! eta >= |R F(x)|    q >= |I - R J(x)|    K >= |R F''| within BALL of x    D = (1-q)² - 2 K eta

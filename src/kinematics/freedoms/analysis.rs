@@ -2,7 +2,7 @@
 //!
 //! Everything here depends on the mechanism only, not on a pose. The order itself is found in
 //! [`ordering`](crate::kinematics::structure::ordering), the poses that decide on ranks in [`generic_rank`](super::generic_rank),
-//! passive freedoms in [`passive`](super::passive).
+//! passive freedoms in [`passive`].
 
 use super::generic_rank::{EMPTY, Ranks, closed_poses, random_poses};
 use super::passive;

@@ -67,7 +67,7 @@ pub trait PathWatcher {
         true
     }
 
-    /// A pose was accepted, the last of those that stand in [`PathTracker::recent`] being the one before.
+    /// A pose was accepted; the tracker's recent poses are still those before it.
     fn accepted(&mut self, _: &mut PathTracker, _: &PathPoint) {}
 
     /// It is well away from singular poses.
