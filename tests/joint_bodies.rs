@@ -206,7 +206,7 @@ fn a_contact_between_the_motions_of_a_joint_parts_its_bodies() {
         for k in 0..case.frames.len() - 1 {
             let text = format!(
                 "duration = 1\nunits = {{ length = \"mm\", angle = \"rad\" }}\ninputs = {{ {} }}\n\
-                [contacts.c]\nfirst = {{ sphere = {{ radius = 1 }}, frame = \"{} T(20, 0, 0)\" }}\n\
+                [contacts.touch]\nfirst = {{ sphere = {{ radius = 1 }}, frame = \"{} T(20, 0, 0)\" }}\n\
                 second = {{ plane = {{}}, frame = \"Tz(-z)\" }}\n[guess]\nz = 30\n\
                 [[bodies]]\nname = \"first\"\nshapes = [{}]\n\
                 [[bodies]]\nname = \"last\"\nframe = \"{}\"\nshapes = [{}]\n[clearance]\nminimum = 1\n",
