@@ -1,6 +1,9 @@
 //! Constant parts of chains against products of 30 digits: what every stored pose says of its own error holds.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod draws;
+
+use draws::Draws;
 use mechanim::diag::Source;
 use mechanim::model::chain::Step;
 use mechanim::model::fixed::FixedPose;
@@ -83,22 +86,7 @@ fn off(stored: &FixedPose, exact: &Exact) -> [f64; 2] {
     squares.map(f64::sqrt)
 }
 
-/// A linear congruential generator's high bits, as a number in -1..1.
-struct Draws(u64);
-
 impl Draws {
-    fn number(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        ((0.5 + 0.5 * self.number()) * count as f64) as usize % count
-    }
-
     /// Any angle up to a turn, or one at or near a multiple of a quarter turn.
     fn angle(&mut self) -> f64 {
         let quarter = FRAC_PI_2 * (self.below(9) as f64 - 4.0);

@@ -2,9 +2,11 @@
 //! is not returned is refused with a reason. No loop closed up to a half-turn, no stretched link.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod draws;
 mod driven;
 mod reference;
 
+use draws::Draws;
 use driven::{Driven, Model};
 use glam::{DMat4, DVec3};
 use mechanim::kinematics::solve::assembly::assemble;
@@ -53,28 +55,20 @@ fn gap(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     gaps.fold(0.0, f64::max)
 }
 
-/// A linear congruential generator's high bits, as a number in -1..1.
-fn random(state: &mut u64) -> f64 {
-    *state = state
-        .wrapping_mul(6_364_136_223_846_793_005)
-        .wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
-
 /// Poses reached from random starts; the rest is counted by the loop that stayed open.
 fn run(mechanism: &Model) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
     let system = mechanism.system().unwrap();
     let mut corrector = Corrector::new(&system);
     let (mut poses, mut refused) = (Vec::new(), BTreeMap::new());
     let inputs = mechanism.actuation.inputs_at(0.0);
-    let mut state = 20_240_229;
+    let mut draws = Draws(20_240_229);
     for _ in 0..STARTS {
         let mut start: Vec<f64> = mechanism
             .unknowns
             .iter()
             .map(|unknown| match unknown.kind {
-                Kind::Angle => 2.0 * PI * random(&mut state),
-                _ => 3.0 * mechanism.size * random(&mut state),
+                Kind::Angle => 2.0 * PI * draws.number(),
+                _ => 3.0 * mechanism.size * draws.number(),
             })
             .collect();
         start.extend(&inputs);

@@ -1,9 +1,11 @@
 //! The proof of the motion between samples: it holds what it claims, joins whole turns, and ends where it must.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod draws;
 mod driven;
 mod reference;
 
+use draws::Draws;
 use driven::{Driven, Model, certify_motion, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::tube::{Prover, Tube};
@@ -112,16 +114,12 @@ fn share_of_radius(mechanism: &Mechanism, tube: &Tube, truth: &Trajectory) -> f6
 }
 
 /// The start of the first tube, then random times of every tube and its end.
-fn moments(tubes: &[Tube], state: &mut u64) -> Vec<f64> {
+fn moments(tubes: &[Tube], draws: &mut Draws) -> Vec<f64> {
     let mut times = vec![tubes[0].start];
     for tube in tubes {
         let mut inside = vec![tube.end];
         for _ in 0..12 {
-            *state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            let share = (*state >> 11) as f64 / 2f64.powi(53);
-            inside.push(tube.start + (tube.end - tube.start) * share);
+            inside.push(tube.start + (tube.end - tube.start) * draws.share());
         }
         inside.sort_by(f64::total_cmp);
         times.extend(inside);
@@ -152,7 +150,7 @@ fn motion_lies_within_its_tubes() {
         let coarse = steps(&mechanism, count);
         let system = mechanism.system().unwrap();
         let mut prover = Prover::new(&system, &mechanism.actuation);
-        let mut state = 0x5eed_u64;
+        let mut draws = Draws(0x5eed);
         let mut start = mechanism.clone();
         for pair in coarse.samples.windows(2) {
             let (certificate, tubes) = prover.interval(pair);
@@ -160,7 +158,7 @@ fn motion_lies_within_its_tubes() {
             assert_eq!(tubes[0].start, pair[0].time);
             assert_eq!(tubes[tubes.len() - 1].end, pair[1].time);
             start.actuation.guess = pair[0].pose.as_ref().unwrap().unknowns.clone();
-            let times = moments(&tubes, &mut state);
+            let times = moments(&tubes, &mut draws);
             let truth = solve(&start, &times).unwrap();
             let mut rest = truth.samples.as_slice();
             for tube in &tubes {

@@ -2,6 +2,9 @@
 //! uses (four joints at a time), and the one that proofs use (two f64 a number). They share no code.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod draws;
+
+use draws::Draws;
 use glam::DVec3;
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
@@ -13,22 +16,7 @@ use mechanim::model::walk::Frame;
 use mechanim::numbers::hyper_dual::HyperDual;
 use mechanim::scene::{Overrides, Scene, load};
 
-struct Draws(u64);
-
 impl Draws {
-    /// A number in -1..1.
-    fn number(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        ((0.5 + 0.5 * self.number()) * count as f64) as usize % count
-    }
-
     /// A loop of six joints in any order and direction, with constants and a driven motion between them.
     fn scene(&mut self) -> Scene {
         let mut chain = String::from("Rz(drive)");
