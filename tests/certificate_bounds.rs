@@ -124,7 +124,7 @@ impl<'m> Refined<'m> {
                     for (k, component) in components.iter().enumerate() {
                         if unknown < n {
                             jacobian[unknown * n + residual.len() + k] +=
-                                c * self.mechanism.scale_of(unknown) * column[*component];
+                                c.number() * self.mechanism.scale_of(unknown) * column[*component];
                         }
                     }
                 }

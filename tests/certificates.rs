@@ -17,6 +17,7 @@ use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::expression::Affine;
 
 use mechanim::model::mechanism::Mechanism;
+use mechanim::numbers::constant::Constant;
 use mechanim::scene::{Overrides, Scene, builtin, load};
 use reference::{Table, drive_by_rows};
 use std::f64::consts::{PI, TAU};
@@ -387,8 +388,8 @@ fn second_derivatives_are_bounded_as_said() {
         let value = |x: f64| {
             ArgumentDouble::new(
                 &Affine {
-                    constant: 0.0,
-                    terms: vec![(0, 1.0)],
+                    constant: Constant::exact(0.0),
+                    terms: vec![(0, Constant::exact(1.0))],
                 },
                 &[x],
             )

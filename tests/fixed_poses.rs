@@ -22,6 +22,30 @@ fn long(v: f64) -> Long {
     Long::from(v)
 }
 
+/// The shortest decimal of a number, as decimal: its digits times a power of ten.
+fn decimal(stored: f64) -> Long {
+    // What is left out here is below all that is compared.
+    if stored.abs() < 1e-200 {
+        return long(stored);
+    }
+    let text = format!("{stored:e}");
+    let (digits, power) = text.split_once('e').unwrap();
+    let fraction = digits.split_once('.').map_or(0, |(_, behind)| behind.len());
+    let power = power.parse::<i32>().unwrap() - fraction as i32;
+    let whole: i64 = digits.replace('.', "").parse().unwrap();
+    let upper = whole as f64;
+    let whole = Long::sum(upper, (whole - upper as i64) as f64);
+    let tens = |count: i32| {
+        let two = [count.min(20), (count - 20).max(0)];
+        Long::product(10.0_f64.powi(two[0]), 10.0_f64.powi(two[1]))
+    };
+    if power < 0 {
+        quotient(whole, tens(-power))
+    } else {
+        whole * tens(power)
+    }
+}
+
 /// Sine and cosine by their Taylor series: for angles up to ten the terms cancel to 27 digits.
 fn sin_cos(angle: Long) -> [Long; 2] {
     let mut sums = [long(0.0), long(1.0)];
@@ -99,17 +123,7 @@ impl Draws {
         }
     }
 
-    /// A number that the stored one may stand for: off by `units` times the unit roundoff, no whole one.
-    fn meant(&mut self, stored: f64, units: f64) -> Long {
-        let shift = if stored.fract() == 0.0 {
-            0.0
-        } else {
-            units * self.number().signum() * 0.5 * f64::EPSILON * stored
-        };
-        Long::sum(stored, shift)
-    }
-
-    /// A factor as text, and the exact one; lengths and directions are open by a unit in the last place.
+    /// A factor as text, and the exact one that its decimals say.
     fn factor(&mut self) -> (String, Exact) {
         let zero = long(0.0);
         let unit = |k: usize| [0, 1, 2].map(|i| long(f64::from(i == k)));
@@ -120,19 +134,19 @@ impl Draws {
             0 => {
                 let length = 10.0_f64.powi(self.below(7) as i32 - 3) * self.number();
                 let mut exact = identity;
-                exact[3][axis] = self.meant(length, 1.9);
+                exact[3][axis] = decimal(length);
                 (format!("T{name}({length:e})"), exact)
             }
             1 => {
                 let [x, y, z] = [0; 3].map(|_| self.number());
                 let angle = self.angle();
-                let u = [x, y, z].map(|c| self.meant(c, 1.9));
+                let u = [x, y, z].map(decimal);
                 let text = format!("R({x:e}, {y:e}, {z:e}, {angle:e})");
-                (text, about(u, self.meant(angle, 3.9)))
+                (text, about(u, decimal(angle)))
             }
             _ => {
                 let angle = self.angle();
-                let exact = about(unit(axis), self.meant(angle, 3.9));
+                let exact = about(unit(axis), decimal(angle));
                 (format!("R{name}({angle:e})"), exact)
             }
         }

@@ -14,7 +14,7 @@ use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind};
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::mechanism::{Kind, Mechanism};
 use reference::{Table, hard, slot, turned};
-use std::f64::consts::{FRAC_PI_6, PI, TAU};
+use std::f64::consts::{FRAC_PI_6, PI};
 
 /// The only pose at the start of the drive.
 fn pose(mechanism: &Model) -> ClosedPose {
@@ -172,9 +172,10 @@ fn nearly_tangent_circles_lose_half_the_digits_and_no_more() {
         ("1e-15", 2.236067977499789e-6),
     ] {
         let mechanism = hard("h07-near-tangent-circles", &[("param", "e", e)]);
-        let d = 100.0 * (1.0 - e.parse::<f64>().unwrap());
-        let exact = 0.5 * ((100.0 - d) * (100.0 + d)).sqrt();
-        assert!((exact / published - 1.0).abs() < 1e-16 / e.parse::<f64>().unwrap());
+        // The distance 100 (1 - e) is known to all its digits, though f64 has no more than 16 of them.
+        let e_value: f64 = e.parse().unwrap();
+        let exact = 50.0 * (e_value * (2.0 - e_value)).sqrt();
+        assert!((exact / published - 1.0).abs() < 1e-15, "{e}: {exact:e}");
         let pose = pose(&mechanism);
         let height = pose.outputs[0].abs();
         // An error of u in the closure is one of u over the sine of the bars' angle in the pose.
@@ -264,17 +265,14 @@ fn all_sixteen_closures_of_the_arm_are_found_and_proved() {
 #[test]
 fn a_large_angle_is_taken_as_the_number_it_is() {
     // Cosines of the f64 nearest to 2 pi n + 0.5, 17 digits.
-    for (turns, cosine) in [
-        ("10", 0.87758256189037389_f64),
-        ("1e6", 0.87758256210437986),
-        ("1e9", 0.87758259372558132),
-        ("1e12", 0.87784104845714972),
+    for (turns, nearest, cosine) in [
+        ("10", 63.33185307179586, 0.87758256189037389_f64),
+        ("1e6", 6283185.807179586, 0.87758256210437986),
+        ("1e9", 6283185307.679586, 0.87758259372558132),
+        ("1e12", 6283185307180.087, 0.87737290330498808),
     ] {
         let mechanism = hard("h25-angle-wrap", &[("param", "turns", turns)]);
-        assert_eq!(
-            mechanism.actuation.inputs_at(0.0)[0],
-            TAU * turns.parse::<f64>().unwrap() + 0.5
-        );
+        assert_eq!(mechanism.actuation.inputs_at(0.0)[0], nearest);
         let pose = pose(&mechanism);
         let sine = (1.0 - cosine * cosine).sqrt();
         let h = 40.0 * cosine + (6400.0 - (40.0 * sine) * (40.0 * sine)).sqrt();

@@ -671,7 +671,7 @@ fn scaled(mechanism: &Model, scale: f64) -> Model {
                 let Argument::Affine(affine) = &mechanism.arguments[*argument] else {
                     panic!("a formula")
                 };
-                assert_eq!(affine.constant, 0.0);
+                assert_eq!(affine.constant.number(), 0.0);
             }
             Step::Joint { .. } => {}
         }

@@ -204,7 +204,7 @@ fn eight_orders_predict_solved_poses() {
     for (name, input, step) in [("slider-crank", "phi", 0.2), ("seven-r", "beta1", 0.1)] {
         let mechanism = builtin_scene(name, &[(input, "0")]);
         let series = series_by_input(&mechanism, 8);
-        let radians = mechanism.angle_unit.radians;
+        let radians = mechanism.angle_unit.radians.number();
         let error = |h: f64| {
             let text = format!("{:e}*t", h / radians);
             let moving = builtin_scene(name, &[(input, &text)]);

@@ -77,7 +77,7 @@ impl Argument {
     /// Rates of the value by the coordinates it depends on, at a pose.
     pub fn gradient(&self, coordinates: &[f64]) -> Vec<(usize, f64)> {
         match self {
-            Self::Affine(affine) => affine.terms.clone(),
+            Self::Affine(affine) => affine.numbers().collect(),
             Self::Formula(expression) => {
                 let gradient = expression.gradient(coordinates);
                 let slots = expression.slots().into_iter();

@@ -1,6 +1,7 @@
 //! Motion of the driven coordinates over time: keyframes with easing, a formula, or rows of a table.
 
 use super::expression::Expression;
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::TaylorSeries;
 
@@ -57,7 +58,7 @@ pub enum Drive {
 impl Drive {
     /// Never moves.
     pub fn constant(value: f64) -> Self {
-        Self::Formula(Expression::constant(value))
+        Self::Formula(Expression::constant(Constant::rounded(value)))
     }
 
     /// The value at `time`; may be not finite where a formula has no value.
@@ -117,7 +118,11 @@ impl Drive {
 
 /// The value on the piece that ends at key `next`; held before the first and after the last key.
 fn piece<S: Scalar>(times: &[f64], values: &[f64], ease: Ease, next: usize, time: S) -> S {
-    let value = |k: usize| values.get(k).map_or(S::number(0.0), |v| S::decimal(*v));
+    let value = |k: usize| {
+        values
+            .get(k)
+            .map_or(S::number(0.0), |v| S::from_constant(Constant::rounded(*v)))
+    };
     if next == 0 || next == times.len() {
         return value(next.saturating_sub(1));
     }

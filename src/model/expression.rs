@@ -5,13 +5,14 @@
 //! [`Scalar`]: numbers, series, enclosures.
 
 pub use super::function::Function;
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 
 /// One operation; operands are the indices of earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Op {
     /// A number.
-    Constant(f64),
+    Constant(Constant),
     /// The value of a slot.
     Slot(usize),
     /// Sign change.
@@ -46,21 +47,29 @@ impl Op {
     }
 }
 
+const ZERO: Constant = Constant::exact(0.0);
+const ONE: Constant = Constant::exact(1.0);
+
 /// `constant + Σ coefficient·slot`.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Affine {
     /// Value with all slots at zero.
-    pub constant: f64,
+    pub constant: Constant,
     /// Slots and their coefficients, ascending, none zero.
-    pub terms: Vec<(usize, f64)>,
+    pub terms: Vec<(usize, Constant)>,
 }
 
 impl Affine {
+    /// Slots and the nearest f64 of their coefficients.
+    pub fn numbers(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.terms.iter().map(|(slot, c)| (*slot, c.number()))
+    }
+
     /// The value at `slots`.
     pub fn value<S: Scalar>(&self, slots: &[S]) -> S {
         let terms = self.terms.iter();
-        terms.fold(S::decimal(self.constant), |sum, (slot, c)| {
-            sum + S::decimal(*c) * slots[*slot]
+        terms.fold(S::from_constant(self.constant), |sum, (slot, c)| {
+            sum + S::from_constant(*c) * slots[*slot]
         })
     }
 }
@@ -83,7 +92,7 @@ impl Expression {
     }
 
     /// A number.
-    pub fn constant(value: f64) -> Self {
+    pub fn constant(value: Constant) -> Self {
         Self {
             ops: vec![Op::Constant(value)],
         }
@@ -209,7 +218,7 @@ fn operands(op: Op) -> [Option<usize>; 2] {
 
 fn apply<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
     match op {
-        Op::Constant(c) => S::decimal(c),
+        Op::Constant(c) => S::from_constant(c),
         Op::Slot(i) => slots[i],
         Op::Negate(a) => -v[a],
         Op::Add(a, b) => v[a] + v[b],
@@ -243,20 +252,20 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
             terms: Vec::new(),
         },
         Op::Slot(i) => Affine {
-            constant: 0.0,
-            terms: vec![(i, 1.0)],
+            constant: ZERO,
+            terms: vec![(i, ONE)],
         },
-        Op::Negate(a) => combine(&forms[a], -1.0, &Affine::default(), 0.0),
-        Op::Add(a, b) => combine(&forms[a], 1.0, &forms[b], 1.0),
-        Op::Subtract(a, b) => combine(&forms[a], 1.0, &forms[b], -1.0),
+        Op::Negate(a) => combine(&forms[a], -ONE, &Affine::default(), ZERO),
+        Op::Add(a, b) => combine(&forms[a], ONE, &forms[b], ONE),
+        Op::Subtract(a, b) => combine(&forms[a], ONE, &forms[b], -ONE),
         Op::Multiply(a, b) => match (constant(&forms[a]), constant(&forms[b])) {
-            (Some(c), _) => combine(&forms[b], c, &Affine::default(), 0.0),
-            (_, Some(c)) => combine(&forms[a], c, &Affine::default(), 0.0),
+            (Some(c), _) => combine(&forms[b], c, &Affine::default(), ZERO),
+            (_, Some(c)) => combine(&forms[a], c, &Affine::default(), ZERO),
             _ => return None,
         },
         Op::Divide(a, b) => {
             let divisor = constant(&forms[b])?;
-            let scaled = |v: f64| v / divisor;
+            let scaled = |v: Constant| v / divisor;
             Affine {
                 constant: scaled(forms[a].constant),
                 terms: forms[a]
@@ -284,15 +293,16 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
 }
 
 /// `x·a + y·b`, terms merged by slot and zeros dropped.
-fn combine(a: &Affine, x: f64, b: &Affine, y: f64) -> Affine {
-    let mut terms: Vec<(usize, f64)> = a.terms.iter().map(|(s, c)| (*s, x * c)).collect();
+fn combine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
+    let mut terms: Vec<_> = a.terms.iter().map(|(s, c)| (*s, x * *c)).collect();
     for (slot, c) in &b.terms {
         match terms.iter_mut().find(|(s, _)| s == slot) {
-            Some(term) => term.1 += y * c,
-            None => terms.push((*slot, y * c)),
+            Some(term) => term.1 = term.1 + y * *c,
+            None => terms.push((*slot, y * *c)),
         }
     }
-    terms.retain(|(_, c)| *c != 0.0);
+    // A coefficient that cancels to 31 digits is taken as zero only if it is.
+    terms.retain(|(_, c)| *c != ZERO);
     terms.sort_unstable_by_key(|(s, _)| *s);
     Affine {
         constant: x * a.constant + y * b.constant,

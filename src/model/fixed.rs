@@ -5,8 +5,9 @@
 //! and what each product rounded, which is measured with two f64 a number.
 
 use crate::math::Pose;
+use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::{CONSTANT_ANGLE, DECIMAL, GROW, SIN_COS, is_exact, of_decimal};
+use crate::numbers::rounding::{DECIMAL, GROW, SIN_COS, is_exact};
 use crate::numbers::sin_cos::sin_cos;
 use glam::{DMat3, DVec3};
 use std::f64::consts::SQRT_2;
@@ -40,13 +41,13 @@ impl FixedPose {
     }
 
     /// Along a coordinate axis by a length of the scene.
-    pub fn translation(axis: usize, length: f64) -> Self {
+    pub fn translation(axis: usize, length: Constant) -> Self {
         let error = PoseError {
             rotation: 0.0,
-            translation: of_decimal(length),
+            translation: length.open(),
         };
         Self {
-            pose: Pose::from_translation(DVec3::AXES[axis] * length),
+            pose: Pose::from_translation(DVec3::AXES[axis] * length.number()),
             error,
         }
     }
@@ -55,17 +56,17 @@ impl FixedPose {
     ///
     /// Turning by d more changes the matrix by 2√2 sin(d/2) ≤ √2 d. Its four entries are compared with a sine and a cosine
     /// of 20 digits.
-    pub fn rotation(axis: usize, angle: f64) -> Self {
-        let pose = Pose::from_axis_rotation(axis, angle);
+    pub fn rotation(axis: usize, angle: Constant) -> Self {
+        let pose = Pose::from_axis_rotation(axis, angle.number());
         let own = pose.rotation.col((axis + 1) % 3);
         let (cos, sin) = (own[(axis + 1) % 3], own[(axis + 2) % 3]);
         let mut rotation = 0.0;
-        if angle != 0.0 {
-            let (exact_sin, exact_cos) = sin_cos(DoubleDouble::from(angle));
+        if angle != Constant::exact(0.0) {
+            let (exact_sin, exact_cos) = sin_cos(angle.value());
             let off = [(exact_sin, sin), (exact_cos, cos)]
                 .map(|(exact, stored)| (exact.value() - DoubleDouble::from(stored)).hi);
             let rounded = SQRT_2 * (off[0].hypot(off[1]) + 2.0 * SIN_COS);
-            rotation = (SQRT_2 * CONSTANT_ANGLE * angle.abs() + rounded) * GROW;
+            rotation = (SQRT_2 * angle.error() + rounded) * GROW;
         }
         // Angles too large to be reduced are known by no digit.
         let rotation = if rotation.is_nan() {
@@ -85,11 +86,11 @@ impl FixedPose {
     ///
     /// The nearest rotation Q is within g = |MᵀM - I| of M, and so is its axis, which is within a of the direction by M's
     /// own; turning Q by g + a makes it exact.
-    pub fn z_axis(direction: DVec3) -> Self {
+    pub fn z_axis(meant: [Constant; 3]) -> Self {
+        let direction = DVec3::from(meant.map(Constant::number));
         let pose = Pose::from_z_axis(direction);
         let m = pose.rotation;
-        if m.to_cols_array().into_iter().all(is_exact)
-            && direction.to_array().into_iter().all(is_exact)
+        if m.to_cols_array().into_iter().all(is_exact) && meant.into_iter().all(Constant::is_exact)
         {
             return Self::exact(pose);
         }
@@ -102,13 +103,14 @@ impl FixedPose {
             }
         }
         let defect = squares.sqrt();
-        // Components that are open by a share turn the direction by no more than that.
+        // What the components leave open turns the direction by no more than its share.
         let (z, u) = (m.z_axis, direction / direction.abs().max_element());
         let off = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
             let product = DoubleDouble::product(z[i], u[j]) - DoubleDouble::product(z[j], u[i]);
             product.hi
         });
-        let tilt = DVec3::from_array(off).length() / u.length() + 2.0 * DECIMAL;
+        let open = DVec3::from(meant.map(Constant::open)).length() / direction.length();
+        let tilt = DVec3::from_array(off).length() / u.length() + 2.0 * DECIMAL + 2.0 * open;
         let error = PoseError {
             rotation: (defect + SQRT_2 * (defect + tilt)) * GROW,
             translation: 0.0,

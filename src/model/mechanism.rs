@@ -4,6 +4,7 @@ use super::chain::{Argument, ArgumentValue, Chain};
 use super::expression::Expression;
 use super::joints::Joints;
 use super::shape::Shape;
+use crate::numbers::constant::Constant;
 use glam::DVec3;
 
 /// What a coordinate or an output measures.
@@ -113,7 +114,20 @@ pub struct AngleUnit {
     /// `rad` or `deg`.
     pub name: String,
     /// Radians in one unit.
-    pub radians: f64,
+    pub radians: Constant,
+}
+
+impl AngleUnit {
+    /// The unit called `rad` or `deg`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let radians = match name {
+            "rad" => Constant::exact(1.0),
+            "deg" => Constant::PI / Constant::exact(180.0),
+            _ => return None,
+        };
+        let name = name.to_owned();
+        Some(Self { name, radians })
+    }
 }
 
 /// A mechanism ready to be solved.
@@ -198,7 +212,7 @@ impl Mechanism {
     /// Factor from internal values to the file's unit for a coordinate or output of `kind`.
     pub fn file_units(&self, kind: Kind) -> f64 {
         match kind {
-            Kind::Angle => 1.0 / self.angle_unit.radians,
+            Kind::Angle => 1.0 / self.angle_unit.radians.number(),
             Kind::Length | Kind::Number => 1.0,
         }
     }

@@ -4,8 +4,9 @@
 //! joints at once) and `kinematics/certificate/pose/product` (two f64 a number). Tests hold them against this one.
 
 use super::chain::{ArgumentValue, Chain, Joint, Motion, Step};
-use super::fixed::FixedPose;
+use super::fixed::{FixedPose, PoseError};
 use crate::math::Pose;
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
 use glam::{DMat3, DVec3};
 
@@ -134,8 +135,12 @@ impl<S: Ring> Frame<S> {
 
     /// A direction of the frame in the base frame.
     pub fn direction(&self, v: [f64; 3]) -> Vector<S> {
+        self.combination(v.map(Constant::exact))
+    }
+
+    fn combination(&self, v: [Constant; 3]) -> Vector<S> {
         let [x, y, z] = &self.axes;
-        [0, 1, 2].map(|k| x[k].scale(v[0]) + y[k].scale(v[1]) + z[k].scale(v[2]))
+        [0, 1, 2].map(|k| x[k].scale_by(v[0]) + y[k].scale_by(v[1]) + z[k].scale_by(v[2]))
     }
 
     /// A point of the frame in the base frame.
@@ -153,10 +158,16 @@ impl<S: Ring> Carried for Frame<S> {
     type Argument = ArgumentValue<S>;
 
     fn fix(&mut self, fixed: &FixedPose) {
-        self.origin = sum(self.origin, self.direction(fixed.translation.to_array()));
+        let PoseError {
+            rotation,
+            translation,
+        } = fixed.error;
+        let known = |v: [f64; 3], error| v.map(|v| Constant::within(v, error));
+        let moved = self.combination(known(fixed.translation.to_array(), translation));
+        self.origin = sum(self.origin, moved);
         if fixed.rotation != DMat3::IDENTITY {
             let columns = fixed.rotation.to_cols_array_2d();
-            self.axes = columns.map(|column| self.direction(column));
+            self.axes = columns.map(|column| self.combination(known(column, rotation)));
         }
     }
 

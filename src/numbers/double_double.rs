@@ -56,6 +56,15 @@ impl DoubleDouble {
         Self::ordered(p.hi, p.lo + (self.hi * b.lo + self.lo * b.hi))
     }
 
+    /// The quotient, error below 2^-99 |a / b|.
+    pub fn over(self, b: Self) -> Self {
+        let first = self.hi / b.hi;
+        let rest = self - b * first;
+        let second = rest.hi / b.hi;
+        let last = (rest - b * second).hi / b.hi;
+        Self::ordered(first, second) + Self::from(last)
+    }
+
     /// Sum of ordered parts: |a| is not below |b|.
     #[inline]
     pub const fn ordered(a: f64, b: f64) -> Self {
@@ -127,6 +136,11 @@ mod tests {
         // 3 fl(1/3) = 1 - 2^-54 exactly.
         let rest = third * 3.0 - DoubleDouble::from(1.0);
         assert_eq!(rest.hi + rest.lo, -(2.0_f64.powi(-54)));
+        let back = DoubleDouble::from(1.0).over(DoubleDouble::from(3.0)) * 3.0;
+        assert!(
+            (back - DoubleDouble::from(1.0)).hi.abs() < 1e-31,
+            "{back:?}"
+        );
         let square = DoubleDouble::sum(1.0, 1e-20) * DoubleDouble::sum(1.0, -1e-20);
         let rest = square - DoubleDouble::from(1.0);
         assert!(

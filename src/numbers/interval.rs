@@ -5,7 +5,8 @@
 //! all that follows from it; a proof then fails by itself. Functions of `libm` are assumed right within one unit in the
 //! last place.
 
-use super::rounding::{FUNCTION_WIDENING, UNDERFLOW, WIDENING, is_exact};
+use super::constant::Constant;
+use super::rounding::{FUNCTION_WIDENING, UNDERFLOW, WIDENING};
 use super::scalar::{Ring, Scalar};
 use crate::math::sin_cos;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -130,16 +131,26 @@ impl Ring for Interval {
         let wide = Self::widened(lo, hi, WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
+
+    fn scale_by(self, factor: Constant) -> Self {
+        if factor.is_exact() {
+            self.scale(factor.number())
+        } else {
+            self * Self::from_constant(factor)
+        }
+    }
 }
 
 impl Scalar for Interval {
-    /// Whole numbers are exact, others are rounded decimals.
-    fn decimal(value: f64) -> Self {
-        if is_exact(value) {
-            Self::point(value)
-        } else {
-            Self::new(value.next_down(), value.next_up())
+    /// All numbers that the constant may mean.
+    fn from_constant(constant: Constant) -> Self {
+        let number = constant.number();
+        if constant.is_exact() {
+            return Self::point(number);
         }
+        let (off, error) = (constant.value().lo, constant.error());
+        let end = |off: f64| number + off;
+        Self::new(end(off - error).next_down(), end(off + error).next_up())
     }
 
     fn undefined() -> Self {

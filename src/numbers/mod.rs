@@ -1,5 +1,7 @@
-//! Numbers, and what counts as one: the trait all formulas are written in: Taylor series, hyper-dual numbers, intervals, double-doubles.
+//! Numbers, and the trait that all formulas are written in: constants with their error, Taylor series, hyper-dual numbers,
+//! intervals, double-doubles.
 
+pub mod constant;
 pub mod double_double;
 pub mod hyper_dual;
 pub mod interval;

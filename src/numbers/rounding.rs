@@ -1,9 +1,9 @@
 //! What one operation can lose: every constant that proofs count rounding with.
 //!
-//! Arithmetic is IEEE 754 in double precision, to nearest. Four things are taken for granted and nothing else: that
+//! Arithmetic is IEEE 754 in double precision, to nearest. Three things are taken for granted and nothing else: that
 //! operations and square roots are rounded correctly, that functions of `libm` are right within one unit in the last place,
-//! that the numbers of a scene are those meant within one unit in the last place unless they are whole, and that angles
-//! typed in degrees, or folded from constants, are within [`CONSTANT_ANGLE`].
+//! and that numbers read from tables are those meant within one unit in the last place unless they are whole. Constants of a
+//! scene are read and folded with 31 digits: see [`constant`](super::constant).
 
 /// Unit roundoff: an operation returns the exact result times 1 + e, |e| ≤ U.
 pub const U: f64 = f64::EPSILON / 2.0;
@@ -12,12 +12,17 @@ pub const U: f64 = f64::EPSILON / 2.0;
 /// the smallest number that has such a unit.
 pub const OPERATION: f64 = 2.0 * U;
 
-/// A number of a scene that is not whole, relative: one unit in the last place.
+/// A number that was rounded to f64 and is not whole, relative: one unit in the last place.
 pub const DECIMAL: f64 = 2.0 * U;
 
-/// A constant angle, relative: typed (U), the factor from its unit to radians (U), their product (U), and one to spare for
-/// a sum or quotient of constants.
-pub const CONSTANT_ANGLE: f64 = 4.0 * U;
+/// An operation with sums of two f64, relative.
+pub const LONG_OPERATION: f64 = 1.0 / (1u128 << 99) as f64;
+
+/// A function of such a sum, relative to a value of about one.
+pub const LONG_FUNCTION: f64 = 1e-28;
+
+/// What a product next to the smallest numbers of f64 loses: a few of them.
+pub const SMALLEST: f64 = 1e-322;
 
 /// Relative widening of an interval after one operation: U, and U² for the widening itself, rounded up.
 pub const WIDENING: f64 = 2.3e-16;
@@ -43,14 +48,14 @@ pub const LONG_STEP: f64 = 3e-23;
 /// Up to here every whole number is one of f64.
 const LARGEST_WHOLE: f64 = (1u64 << 53) as f64;
 
-/// Whether a number of a scene is exact: whole numbers are, as long as f64 has them all.
+/// Whether a number that was rounded to f64 is exact: whole numbers are, as long as f64 has them all.
 #[inline]
 pub const fn is_exact(value: f64) -> bool {
     // The conversion is faster than a call that rounds.
     value as i64 as f64 == value && value.abs() <= LARGEST_WHOLE
 }
 
-/// By how much a number of a scene may differ from the one meant.
+/// By how much a number that was rounded to f64 may differ from the one meant.
 #[inline]
 pub const fn of_decimal(value: f64) -> f64 {
     if is_exact(value) {

@@ -4,6 +4,7 @@
 //! ([`HyperDual`](super::hyper_dual::HyperDual), [`Series`](super::series::Series)) and enclosures
 //! ([`Interval`](super::interval::Interval), series of intervals). What a kind leaves out follows from the rest.
 
+use super::constant::Constant;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Whole exponents up to this are products, so that they exist for negative bases and at zero, exact for squares.
@@ -20,13 +21,18 @@ pub trait Ring:
     fn scale(self, factor: f64) -> Self {
         Self::number(factor) * self
     }
+
+    /// Product with a constant of the scene: enclosures hold that with the number meant.
+    fn scale_by(self, factor: Constant) -> Self {
+        self.scale(factor.number())
+    }
 }
 
 /// A number, or something that stands for one.
 pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
-    /// A number as it was typed: enclosures hold the decimal that was meant, which `value` is the nearest to.
-    fn decimal(value: f64) -> Self {
-        Self::number(value)
+    /// A constant of the scene: enclosures hold the number that was meant, others take the nearest f64.
+    fn from_constant(constant: Constant) -> Self {
+        Self::number(constant.number())
     }
 
     /// What has no value, or none that is known.
@@ -75,7 +81,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
 
     /// A power whose exponent is one number, but no small whole one.
     fn real_power(self, exponent: f64) -> Self {
-        (self.ln() * Self::decimal(exponent)).exp()
+        (self.ln() * Self::number(exponent)).exp()
     }
 
     /// Sine.

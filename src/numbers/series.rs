@@ -5,6 +5,7 @@
 //! Where a function has a kink (abs, min, max, mod, floor) the series is that of the side it is on; an enclosure that
 //! holds both sides is undefined.
 
+use super::constant::Constant;
 use super::interval::Interval;
 use super::scalar::{Ring, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -169,11 +170,15 @@ impl<T: Scalar, const N: usize> Ring for Series<T, N> {
     fn scale(self, factor: f64) -> Self {
         self.map(|c| c.scale(factor))
     }
+
+    fn scale_by(self, factor: Constant) -> Self {
+        self.map(|c| c.scale_by(factor))
+    }
 }
 
 impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
-    fn decimal(value: f64) -> Self {
-        Self::constant(T::decimal(value))
+    fn from_constant(constant: Constant) -> Self {
+        Self::constant(T::from_constant(constant))
     }
 
     fn undefined() -> Self {
@@ -272,7 +277,7 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
 
     /// From u v' = r u' v.
     fn real_power(self, exponent: f64) -> Self {
-        let (u, r) = (&self.coefficients, T::decimal(exponent));
+        let (u, r) = (&self.coefficients, T::number(exponent));
         Self::built(self.length, |k, known| match k {
             0 => u[0].power(r),
             _ => {

@@ -172,6 +172,24 @@ pub fn sin_cos(angle: DoubleDouble) -> (Factor, Factor) {
     }
 }
 
+/// Sine and cosine with 29 digits, for constants: the series itself on the rest to the nearest quarter-turn. Not numbers above
+/// [`LARGEST_ANGLE`].
+pub fn long_sin_cos(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
+    if angle.hi.is_nan() || angle.hi.abs() > LARGEST_ANGLE {
+        let none = DoubleDouble::from(f64::NAN);
+        return (none, none);
+    }
+    let quarters = (angle.hi / (0.5 * PI[0])).round();
+    let part = |p: usize| DoubleDouble::product(-quarters, 0.5 * PI[p]);
+    let (sin, cos) = series(angle + part(0) + part(1) + part(2));
+    match (quarters as i64) & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
 /// Sine and cosine of at most π/128. What the series leave out is below 3e-23.
 fn near_zero(rest: DoubleDouble) -> (Factor, Factor) {
     let r = rest.hi;
@@ -206,6 +224,13 @@ mod tests {
             let (exact_sin, exact_cos) = series(angle);
             let error = difference(sin, exact_sin).max(difference(cos, exact_cos));
             assert!(error <= SIN_COS, "{}: {error:e}", angle.hi);
+            let (long_sin, long_cos) = long_sin_cos(angle);
+            let off = [long_sin - exact_sin, long_cos - exact_cos];
+            assert!(
+                off.iter().all(|d| d.hi.abs() < 1e-29),
+                "{}: {off:?}",
+                angle.hi
+            );
             // Whole turns, added with all their digits, change nothing.
             let turns = f64::from(k % 2001 - 1000);
             let part = |p: usize| DoubleDouble::product(2.0 * turns, PI[p]);

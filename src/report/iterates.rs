@@ -40,7 +40,7 @@ fn cells(mechanism: &Mechanism, iterate: &Iterate) -> Vec<f64> {
     cells.extend(scaled(&iterate.corrections));
     for item in &iterate.loops {
         cells.extend(item.gap.to_array());
-        cells.push(item.turn / mechanism.angle_unit.radians);
+        cells.push(item.turn / mechanism.angle_unit.radians.number());
     }
     cells.extend(&iterate.equations);
     cells

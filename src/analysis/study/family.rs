@@ -10,7 +10,6 @@ use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
-use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::study::Study;
@@ -176,7 +175,7 @@ impl Family {
         let mut family = self.clone();
         let first = self.own_inputs();
         for (k, value) in values.iter().enumerate() {
-            family.actuation.drives[first + k] = Drive::Formula(Expression::constant(*value));
+            family.actuation.drives[first + k] = Drive::constant(*value);
             family.study.variables[k].start = *value;
             for track in &mut family.measures.tracks {
                 (track.from[first + k], track.to[first + k]) = (*value, *value);

@@ -90,7 +90,7 @@ impl ArgumentShares {
     fn of(&mut self, argument: &Argument, coordinates: &[f64]) -> &[(usize, f64)] {
         self.shares.clear();
         match argument {
-            Argument::Affine(affine) => self.shares.extend(affine.terms.iter().copied()),
+            Argument::Affine(affine) => self.shares.extend(affine.numbers()),
             Argument::Formula(expression) => {
                 let (values, adjoints) = (&mut self.values, &mut self.adjoints);
                 expression.add_gradient(coordinates, 1.0, &mut self.gradient, values, adjoints);

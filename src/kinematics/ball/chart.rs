@@ -12,6 +12,7 @@ use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::Affine;
 use crate::model::joints::{Joints, Passage};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::numbers::constant::Constant;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -51,8 +52,8 @@ pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
         let first = charted.arguments.len();
         charted.arguments.extend(ball.slots.map(|slot| {
             Argument::Affine(Affine {
-                terms: vec![(slot, 1.0)],
-                constant: 0.0,
+                terms: vec![(slot, Constant::exact(1.0))],
+                constant: Constant::exact(0.0),
             })
         }));
         small.push(first);

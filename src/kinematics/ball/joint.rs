@@ -283,7 +283,7 @@ fn ball_of(
         let [(slot, factor)] = affine.terms[..] else {
             return None;
         };
-        (slots[k], factors[k], offsets[k]) = (slot, factor, affine.constant);
+        (slots[k], factors[k], offsets[k]) = (slot, factor.number(), affine.constant.number());
     }
     let of_slot = |slot: &usize| {
         let mut blocks = structure.blocks.iter();

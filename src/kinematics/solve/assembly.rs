@@ -196,7 +196,7 @@ pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
         Argument::Affine(affine) => affine
             .terms
             .iter()
-            .any(|(s, c)| *s == slot && c.fract() != 0.0),
+            .any(|(s, c)| *s == slot && c.number().fract() != 0.0),
         Argument::Formula(expression) => expression.slots().contains(&slot),
     });
     translated

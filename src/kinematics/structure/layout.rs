@@ -203,8 +203,10 @@ impl BlockPlan {
         column_of: &[Option<usize>],
         columns: usize,
     ) {
-        let (constant, terms, is_formula) = match &mechanism.arguments[index] {
-            Argument::Affine(affine) => (affine.constant, affine.terms.clone(), false),
+        let (constant, terms, is_formula): (_, Vec<_>, _) = match &mechanism.arguments[index] {
+            Argument::Affine(affine) => {
+                (affine.constant.number(), affine.numbers().collect(), false)
+            }
             Argument::Formula(expression) => {
                 let slots = expression.slots();
                 (

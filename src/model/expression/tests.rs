@@ -50,7 +50,7 @@ fn gradients_match_differences() {
 #[test]
 fn affine_forms_are_found_and_only_those() {
     let two_x_minus_y = Expression::new(vec![
-        Op::Constant(2.0),
+        Op::Constant(Constant::rounded(2.0)),
         Op::Slot(0),
         Op::Multiply(0, 1),
         Op::Slot(3),
@@ -59,8 +59,8 @@ fn affine_forms_are_found_and_only_those() {
     assert_eq!(
         two_x_minus_y.affine(),
         Some(Affine {
-            constant: 0.0,
-            terms: vec![(0, 2.0), (3, -1.0)]
+            constant: Constant::exact(0.0),
+            terms: vec![(0, Constant::exact(2.0)), (3, Constant::exact(-1.0))]
         })
     );
     let product = Expression::new(vec![Op::Slot(0), Op::Slot(1), Op::Multiply(0, 1)]);
@@ -103,7 +103,11 @@ fn series_of_all_functions_predict_their_values() {
 #[test]
 fn whole_and_real_powers_are_right_at_negative_bases_and_zero() {
     let of = |base: f64, exponent| {
-        let ops = vec![Op::Slot(0), Op::Constant(exponent), Op::Power(0, 1)];
+        let ops = vec![
+            Op::Slot(0),
+            Op::Constant(Constant::rounded(exponent)),
+            Op::Power(0, 1),
+        ];
         let series = Expression::new(ops).value(&[TaylorSeries::linear(base, 1.0, 4)]);
         series.coefficients()[..5].to_vec()
     };

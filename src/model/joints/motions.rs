@@ -84,14 +84,10 @@ fn values(arguments: &[Argument]) -> Vec<Value> {
             };
         };
         let sign = match affine.terms.first() {
-            Some((_, factor)) if *factor < 0.0 => -1.0,
+            Some((_, factor)) if factor.number() < 0.0 => -1.0,
             _ => 1.0,
         };
-        let terms: Vec<_> = affine
-            .terms
-            .iter()
-            .map(|(slot, c)| (*slot, sign * c))
-            .collect();
+        let terms: Vec<_> = affine.numbers().map(|(slot, c)| (slot, sign * c)).collect();
         let known = labels.iter().position(|label| *label == terms);
         let label = known.unwrap_or_else(|| {
             labels.push(terms);
@@ -100,7 +96,7 @@ fn values(arguments: &[Argument]) -> Vec<Value> {
         Value {
             label: (!affine.terms.is_empty()).then_some(label),
             sign,
-            constant: affine.constant,
+            constant: affine.constant.number(),
         }
     });
     constants.collect()

@@ -4,6 +4,7 @@ use super::expression::{Node, Parser};
 use super::lexer::{TokenKind, tokenize};
 use crate::diag::{Diagnostic, Span};
 use crate::model::chain::Motion;
+use crate::numbers::constant::Constant;
 
 /// One factor as typed.
 #[derive(Clone, Debug, PartialEq)]
@@ -285,7 +286,7 @@ fn advance(pitch: Node, angle: Node) -> Node {
     use super::expression::NodeKind::{Binary, Radians};
     let span = pitch.span.start..angle.span.end;
     let turn = Node {
-        kind: Radians(std::f64::consts::TAU),
+        kind: Radians(Constant::PI * Constant::exact(2.0)),
         span: span.clone(),
     };
     let turns = Node {
@@ -337,12 +338,26 @@ mod tests {
             })
             .collect();
         use super::super::expression::NodeKind;
-        assert_eq!(shapes[0], (Motion::Translation, 1, NodeKind::Number(-2.0)));
+        assert_eq!(
+            shapes[0],
+            (
+                Motion::Translation,
+                1,
+                NodeKind::Number(Constant::exact(-2.0))
+            )
+        );
         assert!(matches!(
             shapes[1],
             (Motion::Rotation, 2, NodeKind::Negate(_))
         ));
-        assert_eq!(shapes[2], (Motion::Translation, 0, NodeKind::Number(-1.0)));
+        assert_eq!(
+            shapes[2],
+            (
+                Motion::Translation,
+                0,
+                NodeKind::Number(Constant::exact(-1.0))
+            )
+        );
         assert_eq!(expand_text("inv(inv(B))"), expand_text("B"));
     }
 

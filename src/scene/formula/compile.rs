@@ -3,17 +3,22 @@
 use super::expression::{Node, NodeKind};
 use crate::diag::{Diagnostic, Span};
 use crate::model::expression::{Expression, Op};
+use crate::numbers::constant::Constant;
+use crate::numbers::scalar::Scalar;
 
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A number known now.
-    Constant(f64),
+    Constant(Constant),
     /// A slot of the expression.
     Slot(usize),
     /// A formula over the same slots.
     Formula(Expression),
 }
+
+/// What an empty formula is.
+const ZERO: Op = Op::Constant(Constant::exact(0.0));
 
 /// Compiles `node`, asking `lookup` for every name.
 pub fn compile(
@@ -38,10 +43,7 @@ fn emit(
             Value::Constant(value) => Op::Constant(value),
             Value::Slot(slot) => Op::Slot(slot),
             Value::Formula(formula) => {
-                let (last, before) = formula
-                    .ops()
-                    .split_last()
-                    .unwrap_or((&Op::Constant(0.0), &[]));
+                let (last, before) = formula.ops().split_last().unwrap_or((&ZERO, &[]));
                 ops.extend(before.iter().map(|op| op.shifted(start)));
                 last.shifted(start)
             }
@@ -79,11 +81,11 @@ fn emit(
 fn append(op: Op, start: usize, node: &Node, ops: &mut Vec<Op>) -> Result<usize, Diagnostic> {
     let op = match constant_value(op, ops) {
         None => op,
-        Some(value) if value.is_finite() => {
+        Some((value, _)) if value.is_finite() => {
             ops.truncate(start);
             Op::Constant(value)
         }
-        Some(value) => {
+        Some((_, value)) => {
             let message = format!("this formula has the value {value}");
             return Err(Diagnostic::error(message)
                 .at(node.span.clone())
@@ -94,8 +96,8 @@ fn append(op: Op, start: usize, node: &Node, ops: &mut Vec<Op>) -> Result<usize,
     Ok(ops.len() - 1)
 }
 
-/// The value of an operation on constants only.
-fn constant_value(op: Op, ops: &[Op]) -> Option<f64> {
+/// The value of an operation on constants only, with all digits and as f64 has it.
+fn constant_value(op: Op, ops: &[Op]) -> Option<(Constant, f64)> {
     let known = |index: usize| match ops[index] {
         Op::Constant(value) => Some(value),
         _ => None,
@@ -121,15 +123,24 @@ fn constant_value(op: Op, ops: &[Op]) -> Option<f64> {
         Op::Call(function, ..) => Op::Call(function, 0, 1),
         Op::Constant(_) | Op::Slot(_) => return None,
     };
-    Some(Expression::new([&operands[..], &[moved]].concat()).value(&[]))
+    let expression = Expression::new([&operands[..], &[moved]].concat());
+    Some((expression.value(&[]), expression.value(&[])))
 }
 
-/// The value of a constant expression; it is finite.
+/// The value of a constant expression with all digits; it is finite.
+pub fn exact_constant(
+    node: &Node,
+    lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
+) -> Result<Constant, Diagnostic> {
+    Ok(compile(node, lookup)?.value(&[]))
+}
+
+/// The same as the nearest f64.
 pub fn constant(
     node: &Node,
     lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
 ) -> Result<f64, Diagnostic> {
-    Ok(compile(node, lookup)?.value(&[]))
+    exact_constant(node, lookup).map(Constant::number)
 }
 
 #[cfg(test)]
@@ -142,7 +153,7 @@ mod tests {
         compile(&parse(text, 0)?, &|name, _| {
             Ok(match name {
                 "x" => Value::Slot(0),
-                _ => Value::Constant(3.0),
+                _ => Value::Constant(Constant::exact(3.0)),
             })
         })
     }

@@ -3,6 +3,8 @@
 use super::lexer::{Token, TokenKind, tokenize};
 use crate::diag::{Diagnostic, Span};
 use crate::model::expression::Function;
+use crate::model::mechanism::AngleUnit;
+use crate::numbers::constant::Constant;
 
 /// A node and its place in the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +19,9 @@ pub struct Node {
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeKind {
     /// A literal.
-    Number(f64),
+    Number(Constant),
     /// A literal with an explicit angle unit, already in radians.
-    Radians(f64),
+    Radians(Constant),
     /// A name, to be looked up.
     Name(String),
     /// Sign change.
@@ -32,7 +34,7 @@ pub enum NodeKind {
 
 impl Node {
     /// A literal without a place of its own.
-    pub fn number(value: f64, span: Span) -> Self {
+    pub fn number(value: Constant, span: Span) -> Self {
         Self {
             kind: NodeKind::Number(value),
             span,
@@ -149,7 +151,7 @@ impl<'a> Parser<'a> {
     pub fn unexpected(&self, wanted: &str) -> Diagnostic {
         let token = self.peek();
         let found = match &token.kind {
-            TokenKind::Number(v) => format!("the number {v}"),
+            TokenKind::Number(v) => format!("the number {}", v.number()),
             TokenKind::Name(name) => format!("`{name}`"),
             TokenKind::Sign(c) => format!("`{c}`"),
             TokenKind::End => "the end of the formula".to_owned(),
@@ -251,21 +253,17 @@ impl<'a> Parser<'a> {
     }
 
     /// `30deg` and `0.5rad`: the unit belongs to the number when it follows at once.
-    fn with_unit(&mut self, value: f64, span: Span) -> Node {
+    fn with_unit(&mut self, value: Constant, span: Span) -> Node {
         let unit = self.peek();
         let factor = match &unit.kind {
-            TokenKind::Name(name) if unit.span.start == span.end => match name.as_str() {
-                "deg" => Some(std::f64::consts::PI / 180.0),
-                "rad" => Some(1.0),
-                _ => None,
-            },
+            TokenKind::Name(name) if unit.span.start == span.end => AngleUnit::from_name(name),
             _ => None,
         };
         match factor {
-            Some(factor) => {
+            Some(unit) => {
                 let end = self.take().span.end;
                 Node {
-                    kind: NodeKind::Radians(value * factor),
+                    kind: NodeKind::Radians(value * unit.radians),
                     span: span.start..end,
                 }
             }
@@ -308,7 +306,7 @@ fn named(name: &str, token: &Token) -> Result<Node, Diagnostic> {
         return Err(Diagnostic::error(message).at(token.span.clone()));
     }
     let kind = if name == "pi" || name == "π" {
-        NodeKind::Radians(std::f64::consts::PI)
+        NodeKind::Radians(Constant::PI)
     } else {
         NodeKind::Name(name.to_owned())
     };

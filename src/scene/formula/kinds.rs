@@ -7,6 +7,7 @@ use super::expression::{Node, NodeKind};
 use crate::diag::Span;
 use crate::model::expression::Function;
 use crate::model::mechanism::Kind;
+use crate::numbers::constant::Constant;
 
 /// Tells `note` the kind that each name below `node` must have, if the place wants `wanted`.
 pub fn infer(node: &Node, wanted: Option<Kind>, note: &mut dyn FnMut(&str, Kind, &Span)) {
@@ -58,10 +59,10 @@ fn is_literal(node: &Node) -> bool {
 pub fn to_radians(
     node: Node,
     wanted: Option<Kind>,
-    radians: f64,
+    radians: Constant,
     is_angle: &dyn Fn(&str) -> bool,
 ) -> Node {
-    if radians == 1.0 {
+    if radians == Constant::exact(1.0) {
         return node;
     }
     convert(node, wanted, radians, is_angle)
@@ -70,7 +71,7 @@ pub fn to_radians(
 fn convert(
     node: Node,
     wanted: Option<Kind>,
-    radians: f64,
+    radians: Constant,
     is_angle: &dyn Fn(&str) -> bool,
 ) -> Node {
     let recurse = |n: Box<Node>, kind: Option<Kind>| Box::new(convert(*n, kind, radians, is_angle));
@@ -143,11 +144,16 @@ mod tests {
         let node = to_radians(
             parse(text, 0).unwrap(),
             Some(Kind::Angle),
-            std::f64::consts::PI / 180.0,
+            Constant::PI / Constant::exact(180.0),
             &|n| n == "a",
         );
-        let lookup =
-            |name: &str, _: &Span| Ok(Value::Constant(if name == "a" { 1.0 } else { 3.0 }));
+        let lookup = |name: &str, _: &Span| {
+            Ok(Value::Constant(Constant::exact(if name == "a" {
+                1.0
+            } else {
+                3.0
+            })))
+        };
         compile(&node, &lookup).unwrap().value(&[])
     }
 

@@ -1,12 +1,13 @@
 //! Splits formula text into tokens with their places. Knows no names and no meaning.
 
 use crate::diag::{Diagnostic, Span};
+use crate::numbers::constant::Constant;
 
 /// What a token is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TokenKind {
     /// A decimal number.
-    Number(f64),
+    Number(Constant),
     /// An identifier; may hold letters of any alphabet, digits, `_` and inner dots (`M.x`).
     Name(String),
     /// One of `+ - * / ^ ( ) ,`.
@@ -99,9 +100,9 @@ fn read_number(rest: &str) -> Result<(TokenKind, usize), (String, usize)> {
             end = digits(end + 1 + sign);
         }
     }
-    match rest[..end].parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok((TokenKind::Number(value), end)),
-        _ => Err((format!("`{}` is not a finite number", &rest[..end]), end)),
+    match Constant::decimal(&rest[..end]) {
+        Some(value) => Ok((TokenKind::Number(value), end)),
+        None => Err((format!("`{}` is not a finite number", &rest[..end]), end)),
     }
 }
 
@@ -115,7 +116,10 @@ mod tests {
         let tokens = tokenize("Tx(-1.5e-3*R_1) M.x", 10).unwrap();
         let kinds: Vec<_> = tokens.iter().map(|t| t.kind.clone()).collect();
         assert_eq!(kinds[0], TokenKind::Name("Tx".into()));
-        assert_eq!(kinds[3], TokenKind::Number(1.5e-3));
+        assert_eq!(
+            kinds[3],
+            TokenKind::Number(Constant::decimal("1.5e-3").unwrap())
+        );
         assert_eq!(kinds[5], TokenKind::Name("R_1".into()));
         assert_eq!(kinds[7], TokenKind::Name("M.x".into()));
         assert_eq!(tokens[3].span, 14..20);

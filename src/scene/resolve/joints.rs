@@ -1,7 +1,7 @@
 //! Chains of factors to chains of steps: constants folded to poses, arguments shared.
 
 use super::super::formula::chain::Factor;
-use super::super::formula::compile::{compile, constant};
+use super::super::formula::compile::{compile, exact_constant};
 use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::names::{Names, kind_of_motion};
@@ -12,6 +12,7 @@ use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
 use crate::model::expression::{Affine, Function};
 use crate::model::fixed::FixedPose;
 use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
+use crate::numbers::constant::Constant;
 use glam::DVec3;
 
 /// Largest fixed length or angle of a chain. The solver squares lengths and multiplies the squares; a fourth power
@@ -82,7 +83,7 @@ impl<'a> Joints<'a> {
                 match (sign, &b.kind) {
                     ('*', _) => x + y,
                     ('/', _) => x - y,
-                    ('^', NodeKind::Number(power)) => x * power,
+                    ('^', NodeKind::Number(power)) => x * power.number(),
                     _ => x.max(y),
                 }
             }
@@ -163,11 +164,14 @@ impl<'a> Joints<'a> {
     }
 
     fn direction(&self, nodes: &[Node; 3], back: bool) -> Result<FixedPose, Diagnostic> {
-        let mut direction = DVec3::ZERO;
+        let mut direction = [Constant::default(); 3];
         for (k, node) in nodes.iter().enumerate() {
-            direction[k] = constant(node, &|n, s| self.names.constant(n, s))?;
+            direction[k] = exact_constant(node, &|n, s| self.names.constant(n, s))?;
         }
-        if direction.try_normalize().is_none() {
+        if DVec3::from(direction.map(Constant::number))
+            .try_normalize()
+            .is_none()
+        {
             let span = nodes[0].span.start..nodes[2].span.end;
             return Err(Diagnostic::error("the axis of a rotation has no direction").at(span));
         }
@@ -184,8 +188,8 @@ impl<'a> Joints<'a> {
         match expression.affine() {
             Some(affine) if affine.terms.is_empty() => {
                 let value = affine.constant;
-                if value.abs() > LARGEST {
-                    let value = shown(value);
+                if value.number().abs() > LARGEST {
+                    let value = shown(value.number());
                     let message = format!("{value} is beyond what can be computed with");
                     return Err(Diagnostic::error(message)
                         .at(node.span.clone())
@@ -211,9 +215,12 @@ impl<'a> Joints<'a> {
 
     /// Takes a leading minus out of the argument, so that a motion and its inverse share sine and cosine.
     fn joint(&mut self, motion: Motion, axis: usize, mut affine: Affine) -> Step {
-        let sign = if affine.terms[0].1 < 0.0 { -1.0 } else { 1.0 };
-        affine.constant *= sign;
-        affine.terms.iter_mut().for_each(|(_, c)| *c *= sign);
+        let is_negative = affine.terms[0].1.number() < 0.0;
+        let sign = if is_negative { -1.0 } else { 1.0 };
+        if is_negative {
+            affine.constant = -affine.constant;
+            affine.terms.iter_mut().for_each(|(_, c)| *c = -*c);
+        }
         let argument = self.share(Argument::Affine(affine));
         Step::Joint {
             motion,

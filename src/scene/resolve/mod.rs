@@ -30,6 +30,7 @@ use crate::model::drive::Drive;
 use crate::model::joints::Joints;
 use crate::model::measure::Measures;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use crate::numbers::constant::Constant;
 use contacts::closure::Contacts;
 use names::Names;
 use outputs::Scope;
@@ -161,26 +162,19 @@ pub fn resolve(
 
 fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
     let unit = file.angle_unit.as_ref();
-    match unit.map_or("rad", |s| s.value.as_str()) {
-        "rad" => AngleUnit {
-            name: "rad".to_owned(),
-            radians: 1.0,
-        },
-        name => {
-            if name != "deg" {
-                let span = unit.map_or(0..0, |s| s.span.clone());
-                diagnostics.push(
-                    Diagnostic::error(format!("unknown angle unit `{name}`"))
-                        .at(span)
-                        .hint("rad or deg"),
-                );
-            }
-            AngleUnit {
-                name: "deg".to_owned(),
-                radians: std::f64::consts::PI / 180.0,
-            }
+    let name = unit.map_or("rad", |s| s.value.as_str());
+    AngleUnit::from_name(name).unwrap_or_else(|| {
+        let span = unit.map_or(0..0, |s| s.span.clone());
+        diagnostics.push(
+            Diagnostic::error(format!("unknown angle unit `{name}`"))
+                .at(span)
+                .hint("rad or deg"),
+        );
+        AngleUnit {
+            name: name.to_owned(),
+            radians: Constant::exact(1.0),
         }
-    }
+    })
 }
 
 /// Shares of the drive at which driven lengths are looked at.
@@ -206,7 +200,7 @@ fn size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
         .parameters
         .iter()
         .filter(|p| p.kind == Some(Kind::Length))
-        .map(|p| p.value.abs());
+        .map(|p| p.value.number().abs());
     let drives = mechanism.inputs.iter().zip(&actuation.drives);
     let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
     let inputs = driven
@@ -233,7 +227,7 @@ fn constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
             argument,
             ..
         } => match &mechanism.arguments[*argument] {
-            Argument::Affine(affine) => affine.constant.abs(),
+            Argument::Affine(affine) => affine.constant.number().abs(),
             Argument::Formula(_) => 0.0,
         },
         Step::Joint { .. } => 0.0,
@@ -262,7 +256,7 @@ fn leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
     };
     terms
         .filter(move |(slot, _)| kind_of(*slot) == Some(Kind::Angle))
-        .map(|(_, factor)| factor.abs() * std::f64::consts::TAU)
+        .map(|(_, factor)| factor.number().abs() * std::f64::consts::TAU)
 }
 
 #[cfg(test)]

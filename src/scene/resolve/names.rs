@@ -2,7 +2,7 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;
-use super::super::formula::compile::{Value, constant};
+use super::super::formula::compile::{Value, exact_constant};
 use super::super::formula::expression::Node;
 use super::super::formula::kinds::{infer, to_radians};
 use super::parsed::{Parsed, ParsedInput};
@@ -10,6 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::chain::Motion;
 use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
+use crate::numbers::constant::Constant;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The name of the time in the formulas of drives.
@@ -19,7 +20,7 @@ pub const TIME: &str = "t";
 pub struct Parameter {
     pub name: String,
     pub kind: Option<Kind>,
-    pub value: f64,
+    pub value: Constant,
 }
 
 /// The names of a scene.
@@ -62,7 +63,7 @@ impl Names {
                 .map(|(name, _)| Parameter {
                     name: name.value.clone(),
                     kind: None,
-                    value: 0.0,
+                    value: Constant::default(),
                 })
                 .collect(),
             inputs: file
@@ -324,7 +325,7 @@ impl Names {
                     .at(span.clone())
                     .suggest(used, order[..own].iter().map(String::as_str))),
             };
-            match constant(&node, &lookup) {
+            match exact_constant(&node, &lookup) {
                 Ok(value) => self.parameters[own].value = value,
                 Err(diagnostic) => {
                     diagnostics.push(diagnostic);

@@ -9,7 +9,6 @@ use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::plot::{Abscissa, Curve, MAX_ORDER, Per, Plot, Rate, rate_unit};
 use crate::scene::values::FormulaText;
-use std::f64::consts::PI;
 
 /// Names of the time on an axis.
 const TIME: [&str; 2] = ["time", "t"];
@@ -39,23 +38,14 @@ fn angle_unit(plot: &PlotFile, scene: &AngleUnit, diagnostics: &mut Diagnostics)
     let Some(name) = &plot.angle else {
         return scene.clone();
     };
-    let radians = match name.value.as_str() {
-        "rad" => 1.0,
-        "deg" => PI / 180.0,
-        other => {
-            let message = format!("unknown angle unit `{other}`");
-            diagnostics.push(
-                Diagnostic::error(message)
-                    .at(name.span.clone())
-                    .hint("rad or deg"),
-            );
-            1.0
-        }
-    };
-    AngleUnit {
-        name: name.value.clone(),
-        radians,
-    }
+    AngleUnit::from_name(&name.value).unwrap_or_else(|| {
+        diagnostics.push(
+            Diagnostic::error(format!("unknown angle unit `{}`", name.value))
+                .at(name.span.clone())
+                .hint("rad or deg"),
+        );
+        scene.clone()
+    })
 }
 
 impl Site<'_> {
@@ -184,7 +174,10 @@ impl Site<'_> {
     fn unit(&self, kind: Kind) -> (String, f64) {
         match kind {
             Kind::Length => (self.length_unit.to_owned(), 1.0),
-            Kind::Angle => (self.angle_unit.name.clone(), 1.0 / self.angle_unit.radians),
+            Kind::Angle => (
+                self.angle_unit.name.clone(),
+                1.0 / self.angle_unit.radians.number(),
+            ),
             Kind::Number => (String::new(), 1.0),
         }
     }

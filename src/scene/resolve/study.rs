@@ -145,7 +145,7 @@ impl Resolver<'_, '_> {
             let kind = parameter.kind.unwrap_or(Kind::Number);
             let blank = VariableFile::default();
             let file = typed.map_or(&blank, |(_, file)| file);
-            if let Some(variable) = self.variable(name, kind, parameter.value, file) {
+            if let Some(variable) = self.variable(name, kind, parameter.value.number(), file) {
                 variables.push(variable);
             }
         }

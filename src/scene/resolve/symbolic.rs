@@ -6,9 +6,13 @@
 use crate::model::chain::{Argument, ArgumentValue, Chain, Joint, Motion, Step};
 use crate::model::expression::{Affine, Expression, Function, Op};
 use crate::model::walk::{Frame, Vector, walk};
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+const ZERO: Constant = Constant::exact(0.0);
+const ONE: Constant = Constant::exact(1.0);
 
 /// A growing list of operations over the coordinates.
 #[derive(Default)]
@@ -19,7 +23,7 @@ pub struct Formulas {
 /// A number, or the result of an operation of a list.
 #[derive(Clone, Copy)]
 pub enum Term<'l> {
-    Constant(f64),
+    Constant(Constant),
     Op(&'l Formulas, usize),
 }
 
@@ -54,7 +58,7 @@ impl Formulas {
 
     /// The arguments of a chain's joints; the others stay zero.
     fn values(&self, chain: &Chain, arguments: &[Argument]) -> Vec<ArgumentValue<Term<'_>>> {
-        let zero = Term::Constant(0.0);
+        let zero = Term::Constant(ZERO);
         let none = ArgumentValue {
             value: zero,
             sin: zero,
@@ -87,7 +91,7 @@ impl Formulas {
             Argument::Affine(Affine { constant, terms }) => {
                 let terms = terms.iter();
                 terms.fold(Term::Constant(*constant), |sum, (slot, coefficient)| {
-                    sum + self.push(Op::Slot(*slot)).scale(*coefficient)
+                    sum + self.push(Op::Slot(*slot)).scale_by(*coefficient)
                 })
             }
         }
@@ -165,7 +169,12 @@ pub fn cross<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Vector<Term<'l>> {
 
 impl<'l> Term<'l> {
     /// The operation on both terms, or `known` of two numbers.
-    fn with(self, other: Self, op: fn(usize, usize) -> Op, known: fn(f64, f64) -> f64) -> Self {
+    fn with(
+        self,
+        other: Self,
+        op: fn(usize, usize) -> Op,
+        known: fn(Constant, Constant) -> Constant,
+    ) -> Self {
         let list = match (self, other) {
             (Self::Constant(a), Self::Constant(b)) => return Self::Constant(known(a, b)),
             (Self::Op(list, _), _) | (_, Self::Op(list, _)) => list,
@@ -179,7 +188,7 @@ impl Add for Term<'_> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         match (self, other) {
-            (Self::Constant(0.0), term) | (term, Self::Constant(0.0)) => term,
+            (Self::Constant(ZERO), term) | (term, Self::Constant(ZERO)) => term,
             _ => self.with(other, Op::Add, |a, b| a + b),
         }
     }
@@ -189,7 +198,7 @@ impl Sub for Term<'_> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         match other {
-            Self::Constant(0.0) => self,
+            Self::Constant(ZERO) => self,
             _ => self.with(other, Op::Subtract, |a, b| a - b),
         }
     }
@@ -199,8 +208,8 @@ impl Mul for Term<'_> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         match (self, other) {
-            (Self::Constant(0.0), _) | (_, Self::Constant(0.0)) => Self::Constant(0.0),
-            (Self::Constant(1.0), term) | (term, Self::Constant(1.0)) => term,
+            (Self::Constant(ZERO), _) | (_, Self::Constant(ZERO)) => Self::Constant(ZERO),
+            (Self::Constant(ONE), term) | (term, Self::Constant(ONE)) => term,
             _ => self.with(other, Op::Multiply, |a, b| a * b),
         }
     }
@@ -216,16 +225,20 @@ impl Div for Term<'_> {
 impl Neg for Term<'_> {
     type Output = Self;
     fn neg(self) -> Self {
-        Self::Constant(-1.0) * self
+        Self::Constant(-ONE) * self
     }
 }
 
 impl Ring for Term<'_> {
     fn number(value: f64) -> Self {
-        Self::Constant(value)
+        Self::Constant(Constant::exact(value))
     }
 
     fn scale(self, factor: f64) -> Self {
+        self.scale_by(Constant::exact(factor))
+    }
+
+    fn scale_by(self, factor: Constant) -> Self {
         self * Self::Constant(factor)
     }
 }

@@ -23,7 +23,7 @@ impl Names {
     pub fn resting(&self) -> Vec<f64> {
         let mut coordinates = vec![0.0; self.unknowns.len() + self.inputs.len()];
         for (parameter, input) in &self.varied {
-            coordinates[self.unknowns.len() + input] = self.parameters[*parameter].value;
+            coordinates[self.unknowns.len() + input] = self.parameters[*parameter].value.number();
         }
         coordinates
     }
@@ -43,7 +43,7 @@ impl Names {
                 continue;
             };
             let parameter = &self.parameters[index];
-            values.push(parameter.value);
+            values.push(parameter.value.number());
             self.varied.push((index, self.inputs.len()));
             self.inputs.push(Coordinate {
                 name: name.clone(),

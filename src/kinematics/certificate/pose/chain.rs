@@ -9,7 +9,7 @@ use crate::model::chain::{Motion, Step};
 use crate::model::expression::Affine;
 use crate::model::fixed::FixedPose;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::{LONG_STEP, SIN_COS, U, of_decimal};
+use crate::numbers::rounding::{LONG_STEP, SIN_COS, U};
 use crate::numbers::sin_cos::{Factor, sin_cos};
 use glam::{DMat3, DVec3};
 
@@ -26,7 +26,7 @@ pub struct ArgumentDouble {
 }
 
 impl ArgumentDouble {
-    /// Evaluates an affine form. The coefficients that are no whole numbers are known to half a unit only.
+    /// Evaluates an affine form.
     pub fn new(form: &Affine, coordinates: &[f64]) -> Self {
         let (value, open_length) = affine_value(form, coordinates);
         let (sin, cos) = sin_cos(value);
@@ -41,13 +41,13 @@ impl ArgumentDouble {
     }
 }
 
-/// The value with 31 digits, and the effect of coefficients that are rounded decimals.
+/// The value with 31 digits, and what the errors of its constants leave open.
 pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (DoubleDouble, f64) {
-    let mut open = of_decimal(form.constant);
-    let mut value = DoubleDouble::from(form.constant);
+    let mut open = form.constant.error();
+    let mut value = form.constant.value();
     for &(slot, c) in &form.terms {
-        value = value + DoubleDouble::product(c, coordinates[slot]);
-        open += of_decimal(c) * coordinates[slot].abs();
+        value = value + c.value() * coordinates[slot];
+        open += c.error() * coordinates[slot].abs();
     }
     (value, open)
 }

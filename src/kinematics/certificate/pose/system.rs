@@ -155,8 +155,8 @@ impl BlockSystem {
     fn add_form(&mut self, mechanism: &Mechanism, block: &Block, forms: &Forms, index: usize) {
         self.has_formula |= forms[index].is_none();
         let (mut own, mut before) = (Vec::new(), Vec::new());
-        let terms = forms[index].as_ref().map(|f| &f.terms[..]);
-        for &(slot, c) in terms.unwrap_or_default() {
+        let terms = forms[index].iter().flat_map(Affine::numbers);
+        for (slot, c) in terms {
             if let Some(column) = block.column_of[slot] {
                 own.push((column, c * mechanism.scale_of(slot)));
             } else if slot < mechanism.unknowns.len() {

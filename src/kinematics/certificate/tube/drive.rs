@@ -63,13 +63,16 @@ mod tests {
     use super::*;
     use crate::model::drive::Ease;
     use crate::model::expression::{Expression, Function, Op};
+    use crate::numbers::constant::Constant;
 
     /// t, then t + 1.3, and a function of both; `Floor` and `Mod` are smooth where the test looks.
     fn formula(function: Function) -> Expression {
         let arguments = match function {
-            Function::Asin | Function::Acos => vec![Op::Constant(0.3), Op::Multiply(0, 1)],
-            Function::Floor => vec![Op::Constant(0.01), Op::Multiply(0, 1)],
-            _ => vec![Op::Constant(1.3), Op::Add(0, 1)],
+            Function::Asin | Function::Acos => {
+                vec![Op::Constant(Constant::rounded(0.3)), Op::Multiply(0, 1)]
+            }
+            Function::Floor => vec![Op::Constant(Constant::rounded(0.01)), Op::Multiply(0, 1)],
+            _ => vec![Op::Constant(Constant::rounded(1.3)), Op::Add(0, 1)],
         };
         let (a, b) = if function.accepts(2) { (0, 2) } else { (2, 2) };
         let mut ops = vec![Op::Slot(0)];
@@ -81,10 +84,26 @@ mod tests {
     fn drives() -> Vec<Drive> {
         let mut drives: Vec<Drive> = Function::ALL.map(|f| Drive::Formula(formula(f))).into();
         for ops in [
-            vec![Op::Slot(0), Op::Constant(-3.0), Op::Power(0, 1)],
-            vec![Op::Slot(0), Op::Constant(4.0), Op::Power(0, 1)],
-            vec![Op::Slot(0), Op::Constant(0.7), Op::Power(0, 1)],
-            vec![Op::Constant(0.7), Op::Slot(0), Op::Power(0, 1)],
+            vec![
+                Op::Slot(0),
+                Op::Constant(Constant::rounded(-3.0)),
+                Op::Power(0, 1),
+            ],
+            vec![
+                Op::Slot(0),
+                Op::Constant(Constant::rounded(4.0)),
+                Op::Power(0, 1),
+            ],
+            vec![
+                Op::Slot(0),
+                Op::Constant(Constant::rounded(0.7)),
+                Op::Power(0, 1),
+            ],
+            vec![
+                Op::Constant(Constant::rounded(0.7)),
+                Op::Slot(0),
+                Op::Power(0, 1),
+            ],
             vec![
                 Op::Slot(0),
                 Op::Multiply(0, 0),

@@ -5,8 +5,8 @@ use super::path::Path;
 use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
+use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
-use crate::numbers::rounding::of_decimal;
 use crate::numbers::series::Series;
 
 /// A formula to the second order along a line.
@@ -65,9 +65,9 @@ impl<'m> Form<'m> {
     pub fn derivatives(&self, path: &Path) -> Vec<Model> {
         match self {
             Self::Affine(affine) => {
-                let number = |c: f64| Model {
-                    rest: of_decimal(c),
-                    ..Model::constant(c)
+                let number = |c: Constant| Model {
+                    rest: c.open(),
+                    ..Model::constant(c.number())
                 };
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
@@ -87,7 +87,7 @@ impl<'m> Form<'m> {
         match self {
             Self::Affine(affine) => {
                 let terms = affine.terms.iter();
-                let rate: f64 = terms.map(|(slot, c)| c.abs() * rates[*slot]).sum();
+                let rate: f64 = terms.map(|(slot, c)| c.largest() * rates[*slot]).sum();
                 Change {
                     rate: rate * (1.0 + 1e-12),
                     bend: 0.0,
@@ -146,7 +146,11 @@ mod tests {
     #[test]
     fn whole_powers_of_negative_bases_have_derivatives() {
         for (exponent, exact) in [(2.0, -1.4), (3.0, 1.47), (-1.0, -1.0 / 0.49), (1.0, 1.0)] {
-            let ops = vec![Op::Slot(0), Op::Constant(exponent), Op::Power(0, 1)];
+            let ops = vec![
+                Op::Slot(0),
+                Op::Constant(Constant::rounded(exponent)),
+                Op::Power(0, 1),
+            ];
             let base = Series::<Interval, 3>::constant(Interval::point(-0.7));
             let found = Expression::new(ops).gradient(&[base])[0].coefficients()[0];
             assert!(found.distance(exact) < 1e-14, "{exponent}: {found:?}");

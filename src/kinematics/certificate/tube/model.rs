@@ -5,7 +5,7 @@
 
 use crate::model::expression::Affine;
 use crate::numbers::interval::Interval;
-use crate::numbers::rounding::{GROW, OPERATION, of_decimal};
+use crate::numbers::rounding::{GROW, OPERATION};
 
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
@@ -107,19 +107,20 @@ impl Model {
 
     /// An affine form of coordinates.
     pub fn of_affine(form: &Affine, coordinates: &[Self]) -> Self {
-        let mut sum = Self::constant(form.constant);
-        sum.rest = of_decimal(form.constant);
-        let mut all = form.constant.abs();
-        for &(slot, c) in &form.terms {
-            let x = &coordinates[slot];
+        let mut sum = Self::constant(form.constant.number());
+        sum.rest = form.constant.open();
+        let mut all = sum.c[0].abs();
+        for &(slot, factor) in &form.terms {
+            let (x, c) = (&coordinates[slot], factor.number());
             for (sum, x) in sum.c.iter_mut().zip(&x.c) {
                 *sum += c * x;
             }
             let size = size(&x.c);
             all += c.abs() * size;
-            sum.rest += c.abs() * x.rest * GROW + of_decimal(c) * size;
+            sum.rest += factor.largest() * x.rest * GROW + factor.open() * size;
         }
-        let is_plain = form.constant == 0.0 && matches!(form.terms[..], [(_, c)] if c.abs() == 1.0);
+        let is_plain = form.constant.number() == 0.0
+            && matches!(form.terms[..], [(_, c)] if c.number().abs() == 1.0);
         if !is_plain {
             sum.rest += (form.terms.len() + 1) as f64 * OPERATION * all;
         }

@@ -13,8 +13,8 @@ use super::super::super::formula::expression::{Node, NodeKind};
 use super::super::super::reader::Spanned;
 use crate::diag::Diagnostics;
 use crate::model::chain::Motion;
+use crate::numbers::constant::Constant;
 use crate::scene::resolve::parsing::{Named, expand_items, expression, note};
-use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A contact, parsed.
 pub struct ParsedContact {
@@ -118,7 +118,7 @@ impl ContactItems {
             return None;
         }
         let mut items = self.to_point(1, None);
-        items.push(self.turn(1, PI));
+        items.push(self.turn(1, Constant::PI));
         Some(items)
     }
 
@@ -170,14 +170,14 @@ impl ContactItems {
                 let mut items = first_frame.clone();
                 items.extend(self.slides(0));
                 items.push(self.about(2, "spin"));
-                items.push(self.turn(0, PI));
+                items.push(self.turn(0, Constant::PI));
                 items.push(inverse(second_frame.clone()));
                 (true, Some(items))
             }
             _ => {
                 let mut items = self.to_point(0, None);
                 items.push(self.about(0, "spin"));
-                items.push(self.turn(1, PI));
+                items.push(self.turn(1, Constant::PI));
                 items.push(inverse(self.to_point(1, None)));
                 (true, Some(items))
             }
@@ -214,7 +214,7 @@ impl ContactItems {
             }
             Surface::Plane => {
                 items.extend(self.slides(side));
-                items.push(self.turn(1, -FRAC_PI_2));
+                items.push(self.turn(1, -(Constant::PI / Constant::exact(2.0))));
                 items.extend(further.map(|more| self.along_by(0, more.clone())));
             }
             Surface::Sphere { .. } => {}
@@ -245,7 +245,7 @@ impl ContactItems {
     }
 
     /// Rotation by a fixed angle in radians.
-    fn turn(&self, axis: usize, angle: f64) -> Item {
+    fn turn(&self, axis: usize, angle: Constant) -> Item {
         let kind = NodeKind::Radians(angle);
         let span = self.name.span.clone();
         self.elementary(Motion::Rotation, axis, Node { kind, span })

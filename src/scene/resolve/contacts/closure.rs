@@ -2,7 +2,7 @@
 //! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
 
 use super::super::super::contacts::Surface;
-use super::super::super::formula::compile::{compile, constant};
+use super::super::super::formula::compile::{compile, constant, exact_constant};
 use super::super::super::formula::expression::Node;
 use super::super::joints::Joints;
 use super::super::names::Names;
@@ -13,6 +13,7 @@ use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Closes, Equation, Kind, Loop};
 use crate::model::walk::{Vector, sum};
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
 
 /// What contacts add to the mechanism.
@@ -131,7 +132,7 @@ impl Contacts {
                 let normal = apart.map(|component| component / distance);
                 let radius = sizes_of(contact).next();
                 let radius = radius.map(|node| size(&formulas, node, names));
-                let radius = radius.unwrap_or(Term::Constant(0.0));
+                let radius = radius.unwrap_or(Term::Constant(Constant::exact(0.0)));
                 (sum(a, normal.map(|c| c * radius)), normal)
             }
         };
@@ -163,7 +164,7 @@ fn pressure_angle<'l>(
 ) -> Result<Expression, String> {
     let (_, joints) = formulas.walk(second, arguments);
     let mut slots: Vec<usize> = Vec::new();
-    let mut velocity = [Term::Constant(0.0); 3];
+    let mut velocity = [Term::Constant(Constant::exact(0.0)); 3];
     for Drafted {
         motion,
         axis,
@@ -182,7 +183,7 @@ fn pressure_angle<'l>(
                 Motion::Translation => axis,
                 Motion::Rotation => cross(axis, difference(point, origin)),
             };
-            velocity = sum(velocity, share.map(|c| c.scale(coefficient)));
+            velocity = sum(velocity, share.map(|c| c.scale_by(coefficient)));
         }
     }
     slots.sort_unstable();
@@ -240,13 +241,17 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
 
 /// Sum of the radii of two spheres in the file.
 fn radii(contact: &ParsedContact, names: &Names) -> f64 {
-    sizes_of(contact).map(|node| value(node, names)).sum()
+    sizes_of(contact)
+        .map(|node| value(node, names).number())
+        .sum()
 }
 
 /// The same as a formula: a study may vary them.
 fn sum_of_radii<'l>(formulas: &'l Formulas, contact: &ParsedContact, names: &Names) -> Term<'l> {
     let radii = sizes_of(contact).map(|node| size(formulas, node, names));
-    radii.fold(Term::Constant(0.0), |sum, radius| sum + radius)
+    radii.fold(Term::Constant(Constant::exact(0.0)), |sum, radius| {
+        sum + radius
+    })
 }
 
 /// The sizes of both surfaces.
@@ -264,6 +269,6 @@ fn size<'l>(formulas: &'l Formulas, node: &Node, names: &Names) -> Term<'l> {
 }
 
 /// A size that is known to be sound.
-fn value(node: &Node, names: &Names) -> f64 {
-    constant(node, &|n, s| names.constant(n, s)).unwrap_or(0.0)
+fn value(node: &Node, names: &Names) -> Constant {
+    exact_constant(node, &|n, s| names.constant(n, s)).unwrap_or_default()
 }

@@ -1,0 +1,219 @@
+//! Functions of constants, to 28 digits: a first value of `libm`, which needs to be right to half of its digits only, and
+//! one step of Newton's method or a series.
+
+use super::Constant;
+use crate::numbers::double_double::DoubleDouble;
+use crate::numbers::rounding::{LONG_FUNCTION, LONG_OPERATION};
+use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::sin_cos::long_sin_cos;
+use std::f64::consts::LN_2;
+
+/// ln 2.
+const LN_TWO: DoubleDouble = DoubleDouble {
+    hi: LN_2,
+    lo: 2.319_046_813_846_3e-17,
+};
+
+/// Terms of the exponential series up to half of ln 2: the next is below 1e-33.
+const EXPONENTIAL_TERMS: usize = 27;
+
+/// A point that is known to `e` of its distance from the centre is seen under an angle known to asin e, at most π/2 times e.
+const ARC: f64 = 1.6;
+
+/// Whole exponents up to this are products of squares.
+const LARGEST_WHOLE_POWER: f64 = 1e6;
+
+impl Constant {
+    const UNDEFINED: Self = Self::exact(f64::NAN);
+
+    fn is_zero(self) -> bool {
+        self.value.hi == 0.0 && self.error == 0.0
+    }
+
+    /// exp of a number whose error does not count.
+    fn exponential(x: DoubleDouble) -> DoubleDouble {
+        let twos = (x.hi / LN_2).round();
+        let rest = x - LN_TWO * twos;
+        let one = DoubleDouble::from(1.0);
+        let series = (1..=EXPONENTIAL_TERMS).rev().fold(one, |sum, k| {
+            one + (rest * sum).over(DoubleDouble::from(k as f64))
+        });
+        let scale = |v: f64| libm::scalbn(v, twos as i32);
+        DoubleDouble {
+            hi: scale(series.hi),
+            lo: scale(series.lo),
+        }
+    }
+}
+
+impl Ring for Constant {
+    fn number(value: f64) -> Self {
+        Self::exact(value)
+    }
+
+    fn scale_by(self, factor: Constant) -> Self {
+        self * factor
+    }
+}
+
+impl Scalar for Constant {
+    fn from_constant(constant: Constant) -> Self {
+        constant
+    }
+
+    fn undefined() -> Self {
+        Self::UNDEFINED
+    }
+
+    fn is_finite(self) -> bool {
+        self.value.hi.is_finite() && self.error.is_finite()
+    }
+
+    fn as_number(self) -> Option<f64> {
+        self.is_exact().then_some(self.value.hi)
+    }
+
+    fn is_below_zero(self) -> Option<bool> {
+        let least = self.value.hi.abs() * (1.0 - 1e-15);
+        (self.is_zero() || least > self.error).then_some(self.value.hi < 0.0)
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        if self.is_zero() {
+            return (self, Self::exact(1.0));
+        }
+        let (sin, cos) = long_sin_cos(self.value);
+        let error = self.error + LONG_FUNCTION + LONG_OPERATION * self.value.hi.abs();
+        (Self::with_error(sin, error), Self::with_error(cos, error))
+    }
+
+    fn exp(self) -> Self {
+        if self.is_zero() {
+            return Self::exact(1.0);
+        }
+        let value = Self::exponential(self.value);
+        let share = LONG_FUNCTION + libm::expm1(self.error);
+        Self::with_error(value, value.hi.abs() * share)
+    }
+
+    fn ln(self) -> Self {
+        let least = self.value.hi * (1.0 - 1e-15) - self.error;
+        if least.is_nan() || least <= 0.0 {
+            return Self::UNDEFINED;
+        }
+        let first = DoubleDouble::from(libm::log(self.value.hi));
+        // ln a = y + ln(1 + t), and t² / 2 is what the third digit group needs.
+        let t = self.value * Self::exponential(-first) - DoubleDouble::from(1.0);
+        let value = first + t - t * t * 0.5;
+        let error = self.error / least + LONG_FUNCTION * (1.0 + first.hi.abs());
+        Self::with_error(value, error)
+    }
+
+    /// A square that may be zero has a root up to the root of its error.
+    fn sqrt(self) -> Self {
+        let (a, e) = (self.value.hi, self.error);
+        if self.is_zero() {
+            return self;
+        }
+        if a.is_nan() || a < -e {
+            return Self::UNDEFINED;
+        }
+        if a <= 2.0 * e {
+            let largest = (a.max(0.0) + e).sqrt();
+            return Self::with_error(DoubleDouble::from(a.max(0.0).sqrt()), largest);
+        }
+        let first = a.sqrt();
+        let square = DoubleDouble::product(first, first);
+        let value =
+            DoubleDouble::from(first) + (self.value - square).over(DoubleDouble::from(2.0 * first));
+        let is_exact = self.is_exact() && square == DoubleDouble::from(a);
+        let rounding = if is_exact { 0.0 } else { LONG_FUNCTION * first };
+        Self::with_error(value, e / first + rounding)
+    }
+
+    fn asin(self) -> Self {
+        let one = Self::exact(1.0);
+        self.atan2(((one - self) * (one + self)).sqrt())
+    }
+
+    fn acos(self) -> Self {
+        let one = Self::exact(1.0);
+        ((one - self) * (one + self)).sqrt().atan2(self)
+    }
+
+    fn atan(self) -> Self {
+        self.atan2(Self::exact(1.0))
+    }
+
+    /// tan(θ - θ₀) = (y cos θ₀ - x sin θ₀) / (x cos θ₀ + y sin θ₀), so small that it is the angle itself.
+    fn atan2(self, x: Self) -> Self {
+        let (a, b) = (self.value, x.value);
+        let size = a.hi.hypot(b.hi);
+        let open = self.error.hypot(x.error);
+        if self.is_zero() && (b.hi > x.error || x.is_zero()) {
+            return Self::exact(libm::atan2(a.hi, b.hi));
+        }
+        if open.is_nan() || open >= size {
+            return Self::UNDEFINED;
+        }
+        let first = libm::atan2(a.hi, b.hi);
+        let (sin, cos) = long_sin_cos(DoubleDouble::from(first));
+        let across = a * cos - b * sin;
+        let along = b * cos + a * sin;
+        let value = DoubleDouble::from(first) + across.over(along);
+        // The angle jumps at the negative x axis.
+        let jump = if b.hi < 0.0 && self.error > 0.0 && a.hi.abs() <= self.error {
+            std::f64::consts::TAU
+        } else {
+            0.0
+        };
+        Self::with_error(value, ARC * open / size + LONG_FUNCTION * 4.0 + jump)
+    }
+
+    /// Where a whole number is as near as the error, it may be that one or the one below.
+    fn floor(self) -> Self {
+        let near = self.value.hi.round();
+        let off = (self.value.hi - near) + self.value.lo;
+        if self.error > 0.0 && off.abs() <= self.error {
+            return Self::near(DoubleDouble::from(near), 1.0);
+        }
+        let below = self.value.hi.floor();
+        let is_lower = below == self.value.hi && self.value.lo < 0.0;
+        Self::exact(if is_lower { below - 1.0 } else { below })
+    }
+
+    fn abs(self) -> Self {
+        if self.value.hi < 0.0 { -self } else { self }
+    }
+
+    /// No farther from the smaller of the two meant than either is from its own.
+    fn min(self, other: Self) -> Self {
+        let smaller = if (other - self).value.hi < 0.0 {
+            other
+        } else {
+            self
+        };
+        Self::near(smaller.value, self.error.max(other.error))
+    }
+
+    fn max(self, other: Self) -> Self {
+        -(-self).min(-other)
+    }
+
+    /// A root or power of zero has no logarithm.
+    fn power(self, exponent: Self) -> Self {
+        match exponent.as_number() {
+            Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_WHOLE_POWER => {
+                let product = self.whole_power(e.abs() as u32);
+                if e < 0.0 {
+                    Self::exact(1.0) / product
+                } else {
+                    product
+                }
+            }
+            Some(0.5) => self.sqrt(),
+            _ if self.is_zero() && exponent.value.hi > exponent.error => self,
+            _ => (self.ln() * exponent).exp(),
+        }
+    }
+}
