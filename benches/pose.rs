@@ -113,7 +113,7 @@ impl Course<'_> {
             }
             kept.copy_from_slice(&here);
             if depth >= Depth::Certificate {
-                match certifier.polish(kept, watch.bases(), &corrector) {
+                match certifier.polish(kept, &[], watch.bases(), &corrector) {
                     Certificate::Certified { error_bound, .. } => {
                         pass.worst_bound = pass.worst_bound.max(error_bound);
                     }

@@ -65,7 +65,7 @@ fn a_pose_allocates_nothing_once_the_buffers_stand() {
             watch.observe_into(&system, &mut corrector, &here, &mut state);
             // Proofs of formulas are made with intervals, whose lists come and go.
             if !is_formula {
-                let certificate = certifier.polish(&mut here, watch.bases(), &corrector);
+                let certificate = certifier.polish(&mut here, &[], watch.bases(), &corrector);
                 certified += u32::from(matches!(certificate, Certificate::Certified { .. }));
             }
         };

@@ -111,7 +111,7 @@ impl<'m> Refined<'m> {
         let values: Vec<ArgumentDouble> = self
             .forms
             .iter()
-            .map(|form| ArgumentDouble::new(form, doubled))
+            .map(|form| ArgumentDouble::new(form, doubled, &[]))
             .collect();
         let (mut residual, mut jacobian) = (Vec::new(), vec![0.0; n * n]);
         for (plan, components) in &self.plans {

@@ -73,7 +73,7 @@ fn certify(mechanism: &Model, coordinates: &[f64]) -> Certificate {
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(&system);
     watch.observe(&system, &mut corrector, coordinates);
-    Certifier::new(&system).certify(coordinates, watch.bases())
+    Certifier::new(&system).certify(coordinates, &[], watch.bases())
 }
 
 /// Largest error of a sample's unknowns against a function of their names, in the measure of the bound.
@@ -392,6 +392,7 @@ fn second_derivatives_are_bounded_as_said() {
                     terms: vec![(0, Constant::exact(1.0))],
                 },
                 &[x],
+                &[],
             )
         };
         for _ in 0..200 {

@@ -229,7 +229,13 @@ fn a_solve_that_is_cancelled_keeps_what_it_has() {
         asked.set(asked.get() + 1);
         asked.get() > 100
     };
-    let trajectory = solve_until(&system, &mechanism.actuation, &times, true, &stop);
+    let trajectory = solve_until(
+        &system,
+        &mechanism.actuation,
+        &times,
+        Some(InputReading::Numbers),
+        &stop,
+    );
     let count = trajectory.samples.len();
     assert!((10..101).contains(&count), "{count}");
 }

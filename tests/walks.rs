@@ -65,7 +65,7 @@ fn lanes_and_long_numbers_walk_as_the_generic_product_does() {
 
             let plan = LoopPlan::new(steps, |a| a);
             let arguments = mechanism.arguments.iter().map(|argument| match argument {
-                Argument::Affine(affine) => ArgumentDouble::new(affine, &pose),
+                Argument::Affine(affine) => ArgumentDouble::new(affine, &pose, &[]),
                 Argument::Formula(_) => panic!("all arguments are affine here"),
             });
             let arguments: Vec<ArgumentDouble> = arguments.collect();

@@ -3,6 +3,7 @@
 use super::chain::{Argument, ArgumentValue, Chain};
 use super::expression::Expression;
 use super::joints::Joints;
+use super::printed;
 use super::shape::Shape;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
@@ -209,11 +210,27 @@ impl Mechanism {
         self.size.powf(-equation.length_exponent) / equation.magnitude
     }
 
-    /// Factor from internal values to the file's unit for a coordinate or output of `kind`.
-    pub fn file_units(&self, kind: Kind) -> f64 {
+    /// What one of the file's units is inside the program for a coordinate or output of `kind`.
+    pub fn unit_of(&self, kind: Kind) -> Constant {
         match kind {
-            Kind::Angle => 1.0 / self.angle_unit.radians.number(),
-            Kind::Length | Kind::Number => 1.0,
+            Kind::Angle => self.angle_unit.radians,
+            Kind::Length | Kind::Number => Constant::exact(1.0),
         }
+    }
+
+    /// Factor from internal values to the file's unit, likewise.
+    pub fn file_units(&self, kind: Kind) -> f64 {
+        1.0 / self.unit_of(kind).number()
+    }
+
+    /// By how much the inputs, as a table prints them, differ from `coordinates`: one entry for every coordinate, zero for
+    /// the unknowns.
+    pub fn printed_rests(&self, coordinates: &[f64]) -> Vec<f64> {
+        let mut rests = vec![0.0; coordinates.len()];
+        let first = self.unknowns.len();
+        for (k, input) in self.inputs.iter().enumerate() {
+            rests[first + k] = printed::rest(coordinates[first + k], self.unit_of(input.kind));
+        }
+        rests
     }
 }

@@ -13,6 +13,7 @@ pub mod measure;
 pub mod mechanism;
 pub mod palette;
 pub mod plot;
+pub mod printed;
 pub mod shape;
 pub mod study;
 pub mod theme;

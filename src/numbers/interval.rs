@@ -43,6 +43,11 @@ impl Interval {
         }
     }
 
+    /// The sum of two numbers, of which the second is far smaller.
+    pub fn sum_of(value: f64, rest: f64) -> Self {
+        Self::from_constant(Constant::exact(value) + Constant::exact(rest))
+    }
+
     /// From `lo` to `hi`; everything if they are out of order or no numbers.
     pub fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi {

@@ -5,8 +5,10 @@ use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::rates::higher_order::RateColumns;
 use crate::kinematics::results::certificate::Certificate;
-use crate::kinematics::results::trajectory::{Sample, Trajectory};
-use crate::model::mechanism::Mechanism;
+use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::printed::{rounding, shortest};
+use crate::numbers::rounding::GROW;
 use serde_json::{Map, Value, json};
 
 /// Which optional columns are wanted.
@@ -185,20 +187,39 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));
     cells.push(Cell::Whole(pose.rank as u64));
     cells.push(Cell::Text(pose.branch.clone()));
-    cells.extend(match pose.certificate {
-        Certificate::Certified {
-            error_bound,
-            unique_radius,
-        }
-        | Certificate::Locked {
-            error_bound,
-            unique_radius,
-        } => [error_bound, unique_radius].map(Cell::Number),
-        Certificate::Refused { .. } => [Cell::Empty, Cell::Empty],
+    cells.extend(match printed_bounds(mechanism, pose) {
+        Some(bounds) => bounds.map(Cell::Number),
+        None => [Cell::Empty, Cell::Empty],
     });
     cells.push(Cell::Whole(u64::from(pose.iterations)));
     cells.push(Cell::Text("ok".to_owned()));
     cells
+}
+
+/// Bound of the error, and radius of uniqueness, of the unknowns as the row prints them.
+fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> {
+    // The turn that is left of three angles is no larger than the sum of theirs.
+    let (error, unique, angles) = match pose.certificate {
+        Certificate::Certified {
+            error_bound,
+            unique_radius,
+        } => (error_bound, unique_radius, 1.0),
+        Certificate::Locked {
+            error_bound,
+            unique_radius,
+        } => (error_bound, unique_radius, 3.0),
+        Certificate::Refused { .. } => return None,
+    };
+    let values = mechanism.unknowns.iter().zip(&pose.unknowns);
+    let rounded = values.map(|(unknown, value)| {
+        let rounded = rounding(*value, mechanism.unit_of(unknown.kind));
+        match unknown.kind {
+            Kind::Angle => rounded * mechanism.size * angles,
+            Kind::Length | Kind::Number => rounded,
+        }
+    });
+    let rounded = rounded.fold(0.0, f64::max);
+    Some([(error + rounded) * GROW, (unique - rounded).max(0.0)])
 }
 
 /// What is proved of the motion from sample `index` to the next one; empty after the last.
@@ -222,20 +243,10 @@ fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<
 
 fn csv_cell(cell: &Cell) -> String {
     match cell {
-        Cell::Number(value) => number(*value),
+        Cell::Number(value) => shortest(*value),
         Cell::Whole(value) => value.to_string(),
         Cell::Text(text) => quoted(text),
         Cell::Empty => String::new(),
-    }
-}
-
-/// The shortest decimal that reads back as the same number.
-pub(super) fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) && value.is_finite() {
-        format!("{value:e}")
-    } else {
-        format!("{value}")
     }
 }
 
@@ -262,23 +273,7 @@ pub(super) fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
-
-    #[test]
-    fn numbers_read_back_exactly() {
-        for value in [
-            0.0,
-            -0.1,
-            1e-17,
-            112.77081077023263,
-            6.02e23,
-            f64::MIN_POSITIVE,
-            -1.5e15,
-        ] {
-            assert_eq!(number(value).parse::<f64>().unwrap(), value);
-        }
-    }
 
     #[test]
     fn cells_that_need_quotes_get_them() {

@@ -8,7 +8,11 @@ use crate::kinematics::motion::sampling::is_cyclic;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::printed::InputReading;
 use std::sync::atomic::Ordering;
+
+/// Who reads a table reads its decimals.
+const AS_PRINTED: Option<InputReading> = Some(InputReading::Decimals);
 
 /// The motion at `times`. A cyclic motion is proved up to its end, where it is solved once more for that purpose.
 pub fn motion(
@@ -18,8 +22,8 @@ pub fn motion(
     certify: CertifyArg,
 ) -> Result<Trajectory, Failure> {
     let trajectory = match certify {
-        CertifyArg::None => solve_until(system, actuation, times, false, &interrupted),
-        CertifyArg::Pose => solve_until(system, actuation, times, true, &interrupted),
+        CertifyArg::None => solve_until(system, actuation, times, None, &interrupted),
+        CertifyArg::Pose => solve_until(system, actuation, times, AS_PRINTED, &interrupted),
         CertifyArg::Motion => proved(system, actuation, times),
     };
     crate::cli::interrupt::refuse_interrupted()?;
@@ -36,7 +40,7 @@ fn proved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
     if times.len() > 1 && last < actuation.duration && is_cyclic(system.mechanism(), actuation) {
         wanted.push(actuation.duration);
     }
-    let mut trajectory = solve_until(system, actuation, &wanted, true, &interrupted);
+    let mut trajectory = solve_until(system, actuation, &wanted, AS_PRINTED, &interrupted);
     if interrupted() {
         return trajectory;
     }

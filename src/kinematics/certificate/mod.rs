@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Rounding is part of eta and q. F is evaluated with 23 digits, sine and cosine with 20 (`circle`), so that no function
-//! of the platform is trusted; dimensions that are no whole numbers are taken as known to one unit in the last place.
-//! The inputs are taken as exactly the numbers of the sample. The skew part of the loop's rotation also vanishes at a
+//! of the platform is trusted; constants come with their error. The inputs are the numbers of the sample, or the decimals
+//! that a table prints for them. The skew part of the loop's rotation also vanishes at a
 //! half-turn; a positive trace rules it out.
 //!
 //! The Newton step of the proof is known far better than f64 can say where the pose is. So a pose can be moved by it to
@@ -76,12 +76,18 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Tries to prove the pose at `coordinates` (unknowns, then inputs). `bases` are the rows that each block is
+    /// Tries to prove the pose at `coordinates` (unknowns, then inputs), where the inputs are `coordinates + rests`: they may be
+    /// meant to more digits than f64 has. Rests that are not there are zero. `bases` are the rows that each block is
     /// proved on, as [`BranchWatch::bases`](super::solve::branch::BranchWatch::bases) has them.
-    pub fn certify(&mut self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
-        match self.prove(coordinates, bases, None) {
+    pub fn certify(
+        &mut self,
+        coordinates: &[f64],
+        rests: &[f64],
+        bases: &[Vec<usize>],
+    ) -> Certificate {
+        match self.prove([coordinates, rests], bases, None) {
             Ok(radius) => self.certificate(self.earlier.largest, radius),
-            Err(Reason::Formula) => self.certify_formulas(coordinates, bases),
+            Err(Reason::Formula) => self.certify_formulas([coordinates, rests], bases),
             Err(reason) => Certificate::Refused { reason },
         }
     }
@@ -92,12 +98,13 @@ impl<'m> Certifier<'m> {
     pub fn polish(
         &mut self,
         coordinates: &mut [f64],
+        rests: &[f64],
         bases: &[Vec<usize>],
         corrector: &Corrector,
     ) -> Certificate {
-        let radius = match self.prove(coordinates, bases, Some(corrector)) {
+        let radius = match self.prove([coordinates, rests], bases, Some(corrector)) {
             Ok(radius) => radius,
-            Err(Reason::Formula) => return self.certify_formulas(coordinates, bases),
+            Err(Reason::Formula) => return self.certify_formulas([coordinates, rests], bases),
             Err(reason) => return Certificate::Refused { reason },
         };
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
@@ -119,8 +126,8 @@ impl<'m> Certifier<'m> {
     }
 
     /// The proof where arguments or equations are no affine forms.
-    fn certify_formulas(&self, coordinates: &[f64], bases: &[Vec<usize>]) -> Certificate {
-        match tube::pose(self.system, coordinates, bases) {
+    fn certify_formulas(&self, place: [&[f64]; 2], bases: &[Vec<usize>]) -> Certificate {
+        match tube::pose(self.system, place, bases) {
             Ok((error, radius)) => self.certificate(error, radius),
             Err(reason) => Certificate::Refused { reason },
         }
@@ -138,7 +145,7 @@ impl<'m> Certifier<'m> {
     /// Fills `earlier` with the bounds of all unknowns; the radius of uniqueness in radians and sizes.
     fn prove(
         &mut self,
-        coordinates: &[f64],
+        [coordinates, rests]: [&[f64]; 2],
         bases: &[Vec<usize>],
         corrector: Option<&Corrector>,
     ) -> Result<f64, Reason> {
@@ -146,7 +153,9 @@ impl<'m> Certifier<'m> {
         self.arguments.clear();
         let arguments = self.forms[..self.system.mechanism().arguments.len()].iter();
         self.arguments.extend(
-            arguments.map(|form| ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates)),
+            arguments.map(|form| {
+                ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests)
+            }),
         );
         self.earlier.reset(self.system.mechanism().unknowns.len());
         let mut radius = f64::INFINITY;
@@ -154,7 +163,11 @@ impl<'m> Certifier<'m> {
             if system.has_formula {
                 return Err(Reason::Formula);
             }
-            system.evaluate(self.system.mechanism(), coordinates, &self.arguments)?;
+            system.evaluate(
+                self.system.mechanism(),
+                [coordinates, rests],
+                &self.arguments,
+            )?;
             if system.left_out_rows_are_open(basis) {
                 return Err(Reason::Open);
             }

@@ -1,3 +1,5 @@
+//! Decimals, operations and functions against numbers of forty digits.
+
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::numbers::interval::Interval;

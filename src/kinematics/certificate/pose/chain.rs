@@ -26,9 +26,9 @@ pub struct ArgumentDouble {
 }
 
 impl ArgumentDouble {
-    /// Evaluates an affine form.
-    pub fn new(form: &Affine, coordinates: &[f64]) -> Self {
-        let (value, open_length) = affine_value(form, coordinates);
+    /// Evaluates an affine form at `coordinates + rests`, where rests that are not there are zero.
+    pub fn new(form: &Affine, coordinates: &[f64], rests: &[f64]) -> Self {
+        let (value, open_length) = affine_value(form, coordinates, rests);
         let (sin, cos) = sin_cos(value);
         Self {
             value: Factor::short(value),
@@ -42,11 +42,14 @@ impl ArgumentDouble {
 }
 
 /// The value with 31 digits, and what the errors of its constants leave open.
-pub fn affine_value(form: &Affine, coordinates: &[f64]) -> (DoubleDouble, f64) {
+pub fn affine_value(form: &Affine, coordinates: &[f64], rests: &[f64]) -> (DoubleDouble, f64) {
     let mut open = form.constant.error();
     let mut value = form.constant.value();
     for &(slot, c) in &form.terms {
         value = value + c.value() * coordinates[slot];
+        if let Some(rest) = rests.get(slot).filter(|rest| **rest != 0.0) {
+            value = value + c.value() * *rest;
+        }
         open += c.error() * coordinates[slot].abs();
     }
     (value, open)

@@ -179,11 +179,11 @@ impl BlockSystem {
         });
     }
 
-    /// Fills the rows at `coordinates`. `arguments` are those of the whole mechanism.
+    /// Fills the rows at coordinates and their rests. `arguments` are those of the whole mechanism.
     pub fn evaluate(
         &mut self,
         mechanism: &Mechanism,
-        coordinates: &[f64],
+        [coordinates, rests]: [&[f64]; 2],
         arguments: &[ArgumentDouble],
     ) -> Result<(), Reason> {
         self.columns.reset(self.forms.len(), self.rows.len());
@@ -196,7 +196,7 @@ impl BlockSystem {
         for index in 0..self.loops.len() {
             row = self.loop_rows(index, row, mechanism.size)?;
         }
-        self.equation_rows(row, coordinates);
+        self.equation_rows(row, [coordinates, rests]);
         Ok(())
     }
 
@@ -249,11 +249,11 @@ impl BlockSystem {
         Ok(row + components.len())
     }
 
-    fn equation_rows(&mut self, row: usize, coordinates: &[f64]) {
+    fn equation_rows(&mut self, row: usize, [coordinates, rests]: [&[f64]; 2]) {
         let first = self.forms.len() - self.equations.len();
         for (k, equation) in self.equations.iter().enumerate() {
             let scale = equation.scale;
-            let (value, open) = affine_value(&equation.affine, coordinates);
+            let (value, open) = affine_value(&equation.affine, coordinates, rests);
             let residual = value.hi * scale;
             *self.columns.at_mut(first + k, row + k) = scale;
             self.rows[row + k] = Row {

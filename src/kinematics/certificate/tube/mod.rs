@@ -36,15 +36,15 @@ pub fn certify_motion(
     pairs.map(|pair| prover.interval(pair).0).collect()
 }
 
-/// Proves a single pose whose formulas have no affine form: error bound and radius of uniqueness in radians and sizes.
+/// Proves a single pose, at coordinates and what comes to the inputs, whose formulas have no affine form: error bound and radius of uniqueness in radians and sizes.
 pub(crate) fn pose(
     system: &System,
-    coordinates: &[f64],
+    [coordinates, rests]: [&[f64]; 2],
     bases: &[Vec<usize>],
 ) -> Result<(f64, f64), Reason> {
     let mechanism = system.mechanism();
     let mut blocks = Blocks::new(system);
-    let mut path = Path::still(mechanism.unknowns.len(), coordinates);
+    let mut path = Path::still(mechanism.unknowns.len(), coordinates, rests);
     let proved = blocks.prove(bases, &mut path, false)?;
     Ok((proved.largest, proved.unique))
 }

@@ -47,11 +47,11 @@ impl InputPath {
             .all(|series| series.is_finite())
     }
 
-    /// Widens input `k` until its value at `time` holds `value`; returns by how much.
-    pub fn admit(&mut self, k: usize, time: f64, value: f64) -> f64 {
+    /// Widens input `k` until its value at `time` holds all that are no farther from `value` than `open`; returns by how much.
+    pub fn admit(&mut self, k: usize, time: f64, value: f64, open: f64) -> f64 {
         let here = self.at(k, time);
         let below = (here.lo - value).max(0.0);
-        let off = (value - here.hi).max(below) * (1.0 + 1e-12);
+        let off = ((value - here.hi).max(below) + open) * (1.0 + 1e-12);
         let play = Interval::around_zero(off);
         for series in &mut self.inputs {
             series[k] = series[k] + Enclosure::constant(play);
@@ -82,15 +82,22 @@ impl InputPath {
 }
 
 impl Path {
-    /// A pose that stands still.
-    pub fn still(unknowns: usize, coordinates: &[f64]) -> Self {
-        let points = coordinates[unknowns..].iter();
-        let inputs: Vec<Enclosure> = points
-            .map(|q| Enclosure::constant(Interval::point(*q)))
+    /// A pose that stands still, whose inputs are `coordinates + rests`.
+    pub fn still(unknowns: usize, coordinates: &[f64], rests: &[f64]) -> Self {
+        let rest = |k: usize| rests.get(k).copied().unwrap_or(0.0);
+        let slots = coordinates.iter().enumerate();
+        let inputs: Vec<Enclosure> = slots
+            .clone()
+            .skip(unknowns)
+            .map(|(k, q)| Enclosure::constant(Interval::sum_of(*q, rest(k))))
             .collect();
+        let models = slots.map(|(k, q)| Model {
+            rest: rest(k).abs(),
+            ..Model::constant(*q)
+        });
         Self {
             stretch: Stretch::new(0.0, 0.0),
-            coordinates: coordinates.iter().map(|q| Model::constant(*q)).collect(),
+            coordinates: models.collect(),
             inputs: [inputs.clone(), inputs],
             series: OnceCell::new(),
         }

@@ -14,6 +14,7 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Kind;
+use crate::model::printed;
 use crate::numbers::interval::Interval;
 
 /// Shortest stretch, as a fraction of the interval between two samples: near a singular pose tubes get as short
@@ -379,8 +380,12 @@ impl<'m> Prover<'m> {
         let Some((values, _)) = &place.sample else {
             return Ok(());
         };
+        let mechanism = self.system.mechanism();
         for (k, value) in values.iter().enumerate() {
-            let off = inputs.admit(k, place.time, *value);
+            // The pose may have been proved at the input as a table prints it.
+            let unit = mechanism.unit_of(mechanism.inputs[k].kind);
+            let open = printed::rounding(*value, unit);
+            let off = inputs.admit(k, place.time, *value, open);
             if off.is_nan() || off > SAME_INPUT * self.unit(k, *value) {
                 return Err(Obstacle::Drive);
             }

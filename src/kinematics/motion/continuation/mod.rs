@@ -13,31 +13,40 @@ mod starts;
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::printed::InputReading;
 use recorder::Recorder;
 
 /// Solves `system` along `actuation` at the given ascending times. A pose that does not exist is an event in the
 /// trajectory.
 pub fn solve(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
-    solve_until(system, actuation, times, true, &|| false)
+    solve_until(
+        system,
+        actuation,
+        times,
+        Some(InputReading::Numbers),
+        &|| false,
+    )
 }
 
-/// The same with certificates or without, which then say that nobody asked for them. Stops early, with the samples it
+/// The same with certificates for the inputs as they are `read`, or without, which then say that nobody asked for them. Stops early, with the samples it
 /// has, when `cancelled` says so.
 pub fn solve_until(
     system: &System,
     actuation: &Actuation,
     times: &[f64],
-    proved: bool,
+    read: Option<InputReading>,
     cancelled: &dyn Fn() -> bool,
 ) -> Trajectory {
     let recorder = Recorder::new(system, actuation, cancelled);
-    let recorder = if proved { recorder.proving() } else { recorder };
-    recorder.run(times)
+    match read {
+        Some(reading) => recorder.proving(reading).run(times),
+        None => recorder.run(times),
+    }
 }
 
 /// [`solve`] without certificates of the poses.
 pub fn solve_unproved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
-    solve_until(system, actuation, times, false, &|| false)
+    solve_until(system, actuation, times, None, &|| false)
 }
 
 /// The motion without certificates, if it has no gap; ends at the first one.

@@ -6,6 +6,7 @@ use crate::kinematics::loops::forward;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use crate::model::printed::InputReading;
 
 impl Recorder<'_> {
     pub(crate) fn record_missing(&mut self, time: f64) {
@@ -62,22 +63,26 @@ impl Recorder<'_> {
     /// The certificate of a pose, which it may move within its error; what fails for the angles alone is called by its
     /// name.
     fn certified(&mut self, coordinates: &mut [f64]) -> Certificate {
-        let Some(certifier) = &mut self.certifier else {
+        let Some((certifier, reading)) = &mut self.proof else {
             return Certificate::Refused {
                 reason: Reason::NotAsked,
             };
         };
         let solver = &mut self.tracker.solver;
+        let rests = match reading {
+            InputReading::Numbers => Vec::new(),
+            InputReading::Decimals => solver.system().mechanism().printed_rests(coordinates),
+        };
         let chart = solver.chart().filter(|c| c.is_needed(coordinates));
         let (bases, corrector) = solver.proof_basis(coordinates);
-        let certificate = certifier.polish(coordinates, bases, corrector);
+        let certificate = certifier.polish(coordinates, &rests, bases, corrector);
         let is_singular = Certificate::Refused {
             reason: Reason::Singular,
         };
         match chart {
             Some(chart) if certificate == is_singular => {
                 let own = chart.base(coordinates);
-                locked(Certifier::new(chart.system).certify(&own, bases))
+                locked(Certifier::new(chart.system).certify(&own, &rests, bases))
             }
             _ => certificate,
         }

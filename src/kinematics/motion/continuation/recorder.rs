@@ -8,6 +8,7 @@ use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::printed::InputReading;
 
 /// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
 /// digits, which leaves a condition of about 1e8.
@@ -19,7 +20,7 @@ pub(crate) struct Recorder<'s> {
     pub(crate) events: Events,
     pub(crate) gaps: Gaps,
     pub(crate) samples: Vec<Sample>,
-    pub(crate) certifier: Option<Certifier<'s>>,
+    pub(crate) proof: Option<(Certifier<'s>, InputReading)>,
     /// Nobody asks what comes behind a gap.
     ends_at_gap: bool,
 }
@@ -35,14 +36,14 @@ impl<'s> Recorder<'s> {
             events: Events::default(),
             gaps: Gaps::default(),
             samples: Vec::new(),
-            certifier: None,
+            proof: None,
             ends_at_gap: false,
         }
     }
 
-    /// With a certificate of every pose.
-    pub fn proving(mut self) -> Self {
-        self.certifier = Some(Certifier::new(self.tracker.system()));
+    /// With a certificate of every pose, at its inputs as they are read.
+    pub fn proving(mut self, reading: InputReading) -> Self {
+        self.proof = Some((Certifier::new(self.tracker.system()), reading));
         self
     }
 
