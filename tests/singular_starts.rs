@@ -12,6 +12,7 @@ use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::results::trajectory::{EventKind, Trajectory};
 
+use mechanim::model::printed::InputReading;
 use mechanim::scene::{Overrides, load};
 use reference::{hard, slot, turned};
 use std::cell::Cell;
