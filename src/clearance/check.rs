@@ -276,10 +276,11 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
         let samples = motion.samples.clone();
         least = sweep.sampled(motion, &samples, None)?;
     }
-    // The distance is known to within its distance from the bound, which is as small as was asked.
-    let judgement = if least.distance < minimum {
+    // Exactly the minimum cannot be proved, only to within rounding.
+    let enough = minimum - sweep.slack();
+    let judgement = if least.distance < enough {
         Judgement::Failed
-    } else if least.bound >= minimum || least.is_refined {
+    } else if least.bound >= enough {
         Judgement::Passed
     } else {
         Judgement::Undecided

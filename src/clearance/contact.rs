@@ -4,7 +4,7 @@ use super::bodies::apart;
 use super::meeting::Meeting;
 use super::motion::Motion;
 use super::relative::{RelativeChain, RelativeMove};
-use super::sweep::{POSE_SLACK, PairSweep};
+use super::sweep::PairSweep;
 
 /// How near to touching two bodies in contact should be proved to stay between the samples, in mechanism sizes. At the samples
 /// they are known to rounding.
@@ -54,7 +54,7 @@ impl PairSweep<'_> {
     /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
     pub fn contact_over(&self, motion: &Motion) -> Contact {
         let size = motion.system.mechanism().size;
-        let (allowed, slack) = (BETWEEN_SAMPLES * size, POSE_SLACK * size);
+        let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack(motion));
         let mut contact = Contact {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,

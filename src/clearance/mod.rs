@@ -3,6 +3,7 @@
 //! Everything here is values in, values out; nothing prints.
 
 pub mod bodies;
+mod branch_and_bound;
 pub mod check;
 mod contact;
 pub mod core;

@@ -6,6 +6,7 @@
 
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::loops::forward::body_poses;
+use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -13,6 +14,7 @@ use crate::kinematics::structure::system::System;
 use crate::math::Pose;
 use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
+use std::collections::HashSet;
 
 /// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
@@ -64,6 +66,18 @@ enum Way {
     Estimated([usize; 2]),
 }
 
+/// An uncertified pose closes its loops to this, in sizes.
+const UNPROVED: f64 = 1e-10;
+
+/// How far any unknown of the samples may be from the exact pose.
+fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
+    let errors = trajectory.poses().map(|pose| match pose.certificate {
+        Certificate::Certified { error_bound, .. } => error_bound,
+        _ => UNPROVED * size,
+    });
+    errors.fold(0.0, f64::max)
+}
+
 /// The motion of a mechanism over its drive.
 pub struct Motion<'m> {
     /// Whose motion.
@@ -81,6 +95,10 @@ pub struct Motion<'m> {
     pub roots: usize,
     /// Stretches between samples that could not be followed, as times.
     pub gaps: Vec<[f64; 2]>,
+    /// No unknown of a sample is farther from the exact pose: lengths as they are, angles times the size.
+    pub pose_error: f64,
+    /// Poses with which a part of the motion begins that is not known to be joined to the one before.
+    anew: HashSet<usize>,
 }
 
 impl<'m> Motion<'m> {
@@ -98,6 +116,8 @@ impl<'m> Motion<'m> {
             stretches: Vec::new(),
             roots: 0,
             gaps: Vec::new(),
+            pose_error: pose_error(mechanism.size, trajectory),
+            anew: HashSet::new(),
         };
         let mut last: Option<usize> = None;
         for (k, sample) in trajectory.samples.iter().enumerate() {
@@ -115,10 +135,13 @@ impl<'m> Motion<'m> {
                 (Some(_), Some(_)) => {
                     let place = motion.samples.len();
                     motion.samples.extend(here);
-                    motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place]);
+                    let is_joined =
+                        motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place]);
+                    motion.anew.extend(here.filter(|_| !is_joined));
                 }
                 _ => {
                     motion.samples.extend(here);
+                    motion.anew.extend(here);
                     if let Some(before) = k.checked_sub(1).map(|k| &trajectory.samples[k]) {
                         motion.leave_out(before.time, sample.time);
                     }
@@ -138,8 +161,13 @@ impl<'m> Motion<'m> {
         }
     }
 
-    /// Covers the interval between two samples, `places` in the list of samples.
-    fn cover(&mut self, pair: &[Sample], places: [usize; 2]) {
+    /// Whether what was true before this pose of a sample may not be any more: the motion jumps to it, or is not proved.
+    pub fn begins_anew(&self, instant: usize) -> bool {
+        self.anew.contains(&instant)
+    }
+
+    /// Covers the interval between two samples, `places` in the list of samples; whether they are proved to be joined.
+    fn cover(&mut self, pair: &[Sample], places: [usize; 2]) -> bool {
         let (tubes, refused) = self.prover.tubes(pair, FLOOR);
         let (from, to) = (pair[0].time, pair[1].time);
         let mut whole = refused.is_none();
@@ -160,7 +188,8 @@ impl<'m> Motion<'m> {
             self.add_tube(tube, arguments, ends);
         }
         if whole {
-            return;
+            let last = self.stretches.last();
+            return last.is_some_and(|s| s.ends[1] == Some(places[1]));
         }
         // What is behind the refusal is looked at as a whole.
         let reached = self.stretches.last().map(|s| s.end);
@@ -174,6 +203,7 @@ impl<'m> Motion<'m> {
         if start.is_none_or(|start| self.add_estimate([start, end], ends).is_none()) {
             self.leave_out(reached.unwrap_or(from), to);
         }
+        false
     }
 
     fn add_tube(&mut self, tube: Tube, arguments: Vec<Model>, ends: [Option<usize>; 2]) -> usize {

@@ -147,6 +147,28 @@ impl RelativeChain {
         }
     }
 
+    /// How many joints stand between the bodies.
+    pub fn joints(&self) -> usize {
+        self.steps.iter().filter(|s| s.joint().is_some()).count()
+    }
+
+    /// Length of the chain: of its constant parts, and of its translations where they are largest.
+    pub fn longest<'a>(&self, poses: impl Iterator<Item = &'a Vec<ArgumentValue>> + Clone) -> f64 {
+        let length = |step: &Step| match *step {
+            Step::Fixed(pose) => pose.translation.length(),
+            Step::Joint {
+                motion: Motion::Translation,
+                argument,
+                ..
+            } => {
+                let values = poses.clone().map(|pose| pose[argument].value.abs());
+                values.fold(0.0, f64::max)
+            }
+            Step::Joint { .. } => 0.0,
+        };
+        self.steps.iter().map(length).sum()
+    }
+
     /// The pose `a_from_b`.
     pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
         let mut pose = Pose::IDENTITY;

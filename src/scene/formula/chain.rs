@@ -283,10 +283,14 @@ fn elementary(transform: Transform, arguments: &[Node]) -> Vec<Factor> {
 
 /// pitch·angle/2π.
 fn advance(pitch: Node, angle: Node) -> Node {
-    use super::expression::NodeKind::{Binary, Radians};
+    use super::expression::NodeKind::{Angle, Binary, Radians};
     let span = pitch.span.start..angle.span.end;
     let turn = Node {
         kind: Radians(Constant::PI * Constant::exact(2.0)),
+        span: span.clone(),
+    };
+    let angle = Node {
+        kind: Angle(Box::new(angle)),
         span: span.clone(),
     };
     let turns = Node {

@@ -49,6 +49,7 @@ fn emit(
             }
         },
         NodeKind::Negate(inner) => Op::Negate(emit(inner, lookup, ops)?),
+        NodeKind::Angle(inner) => return emit(inner, lookup, ops),
         NodeKind::Binary(sign, a, b) => {
             let (a, b) = (emit(a, lookup, ops)?, emit(b, lookup, ops)?);
             match sign {

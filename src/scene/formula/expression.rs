@@ -22,6 +22,8 @@ pub enum NodeKind {
     Number(Constant),
     /// A literal with an explicit angle unit, already in radians.
     Radians(Constant),
+    /// A part that stands where an angle is wanted, whatever stands around it.
+    Angle(Box<Node>),
     /// A name, to be looked up.
     Name(String),
     /// Sign change.
@@ -65,7 +67,7 @@ impl Node {
         match &self.kind {
             NodeKind::Number(_) | NodeKind::Radians(_) => {}
             NodeKind::Name(name) => visit(name, &self.span),
-            NodeKind::Negate(inner) => inner.visit_names(visit),
+            NodeKind::Negate(inner) | NodeKind::Angle(inner) => inner.visit_names(visit),
             NodeKind::Binary(_, a, b) => {
                 a.visit_names(visit);
                 b.visit_names(visit);

@@ -19,6 +19,7 @@ pub fn infer(node: &Node, wanted: Option<Kind>, note: &mut dyn FnMut(&str, Kind,
             }
         }
         NodeKind::Negate(inner) => infer(inner, wanted, note),
+        NodeKind::Angle(inner) => infer(inner, Some(Kind::Angle), note),
         NodeKind::Binary('+' | '-', a, b) => {
             infer(a, wanted, note);
             infer(b, wanted, note);
@@ -88,6 +89,7 @@ fn convert(
     let span = node.span;
     let kind = match node.kind {
         NodeKind::Negate(inner) => NodeKind::Negate(recurse(inner, wanted)),
+        NodeKind::Angle(inner) => NodeKind::Angle(recurse(inner, Some(Kind::Angle))),
         NodeKind::Binary(sign @ ('+' | '-'), a, b) => {
             NodeKind::Binary(sign, recurse(a, wanted), recurse(b, wanted))
         }
@@ -120,7 +122,7 @@ fn is_sum(kind: &NodeKind) -> bool {
 fn holds_angle(node: &Node, is_angle: &dyn Fn(&str) -> bool) -> bool {
     match &node.kind {
         NodeKind::Number(_) => false,
-        NodeKind::Radians(_) => true,
+        NodeKind::Radians(_) | NodeKind::Angle(_) => true,
         NodeKind::Name(name) => is_angle(name),
         NodeKind::Negate(inner) => holds_angle(inner, is_angle),
         NodeKind::Binary(_, a, b) => holds_angle(a, is_angle) || holds_angle(b, is_angle),

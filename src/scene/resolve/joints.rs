@@ -75,7 +75,7 @@ impl<'a> Joints<'a> {
     /// Power of length in the dimension of a formula, as far as the kinds of its names tell.
     fn length_exponent(&self, node: &Node) -> f64 {
         match &node.kind {
-            NodeKind::Number(_) | NodeKind::Radians(_) => 0.0,
+            NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Angle(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
             NodeKind::Negate(inner) => self.length_exponent(inner),
             NodeKind::Binary(sign, a, b) => {

@@ -118,7 +118,7 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 pub fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
     match &node.kind {
         NodeKind::Number(_) => Kind::Number,
-        NodeKind::Radians(_) => Kind::Angle,
+        NodeKind::Radians(_) | NodeKind::Angle(_) => Kind::Angle,
         NodeKind::Name(name) => names
             .kind(name)
             .or_else(|| output(name))

@@ -136,7 +136,7 @@ fn substitute(node: &mut Node, formulas: &[(String, Node)], depth: usize) {
                 node.kind = formula.kind.clone();
             }
         }
-        NodeKind::Negate(inner) => substitute(inner, formulas, depth - 1),
+        NodeKind::Negate(inner) | NodeKind::Angle(inner) => substitute(inner, formulas, depth - 1),
         NodeKind::Binary(_, a, b) => {
             substitute(a, formulas, depth - 1);
             substitute(b, formulas, depth - 1);

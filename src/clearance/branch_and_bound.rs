@@ -1,0 +1,287 @@
+//! Branch and bound over stretches of time: a bound below the distance of two bodies over the whole motion.
+//!
+//! Over a short time the distance cannot fall below what it is in the middle by more than any point moves. Between convex
+//! elements only the motion across the plane between them counts, point by point: then the bound is as near as the second
+//! power of the time, and solids that slide along each other keep it.
+//!
+//! First the minimum is proved everywhere, which is what the verdict rests on; then the bound is brought as near to the
+//! distance as was asked. A search that is cut off has what was proved until then.
+
+use super::bodies::{apart, nearest};
+use super::core::{Core, Element};
+use super::meeting::Meeting;
+use super::motion::Motion;
+use super::sweep::{Best, Least, PairSweep};
+use std::rc::Rc;
+
+/// Most pieces of time looked at for one pair.
+const MAX_LOOKS: usize = 40_000;
+
+/// Of bodies that overlap the moment of greatest depth is searched, not proved.
+const LOOKS_IN_OVERLAP: usize = 400;
+
+/// Shortest piece of a stretch that is looked at, as a part of it.
+const SHORTEST: f64 = 1.0 / 65_536.0;
+
+/// A pose is solved for a lower distance only where that is lower by this share of what the bound may miss.
+const WORTH_A_POSE: f64 = 0.25;
+
+/// A piece of a stretch.
+#[derive(Clone)]
+struct Piece {
+    stretch: usize,
+    middle: f64,
+    half: f64,
+    /// A distance that both ends keep.
+    ends: f64,
+    /// Pairs of elements that may be near; all, if nothing is known.
+    near: Option<Rc<[[usize; 2]]>>,
+}
+
+/// What a look at a piece found.
+struct Look {
+    /// No distance of the piece is lower.
+    lowest: f64,
+    /// No pose of the motion in the middle of the piece is farther apart than this.
+    middle: f64,
+    /// Narrower bounds of the motion would help more than shorter pieces.
+    is_blurred: bool,
+    near: Option<Rc<[[usize; 2]]>>,
+}
+
+/// What is to be proved.
+#[derive(Clone, Copy)]
+enum Goal {
+    /// That the pair passes.
+    Minimum,
+    /// That the distance found is the least, to the tolerance.
+    Tolerance,
+}
+
+/// Pieces still to be looked at, and those that are settled.
+#[derive(Default)]
+struct Search {
+    open: Vec<Piece>,
+    settled: Vec<(Piece, Look)>,
+    looks: usize,
+}
+
+impl PairSweep<'_> {
+    /// The least distance over the whole motion with its bound; fills `distances` with those of the samples.
+    pub fn least_over(&self, motion: &mut Motion, distances: &mut Vec<f64>) -> Option<Least> {
+        let samples = motion.samples.clone();
+        let mut best = self.best_of(motion, &samples, Some(distances))?;
+        let mut search = Search {
+            open: roots(motion, distances),
+            ..Search::default()
+        };
+        for goal in [Goal::Minimum, Goal::Tolerance] {
+            let value = self.value_of(motion, goal, &best);
+            search.reopen(motion, value);
+            self.settle(motion, &mut search, goal, &mut best);
+        }
+        let all = || search.settled.iter();
+        let lowest = all().map(|(_, look)| look.lowest);
+        let near = best.found.proximity.distance;
+        let bound = lowest.fold(near, f64::min);
+        let is_proved = all().all(|(piece, _)| motion.stretches[piece.stretch].is_certified);
+        // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
+        let is_certified = is_proved && near > 0.0 && motion.gaps.is_empty();
+        let is_refined = bound >= self.target(&best);
+        let bound = bound - self.pose_slack(motion);
+        Some(self.least(motion, &best, bound, [is_certified, is_refined]))
+    }
+
+    /// What the bound of a piece must reach.
+    fn value_of(&self, motion: &Motion, goal: Goal, best: &Best) -> f64 {
+        match goal {
+            Goal::Minimum if best.found.proximity.distance >= self.minimum() => {
+                self.minimum() - self.slack() + self.pose_slack(motion)
+            }
+            _ => self.target(best),
+        }
+    }
+
+    /// Looks at the open pieces, and at their halves, until each reaches the goal or cannot be halved.
+    fn settle(&self, motion: &mut Motion, search: &mut Search, goal: Goal, best: &mut Best) {
+        while let Some(piece) = search.open.pop() {
+            search.looks += 1;
+            let look = self.look(motion, &piece, self.value_of(motion, goal, best));
+            self.measure(motion, &piece, &look, best);
+            let overlaps = best.found.proximity.distance < 0.0;
+            let most = if overlaps {
+                LOOKS_IN_OVERLAP
+            } else {
+                MAX_LOOKS
+            };
+            let is_open = look.lowest < self.value_of(motion, goal, best)
+                && look.lowest > f64::NEG_INFINITY
+                && search.looks < most;
+            match is_open.then(|| parts(motion, &piece, &look)).flatten() {
+                Some(parts) => search.open.extend(parts),
+                None => search.settled.push((piece, look)),
+            }
+        }
+    }
+
+    /// A lower distance counts once it is that of an exact pose.
+    fn measure(&self, motion: &mut Motion, piece: &Piece, look: &Look, best: &mut Best) {
+        let near = best.found.proximity.distance;
+        if look.middle >= near - WORTH_A_POSE * (near - self.target(best)) {
+            return;
+        }
+        let Some(instant) = motion.pose_at(piece.stretch, piece.middle) else {
+            return;
+        };
+        let pose = self.relative(motion, instant);
+        let found = nearest(self.hulls[0], self.hulls[1], &pose);
+        if let Some(found) = found.filter(|f| f.proximity.distance < near) {
+            *best = Best { found, instant };
+        }
+    }
+
+    /// Lower bound over a piece, as far as the goal needs it.
+    fn look(&self, motion: &Motion, piece: &Piece, goal: f64) -> Look {
+        let stretch = &motion.stretches[piece.stretch];
+        let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
+        let moved = self.chain.around(arguments, s, half);
+        let ball = self.hulls[1].ball;
+        let fastest = moved.distance(ball);
+        // From both ends, each for the half that is nearer to it.
+        let from_ends = piece.ends - fastest - moved.bending(ball) - moved.deviation(ball);
+        let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
+        let lowest = from_ends.max(far);
+        if lowest >= goal {
+            return Look {
+                lowest,
+                middle: f64::INFINITY,
+                is_blurred: false,
+                near: piece.near.clone(),
+            };
+        }
+        let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
+        let (mut lowest, mut nearest) = (f64::INFINITY, f64::INFINITY);
+        let mut left: Vec<[usize; 2]> = Vec::new();
+        let mut placed: Vec<Option<Element>> = vec![None; self.hulls[1].elements.len()];
+        let mut visit = |[i, j]: [usize; 2]| {
+            let first = &self.hulls[0].elements[i];
+            let mine = &self.hulls[1].elements[j];
+            let second = placed[j].get_or_insert_with(|| mine.moved(&moved.pose));
+            let way = match (&back, &mine.core) {
+                (Some(back), Core::HalfSpace(_)) => back.distance(first.bounds()),
+                _ => moved.distance(mine.bounds()),
+            };
+            let far = apart(first, second) - way;
+            if far >= goal {
+                lowest = lowest.min(far);
+                return;
+            }
+            let meeting = Meeting::new(first, second, mine, &moved);
+            nearest = nearest.min(meeting.found.distance);
+            let below = match (&back, &mine.core) {
+                (Some(back), Core::HalfSpace(_)) => {
+                    Meeting::new(mine, &first.moved(&back.pose), first, back).below()
+                }
+                _ => meeting.below(),
+            };
+            // No number is no bound.
+            lowest = if below.is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                lowest.min(below)
+            };
+            left.push([i, j]);
+        };
+        match &piece.near {
+            Some(near) => near.iter().for_each(|pair| visit(*pair)),
+            None => {
+                for i in 0..self.hulls[0].elements.len() {
+                    (0..self.hulls[1].elements.len()).for_each(|j| visit([i, j]));
+                }
+            }
+        }
+        let blur = self.chain.blur(arguments, ball);
+        Look {
+            lowest,
+            middle: nearest + blur,
+            is_blurred: nearest - 2.0 * blur < goal,
+            near: Some(left.into()),
+        }
+    }
+}
+
+impl Search {
+    /// Halves what is settled below the goal.
+    fn reopen(&mut self, motion: &mut Motion, goal: f64) {
+        let mut kept = Vec::new();
+        // The lowest is looked at first.
+        self.settled
+            .sort_by(|(_, p), (_, q)| q.lowest.total_cmp(&p.lowest));
+        for (piece, look) in self.settled.drain(..) {
+            let is_low = look.lowest < goal && look.lowest > f64::NEG_INFINITY;
+            let is_open = is_low && self.looks < MAX_LOOKS;
+            match is_open.then(|| parts(motion, &piece, &look)).flatten() {
+                Some(parts) => self.open.extend(parts),
+                None => kept.push((piece, look)),
+            }
+        }
+        self.settled = kept;
+    }
+}
+
+/// All stretches of the motion, each as one piece, the one with the lowest distances at its ends last.
+fn roots(motion: &Motion, distances: &[f64]) -> Vec<Piece> {
+    let value = |place: Option<usize>| place.map_or(f64::NEG_INFINITY, |place| distances[place]);
+    let whole = |root: usize| {
+        let ends = motion.stretches[root].ends;
+        Piece {
+            stretch: root,
+            middle: 0.0,
+            half: 1.0,
+            ends: value(ends[0]).min(value(ends[1])),
+            near: None,
+        }
+    };
+    let mut open: Vec<Piece> = (0..motion.roots).map(whole).collect();
+    open.sort_by(|p, q| q.ends.total_cmp(&p.ends));
+    open
+}
+
+/// The two halves of a piece; of a stretch with narrower bounds where that is what is missing.
+fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> {
+    let part = |stretch: usize, middle: f64, half: f64| Piece {
+        stretch,
+        middle,
+        half,
+        ends: f64::NEG_INFINITY,
+        near: look.near.clone(),
+    };
+    let is_certified = motion.stretches[piece.stretch].is_certified;
+    if (look.is_blurred || !is_certified)
+        && let Some([first, second]) = motion.halves(piece.stretch)
+    {
+        // The same times as seen from the halves.
+        let (from, to) = (piece.middle - piece.half, piece.middle + piece.half);
+        let (low, high) = (2.0 * from + 1.0, 2.0 * to + 1.0);
+        let over = |stretch: usize, low: f64, high: f64| {
+            part(stretch, 0.5 * (low + high), 0.5 * (high - low))
+        };
+        return Some(if to <= 0.0 {
+            let middle = 0.5 * (low + high);
+            [over(first, low, middle), over(first, middle, high)]
+        } else if from >= 0.0 {
+            let (low, high) = (low - 2.0, high - 2.0);
+            let middle = 0.5 * (low + high);
+            [over(second, low, middle), over(second, middle, high)]
+        } else {
+            [over(first, low, 1.0), over(second, -1.0, high - 2.0)]
+        });
+    }
+    let half = 0.5 * piece.half;
+    (is_certified && half >= SHORTEST).then(|| {
+        [
+            part(piece.stretch, piece.middle - half, half),
+            part(piece.stretch, piece.middle + half, half),
+        ]
+    })
+}
