@@ -34,7 +34,11 @@ pub fn balls(scene: &Scene) -> Vec<Ball> {
                 None => row.clear(),
             }
             if let [.., a, b, c] = row.as_slice() {
-                let angles = if a.1 { [c.0, b.0, a.0] } else { [a.0, b.0, c.0] };
+                let angles = if a.1 {
+                    [c.0, b.0, a.0]
+                } else {
+                    [a.0, b.0, c.0]
+                };
                 if !found.contains(&Ball(angles)) {
                     found.push(Ball(angles));
                 }
@@ -49,7 +53,11 @@ pub fn balls(scene: &Scene) -> Vec<Ball> {
 pub fn distance_from_lock(scene: &Scene, ball: Ball, coordinates: &[Precise]) -> f64 {
     let Ball([first, _, last]) = ball;
     let unknowns = scene.unknowns.len();
-    let place = |steps: &[Step], k| steps.iter().position(|s| turns_by(s, unknowns).is_some_and(|t| t.0 == k));
+    let place = |steps: &[Step], k| {
+        steps
+            .iter()
+            .position(|s| turns_by(s, unknowns).is_some_and(|t| t.0 == k))
+    };
     let chain = scene.loops.iter().find_map(|steps| {
         let (a, c) = (place(steps, first)?, place(steps, last)?);
         Some(&steps[a.min(c)..=a.max(c)])
@@ -60,9 +68,14 @@ pub fn distance_from_lock(scene: &Scene, ball: Ball, coordinates: &[Precise]) ->
         _ => unreachable!(),
     };
     let frame = super::chain::Frame::at(&steps[..steps.len() - 1], coordinates);
-    let column = frame.columns[axis(&steps[steps.len() - 1])].each_ref().map(Precise::rounded);
+    let column = frame.columns[axis(&steps[steps.len() - 1])]
+        .each_ref()
+        .map(Precise::rounded);
     let along = axis(&steps[0]);
-    [(along + 1) % 3, (along + 2) % 3].map(|k| column[k]).iter().fold(0.0, |s: f64, v| s.hypot(*v))
+    [(along + 1) % 3, (along + 2) % 3]
+        .map(|k| column[k])
+        .iter()
+        .fold(0.0, |s: f64, v| s.hypot(*v))
 }
 
 /// The scene with a small rotation behind the ball joint: three new unknowns, which follow the old ones.
@@ -102,7 +115,11 @@ pub fn loosened(scene: Scene, ball: Ball) -> Scene {
         inputs: scene.inputs,
         loops: scene.loops.into_iter().map(shifted).collect(),
         points: scene.points.into_iter().map(shifted).collect(),
-        distances: scene.distances.into_iter().map(|(sides, sum)| (sides.map(shifted), moved(sum, old))).collect(),
+        distances: scene
+            .distances
+            .into_iter()
+            .map(|(sides, sum)| (sides.map(shifted), moved(sum, old)))
+            .collect(),
         equations: scene.equations.into_iter().map(|e| moved(e, old)).collect(),
     }
 }
@@ -115,7 +132,9 @@ fn moved(formula: Formula, from: usize) -> Formula {
         Formula::Negative(a) => Formula::Negative(boxed(a)),
         Formula::Power(a, n) => Formula::Power(boxed(a), n),
         Formula::Binary(sign, a, b) => Formula::Binary(sign, boxed(a), boxed(b)),
-        Formula::Call(f, all) => Formula::Call(f, all.into_iter().map(|a| moved(a, from)).collect()),
+        Formula::Call(f, all) => {
+            Formula::Call(f, all.into_iter().map(|a| moved(a, from)).collect())
+        }
         leaf => leaf,
     }
 }

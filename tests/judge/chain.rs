@@ -30,7 +30,11 @@ pub type Chains = HashMap<String, Vec<Item>>;
 pub fn parse(text: &str) -> Vec<Item> {
     let mut reader = Reader::new(text);
     let items = items(&mut reader);
-    assert!(reader.rest().is_empty(), "`{}` is left of `{text}`", reader.rest());
+    assert!(
+        reader.rest().is_empty(),
+        "`{}` is left of `{text}`",
+        reader.rest()
+    );
     items
 }
 
@@ -43,7 +47,11 @@ fn items(reader: &mut Reader) -> Vec<Item> {
             all.push(Item::Inverse(items(reader)));
             reader.must(')');
         } else {
-            all.extend(transform(name, reader.arguments()).into_iter().map(Item::Part));
+            all.extend(
+                transform(name, reader.arguments())
+                    .into_iter()
+                    .map(Item::Part),
+            );
         }
         reader.sign(&['*', '·', '×']);
     }
@@ -56,8 +64,14 @@ fn transform(name: &str, arguments: Vec<Node>) -> Vec<Part> {
     match (motion, axis, arguments.as_slice()) {
         ("T", Some(axis), [length]) => vec![Part::Shift(axis, length.clone())],
         ("R", Some(axis), [angle]) => vec![Part::Turn(axis, angle.clone())],
-        ("T", None, [_, _, _]) => arguments.into_iter().enumerate().map(|(k, a)| Part::Shift(k, a)).collect(),
-        ("R", None, [x, y, z, angle]) => vec![Part::About([x, y, z].map(Clone::clone), angle.clone())],
+        ("T", None, [_, _, _]) => arguments
+            .into_iter()
+            .enumerate()
+            .map(|(k, a)| Part::Shift(k, a))
+            .collect(),
+        ("R", None, [x, y, z, angle]) => {
+            vec![Part::About([x, y, z].map(Clone::clone), angle.clone())]
+        }
         ("H", Some(axis), [pitch, angle]) => vec![Part::Screw(axis, pitch.clone(), angle.clone())],
         _ => panic!("no transform {name} of {}", arguments.len()),
     }
@@ -109,9 +123,15 @@ pub enum Motion {
 
 impl Step {
     pub fn new(motion: Motion, argument: Formula) -> Self {
-        let angle = argument.constant().filter(|_| !matches!(motion, Motion::Shift(_)));
+        let angle = argument
+            .constant()
+            .filter(|_| !matches!(motion, Motion::Shift(_)));
         let known = angle.map(|a| <[Precise; 2]>::from(a.sin_cos()));
-        Self { motion, argument, known }
+        Self {
+            motion,
+            argument,
+            known,
+        }
     }
 }
 
@@ -146,7 +166,9 @@ impl<N: Number> Frame<N> {
             Motion::Turn(axis) => self.turn(*axis, sin_cos()),
             Motion::About(direction) => self.about(direction, sin_cos()),
             Motion::Screw(axis, pitch) => {
-                let turns = argument().over(&N::of_precise(&Precise::pi())).over(&N::of_precise(&Precise::of(2.0)));
+                let turns = argument()
+                    .over(&N::of_precise(&Precise::pi()))
+                    .over(&N::of_precise(&Precise::of(2.0)));
                 self.shift(*axis, &turns.times(&pitch.at(coordinates)));
                 self.turn(*axis, sin_cos());
             }
@@ -162,7 +184,10 @@ impl<N: Number> Frame<N> {
     fn turn(&mut self, axis: usize, (sine, cosine): (N, N)) {
         let (first, second) = ((axis + 1) % 3, (axis + 2) % 3);
         for i in 0..3 {
-            let (a, b) = (self.columns[first][i].clone(), self.columns[second][i].clone());
+            let (a, b) = (
+                self.columns[first][i].clone(),
+                self.columns[second][i].clone(),
+            );
             self.columns[first][i] = a.times(&cosine).plus(&b.times(&sine));
             self.columns[second][i] = b.times(&cosine).minus(&a.times(&sine));
         }

@@ -23,15 +23,27 @@ fn residual<N: Number>(scene: &Scene, size: f64, coordinates: &[N]) -> Vec<N> {
         rows.extend(frame.origin.iter().map(|c| c.times(&scale)));
     }
     for steps in &scene.points {
-        rows.extend(Frame::at(steps, coordinates).origin.iter().map(|c| c.times(&scale)));
+        rows.extend(
+            Frame::at(steps, coordinates)
+                .origin
+                .iter()
+                .map(|c| c.times(&scale)),
+        );
     }
     for (sides, sum) in &scene.distances {
-        let [a, b] = sides.each_ref().map(|steps| Frame::at(steps, coordinates).origin);
+        let [a, b] = sides
+            .each_ref()
+            .map(|steps| Frame::at(steps, coordinates).origin);
         let apart = [0, 1, 2].map(|k| b[k].minus(&a[k]));
         let distance = super::chain::dot(&apart, &apart).root();
         rows.push(distance.minus(&sum.at(coordinates)).times(&scale));
     }
-    rows.extend(scene.equations.iter().map(|equation| equation.at(coordinates)));
+    rows.extend(
+        scene
+            .equations
+            .iter()
+            .map(|equation| equation.at(coordinates)),
+    );
     rows
 }
 
@@ -45,16 +57,28 @@ fn is_turned(scene: &Scene, coordinates: &[Precise]) -> bool {
 
 /// Derivatives of the residual by the unknowns in `free`, each per angle of one or length of `size`, and what the rows
 /// are multiplied by: equations are brought to the size of the rest.
-fn jacobian(scene: &Scene, size: f64, coordinates: &[Precise], free: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
+fn jacobian(
+    scene: &Scene,
+    size: f64,
+    coordinates: &[Precise],
+    free: &[usize],
+) -> (Vec<Vec<f64>>, Vec<f64>) {
     let rounded: Vec<f64> = coordinates.iter().map(Precise::rounded).collect();
     let column = |j: &usize| {
-        let unit = if scene.unknowns[*j].is_angle { 1.0 } else { size };
+        let unit = if scene.unknowns[*j].is_angle {
+            1.0
+        } else {
+            size
+        };
         let moving = |(k, value): (usize, &f64)| Dual {
             value: *value,
             slope: if k == *j { unit } else { 0.0 },
         };
         let at: Vec<Dual> = rounded.iter().enumerate().map(moving).collect();
-        residual(scene, size, &at).iter().map(|r| r.slope).collect::<Vec<f64>>()
+        residual(scene, size, &at)
+            .iter()
+            .map(|r| r.slope)
+            .collect::<Vec<f64>>()
     };
     let mut columns: Vec<Vec<f64>> = free.iter().map(column).collect();
     let rows = columns.first().map_or(0, Vec::len);
@@ -69,7 +93,12 @@ fn jacobian(scene: &Scene, size: f64, coordinates: &[Precise], free: &[usize]) -
 
 /// Unknowns that remain if `idle` ones may keep their values, as long as they say nothing that others do not.
 /// None where the rest is not determined.
-pub fn free_unknowns(scene: &Scene, size: f64, coordinates: &[Precise], idle: &[usize]) -> Option<Vec<usize>> {
+pub fn free_unknowns(
+    scene: &Scene,
+    size: f64,
+    coordinates: &[Precise],
+    idle: &[usize],
+) -> Option<Vec<usize>> {
     let rank = |free: &[usize]| Factors::new(jacobian(scene, size, coordinates, free).0).rank;
     let mut free: Vec<usize> = (0..scene.unknowns.len()).collect();
     let whole = rank(&free);
@@ -102,20 +131,31 @@ pub fn close(scene: &Scene, size: f64, start: &[Precise], free: &[usize]) -> Opt
         let factors = Factors::new(columns);
         for _ in 0..6 {
             let rows = residual(scene, size, &at);
-            let rows: Vec<f64> = rows.iter().zip(&scales).map(|(r, s)| r.rounded() * s).collect();
+            let rows: Vec<f64> = rows
+                .iter()
+                .zip(&scales)
+                .map(|(r, s)| r.rounded() * s)
+                .collect();
             let step = factors.solve(&rows);
             let largest = step.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             if step.iter().any(|v| !v.is_finite()) || round > 3 && largest > 1.0 {
                 return None;
             }
             for (j, v) in free.iter().zip(&step) {
-                let unit = if scene.unknowns[*j].is_angle { 1.0 } else { size };
+                let unit = if scene.unknowns[*j].is_angle {
+                    1.0
+                } else {
+                    size
+                };
                 let change = Precise::of(*v).times(&Precise::of(unit));
                 at[*j] = at[*j].minus(&change);
             }
             if largest < CLOSED {
                 let left = residual(scene, size, &at);
-                let left = left.iter().zip(&scales).map(|(r, s)| (r.rounded() * s).abs());
+                let left = left
+                    .iter()
+                    .zip(&scales)
+                    .map(|(r, s)| (r.rounded() * s).abs());
                 return Some(Closed {
                     left: left.fold(0.0, f64::max),
                     is_turned: is_turned(scene, &at),

@@ -32,13 +32,19 @@ pub fn closure(name: &str, sides: &[Side; 2]) -> Closure {
     let frames = || sides.each_ref().map(|side| side.frame.clone());
     let half_turn = |axis| part(Part::Turn(axis, Node::Pi));
     match sides.each_ref().map(|side| &side.shape) {
-        [Shape::Sphere { radius: a }, Shape::Sphere { radius: b }] => Closure::Distance(frames(), sum(a, b)),
+        [Shape::Sphere { radius: a }, Shape::Sphere { radius: b }] => {
+            Closure::Distance(frames(), sum(a, b))
+        }
         [_, Shape::Sphere { radius }] => Closure::Point(to_centre(name, sides, 0, radius)),
         [Shape::Sphere { radius }, _] => Closure::Point(to_centre(name, sides, 1, radius)),
         [Shape::Plane, Shape::Plane] => {
             let [mut items, second] = frames();
             items.extend(slides(name, 0));
-            items.extend([part(Part::Turn(2, unknown(name, "spin"))), half_turn(0), Item::Inverse(second)]);
+            items.extend([
+                part(Part::Turn(2, unknown(name, "spin"))),
+                half_turn(0),
+                Item::Inverse(second),
+            ]);
             Closure::Frame(items)
         }
         _ => {
@@ -60,7 +66,12 @@ fn to_centre(name: &str, sides: &[Side; 2], side: usize, radius: &Node) -> Vec<I
 /// From the world to a point of a surface, or so far beyond it; x along the outward normal.
 fn to_surface(name: &str, sides: &[Side; 2], side: usize, beyond: Option<&Node>) -> Vec<Item> {
     let own = |what: &str| unknown(name, &format!("{what}{}", side + 1));
-    let out = |size: &Node| part(Part::Shift(0, beyond.map_or(size.clone(), |more| sum(size, more))));
+    let out = |size: &Node| {
+        part(Part::Shift(
+            0,
+            beyond.map_or(size.clone(), |more| sum(size, more)),
+        ))
+    };
     let mut items = sides[side].frame.clone();
     match &sides[side].shape {
         Shape::Torus { ring, tube } => items.extend([
@@ -88,7 +99,12 @@ fn to_surface(name: &str, sides: &[Side; 2], side: usize, beyond: Option<&Node>)
 }
 
 fn slides(name: &str, side: usize) -> [Item; 2] {
-    [("u", 0), ("v", 1)].map(|(what, axis)| part(Part::Shift(axis, unknown(name, &format!("{what}{}", side + 1)))))
+    [("u", 0), ("v", 1)].map(|(what, axis)| {
+        part(Part::Shift(
+            axis,
+            unknown(name, &format!("{what}{}", side + 1)),
+        ))
+    })
 }
 
 fn unknown(contact: &str, what: &str) -> Node {

@@ -27,17 +27,30 @@ impl File {
         let table = DeTable::parse(text).unwrap();
         let table = table.get_ref();
         let units = table.get("units").and_then(|u| u.get_ref().as_table());
-        let angle = units.and_then(|u| u.get("angle")).and_then(|a| a.get_ref().as_str());
-        let formulas = |key: &str| section(table, key).into_iter().map(|(n, v)| (n, formula_of(v)));
+        let angle = units
+            .and_then(|u| u.get("angle"))
+            .and_then(|a| a.get_ref().as_str());
+        let formulas = |key: &str| {
+            section(table, key)
+                .into_iter()
+                .map(|(n, v)| (n, formula_of(v)))
+        };
         let chain_of = |value: &DeValue| chain::parse(value.as_str().unwrap());
-        let chains = |key: &str| section(table, key).into_iter().map(|(n, v)| (n, chain_of(v)));
+        let chains = |key: &str| {
+            section(table, key)
+                .into_iter()
+                .map(|(n, v)| (n, chain_of(v)))
+        };
         let bodies = table.get("bodies").and_then(|b| b.get_ref().as_array());
         let bodies = bodies.into_iter().flat_map(|b| b.iter());
         let frames = bodies.filter_map(|b| b.get_ref().as_table()?.get("frame"));
         Self {
             is_in_degrees: angle == Some("deg"),
             parameters: formulas("parameters").collect(),
-            inputs: section(table, "inputs").into_iter().map(|(n, v)| (n, drive_of(v))).collect(),
+            inputs: section(table, "inputs")
+                .into_iter()
+                .map(|(n, v)| (n, drive_of(v)))
+                .collect(),
             guess: formulas("guess").collect(),
             chains: chains("chains").collect(),
             loops: chains("loops").map(|(_, items)| items).collect(),
@@ -57,7 +70,9 @@ fn section<'a>(table: &'a DeTable<'a>, key: &str) -> Vec<(String, &'a DeValue<'a
     let mut all = Vec::new();
     entries(inner, "", key == "guess", &mut all);
     all.sort_by_key(|(_, value)| value.span().start);
-    all.into_iter().map(|(name, value)| (name, value.get_ref())).collect()
+    all.into_iter()
+        .map(|(name, value)| (name, value.get_ref()))
+        .collect()
 }
 
 fn entries<'a>(
@@ -103,7 +118,10 @@ fn contacts(table: &DeTable) -> Vec<(String, [Side; 2])> {
     let all = section(table, "contacts").into_iter();
     all.map(|(name, value)| {
         let value = value.as_table().unwrap();
-        (name, ["first", "second"].map(|side| side_of(value[side].get_ref().as_table().unwrap())))
+        (
+            name,
+            ["first", "second"].map(|side| side_of(value[side].get_ref().as_table().unwrap())),
+        )
     })
     .collect()
 }
@@ -124,5 +142,8 @@ fn side_of(table: &DeTable) -> Side {
         assert!(table.contains_key("plane"));
         Shape::Plane
     };
-    Side { shape, frame: frame.map(chain::parse).unwrap_or_default() }
+    Side {
+        shape,
+        frame: frame.map(chain::parse).unwrap_or_default(),
+    }
 }

@@ -37,7 +37,11 @@ impl Node {
 pub fn parse(text: &str) -> Node {
     let mut reader = Reader::new(text);
     let node = reader.sum();
-    assert!(reader.rest().is_empty(), "`{}` is left of `{text}`", reader.rest());
+    assert!(
+        reader.rest().is_empty(),
+        "`{}` is left of `{text}`",
+        reader.rest()
+    );
     node
 }
 
@@ -48,7 +52,9 @@ pub struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     pub fn new(text: &'a str) -> Self {
-        Self { rest: text.trim_start() }
+        Self {
+            rest: text.trim_start(),
+        }
     }
 
     pub fn rest(&self) -> &'a str {
@@ -70,7 +76,11 @@ impl<'a> Reader<'a> {
     }
 
     pub fn must(&mut self, sign: char) {
-        assert!(self.sign(&[sign]).is_some(), "no `{sign}` before `{}`", self.rest);
+        assert!(
+            self.sign(&[sign]).is_some(),
+            "no `{sign}` before `{}`",
+            self.rest
+        );
     }
 
     /// Takes a name if one comes next.
@@ -135,7 +145,9 @@ impl<'a> Reader<'a> {
         }
         match self.name() {
             Some("pi" | "π") => Node::Pi,
-            Some(name) if self.sign(&['(']).is_some() => Node::Call(name.to_owned(), self.arguments()),
+            Some(name) if self.sign(&['(']).is_some() => {
+                Node::Call(name.to_owned(), self.arguments())
+            }
             Some(name) => Node::Name(name.to_owned()),
             None => self.number(),
         }

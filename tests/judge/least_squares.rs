@@ -20,7 +20,9 @@ impl Factors {
         let (mut weights, mut first, mut rank) = (Vec::new(), 0.0, 0);
         for k in 0..count.min(rows) {
             let rest = |c: &Vec<f64>| c[k..].iter().map(|v| v * v).sum::<f64>();
-            let pivot = (k..count).max_by(|a, b| rest(&columns[*a]).total_cmp(&rest(&columns[*b]))).unwrap();
+            let pivot = (k..count)
+                .max_by(|a, b| rest(&columns[*a]).total_cmp(&rest(&columns[*b])))
+                .unwrap();
             columns.swap(k, pivot);
             order.swap(k, pivot);
             let norm = rest(&columns[k]).sqrt();
@@ -41,7 +43,12 @@ impl Factors {
             // The reflector stays below; its head is kept beside the diagonal.
             columns[k].push(diagonal);
         }
-        Self { columns, order, weights, rank }
+        Self {
+            columns,
+            order,
+            weights,
+            rank,
+        }
     }
 
     /// The smallest correction of a matrix of full column rank: min |A x - b|.
@@ -53,7 +60,9 @@ impl Factors {
         }
         let mut x = vec![0.0; self.columns.len()];
         for k in (0..self.rank).rev() {
-            let known: f64 = (k + 1..self.rank).map(|j| self.columns[j][k] * x[self.order[j]]).sum();
+            let known: f64 = (k + 1..self.rank)
+                .map(|j| self.columns[j][k] * x[self.order[j]])
+                .sum();
             x[self.order[k]] = (b[k] - known) / self.columns[k][rows];
         }
         x

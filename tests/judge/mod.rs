@@ -9,6 +9,7 @@ mod contact;
 mod file;
 mod formula;
 mod least_squares;
+pub mod loops;
 mod number;
 mod scene;
 pub mod table;
@@ -50,7 +51,9 @@ impl Verdict {
     /// What is wrong with the row.
     pub fn complaint(&self) -> Option<String> {
         match self {
-            Self::Judged { ratio, unknown, .. } if *ratio > 1.0 => Some(format!("{unknown} is off by {ratio:.4} bounds")),
+            Self::Judged { ratio, unknown, .. } if *ratio > 1.0 => {
+                Some(format!("{unknown} is off by {ratio:.4} bounds"))
+            }
             Self::Broken(reason) => Some(reason.clone()),
             _ => None,
         }
@@ -63,7 +66,9 @@ type Row = HashMap<String, String>;
 pub fn judge(scene: &str, table: &Table, size: f64) -> Vec<Verdict> {
     let scene_text = scene;
     let scene = Scene::read(scene_text);
-    let idle: Vec<usize> = (0..scene.unknowns.len()).filter(|k| rests(&scene, *k, table)).collect();
+    let idle: Vec<usize> = (0..scene.unknowns.len())
+        .filter(|k| rests(&scene, *k, table))
+        .collect();
     let verdicts = table.rows.iter().map(|row| {
         if row["status"] == "no-pose" {
             return Verdict::NoPose;
@@ -81,15 +86,25 @@ pub fn judge(scene: &str, table: &Table, size: f64) -> Vec<Verdict> {
     verdicts.collect()
 }
 
+/// Names of the unknowns, with the radians in one printed unit of angles.
+pub fn unknowns(scene: &str) -> Vec<(String, Option<f64>)> {
+    let unknowns = Scene::read(scene).unknowns.into_iter();
+    unknowns
+        .map(|u| (u.name, u.is_angle.then(|| u.unit.rounded())))
+        .collect()
+}
+
 /// Whether an unknown keeps its start value in all rows, as idle ones do.
 fn rests(scene: &Scene, k: usize, table: &Table) -> bool {
     let unknown = &scene.unknowns[k];
     let poses = table.rows.iter().filter(|row| row["status"] != "no-pose");
     let guess = &unknown.guess;
-    poses.map(|row| table::number(row, &unknown.name).times(&unknown.unit)).all(|value| {
-        let apart = value.minus(guess).rounded().abs();
-        apart <= SAME * guess.rounded().abs().max(SAME)
-    })
+    poses
+        .map(|row| table::number(row, &unknown.name).times(&unknown.unit))
+        .all(|value| {
+            let apart = value.minus(guess).rounded().abs();
+            apart <= SAME * guess.rounded().abs().max(SAME)
+        })
 }
 
 /// The printed coordinates in radians and lengths; small rotations that are printed nowhere are zero.
@@ -112,17 +127,29 @@ fn judge_row(scene: &Scene, row: &Row, size: f64, bound: f64, idle: &[usize]) ->
         return broken("does not converge");
     };
     if closed.left > VANISHED {
-        return Verdict::Broken(format!("does not close: {:.1e} of the size is left", closed.left));
+        return Verdict::Broken(format!(
+            "does not close: {:.1e} of the size is left",
+            closed.left
+        ));
     }
     if closed.is_turned {
         return broken("is turned by pi");
     }
     let distance = |k: &usize| {
         let apart = closed.coordinates[*k].minus(&start[*k]).rounded().abs();
-        if scene.unknowns[*k].is_angle { apart * size } else { apart }
+        if scene.unknowns[*k].is_angle {
+            apart * size
+        } else {
+            apart
+        }
     };
-    let worst = free.iter().copied().max_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let (apart, unknown) = worst.map_or((0.0, String::new()), |k| (distance(&k), scene.unknowns[k].name.clone()));
+    let worst = free
+        .iter()
+        .copied()
+        .max_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let (apart, unknown) = worst.map_or((0.0, String::new()), |k| {
+        (distance(&k), scene.unknowns[k].name.clone())
+    });
     Verdict::Judged {
         ratio: if apart == 0.0 { 0.0 } else { apart / bound },
         unknown,

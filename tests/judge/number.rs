@@ -40,7 +40,11 @@ pub trait Number: Clone {
     fn raised(&self, exponent: i64) -> Self {
         let one = Self::of_precise(&Precise::of(1.0));
         let power = (0..exponent.unsigned_abs()).fold(one.clone(), |p, _| p.times(self));
-        if exponent < 0 { one.over(&power) } else { power }
+        if exponent < 0 {
+            one.over(&power)
+        } else {
+            power
+        }
     }
 }
 
@@ -56,7 +60,8 @@ impl Precise {
     /// The number that a decimal text means.
     pub fn of_decimal(text: &str) -> Self {
         let plain = text.trim().trim_start_matches('+').replace('_', "");
-        let value = CONSTANTS.with_borrow_mut(|c| BigFloat::parse(&plain, Radix::Dec, BITS, CUT, c));
+        let value =
+            CONSTANTS.with_borrow_mut(|c| BigFloat::parse(&plain, Radix::Dec, BITS, CUT, c));
         assert!(!value.is_nan() && !value.is_inf(), "`{text}` is no number");
         Self(value)
     }
@@ -71,7 +76,9 @@ impl Precise {
             return f64::NAN;
         };
         // The mantissa is a fraction, its last word first; zero may have none.
-        let fraction = words.iter().fold(0.0, |rest, word| (*word as f64 + rest) / 2f64.powi(64));
+        let fraction = words
+            .iter()
+            .fold(0.0, |rest, word| (*word as f64 + rest) / 2f64.powi(64));
         let size = fraction * 2f64.powi(exponent.max(-1000));
         if sign.is_negative() { -size } else { size }
     }
@@ -140,7 +147,11 @@ impl Number for Precise {
     fn atan2(&self, x: &Self) -> Self {
         let arctan = |v: Self| Self(CONSTANTS.with_borrow_mut(|c| v.0.atan(BITS, CUT, c)));
         let half_pi = HALF_PI.with(Clone::clone);
-        let right = if self.is_negative() { half_pi.negative() } else { half_pi };
+        let right = if self.is_negative() {
+            half_pi.negative()
+        } else {
+            half_pi
+        };
         if x.0.is_zero() && self.0.is_zero() {
             Self::of(0.0)
         } else if x.size().is_below(&self.size()) {
@@ -206,7 +217,10 @@ impl Number for Dual {
 
     fn over(&self, other: &Self) -> Self {
         let quotient = self.value / other.value;
-        Self::with(quotient, (self.slope - quotient * other.slope) / other.value)
+        Self::with(
+            quotient,
+            (self.slope - quotient * other.slope) / other.value,
+        )
     }
 
     fn negative(&self) -> Self {
@@ -261,23 +275,42 @@ mod tests {
         for text in ["0", "0.3", "-1.7e-9", "4.1e22", "12345.678", "3", "1e-30"] {
             let x = Precise::of_decimal(text);
             let near: f64 = text.parse().unwrap();
-            assert!((x.rounded() - near).abs() <= 4e-16 * near.abs(), "{text} {}", x.rounded());
+            assert!(
+                (x.rounded() - near).abs() <= 4e-16 * near.abs(),
+                "{text} {}",
+                x.rounded()
+            );
             assert_eq!(Precise::of(near).rounded(), near);
         }
         let tenth = Precise::of_decimal("0.1");
-        let rest = tenth.times(&Precise::of(10.0)).minus(&Precise::of(1.0)).rounded();
+        let rest = tenth
+            .times(&Precise::of(10.0))
+            .minus(&Precise::of(1.0))
+            .rounded();
         assert!(rest.abs() < 1e-95, "{rest}");
     }
 
     #[test]
     fn sines_are_those_of_the_library() {
-        for text in ["0.3", "-1.7", "0", "1e-9", "101.25", "6283185.807", "-3.141592653589793", "1.5707963267948966"] {
+        for text in [
+            "0.3",
+            "-1.7",
+            "0",
+            "1e-9",
+            "101.25",
+            "6283185.807",
+            "-3.141592653589793",
+            "1.5707963267948966",
+        ] {
             let x = Precise::of_decimal(text);
             let (sine, cosine) = x.sin_cos();
             let library = |f: fn(&BigFloat, usize, RoundingMode, &mut Consts) -> BigFloat| {
                 Precise(CONSTANTS.with_borrow_mut(|c| f(&x.0, BITS, CUT, c)))
             };
-            let off = [sine.minus(&library(BigFloat::sin)), cosine.minus(&library(BigFloat::cos))];
+            let off = [
+                sine.minus(&library(BigFloat::sin)),
+                cosine.minus(&library(BigFloat::cos)),
+            ];
             for off in off {
                 assert!(off.rounded().abs() < 1e-85, "{text}: {}", off.rounded());
             }

@@ -35,9 +35,16 @@ pub struct Coordinate {
 impl Scene {
     pub fn read(text: &str) -> Self {
         let file = File::parse(text);
-        let closures = file.contacts.iter().map(|(name, sides)| contact::closure(name, sides));
+        let closures = file
+            .contacts
+            .iter()
+            .map(|(name, sides)| contact::closure(name, sides));
         let mut draft = Draft::default();
-        draft.loops = file.loops.iter().map(|items| expanded(items, &file)).collect();
+        draft.loops = file
+            .loops
+            .iter()
+            .map(|items| expanded(items, &file))
+            .collect();
         for closure in closures {
             match closure {
                 Closure::Frame(items) => draft.loops.push(expanded(&items, &file)),
@@ -69,28 +76,52 @@ struct Draft {
 
 impl Draft {
     fn parts(&self) -> impl Iterator<Item = &Part> {
-        let distances = self.distances.iter().flat_map(|(sides, _)| sides.iter().flatten());
-        self.loops.iter().chain(&self.points).flatten().chain(distances)
+        let distances = self
+            .distances
+            .iter()
+            .flat_map(|(sides, _)| sides.iter().flatten());
+        self.loops
+            .iter()
+            .chain(&self.points)
+            .flatten()
+            .chain(distances)
     }
 
     /// What every name measures, from where it stands.
     fn kinds(&self, file: &File) -> Kinds {
         let mut kinds = Kinds::new();
-        let frames: Vec<Part> = file.frames.iter().filter(|items| is_known(items, file)).flat_map(|items| expanded(items, file)).collect();
+        let frames: Vec<Part> = file
+            .frames
+            .iter()
+            .filter(|items| is_known(items, file))
+            .flat_map(|items| expanded(items, file))
+            .collect();
         for part in self.parts().chain(&frames) {
             let (node, kind) = match part {
                 Part::Shift(_, node) => (node, Kind::Length),
-                Part::Turn(_, node) | Part::About(_, node) | Part::Screw(_, _, node) => (node, Kind::Angle),
+                Part::Turn(_, node) | Part::About(_, node) | Part::Screw(_, _, node) => {
+                    (node, Kind::Angle)
+                }
             };
             note(node, Some(kind), &mut kinds);
         }
-        file.equations.iter().chain(&file.outputs).for_each(|node| note(node, None, &mut kinds));
+        file.equations
+            .iter()
+            .chain(&file.outputs)
+            .for_each(|node| note(node, None, &mut kinds));
         let sums = self.distances.iter().map(|(_, sum)| sum);
         sums.for_each(|node| note(node, Some(Kind::Length), &mut kinds));
-        let drives = file.inputs.iter().flat_map(|(name, nodes)| nodes.iter().map(move |n| (name, n)));
+        let drives = file
+            .inputs
+            .iter()
+            .flat_map(|(name, nodes)| nodes.iter().map(move |n| (name, n)));
         let guesses = file.guess.iter().map(|(name, node)| (name, node));
         // A parameter is used below its definition: upwards every use comes before the definition.
-        let parameters = file.parameters.iter().rev().map(|(name, node)| (name, node));
+        let parameters = file
+            .parameters
+            .iter()
+            .rev()
+            .map(|(name, node)| (name, node));
         for (name, node) in drives.chain(guesses).chain(parameters) {
             let kind = kinds.get(name).copied();
             note(node, kind, &mut kinds);
@@ -104,7 +135,10 @@ fn is_known(items: &[chain::Item], file: &File) -> bool {
     items.iter().all(|item| match item {
         chain::Item::Part(_) => true,
         chain::Item::Inverse(inner) => is_known(inner, file),
-        chain::Item::Name(name) => file.chains.get(name).is_some_and(|inner| is_known(inner, file)),
+        chain::Item::Name(name) => file
+            .chains
+            .get(name)
+            .is_some_and(|inner| is_known(inner, file)),
     })
 }
 
@@ -123,7 +157,11 @@ impl Resolver {
         let degree = Precise::pi().over(&Precise::of(180.0));
         let mut resolver = Self {
             kinds,
-            file_unit: if file.is_in_degrees { degree } else { Precise::of(1.0) },
+            file_unit: if file.is_in_degrees {
+                degree
+            } else {
+                Precise::of(1.0)
+            },
             parameters: HashMap::new(),
             coordinates: Vec::new(),
             unknowns: 0,
@@ -145,39 +183,58 @@ impl Resolver {
         for part in draft.parts() {
             match part {
                 Part::Shift(_, node) | Part::Turn(_, node) => gather(node),
-                Part::About(direction, node) => direction.iter().chain([node]).for_each(&mut gather),
+                Part::About(direction, node) => {
+                    direction.iter().chain([node]).for_each(&mut gather)
+                }
                 Part::Screw(_, pitch, node) => [pitch, node].into_iter().for_each(&mut gather),
             }
         }
         file.equations.iter().for_each(&mut gather);
         resolver.unknowns = resolver.coordinates.len();
-        resolver.coordinates.extend(file.inputs.iter().map(|(name, _)| name.clone()));
+        resolver
+            .coordinates
+            .extend(file.inputs.iter().map(|(name, _)| name.clone()));
         resolver
     }
 
     fn formula(&self, node: &Node, wanted: Option<Kind>) -> Formula {
         let marked = mark(node.clone(), wanted, &self.kinds);
-        Formula::new(&marked, &self.file_unit, &|name| match self.parameters.get(name) {
-            Some(value) => Meaning::Constant(value.clone()),
-            None => {
-                let index = self.coordinates.iter().position(|n| n == name);
-                Meaning::Coordinate(index.unwrap_or_else(|| panic!("`{name}` is not known")))
-            }
-        })
+        Formula::new(
+            &marked,
+            &self.file_unit,
+            &|name| match self.parameters.get(name) {
+                Some(value) => Meaning::Constant(value.clone()),
+                None => {
+                    let index = self.coordinates.iter().position(|n| n == name);
+                    Meaning::Coordinate(index.unwrap_or_else(|| panic!("`{name}` is not known")))
+                }
+            },
+        )
     }
 
     fn steps(&self, parts: &[Part]) -> Vec<Step> {
         let constant = |node: &Node| self.formula(node, None).constant().unwrap().clone();
         let step = |part: &Part| match part {
-            Part::Shift(axis, length) => Step::new(Motion::Shift(*axis), self.formula(length, Some(Kind::Length))),
-            Part::Turn(axis, angle) => Step::new(Motion::Turn(*axis), self.formula(angle, Some(Kind::Angle))),
+            Part::Shift(axis, length) => Step::new(
+                Motion::Shift(*axis),
+                self.formula(length, Some(Kind::Length)),
+            ),
+            Part::Turn(axis, angle) => {
+                Step::new(Motion::Turn(*axis), self.formula(angle, Some(Kind::Angle)))
+            }
             Part::About(direction, angle) => {
                 let direction = normalised(direction.each_ref().map(constant));
-                Step::new(Motion::About(direction), self.formula(angle, Some(Kind::Angle)))
+                Step::new(
+                    Motion::About(direction),
+                    self.formula(angle, Some(Kind::Angle)),
+                )
             }
             Part::Screw(axis, pitch, angle) => {
                 let pitch = self.formula(pitch, Some(Kind::Length));
-                Step::new(Motion::Screw(*axis, pitch), self.formula(angle, Some(Kind::Angle)))
+                Step::new(
+                    Motion::Screw(*axis, pitch),
+                    self.formula(angle, Some(Kind::Angle)),
+                )
             }
         };
         parts.iter().map(step).collect()
@@ -196,7 +253,11 @@ impl Resolver {
             let guess = guess.map(|(_, node)| self.formula(node, kind).constant().unwrap().clone());
             Coordinate {
                 name: name.clone(),
-                unit: if is_angle { self.file_unit.clone() } else { Precise::of(1.0) },
+                unit: if is_angle {
+                    self.file_unit.clone()
+                } else {
+                    Precise::of(1.0)
+                },
                 is_angle,
                 guess: guess.unwrap_or_else(|| Precise::of(0.0)),
             }
@@ -208,7 +269,11 @@ impl Resolver {
             loops: all(&draft.loops),
             points: all(&draft.points),
             distances: distances.collect(),
-            equations: file.equations.iter().map(|node| self.formula(node, None)).collect(),
+            equations: file
+                .equations
+                .iter()
+                .map(|node| self.formula(node, None))
+                .collect(),
         }
     }
 }

@@ -69,7 +69,9 @@ pub fn mark(node: Node, wanted: Option<Kind>, kinds: &Kinds) -> Node {
     }
     match node {
         Node::Negative(inner) => Node::Negative(boxed(inner, wanted)),
-        Node::Binary(sign @ ('+' | '-'), a, b) => Node::Binary(sign, boxed(a, wanted), boxed(b, wanted)),
+        Node::Binary(sign @ ('+' | '-'), a, b) => {
+            Node::Binary(sign, boxed(a, wanted), boxed(b, wanted))
+        }
         Node::Binary(sign, a, b) => Node::Binary(sign, boxed(a, None), boxed(b, None)),
         Node::Call(function, arguments) => {
             let inner = wanted_inside(&function, wanted);
