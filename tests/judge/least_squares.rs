@@ -10,7 +10,7 @@ pub struct Factors {
 }
 
 /// Diagonal entries below this share of the first count as zero.
-const RANK: f64 = 1e-10;
+const RANK: f64 = 1e-13;
 
 impl Factors {
     pub fn new(mut columns: Vec<Vec<f64>>) -> Self {
