@@ -1,5 +1,6 @@
 //! Every printed row is as near to a closed pose as its `error_bound` says, read as the decimals that are printed:
 //! judged with 96 digits by tests/judge, which shares no code with the engine.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
 mod draws;
 mod judge;

@@ -32,7 +32,7 @@ pub fn random_loop(draws: &mut Draws, number: usize) -> String {
         chain: vec!["Rz(phi)".to_owned()],
         guess: Vec::new(),
     };
-    if number % 3 == 0 {
+    if number.is_multiple_of(3) {
         draft.planar()
     } else {
         draft.spatial()

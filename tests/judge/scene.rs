@@ -35,26 +35,7 @@ pub struct Coordinate {
 impl Scene {
     pub fn read(text: &str) -> Self {
         let file = File::parse(text);
-        let closures = file
-            .contacts
-            .iter()
-            .map(|(name, sides)| contact::closure(name, sides));
-        let mut draft = Draft::default();
-        draft.loops = file
-            .loops
-            .iter()
-            .map(|items| expanded(items, &file))
-            .collect();
-        for closure in closures {
-            match closure {
-                Closure::Frame(items) => draft.loops.push(expanded(&items, &file)),
-                Closure::Point(items) => draft.points.push(expanded(&items, &file)),
-                Closure::Distance(sides, sum) => {
-                    let sides = sides.map(|items| expanded(&items, &file));
-                    draft.distances.push((sides, sum));
-                }
-            }
-        }
+        let draft = Draft::new(&file);
         let kinds = draft.kinds(&file);
         Resolver::new(&file, kinds, &draft).scene(&file, &draft)
     }
@@ -75,6 +56,28 @@ struct Draft {
 }
 
 impl Draft {
+    fn new(file: &File) -> Self {
+        let mut draft = Self {
+            loops: file
+                .loops
+                .iter()
+                .map(|items| expanded(items, file))
+                .collect(),
+            ..Self::default()
+        };
+        for (name, sides) in &file.contacts {
+            match contact::closure(name, sides) {
+                Closure::Frame(items) => draft.loops.push(expanded(&items, file)),
+                Closure::Point(items) => draft.points.push(expanded(&items, file)),
+                Closure::Distance(sides, sum) => {
+                    let sides = sides.map(|items| expanded(&items, file));
+                    draft.distances.push((sides, sum));
+                }
+            }
+        }
+        draft
+    }
+
     fn parts(&self) -> impl Iterator<Item = &Part> {
         let distances = self
             .distances
