@@ -19,7 +19,13 @@ struct Printed {
     size: f64,
 }
 
-/// None where the program finds no pose at all.
+/// Words of a scene that has no rows: nothing closes, or a random loop has a freedom too many.
+const REFUSALS: [&str; 2] = [
+    "the best pose found leaves",
+    "are free than the inputs drive",
+];
+
+/// None where there are no rows.
 fn solve(scene: &str, samples: usize) -> Option<Printed> {
     let folder = Workspace::new();
     folder.write("scene.toml", scene);
@@ -37,11 +43,8 @@ fn solve(scene: &str, samples: usize) -> Option<Printed> {
     };
     let run = solve(&samples, "rows.csv");
     if !folder.path("rows.csv").exists() {
-        assert!(
-            run.stderr.contains("the best pose found leaves"),
-            "{}",
-            run.stderr
-        );
+        let is_refused = REFUSALS.iter().any(|words| run.stderr.contains(words));
+        assert!(is_refused, "{}", run.stderr);
         return None;
     }
     solve("1", "size.json");
@@ -236,5 +239,14 @@ fn move_one_unknown_a_row(printed: &mut Printed, scene: &str) {
             name.clone(),
             (value + 4.0 * bound / distance_of_one).to_string(),
         );
+    }
+}
+
+#[test]
+fn the_judge_names_nothing_of_the_engine() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judge");
+    for file in std::fs::read_dir(folder).unwrap() {
+        let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
+        assert!(!text.contains(&["mechanim", "::"].concat()), "{text}");
     }
 }

@@ -7,8 +7,10 @@ use super::scene::Scene;
 
 /// Corrections below this share of the size end a closing.
 const CLOSED: f64 = 1e-40;
-/// With a Jacobian of 15 digits every step gains that many, less what the condition number takes.
-const STEPS: usize = 60;
+/// Steps with one Jacobian. It has 15 digits, and each step gains that many, less what the condition number takes.
+const STEPS: usize = 6;
+/// Jacobians that a closing may take.
+const ROUNDS: usize = 5;
 
 /// Everything that must vanish, lengths over `size`.
 fn residual<N: Number>(scene: &Scene, size: f64, coordinates: &[N]) -> Vec<N> {
@@ -122,23 +124,17 @@ pub struct Closed {
     pub is_turned: bool,
 }
 
-/// Newton's method from `start` in the unknowns `free`; least squares where there are more rows. None where it does
-/// not converge.
+/// Newton's method from `start` in the unknowns `free`, by least squares where there are more rows. Where these
+/// contradict each other, something is left. None where the steps leave the numbers.
 pub fn close(scene: &Scene, size: f64, start: &[Precise], free: &[usize]) -> Option<Closed> {
     let mut at = start.to_vec();
-    for round in 0..STEPS / 6 {
+    for _ in 0..ROUNDS {
         let (columns, scales) = jacobian(scene, size, &at, free);
         let factors = Factors::new(columns);
-        for _ in 0..6 {
-            let rows = residual(scene, size, &at);
-            let rows: Vec<f64> = rows
-                .iter()
-                .zip(&scales)
-                .map(|(r, s)| r.rounded() * s)
-                .collect();
-            let step = factors.solve(&rows);
-            let largest = step.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            if step.iter().any(|v| !v.is_finite()) || round > 3 && largest > 1.0 {
+        let mut largest = f64::INFINITY;
+        for _ in 0..STEPS {
+            let step = factors.solve(&scaled(&residual(scene, size, &at), &scales));
+            if step.iter().any(|v| !v.is_finite()) {
                 return None;
             }
             for (j, v) in free.iter().zip(&step) {
@@ -150,19 +146,27 @@ pub fn close(scene: &Scene, size: f64, start: &[Precise], free: &[usize]) -> Opt
                 let change = Precise::of(*v).times(&Precise::of(unit));
                 at[*j] = at[*j].minus(&change);
             }
+            largest = step.iter().fold(0.0, |m, v| m.max(v.abs()));
             if largest < CLOSED {
-                let left = residual(scene, size, &at);
-                let left = left
-                    .iter()
-                    .zip(&scales)
-                    .map(|(r, s)| (r.rounded() * s).abs());
-                return Some(Closed {
-                    left: left.fold(0.0, f64::max),
-                    is_turned: is_turned(scene, &at),
-                    coordinates: at,
-                });
+                break;
             }
         }
+        if largest < CLOSED {
+            break;
+        }
     }
-    None
+    let (_, scales) = jacobian(scene, size, &at, free);
+    let left = scaled(&residual(scene, size, &at), &scales);
+    Some(Closed {
+        left: left.iter().fold(0.0, |m, v| m.max(v.abs())),
+        is_turned: is_turned(scene, &at),
+        coordinates: at,
+    })
+}
+
+fn scaled(rows: &[Precise], scales: &[f64]) -> Vec<f64> {
+    rows.iter()
+        .zip(scales)
+        .map(|(row, scale)| row.rounded() * scale)
+        .collect()
 }

@@ -124,7 +124,7 @@ fn judge_row(scene: &Scene, row: &Row, size: f64, bound: f64, idle: &[usize]) ->
         return broken("the unknowns are not determined");
     };
     let Some(closed) = close(scene, size, &start, &free) else {
-        return broken("does not converge");
+        return broken("the closing leaves the numbers");
     };
     if closed.left > VANISHED {
         return Verdict::Broken(format!(
