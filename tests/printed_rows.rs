@@ -59,6 +59,8 @@ fn solve(scene: &str, samples: usize) -> Option<Printed> {
 #[derive(Default)]
 struct Findings {
     judged: usize,
+    /// Of these, by rotations of ball joints.
+    locked: usize,
     worst: f64,
     complaints: Vec<String>,
 }
@@ -72,8 +74,12 @@ impl Findings {
         let verdicts = judge(scene, &printed.table, printed.size);
         let (mut judged, mut worst) = (0, 0.0f64);
         for (row, verdict) in printed.table.rows.iter().zip(&verdicts) {
-            if let Verdict::Judged { ratio, .. } = verdict {
+            if let Verdict::Judged {
+                ratio, is_locked, ..
+            } = verdict
+            {
                 judged += 1;
+                self.locked += usize::from(*is_locked);
                 worst = worst.max(*ratio);
             }
             let complaint = verdict.complaint();
@@ -97,11 +103,12 @@ impl Findings {
     fn must_be_none(self) {
         let Self {
             judged,
+            locked,
             worst,
             complaints,
         } = self;
         let count = complaints.len();
-        println!("{judged} rows judged, worst {worst:.3} bounds");
+        println!("{judged} rows judged, {locked} of them by rotations, worst {worst:.3} bounds");
         assert!(
             complaints.is_empty(),
             "{count} complaints:\n{}",

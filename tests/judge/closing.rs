@@ -1,8 +1,9 @@
 //! Closes a scene with 96 digits, beside given coordinates.
 
 use super::chain::Frame;
+use super::dual::Dual;
 use super::least_squares::Factors;
-use super::number::{Dual, Number, Precise};
+use super::number::{Number, Precise};
 use super::scene::Scene;
 
 /// Corrections below this share of the size end a closing.

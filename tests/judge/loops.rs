@@ -1,7 +1,8 @@
 //! Random closed loops as scenes: joints, links and formulas of all kinds, with a last link of named decimals.
 
 use super::chain::Frame;
-use super::number::{Dual, Number};
+use super::dual::Dual;
+use super::number::Number;
 use super::scene::Scene;
 use crate::draws::Draws;
 

@@ -6,6 +6,8 @@ mod ball;
 mod chain;
 mod closing;
 mod contact;
+mod draft;
+mod dual;
 mod file;
 mod formula;
 mod least_squares;
