@@ -53,6 +53,9 @@ pub enum Closes {
 pub struct Loop {
     /// Name in the scene.
     pub name: String,
+    /// From the world to where the loop begins: motions that both its sides begin with, and that closing it says
+    /// nothing about (the slewing house of an excavator). Without steps if there are none.
+    pub base: Chain,
     /// The product.
     pub chain: Chain,
     /// What it must be.
@@ -170,6 +173,12 @@ impl Mechanism {
     /// Number of coordinates: unknowns and inputs.
     pub fn coordinate_count(&self) -> usize {
         self.unknowns.len() + self.inputs.len()
+    }
+
+    /// All chains: of loops, of what carries them, of bodies.
+    pub fn chains(&self) -> impl Iterator<Item = &Chain> {
+        let loops = self.loops.iter().flat_map(|item| [&item.base, &item.chain]);
+        loops.chain(self.bodies.iter().map(|b| &b.world_from_body))
     }
 
     /// Values of all arguments at the given coordinates (unknowns, then inputs).

@@ -164,11 +164,9 @@ impl Whole {
             })
             .collect();
         let used = |slot: &usize| {
-            let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
-            let chains = lifted.loops.iter().map(|l| &l.chain).chain(bodies);
-            let mut chains = chains.flat_map(Chain::arguments);
+            let mut arguments = mechanism.chains().flat_map(Chain::arguments);
             let mut equations = lifted.equations.iter();
-            chains.any(|a| lifted.arguments[a].coordinates().contains(slot))
+            arguments.any(|a| lifted.arguments[a].coordinates().contains(slot))
                 || equations.any(|e| e.expression.slots().contains(slot))
         };
         let unknowns = (0..lifted.unknowns.len()).filter(used).collect();

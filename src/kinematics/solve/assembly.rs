@@ -179,12 +179,8 @@ fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
 
 /// Whether a whole turn of the coordinate changes anything: it drives a translation, a gear or an equation.
 pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
-    let chains = mechanism
-        .loops
-        .iter()
-        .map(|l| &l.chain)
-        .chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
-    let translated = chains.flat_map(|c| &c.steps).any(|step| match step {
+    let mut steps = mechanism.chains().flat_map(|c| &c.steps);
+    let translated = steps.any(|step| match step {
         Step::Joint {
             motion: Motion::Translation,
             argument,

@@ -247,9 +247,7 @@ fn links(
 /// Unknowns that stand in formulas only.
 fn outside_chains(mechanism: &Mechanism) -> Vec<usize> {
     let mut used = vec![false; mechanism.coordinate_count()];
-    let loops = mechanism.loops.iter().map(|l| &l.chain);
-    let bodies = mechanism.bodies.iter().map(|b| &b.world_from_body);
-    for argument in loops.chain(bodies).flat_map(Chain::arguments) {
+    for argument in mechanism.chains().flat_map(Chain::arguments) {
         for slot in mechanism.arguments[argument].coordinates() {
             used[slot] = true;
         }

@@ -15,12 +15,14 @@ impl LinkGraph<'_> {
     /// Lays the loops where their motions stand already: those that meet most of what is known come first, and one
     /// that meets nothing begins in the world.
     pub fn add_loops(&mut self, loops: &[Loop]) {
+        self.paths.bases = vec![Vec::new(); loops.len()];
         self.paths.loops = vec![Vec::new(); loops.len()];
         self.closes = vec![false; loops.len()];
         let mut left: Vec<usize> = (0..loops.len()).collect();
         while !left.is_empty() {
-            // The first that meets anything; else the first.
-            let known = left.iter().position(|k| self.anchor(&loops[*k]).is_some());
+            // The first that has a place or meets anything; else the first.
+            let is_known = |item: &Loop| !item.base.steps.is_empty() || self.anchor(item).is_some();
+            let known = left.iter().position(|k| is_known(&loops[*k]));
             let index = left.remove(known.unwrap_or(0));
             self.add_loop(index, &loops[index]);
         }
@@ -29,9 +31,15 @@ impl LinkGraph<'_> {
     fn add_loop(&mut self, index: usize, item: &Loop) {
         let before = self.cycles();
         let steps = &item.chain.steps;
-        let anchor = self.anchor(item).unwrap_or(Anchor {
+        let (base, path) = self.follow(LinkFrame::WORLD, &item.base.steps);
+        self.paths.bases[index] = path;
+        let known = match item.base.steps.is_empty() {
+            true => self.anchor(item),
+            false => None,
+        };
+        let anchor = known.unwrap_or(Anchor {
             step: 0,
-            here: LinkFrame::WORLD,
+            here: base,
         });
         let (ahead, behind) = steps.split_at(anchor.step);
         let back: Vec<Step> = ahead.iter().rev().map(Step::inverse).collect();

@@ -75,6 +75,8 @@ pub type Path = Vec<Option<Stride>>;
 #[derive(Default)]
 pub struct Paths {
     pub bodies: Vec<Path>,
+    /// From the world to the loops that are carried around.
+    pub bases: Vec<Path>,
     pub loops: Vec<Path>,
 }
 
@@ -164,6 +166,7 @@ impl<'m> LinkGraph<'m> {
             edges: edges.collect(),
             paths: Paths {
                 bodies: resolve(&self.paths.bodies),
+                bases: resolve(&self.paths.bases),
                 loops: resolve(&self.paths.loops),
             },
             of_body: links(&self.body_ends),

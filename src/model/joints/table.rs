@@ -1,7 +1,7 @@
 //! The table of joints from the folded graph and the runs of motions that are one joint.
 
 use super::joint::{Joint, Joints, Link, LinkFrame, Passage};
-use super::links::{Finished, LinkGraph, Path};
+use super::links::{Finished, LinkGraph, Path, Paths};
 use super::pairs::{Rows, Run};
 use crate::model::chain::{Chain, Step};
 use crate::model::mechanism::Mechanism;
@@ -47,8 +47,10 @@ fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
         links[*link].bodies.push(body);
     }
     let along_bodies = along(&graph.paths.bodies);
+    let along_bases = along(&graph.paths.bases);
     let along_loops = along(&graph.paths.loops);
-    let chains = Chains::new(mechanism, graph, [&along_bodies, &along_loops]);
+    let passages = [&along_bodies, &along_bases, &along_loops].map(Vec::as_slice);
+    let chains = Chains::new(mechanism, graph, passages);
     let joint = |(index, run): (usize, &Run)| {
         let (steps, ends) = chains.spelled(index)?;
         let [before, after] = ends.map(|frame| LinkFrame {
@@ -127,20 +129,21 @@ fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
     list
 }
 
-/// All chains, those of bodies first, with their paths and the joints along them.
+/// All chains, those of bodies first, then those that carry loops, with their paths and the joints along them.
 struct Chains<'a>(Vec<(&'a Chain, &'a Path, &'a [Passage])>);
 
 impl<'a> Chains<'a> {
-    fn new(
-        mechanism: &'a Mechanism,
-        graph: &'a Finished,
-        [bodies, loops]: [&'a [Vec<Passage>]; 2],
-    ) -> Self {
+    fn new(mechanism: &'a Mechanism, graph: &'a Finished, along: [&'a [Vec<Passage>]; 3]) -> Self {
         let chains = mechanism.bodies.iter().map(|b| &b.world_from_body);
+        let chains = chains.chain(mechanism.loops.iter().map(|l| &l.base));
         let chains = chains.chain(mechanism.loops.iter().map(|l| &l.chain));
-        let paths = graph.paths.bodies.iter().chain(&graph.paths.loops);
-        let along = bodies.iter().chain(loops);
-        let all = chains.zip(paths).zip(along);
+        let Paths {
+            bodies,
+            bases,
+            loops,
+        } = &graph.paths;
+        let paths = bodies.iter().chain(bases).chain(loops);
+        let all = chains.zip(paths).zip(along.into_iter().flatten());
         Self(all.map(|((c, p), a)| (c, p, a.as_slice())).collect())
     }
 

@@ -155,6 +155,34 @@ pub enum Factor {
     Direction([Node; 3], bool),
 }
 
+impl Factor {
+    /// The motion backwards.
+    fn inverse(self) -> Self {
+        match self {
+            Self::Elementary(motion, axis, node) => Self::Elementary(motion, axis, node.negated()),
+            Self::Direction(direction, back) => Self::Direction(direction, !back),
+        }
+    }
+
+    /// Whether the same is written, wherever it stands.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Elementary(motion, axis, node), Self::Elementary(m, a, n)) => {
+                motion == m && axis == a && node.is_alike(n)
+            }
+            (Self::Direction(direction, back), Self::Direction(d, b)) => {
+                back == b && direction.iter().zip(d).all(|(a, b)| a.is_alike(b))
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the factors cancel side by side.
+    pub fn undoes(&self, other: &Self) -> bool {
+        self.clone().inverse().is_alike(other) || self.is_alike(&other.clone().inverse())
+    }
+}
+
 /// Longest chain after expansion; references that multiply each other would otherwise fill the memory.
 pub const MAX_FACTORS: usize = 20_000;
 
@@ -207,7 +235,7 @@ impl<'a> Expansion<'a, '_> {
             } => {
                 let mut factors = elementary(*transform, arguments);
                 if inverted {
-                    factors = factors.into_iter().rev().map(invert).collect();
+                    factors = factors.into_iter().rev().map(Factor::inverse).collect();
                 }
                 self.factors.extend(factors);
                 if self.factors.len() > MAX_FACTORS {
@@ -300,13 +328,6 @@ fn advance(pitch: Node, angle: Node) -> Node {
     Node {
         kind: Binary('*', Box::new(pitch), Box::new(turns)),
         span,
-    }
-}
-
-fn invert(factor: Factor) -> Factor {
-    match factor {
-        Factor::Elementary(motion, axis, node) => Factor::Elementary(motion, axis, node.negated()),
-        Factor::Direction(direction, back) => Factor::Direction(direction, !back),
     }
 }
 

@@ -62,6 +62,25 @@ impl Node {
         }
     }
 
+    /// Whether the same is written, wherever it stands.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        use NodeKind::{Binary, Call, Name, Negate, Number, Radians};
+        match (&self.kind, &other.kind) {
+            (Number(a), Number(b)) | (Radians(a), Radians(b)) => a == b,
+            (Name(a), Name(b)) => a == b,
+            (Negate(a), Negate(b)) => a.is_alike(b),
+            (Binary(sign, a, b), Binary(other, c, d)) => {
+                sign == other && a.is_alike(c) && b.is_alike(d)
+            }
+            (Call(function, a), Call(other, b)) => {
+                function == other
+                    && a.len() == b.len()
+                    && a.iter().zip(b).all(|(a, b)| a.is_alike(b))
+            }
+            _ => false,
+        }
+    }
+
     /// Calls `visit` on every name below this node.
     pub fn visit_names(&self, visit: &mut dyn FnMut(&str, &Span)) {
         match &self.kind {

@@ -6,6 +6,7 @@ use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::names::{Names, kind_of_motion};
 use super::parsed::Parsed;
+use super::parsing::Named;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
@@ -39,17 +40,40 @@ impl<'a> Joints<'a> {
 
     /// The loops of the file.
     pub fn loops(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Vec<Loop> {
-        let mut loops = Vec::new();
-        for (name, factors) in &parsed.loops {
-            if let Some(chain) = self.chain(factors, diagnostics) {
-                loops.push(Loop {
-                    name: name.value.clone(),
-                    chain,
-                    closes: Closes::Frame,
-                });
-            }
-        }
-        loops
+        let mut resolve = |(name, factors): &Named<Vec<Factor>>| {
+            self.closing(&name.value, factors, Closes::Frame, diagnostics)
+        };
+        parsed.loops.iter().filter_map(&mut resolve).collect()
+    }
+
+    /// The loop of that name. P X P⁻¹ = E where X = E, so what begins a product and is undone at its end is no part of
+    /// it; but only a moving P is worth a change of the frame in which the loop is written.
+    pub fn closing(
+        &mut self,
+        name: &str,
+        factors: &[Factor],
+        closes: Closes,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Loop> {
+        let steps = self.steps(factors, diagnostics)?;
+        let kept = without_pairs(factors);
+        let around = match closes {
+            Closes::Frame => around(factors, &kept),
+            // P X P⁻¹ moves another point than X does.
+            Closes::Point => 0,
+        };
+        let (base, rest) = kept.split_at(around);
+        let moves = base.iter().any(|k| steps[*k].joint().is_some());
+        let (base, core) = match moves {
+            true => (base, &rest[..rest.len() - around]),
+            false => (&[][..], &kept[..]),
+        };
+        Some(Loop {
+            name: name.to_owned(),
+            base: folded(base.iter().map(|k| steps[*k])),
+            chain: folded(core.iter().map(|k| steps[*k])),
+            closes,
+        })
     }
 
     /// The scalar equations of the file.
@@ -107,20 +131,22 @@ impl<'a> Joints<'a> {
 
     /// Compiles one chain; `None` if something in it is wrong (and said).
     pub fn chain(&mut self, factors: &[Factor], diagnostics: &mut Diagnostics) -> Option<Chain> {
+        let steps = self.steps(factors, diagnostics)?;
+        let kept = without_pairs(factors).into_iter();
+        Some(folded(kept.map(|k| steps[k])))
+    }
+
+    /// A step for every factor.
+    fn steps(&mut self, factors: &[Factor], diagnostics: &mut Diagnostics) -> Option<Vec<Step>> {
         let mut steps: Vec<Step> = Vec::new();
-        let mut fine = true;
         for factor in factors {
             match self.step(factor) {
-                Ok(step) => push_folded(&mut steps, step),
-                Err(diagnostic) => {
-                    if !diagnostics.contains(&diagnostic) {
-                        diagnostics.push(diagnostic);
-                    }
-                    fine = false;
-                }
+                Ok(step) => steps.push(step),
+                Err(diagnostic) if diagnostics.contains(&diagnostic) => {}
+                Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
-        fine.then_some(Chain { steps })
+        (steps.len() == factors.len()).then_some(steps)
     }
 
     /// A chain that may hold parameters only, as a pose.
@@ -241,9 +267,34 @@ impl<'a> Joints<'a> {
     }
 }
 
-fn push_folded(steps: &mut Vec<Step>, step: Step) {
-    match (steps.last_mut(), step) {
-        (Some(Step::Fixed(last)), Step::Fixed(pose)) => *last = *last * pose,
-        _ => steps.push(step),
+/// Indices of the factors that are left when neighbours that undo each other are taken out, as often as there are any.
+fn without_pairs(factors: &[Factor]) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::new();
+    for (k, factor) in factors.iter().enumerate() {
+        match kept.last() {
+            Some(last) if factors[*last].undoes(factor) => _ = kept.pop(),
+            _ => kept.push(k),
+        }
     }
+    kept
+}
+
+/// How many of the factors `kept` begin the product and are undone at its end.
+fn around(factors: &[Factor], kept: &[usize]) -> usize {
+    let ends = kept.iter().zip(kept.iter().rev());
+    let ends = ends.take(kept.len() / 2);
+    let undone = |(first, last): &(&usize, &usize)| factors[**first].undoes(&factors[**last]);
+    ends.take_while(undone).count()
+}
+
+/// A chain in which constant poses side by side are one.
+fn folded(steps: impl Iterator<Item = Step>) -> Chain {
+    let mut chain = Chain::default();
+    for step in steps {
+        match (chain.steps.last_mut(), step) {
+            (Some(Step::Fixed(last)), Step::Fixed(pose)) => *last = *last * pose,
+            _ => chain.steps.push(step),
+        }
+    }
+    chain
 }

@@ -101,13 +101,8 @@ impl Contacts {
                 return;
             }
         };
-        if let Some(chain) = joints.chain(factors, diagnostics) {
-            self.loops.push(Loop {
-                name,
-                chain,
-                closes,
-            });
-        }
+        self.loops
+            .extend(joints.closing(&name, factors, closes, diagnostics));
     }
 
     /// The scalars of a contact.
