@@ -157,7 +157,7 @@ pub enum Factor {
 
 impl Factor {
     /// The motion backwards.
-    fn inverse(self) -> Self {
+    pub fn inverse(self) -> Self {
         match self {
             Self::Elementary(motion, axis, node) => Self::Elementary(motion, axis, node.negated()),
             Self::Direction(direction, back) => Self::Direction(direction, !back),

@@ -125,6 +125,16 @@ fn guess(
             if !names.is_complete() {
                 continue;
             }
+            if names.is_settled(&name.value, parsed) {
+                let message = format!("the start value of `{}` is not used", name.value);
+                let hint = "the axes of the two cylinders are parallel, and leave it no choice";
+                diagnostics.push(
+                    Diagnostic::warning(message)
+                        .at(name.span.clone())
+                        .hint(hint),
+                );
+                continue;
+            }
             let unknowns = names.unknowns.iter().map(|c| c.name.as_str());
             diagnostics.push(
                 Diagnostic::error(format!(

@@ -52,6 +52,7 @@ pub fn resolve(
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     varied::expand_dependents(&mut parsed, varied, diagnostics);
     let varied_values = names.promote(varied);
+    contacts::parallel::settle(&parsed, &mut names, &angle_unit);
     let mut joints = joints::Joints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
     let mut equations = joints.equations(&parsed, diagnostics);

@@ -291,6 +291,26 @@ impl Names {
         }
     }
 
+    /// Makes a constant of an unknown that turns out to be one.
+    pub fn settle(&mut self, name: &str, value: f64) {
+        let Some(index) = self.unknowns.iter().position(|c| c.name == name) else {
+            return;
+        };
+        self.unknown_places.remove(index);
+        let Coordinate { name, kind } = self.unknowns.remove(index);
+        self.parameters.push(Parameter {
+            name,
+            kind: Some(kind),
+            value,
+        });
+    }
+
+    /// Whether a name is that of an unknown that turned out to be constant.
+    pub fn is_settled(&self, name: &str, parsed: &Parsed) -> bool {
+        let is_own = parsed.parameters.iter().any(|(own, _)| own.value == name);
+        !is_own && matches!(self.meaning(name), Some(Meaning::Parameter(_)))
+    }
+
     /// Computes the parameters from the top down.
     pub fn evaluate_parameters(
         &mut self,

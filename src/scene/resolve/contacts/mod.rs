@@ -3,3 +3,4 @@
 
 pub mod chains;
 pub mod closure;
+pub mod parallel;
