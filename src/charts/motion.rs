@@ -366,6 +366,7 @@ fn word(event: &Event, place: f64, x: &Abscissa) -> String {
         EventKind::MotionResumes { same_branch: false } => "resumes on another branch".to_owned(),
         EventKind::SingularPosePassed | EventKind::SingularPoseMet => "singular pose".to_owned(),
         EventKind::OtherStart => "other start".to_owned(),
+        EventKind::StartMoved { .. } => "start moved".to_owned(),
         EventKind::InputUndefined { name } => format!("{name} has no value"),
         EventKind::LimitPosition { name, .. } => format!("{name} turns back"),
         EventKind::GimbalLock { .. } => "gimbal lock".to_owned(),

@@ -14,6 +14,8 @@ pub struct Actuation {
     pub duration: f64,
     /// Start values of the unknowns: radians, or the scene's length unit.
     pub guess: Vec<f64>,
+    /// Which of these the scene names: wishes for the first pose; the others are free. Missing ones are free.
+    pub named: Vec<bool>,
 }
 
 impl Actuation {
@@ -29,6 +31,7 @@ impl Actuation {
             drives: drives.collect(),
             duration: 1.0,
             guess,
+            named: Vec::new(),
         }
     }
 

@@ -22,6 +22,7 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
         EventKind::StartNotClosed { .. } => "start-not-closed",
         EventKind::GimbalLock { .. } => "gimbal-lock",
         EventKind::StartSingular => "start-singular",
+        EventKind::StartMoved { .. } => "start-moved",
         EventKind::OtherStart => "other-start",
     };
     let mut object = Map::new();
@@ -45,6 +46,20 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
                 json!(value * mechanism.file_units(*measure)),
             );
             object.insert("extreme".to_owned(), json!(extreme));
+        }
+        EventKind::StartMoved {
+            unknown,
+            wanted,
+            found,
+            mode,
+        } => {
+            let unknown = &mechanism.unknowns[*unknown];
+            let units = mechanism.file_units(unknown.kind);
+            object.insert("coordinate".to_owned(), json!(unknown.name));
+            object.insert("start".to_owned(), json!(wanted * units));
+            object.insert("value".to_owned(), json!(found * units));
+            let mode = mode.as_ref().map(|(mode, _)| mode);
+            object.insert("mode".to_owned(), json!(mode));
         }
         EventKind::BranchChosen { taken, others } => {
             object.insert("branch".to_owned(), json!(taken));

@@ -1,7 +1,7 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
 use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant};
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 
 /// Angles above this are no rounding of a zero.
 const SEEN_ANGLE: f64 = 5e-7;
@@ -122,6 +122,26 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
         EventKind::StartSingular => format!(
             "the motion starts at a singular pose at {at}: rates are infinite or not determined there, and assemblies may meet"
         ),
+        EventKind::StartMoved {
+            unknown,
+            wanted,
+            found,
+            mode,
+        } => {
+            let Coordinate { name, kind } = &mechanism.unknowns[*unknown];
+            let value = |v: f64| with_unit(mechanism, *kind, v);
+            let way_back = match mode {
+                Some((mode, nearer)) => {
+                    format!("--mode={mode} has {}", value(*nearer))
+                }
+                None => "no assembly nearer to the start values was found".to_owned(),
+            };
+            format!(
+                "the start value `{name}` = {} led to {} at {at}; {way_back}",
+                value(*wanted),
+                value(*found)
+            )
+        }
         EventKind::OtherStart => format!(
             "the start values lead to no pose at {at}; a perturbed start was used, which may be on another branch"
         ),

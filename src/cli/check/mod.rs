@@ -61,9 +61,9 @@ fn motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Report, F
         CertifyArg::None if scene.clearance.is_some() => CertifyArg::Pose,
         asked => asked,
     };
-    let trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
+    let mut trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
     let mobility = Mobility::new(system, actuation);
-    let closed = event_messages::tell(system, actuation, &trajectory, term)?;
+    let closed = event_messages::tell(system, actuation, &mut trajectory, term)?;
     let worst = trajectory.closure_error();
     // Sums and means are over the samples that were asked for.
     let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));

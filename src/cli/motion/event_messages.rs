@@ -1,5 +1,6 @@
 //! What happened in a motion, said on standard error, and the outcome it means.
 
+use crate::cli::open::mode;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::feasible::feasible_inputs;
@@ -15,9 +16,11 @@ const MAX_LINES: usize = 12;
 pub fn tell(
     system: &System,
     actuation: &Actuation,
-    trajectory: &Trajectory,
+    trajectory: &mut Trajectory,
     term: &Term,
 ) -> Result<Outcome, Failure> {
+    name_mode(system, actuation, trajectory)?;
+    let trajectory = &*trajectory;
     if trajectory.poses().next().is_none() {
         return Err(never_closed(system, actuation, trajectory));
     }
@@ -56,6 +59,27 @@ pub fn tell(
         ),
     });
     Ok(Outcome::NotClosed)
+}
+
+/// Finds the assembly that keeps the start values better, where the first pose is far from them.
+fn name_mode(
+    system: &System,
+    actuation: &Actuation,
+    trajectory: &mut Trajectory,
+) -> Result<(), Failure> {
+    for event in &mut trajectory.events {
+        if let EventKind::StartMoved {
+            unknown,
+            found,
+            mode,
+            ..
+        } = &mut event.kind
+        {
+            let nearer = mode::nearer(system, actuation, *unknown, *found)?;
+            *mode = nearer.map(|(name, coordinates)| (name, coordinates[*unknown]));
+        }
+    }
+    Ok(())
 }
 
 fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory) -> Failure {

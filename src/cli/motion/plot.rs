@@ -29,9 +29,9 @@ pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let plots = chosen(args.only.as_deref(), &scene)?;
     let times = times(args, actuation);
     let mut output = io::open(&args.out)?;
-    let trajectory = solve_with_ends(&system, actuation, times);
+    let mut trajectory = solve_with_ends(&system, actuation, times);
     crate::cli::interrupt::refuse_interrupted()?;
-    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
+    let outcome = event_messages::tell(&system, actuation, &mut trajectory, term)?;
     let chart = chart(&system, actuation, &plots, &trajectory);
     write(&chart, format, args.size, args.theme, output.as_mut())?;
     output.commit()?;

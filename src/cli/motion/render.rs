@@ -42,8 +42,8 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         iterations(args, &system, &mut scene, &format)?
     } else {
         let plan = Plan::new(args, &scene, &format)?;
-        let trajectory = solve(&system, &scene.actuation, &plan.times);
-        let outcome = event_messages::tell(&system, &scene.actuation, &trajectory, term)?;
+        let mut trajectory = solve(&system, &scene.actuation, &plan.times);
+        let outcome = event_messages::tell(&system, &scene.actuation, &mut trajectory, term)?;
         (plan, trajectory, outcome)
     };
     let scene = scene;

@@ -49,7 +49,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
-    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
+    let outcome = event_messages::tell(&system, actuation, &mut trajectory, term)?;
     let proves_motion = args.certify == CertifyArg::Motion;
     let proof = proves_motion.then(|| MotionProof::of(&trajectory));
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {

@@ -4,9 +4,13 @@ use crate::cli::args::scene::ModeChoice;
 use crate::cli::interrupt::{CANCEL, refuse_interrupted};
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
+use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use std::sync::atomic::Ordering;
+
+/// An assembly is worth a word if it is this much nearer to the start values.
+const NEARER: f64 = 0.9;
 
 /// Share of the drive after which the branches are listed that meet at its start.
 const BESIDE_START: f64 = 1e-3;
@@ -87,6 +91,35 @@ fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failu
             ))
         }
     }
+}
+
+/// The assembly nearest to the named start values, as `--mode` takes it, if it is nearer than one whose `unknown`, the
+/// farthest off of all, is at `value`.
+pub fn nearer(
+    system: &System,
+    actuation: &Actuation,
+    unknown: usize,
+    value: f64,
+) -> Result<Option<(String, Vec<f64>)>, Failure> {
+    let mut start = actuation.start_at(0.0);
+    let wishes = Wishes::new(system.mechanism(), &start, &actuation.named);
+    start[unknown] = value;
+    let far = wishes.distance(&start);
+    let modes = search(system, actuation, 0.0, DEFAULT_STARTS)?;
+    let numbered = modes.list.iter().enumerate();
+    let all = numbered.map(|(k, mode)| (wishes.distance(&mode.coordinates), k));
+    let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
+    let nearest = nearest.filter(|(own, _)| *own < NEARER * far);
+    let Some((_, index)) = nearest else {
+        return Ok(None);
+    };
+    let mode = &modes.list[index];
+    let is_alone = matches!(only(&modes, &mode.branch), Ok(Some(_)));
+    let name = match is_alone {
+        true => mode.branch.clone(),
+        false => (index + 1).to_string(),
+    };
+    Ok(Some((name, mode.coordinates.clone())))
 }
 
 /// The assemblies at the inputs of a time, from so many starts.

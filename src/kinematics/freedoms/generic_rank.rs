@@ -3,6 +3,7 @@
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble;
 use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::solve::wishes::assemble_as_meant;
 use crate::kinematics::structure::block::{Block, StructureError, names};
 use crate::kinematics::structure::ordering::{Group, Incidence, of_group};
 use crate::kinematics::structure::system::System;
@@ -96,7 +97,11 @@ pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
         }
         // A search is worth its time once.
         let search = part == 0.0 && shift == 0.0;
-        if let Ok(found) = assemble(system, &mut corrector, &start, search) {
+        let found = match search {
+            true => assemble_as_meant(system, &mut corrector, &start, &actuation.named),
+            false => assemble(system, &mut corrector, &start, false),
+        };
+        if let Ok(found) = found {
             poses.push(found.coordinates);
         }
     }

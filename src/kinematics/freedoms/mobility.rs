@@ -7,9 +7,9 @@
 use super::count::JointCount;
 use super::generic_rank::{closed_poses, rank_of_rows};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::solve::assembly::assemble;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::solve::wishes::assemble_as_meant;
 use crate::kinematics::structure::block::{Block, Held, block};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
 use crate::kinematics::structure::system::System;
@@ -120,7 +120,7 @@ fn start(system: &System, actuation: &Actuation) -> Option<Vec<f64>> {
     let start = actuation.start_at(0.0);
     let finite = start.iter().all(|v| v.is_finite());
     let mut corrector = Corrector::new(system);
-    let found = finite.then(|| assemble(system, &mut corrector, &start, true));
+    let found = finite.then(|| assemble_as_meant(system, &mut corrector, &start, &actuation.named));
     Some(found?.ok()?.coordinates)
 }
 

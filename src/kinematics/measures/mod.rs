@@ -129,6 +129,7 @@ pub fn driven_along(actuation: &Actuation, track: &Track) -> (Actuation, Vec<f64
         drives: drives.collect(),
         duration: count as f64,
         guess: actuation.guess.clone(),
+        named: actuation.named.clone(),
     };
     (moved, times)
 }

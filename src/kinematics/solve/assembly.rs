@@ -1,32 +1,16 @@
 //! Finding a first closed pose from start values that may be far off: Levenberg-Marquardt, then Newton.
 
+use super::descent::Descent;
 use super::newton::{CLOSURE_TOLERANCE, Corrector, Pace};
-use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::chain::{Argument, Motion, Step};
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
 
-/// Most iterations per block and start.
-const MAX_ITERATIONS: u32 = 200;
-
 /// Most iterations per block and weight for a remaining gap: far from closing, the linear model sees one part of the
 /// curvature only, and convergence is linear.
 const GAP_ITERATIONS: u32 = 3000;
-
-/// Longest step in scaled unknowns (radians, or mechanism sizes): beyond it the linear model says nothing.
-const MAX_STEP: f64 = 0.5;
-
-/// Newton takes over below this residual.
-const HAND_OVER: f64 = 1e-7;
-
-/// Damping starts small, so that a good start converges like Newton from the first step on.
-const FIRST_DAMPING: f64 = 1e-3;
-
-/// Damping at which no step can reduce the residual any more: a local minimum.
-const LAST_DAMPING: f64 = 1e10;
 
 /// Weights of rotations against distances over the size when the remaining distance is measured: what is left of the
 /// compromise is one over the last one's square. The valley is too narrow to be followed at once.
@@ -101,11 +85,7 @@ pub fn assemble(
 pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
     let mechanism = system.mechanism();
     let structure = system.structure();
-    let mut descent = Descent {
-        most: GAP_ITERATIONS,
-        enough: CLOSURE_TOLERANCE,
-        ..Descent::default()
-    };
+    let mut descent = Descent::until(CLOSURE_TOLERANCE, GAP_ITERATIONS);
     let mut coordinates = best.coordinates.clone();
     for block in &structure.blocks {
         let mut left = f64::INFINITY;
@@ -144,7 +124,11 @@ pub fn shake(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordinates:
     }
 }
 
-fn close(
+/// Closes all blocks from where the coordinates are; counts the iterations.
+///
+/// # Errors
+/// What the first block that does not close lacks.
+pub fn close(
     system: &System,
     corrector: &mut Corrector,
     coordinates: &mut [f64],
@@ -201,132 +185,6 @@ pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
             .equations
             .iter()
             .any(|e| e.expression.slots().contains(&slot))
-}
-
-struct Descent {
-    most: u32,
-    /// It ends when no entry of the residual is larger.
-    enough: f64,
-    /// Rows of rotations count this many times.
-    turn_weight: f64,
-    weights: Vec<f64>,
-    workspace: BlockWorkspace,
-    trial: BlockWorkspace,
-    qr: PivotedQr,
-    matrix: Vec<f64>,
-    right_side: Vec<f64>,
-    step: Vec<f64>,
-}
-
-impl Default for Descent {
-    fn default() -> Self {
-        Self {
-            most: MAX_ITERATIONS,
-            enough: HAND_OVER,
-            turn_weight: 1.0,
-            weights: Vec::new(),
-            workspace: BlockWorkspace::default(),
-            trial: BlockWorkspace::default(),
-            qr: PivotedQr::default(),
-            matrix: Vec::new(),
-            right_side: Vec::new(),
-            step: Vec::new(),
-        }
-    }
-}
-
-impl Descent {
-    /// Levenberg-Marquardt on one block until Newton can take over, or nothing helps. Returns the iterations and the
-    /// largest entry of the residual.
-    fn minimise(
-        &mut self,
-        mechanism: &Mechanism,
-        block: &Block,
-        coordinates: &mut [f64],
-    ) -> (u32, f64) {
-        self.weigh(block);
-        let mut damping = FIRST_DAMPING;
-        let mut iterations = 0;
-        self.workspace
-            .evaluate(mechanism, block, coordinates, Want::Jacobian);
-        let mut value = self.norm(&self.workspace.residual);
-        while iterations < self.most && damping < LAST_DAMPING && !block.unknowns.is_empty() {
-            if value.is_nan() || self.workspace.residual_norm() <= self.enough {
-                break;
-            }
-            iterations += 1;
-            self.damped_step(block, damping);
-            let trial: Vec<f64> = self.moved(mechanism, block, coordinates);
-            self.trial
-                .evaluate(mechanism, block, &trial, Want::Jacobian);
-            let trial_value = self.norm(&self.trial.residual);
-            if trial_value < value {
-                coordinates.copy_from_slice(&trial);
-                std::mem::swap(&mut self.workspace, &mut self.trial);
-                value = trial_value;
-                damping = (damping * 0.1).max(1e-15);
-            } else {
-                damping *= 8.0;
-            }
-        }
-        (iterations, self.workspace.residual_norm())
-    }
-
-    /// Weights of the block's rows.
-    fn weigh(&mut self, block: &Block) {
-        let turn_weight = self.turn_weight;
-        let weight = |component: &usize| if *component < 3 { turn_weight } else { 1.0 };
-        let components = block.loops.iter().flat_map(|part| &part.components);
-        self.weights.clear();
-        self.weights.extend(components.map(weight));
-        self.weights.resize(block.rows(), 1.0);
-    }
-
-    /// Weighted sum of squares.
-    fn norm(&self, residual: &[f64]) -> f64 {
-        let pairs = residual.iter().zip(&self.weights);
-        pairs.map(|(r, w)| (r * w) * (r * w)).sum()
-    }
-
-    /// Least squares of [J; √λ I] x = [-r; 0].
-    fn damped_step(&mut self, block: &Block, damping: f64) {
-        let (rows, columns) = (block.rows(), block.unknowns.len());
-        let tall = rows + columns;
-        self.matrix.clear();
-        self.matrix.resize(tall * columns, 0.0);
-        for j in 0..columns {
-            let column = &self.workspace.jacobian[j * rows..(j + 1) * rows];
-            let weighted = column.iter().zip(&self.weights).map(|(a, w)| a * w);
-            for (entry, value) in self.matrix[j * tall..].iter_mut().zip(weighted) {
-                *entry = value;
-            }
-            self.matrix[j * tall + rows + j] = damping.sqrt();
-        }
-        self.right_side.clear();
-        self.right_side.extend(
-            self.workspace
-                .residual
-                .iter()
-                .zip(&self.weights)
-                .map(|(r, w)| -r * w),
-        );
-        self.right_side.resize(tall, 0.0);
-        self.step.resize(columns, 0.0);
-        self.qr.factor(&self.matrix, tall, columns, 0.0);
-        self.qr.solve(&mut self.right_side, &mut self.step);
-        let longest = self.step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
-        if longest > MAX_STEP {
-            self.step.iter_mut().for_each(|s| *s *= MAX_STEP / longest);
-        }
-    }
-
-    fn moved(&self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {
-        let mut trial = coordinates.to_vec();
-        for (column, unknown) in block.unknowns.iter().enumerate() {
-            trial[*unknown] += mechanism.scale_of(*unknown) * self.step[column];
-        }
-        trial
-    }
 }
 
 /// The loop or equation of `block` that is farthest from closing.

@@ -175,7 +175,7 @@ fn closures(
 }
 
 /// Start values and inputs: the given ones for start 0, else random numbers that depend on the start's number only.
-fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f64> {
+pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f64> {
     if start == 0 {
         return first.to_vec();
     }

@@ -3,8 +3,10 @@
 pub mod assembly;
 pub mod assembly_modes;
 pub mod branch;
+mod descent;
 pub mod iterates;
 pub mod newton;
 pub mod pose_check;
 pub mod pose_solver;
 pub mod predictor;
+pub mod wishes;

@@ -8,6 +8,7 @@ use super::assembly::{Assembled, NotClosed, assemble};
 use super::branch::{BranchState, BranchWatch};
 use super::newton::{Correction, Corrector, Pace};
 use super::predictor::{Prediction, Predictor};
+use super::wishes::assemble_as_meant;
 use crate::kinematics::ball::chart::Chart;
 use crate::kinematics::structure::system::System;
 
@@ -69,12 +70,20 @@ impl<'s> PoseSolver<'s> {
         self.chart.filter(|c| c.is_needed(coordinates))
     }
 
-    /// Assembles from the scene's angles, and where they fail in the chart. `persist` tries perturbed starts, too.
+    /// Assembles from the scene's angles, and where they fail in the chart. With the unknowns that are `named` given, as
+    /// they are meant and from perturbed starts, too.
     ///
     /// # Errors
     /// The pose that comes nearest to closing.
-    pub fn assembled(&mut self, start: &[f64], persist: bool) -> Result<Assembled, NotClosed> {
-        let found = assemble(self.system, &mut self.corrector, start, persist);
+    pub fn assembled(
+        &mut self,
+        start: &[f64],
+        named: Option<&[bool]>,
+    ) -> Result<Assembled, NotClosed> {
+        let found = match named {
+            Some(named) => assemble_as_meant(self.system, &mut self.corrector, start, named),
+            None => assemble(self.system, &mut self.corrector, start, false),
+        };
         let Some(chart) = self.chart else {
             return found;
         };
@@ -83,7 +92,7 @@ impl<'s> PoseSolver<'s> {
             Err(gap) => {
                 let own = chart.base(start);
                 let mut corrector = Corrector::new(chart.system);
-                let again = assemble(chart.system, &mut corrector, &own, persist);
+                let again = assemble(chart.system, &mut corrector, &own, named.is_some());
                 let again = again.map_err(|_| gap)?;
                 let coordinates = chart.scene(&again.coordinates, start);
                 Assembled {

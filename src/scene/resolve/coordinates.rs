@@ -14,6 +14,8 @@ use crate::model::mechanism::{AngleUnit, Kind};
 /// What moves and from where.
 pub struct Coordinates {
     pub guess: Vec<f64>,
+    /// Which unknowns have a start value.
+    pub named: Vec<bool>,
     pub drives: Vec<Drive>,
     pub duration: f64,
 }
@@ -46,11 +48,12 @@ pub fn resolve(
         }
     }
     let is_whole = drives.len() == file.inputs.len();
-    let guess = guess(parsed, names, unit, diagnostics);
+    let (guess, named) = guess(parsed, names, unit, diagnostics);
     let known_drives = is_whole.then_some(drives.as_slice());
     let duration = duration(file, names, known_drives, diagnostics)?;
     Some(Coordinates {
         guess,
+        named,
         drives,
         duration,
     })
@@ -118,8 +121,9 @@ fn guess(
     names: &Names,
     unit: &AngleUnit,
     diagnostics: &mut Diagnostics,
-) -> Vec<f64> {
+) -> (Vec<f64>, Vec<bool>) {
     let mut guess = vec![0.0; names.unknowns.len()];
+    let mut named = vec![false; guess.len()];
     for (name, node) in &parsed.guess {
         let Some(Meaning::Unknown(index)) = names.meaning(&name.value) else {
             if !names.is_complete() {
@@ -149,11 +153,11 @@ fn guess(
         let wanted = Some(names.unknowns[index].kind);
         let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
         match constant(&node, &|n, s| names.constant(n, s)) {
-            Ok(value) => guess[index] = value,
+            Ok(value) => (guess[index], named[index]) = (value, true),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
-    guess
+    (guess, named)
 }
 
 /// The `duration` key, else the time of the last keyframe, else one second (nothing moves).

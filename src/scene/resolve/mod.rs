@@ -136,6 +136,7 @@ pub fn resolve(
         drives: coordinates.drives,
         duration: coordinates.duration,
         guess: coordinates.guess,
+        named: coordinates.named,
     };
     mechanism.size = overrides
         .size

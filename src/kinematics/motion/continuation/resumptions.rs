@@ -19,10 +19,10 @@ impl Recorder<'_> {
     pub(crate) fn assembled_from_beside(&mut self, start: &[f64]) -> Result<Assembled, NotClosed> {
         let solver = &mut self.tracker.solver;
         let attempt = self.samples.len();
-        solver.assembled(start, false).or_else(|gap| {
+        solver.assembled(start, None).or_else(|gap| {
             let mut beside = start.to_vec();
             shake(solver.system().mechanism(), attempt, ASIDE, &mut beside);
-            let found = solver.assembled(&beside, false).map_err(|_| gap)?;
+            let found = solver.assembled(&beside, None).map_err(|_| gap)?;
             Ok(Assembled { start: 1, ..found })
         })
     }

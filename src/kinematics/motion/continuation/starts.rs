@@ -28,7 +28,7 @@ impl Recorder<'_> {
         }
         let inputs = self.tracker.inputs(time).ok()?;
         let start = [self.tracker.actuation().guess.clone(), inputs].concat();
-        let found = self.tracker.solver.assembled(&start, false).ok()?;
+        let found = self.tracker.solver.assembled(&start, None).ok()?;
         self.tracker.solver.iterations += found.iterations;
         let beyond = self.tracker.point(time, found.coordinates);
         Some(self.tracker.keep(beyond, &mut self.events))
@@ -87,7 +87,7 @@ impl Recorder<'_> {
         let mut start = [&from.coordinates[..mechanism.unknowns.len()], inputs].concat();
         let amplitude = AROUND * attempt as f64 / STARTS as f64;
         shake(mechanism, attempt, amplitude, &mut start);
-        let mut found = solver.assembled(&start, false).ok()?;
+        let mut found = solver.assembled(&start, None).ok()?;
         solver.iterations += found.iterations;
         unwind(mechanism, &from.coordinates, &mut found.coordinates);
         let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;

@@ -1,0 +1,189 @@
+//! Assembly as meant: start values that a scene names are wishes, all others are free.
+//!
+//! The search of [`assembly`](super::assembly) starts at every unknown's start value alike, and the nearest minimum of a
+//! residual is not the nearest assembly: a closing angle that nobody named, and that starts at zero, may take the named
+//! ones along. Where that happened, more starts are made: the named values are held while the others close the loops as
+//! well as they can, from where they are and from anywhere; then all are let go. Of what is found the assembly
+//! nearest to the named values is taken.
+
+use super::assembly::{Assembled, NotClosed, assemble, close, turns_matter};
+use super::assembly_modes::start_values;
+use super::descent::Descent;
+use super::newton::{Corrector, Pace};
+use crate::kinematics::structure::block::{Block, block};
+use crate::kinematics::structure::system::System;
+use crate::model::mechanism::{Kind, Mechanism};
+use std::f64::consts::TAU;
+
+/// A named angle that moved farther than this is another assembly rather than a rough sketch.
+const FAR_ANGLE: f64 = 20.0 * TAU / 360.0;
+
+/// The same of lengths and numbers, as a share of the mechanism's size or of what the number amounts to.
+const FAR_SHARE: f64 = 0.2;
+
+/// Starts that are made. A loop leaves its free unknowns two or four ways to close while the named ones are held, so
+/// most are met many times.
+const STARTS: usize = 32;
+
+/// What is nearer by less than this part of a far way is not: equal assemblies differ by rounding.
+const NEARER: f64 = 1e-6;
+
+/// The start values that a scene names.
+pub struct Wishes {
+    list: Vec<Wish>,
+}
+
+/// One of them.
+struct Wish {
+    unknown: usize,
+    value: f64,
+    /// How far is far.
+    far: f64,
+    /// Values that differ by this are the same; infinite where whole turns matter.
+    period: f64,
+}
+
+impl Wishes {
+    /// Those unknowns of `start` that are `named`.
+    pub fn new(mechanism: &Mechanism, start: &[f64], named: &[bool]) -> Self {
+        let wish = |unknown: usize| {
+            let is_turn = mechanism.unknowns[unknown].kind == Kind::Angle;
+            Wish {
+                unknown,
+                value: start[unknown],
+                far: match is_turn {
+                    true => FAR_ANGLE,
+                    false => FAR_SHARE * mechanism.scale_of(unknown),
+                },
+                period: match is_turn && !turns_matter(mechanism, unknown) {
+                    true => TAU,
+                    false => f64::INFINITY,
+                },
+            }
+        };
+        let unknowns = 0..mechanism.unknowns.len();
+        let named = unknowns.filter(|k| named.get(*k).is_some_and(|named| *named));
+        Self {
+            list: named.map(wish).collect(),
+        }
+    }
+
+    /// The unknown that missed its wish by most, and by how many times what is far; `None` if none is named.
+    fn worst(&self, coordinates: &[f64]) -> Option<(usize, f64)> {
+        let missed = self.list.iter().map(|wish| {
+            let off = coordinates[wish.unknown] - wish.value;
+            let turns = (off / wish.period).round();
+            let off = if turns == 0.0 {
+                off
+            } else {
+                off - turns * wish.period
+            };
+            (wish.unknown, off.abs() / wish.far)
+        });
+        missed.reduce(|a, b| if b.1 > a.1 { b } else { a })
+    }
+
+    /// How far a pose is from the wishes: nothing is far up to one.
+    pub fn distance(&self, coordinates: &[f64]) -> f64 {
+        self.worst(coordinates).map_or(0.0, |(_, far)| far)
+    }
+
+    /// The named unknown that is farthest from its wish, if it is far.
+    pub fn missed(&self, coordinates: &[f64]) -> Option<usize> {
+        let worst = self.worst(coordinates);
+        worst
+            .filter(|(_, far)| *far > 1.0)
+            .map(|(unknown, _)| unknown)
+    }
+
+    fn is_named(&self, unknown: usize) -> bool {
+        self.list.iter().any(|wish| wish.unknown == unknown)
+    }
+}
+
+/// Closes all loops from the unknowns in `start` (unknowns, then inputs), trying perturbed starts where that fails, and
+/// more starts where an unknown that is `named` would end far from its start value.
+///
+/// # Errors
+/// The pose that comes nearest to closing.
+pub fn assemble_as_meant(
+    system: &System,
+    corrector: &mut Corrector,
+    start: &[f64],
+    named: &[bool],
+) -> Result<Assembled, NotClosed> {
+    let mut best = assemble(system, corrector, start, true)?;
+    let wishes = Wishes::new(system.mechanism(), start, named);
+    if wishes.missed(&best.coordinates).is_none() {
+        return Ok(best);
+    }
+    let held = with_wishes_held(system, &wishes);
+    let mut least = wishes.distance(&best.coordinates);
+    for attempt in 0..STARTS {
+        let start = free_start(system, start, &wishes, attempt);
+        let Some(found) = let_go(system, &held, start, &mut best.iterations) else {
+            continue;
+        };
+        for names in spelled(system, found) {
+            let distance = wishes.distance(&names);
+            if distance < least - NEARER {
+                (best.coordinates, best.start, least) = (names, 0, distance);
+            }
+        }
+    }
+    // What the corrector has in store is of this pose.
+    let last = corrector.correct(system, &mut best.coordinates, Pace::Patient);
+    best.iterations += last.iterations;
+    Ok(best)
+}
+
+/// The blocks without the named unknowns.
+fn with_wishes_held(system: &System, wishes: &Wishes) -> Vec<Block> {
+    let free = |whole: &Block| {
+        let unknowns = whole.unknowns.iter().copied();
+        let free = unknowns.filter(|unknown| !wishes.is_named(*unknown));
+        let (loops, equations) = (whole.loops.clone(), whole.equations.clone());
+        block(system.mechanism(), loops, equations, free.collect())
+    };
+    system.blocks().iter().map(free).collect()
+}
+
+/// Start number 0 is the scene's own, the others are random where nothing is named.
+fn free_start(system: &System, start: &[f64], wishes: &Wishes, attempt: usize) -> Vec<f64> {
+    let mut values = start_values(system.mechanism(), start, attempt);
+    for wish in &wishes.list {
+        values[wish.unknown] = wish.value;
+    }
+    for held in &system.structure().held {
+        values[held.unknown] = start[held.unknown];
+    }
+    values
+}
+
+/// A closed pose from a start: first with the named unknowns held, then without.
+fn let_go(
+    system: &System,
+    held: &[Block],
+    mut values: Vec<f64>,
+    iterations: &mut u32,
+) -> Option<Vec<f64>> {
+    let mut descent = Descent::default();
+    for block in held {
+        *iterations += descent.minimise(system.mechanism(), block, &mut values).0;
+    }
+    // Buffers of its own: what another start has left in them must not show in the last digits.
+    let mut corrector = Corrector::new(system);
+    close(system, &mut corrector, &mut values, iterations).ok()?;
+    Some(values)
+}
+
+/// The pose, and the same with the other angles of a ball joint.
+fn spelled(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
+    let mut all = vec![pose];
+    for ball in system.balls() {
+        let mut other = all[0].clone();
+        ball.rename(&mut other);
+        all.push(other);
+    }
+    all
+}
