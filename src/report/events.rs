@@ -48,17 +48,17 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
             object.insert("extreme".to_owned(), json!(extreme));
         }
         EventKind::StartMoved {
-            unknown,
+            name,
+            measure,
             wanted,
             found,
             mode,
+            ..
         } => {
-            let unknown = &mechanism.unknowns[*unknown];
-            let units = mechanism.file_units(unknown.kind);
-            object.insert("coordinate".to_owned(), json!(unknown.name));
+            let units = mechanism.file_units(*measure);
+            object.insert("coordinate".to_owned(), json!(name));
             object.insert("start".to_owned(), json!(wanted * units));
             object.insert("value".to_owned(), json!(found * units));
-            let mode = mode.as_ref().map(|(mode, _)| mode);
             object.insert("mode".to_owned(), json!(mode));
         }
         EventKind::BranchChosen { taken, others } => {

@@ -1,7 +1,7 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
 use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant};
-use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::model::mechanism::{Kind, Mechanism};
 
 /// Angles above this are no rounding of a zero.
 const SEEN_ANGLE: f64 = 5e-7;
@@ -123,23 +123,17 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             "the motion starts at a singular pose at {at}: rates are infinite or not determined there, and assemblies may meet"
         ),
         EventKind::StartMoved {
-            unknown,
+            name,
+            measure,
             wanted,
             found,
+            nearer,
             mode,
         } => {
-            let Coordinate { name, kind } = &mechanism.unknowns[*unknown];
-            let value = |v: f64| with_unit(mechanism, *kind, v);
-            let way_back = match mode {
-                Some((mode, nearer)) => {
-                    format!("--mode={mode} has {}", value(*nearer))
-                }
-                None => "no assembly nearer to the start values was found".to_owned(),
-            };
+            let [wanted, found, nearer] =
+                [wanted, found, nearer].map(|v| with_unit(mechanism, *measure, *v));
             format!(
-                "the start value `{name}` = {} led to {} at {at}; {way_back}",
-                value(*wanted),
-                value(*found)
+                "the start value `{name}` = {wanted} led to {found} at {at}; --mode={mode} has {nearer}"
             )
         }
         EventKind::OtherStart => format!(

@@ -63,7 +63,8 @@ fn motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Report, F
     };
     let mut trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
     let mobility = Mobility::new(system, actuation);
-    let closed = event_messages::tell(system, actuation, &mut trajectory, term)?;
+    event_messages::note_moved_start(system, actuation, &mut trajectory)?;
+    let closed = event_messages::tell(system, actuation, &trajectory, term)?;
     let worst = trajectory.closure_error();
     // Sums and means are over the samples that were asked for.
     let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));

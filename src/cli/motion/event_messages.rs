@@ -5,8 +5,10 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::feasible::feasible_inputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Trajectory};
+use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::mechanism::Coordinate;
 use crate::report::sentences::{gap_sentence, sentence, with_unit};
 
 /// Most events that are printed one by one.
@@ -16,11 +18,9 @@ const MAX_LINES: usize = 12;
 pub fn tell(
     system: &System,
     actuation: &Actuation,
-    trajectory: &mut Trajectory,
+    trajectory: &Trajectory,
     term: &Term,
 ) -> Result<Outcome, Failure> {
-    name_mode(system, actuation, trajectory)?;
-    let trajectory = &*trajectory;
     if trajectory.poses().next().is_none() {
         return Err(never_closed(system, actuation, trajectory));
     }
@@ -61,24 +61,43 @@ pub fn tell(
     Ok(Outcome::NotClosed)
 }
 
-/// Finds the assembly that keeps the start values better, where the first pose is far from them.
-fn name_mode(
+/// Adds an event where the motion starts far from a named start value and another assembly is nearer: it is not the one
+/// that was meant.
+///
+/// Errors: Ctrl-C.
+pub fn note_moved_start(
     system: &System,
     actuation: &Actuation,
     trajectory: &mut Trajectory,
 ) -> Result<(), Failure> {
-    for event in &mut trajectory.events {
-        if let EventKind::StartMoved {
-            unknown,
-            found,
-            mode,
-            ..
-        } = &mut event.kind
-        {
-            let nearer = mode::nearer(system, actuation, *unknown, *found)?;
-            *mode = nearer.map(|(name, coordinates)| (name, coordinates[*unknown]));
-        }
+    let mechanism = system.mechanism();
+    let first = trajectory.samples.first().filter(|s| s.time == 0.0);
+    let Some((first, pose)) = first.and_then(|s| Some((s, s.pose.as_ref()?))) else {
+        return Ok(());
+    };
+    let start = actuation.start_at(first.time);
+    let wishes = Wishes::new(mechanism, &start, &actuation.named);
+    if !wishes.are_missed(&pose.unknowns) {
+        return Ok(());
     }
+    let Some(nearer) = mode::nearer(system, actuation, &wishes, &pose.unknowns)? else {
+        return Ok(());
+    };
+    let unknown = nearer.unknown;
+    let Coordinate { name, kind } = &mechanism.unknowns[unknown];
+    let event = Event {
+        time: first.time,
+        inputs: first.inputs.clone(),
+        kind: EventKind::StartMoved {
+            name: name.clone(),
+            measure: *kind,
+            wanted: start[unknown],
+            found: pose.unknowns[unknown],
+            nearer: nearer.value,
+            mode: nearer.mode,
+        },
+    };
+    trajectory.events.insert(0, event);
     Ok(())
 }
 

@@ -31,7 +31,8 @@ pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut output = io::open(&args.out)?;
     let mut trajectory = solve_with_ends(&system, actuation, times);
     crate::cli::interrupt::refuse_interrupted()?;
-    let outcome = event_messages::tell(&system, actuation, &mut trajectory, term)?;
+    event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
+    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
     let chart = chart(&system, actuation, &plots, &trajectory);
     write(&chart, format, args.size, args.theme, output.as_mut())?;
     output.commit()?;

@@ -43,7 +43,8 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         let plan = Plan::new(args, &scene, &format)?;
         let mut trajectory = solve(&system, &scene.actuation, &plan.times);
-        let outcome = event_messages::tell(&system, &scene.actuation, &mut trajectory, term)?;
+        event_messages::note_moved_start(&system, &scene.actuation, &mut trajectory)?;
+        let outcome = event_messages::tell(&system, &scene.actuation, &trajectory, term)?;
         (plan, trajectory, outcome)
     };
     let scene = scene;

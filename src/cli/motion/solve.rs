@@ -43,13 +43,14 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     let mut trajectory = certify::motion(&system, actuation, &times, args.certify)?;
     refuse_interrupted()?;
+    event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
     if args.events {
         add_limits(&system, actuation, &mut trajectory);
     }
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
-    let outcome = event_messages::tell(&system, actuation, &mut trajectory, term)?;
+    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
     let proves_motion = args.certify == CertifyArg::Motion;
     let proof = proves_motion.then(|| MotionProof::of(&trajectory));
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {

@@ -9,11 +9,21 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use std::sync::atomic::Ordering;
 
-/// An assembly is worth a word if it is this much nearer to the start values.
-const NEARER: f64 = 0.9;
+/// Starts that show whether an assembly is nearer to the start values: enough for assemblies that are not rare.
+const FEW_STARTS: usize = 100;
 
 /// Share of the drive after which the branches are listed that meet at its start.
 const BESIDE_START: f64 = 1e-3;
+
+/// An assembly nearer to the start values than the one that was taken.
+pub struct Nearer {
+    /// Its signature, or its number where others have the same.
+    pub mode: String,
+    /// The unknown that it keeps better by most.
+    pub unknown: usize,
+    /// What that is there.
+    pub value: f64,
+}
 
 /// Unknowns of a mode at the start of the drive: start values that lead to it.
 pub fn start_of(
@@ -93,33 +103,38 @@ fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failu
     }
 }
 
-/// The assembly nearest to the named start values, as `--mode` takes it, if it is nearer than one whose `unknown`, the
-/// farthest off of all, is at `value`.
+/// The assembly nearest to the wishes, as `--mode` takes it, if `pose` at the start of the drive is far from one that it
+/// keeps, and the unknown that is.
 pub fn nearer(
     system: &System,
     actuation: &Actuation,
-    unknown: usize,
-    value: f64,
-) -> Result<Option<(String, Vec<f64>)>, Failure> {
-    let mut start = actuation.start_at(0.0);
-    let wishes = Wishes::new(system.mechanism(), &start, &actuation.named);
-    start[unknown] = value;
-    let far = wishes.distance(&start);
+    wishes: &Wishes,
+    pose: &[f64],
+) -> Result<Option<Nearer>, Failure> {
+    let nearest = |modes: &Modes| {
+        let list = modes.list.iter().enumerate();
+        let far = list.map(|(k, mode)| (wishes.distance(&mode.coordinates), k));
+        let (far, index) = far.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let unknown = wishes.gained(pose, &modes.list[index].coordinates)?;
+        (far < wishes.distance(pose)).then_some((index, unknown))
+    };
+    if nearest(&search(system, actuation, 0.0, FEW_STARTS)?).is_none() {
+        return Ok(None);
+    }
     let modes = search(system, actuation, 0.0, DEFAULT_STARTS)?;
-    let numbered = modes.list.iter().enumerate();
-    let all = numbered.map(|(k, mode)| (wishes.distance(&mode.coordinates), k));
-    let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
-    let nearest = nearest.filter(|(own, _)| *own < NEARER * far);
-    let Some((_, index)) = nearest else {
+    let Some((index, unknown)) = nearest(&modes) else {
         return Ok(None);
     };
     let mode = &modes.list[index];
-    let is_alone = matches!(only(&modes, &mode.branch), Ok(Some(_)));
-    let name = match is_alone {
-        true => mode.branch.clone(),
-        false => (index + 1).to_string(),
+    let name = match only(&modes, &mode.branch) {
+        Ok(Some(_)) => mode.branch.clone(),
+        _ => (index + 1).to_string(),
     };
-    Ok(Some((name, mode.coordinates.clone())))
+    Ok(Some(Nearer {
+        mode: name,
+        unknown,
+        value: mode.coordinates[unknown],
+    }))
 }
 
 /// The assemblies at the inputs of a time, from so many starts.

@@ -115,16 +115,20 @@ pub enum EventKind {
         /// Signatures of the others that were found.
         others: Vec<String>,
     },
-    /// The first pose is far from a start value that the scene names.
+    /// The first pose is far from a start value that the scene names, and another assembly is nearer.
     StartMoved {
-        /// Index of the unknown that is farthest off.
-        unknown: usize,
+        /// Name of the unknown that is farthest off.
+        name: String,
+        /// What it is.
+        measure: Kind,
         /// Its start value: radians, or the scene's length unit.
         wanted: f64,
         /// Its value in the first pose.
         found: f64,
-        /// A nearer assembly and the unknown's value there, where it was searched for and found: number or signature.
-        mode: Option<(String, f64)>,
+        /// Its value in the other assembly.
+        nearer: f64,
+        /// Number or signature of the other assembly.
+        mode: String,
     },
     /// The start values did not lead to a pose; another start did, perhaps on another branch.
     OtherStart,

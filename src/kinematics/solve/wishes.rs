@@ -68,32 +68,34 @@ impl Wishes {
         }
     }
 
-    /// The unknown that missed its wish by most, and by how many times what is far; `None` if none is named.
-    fn worst(&self, coordinates: &[f64]) -> Option<(usize, f64)> {
-        let missed = self.list.iter().map(|wish| {
-            let off = coordinates[wish.unknown] - wish.value;
-            let turns = (off / wish.period).round();
-            let off = if turns == 0.0 {
-                off
-            } else {
-                off - turns * wish.period
+    /// How far a pose is from every wish: nothing is far up to one.
+    fn misses<'a>(&'a self, pose: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        self.list.iter().map(|wish| {
+            let off = pose[wish.unknown] - wish.value;
+            let turns = match wish.period.is_finite() {
+                true => (off / wish.period).round() * wish.period,
+                false => 0.0,
             };
-            (wish.unknown, off.abs() / wish.far)
-        });
-        missed.reduce(|a, b| if b.1 > a.1 { b } else { a })
+            (off - turns).abs() / wish.far
+        })
     }
 
-    /// How far a pose is from the wishes: nothing is far up to one.
-    pub fn distance(&self, coordinates: &[f64]) -> f64 {
-        self.worst(coordinates).map_or(0.0, |(_, far)| far)
+    /// How far a pose is from all wishes together.
+    pub fn distance(&self, pose: &[f64]) -> f64 {
+        self.misses(pose).map(|far| far * far).sum::<f64>().sqrt()
     }
 
-    /// The named unknown that is farthest from its wish, if it is far.
-    pub fn missed(&self, coordinates: &[f64]) -> Option<usize> {
-        let worst = self.worst(coordinates);
-        worst
-            .filter(|(_, far)| *far > 1.0)
-            .map(|(unknown, _)| unknown)
+    /// Whether a pose is far from any wish.
+    pub fn are_missed(&self, pose: &[f64]) -> bool {
+        self.misses(pose).any(|far| far > 1.0)
+    }
+
+    /// The unknown that `other` keeps better than `pose` by most, if by a far way.
+    pub fn gained(&self, pose: &[f64], other: &[f64]) -> Option<usize> {
+        let gains = self.misses(pose).zip(self.misses(other));
+        let gains = gains.map(|(far, near)| far - near).zip(&self.list);
+        let (gain, wish) = gains.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+        (gain > 1.0).then_some(wish.unknown)
     }
 
     fn is_named(&self, unknown: usize) -> bool {
@@ -114,14 +116,16 @@ pub fn assemble_as_meant(
 ) -> Result<Assembled, NotClosed> {
     let mut best = assemble(system, corrector, start, true)?;
     let wishes = Wishes::new(system.mechanism(), start, named);
-    if wishes.missed(&best.coordinates).is_none() {
+    if !wishes.are_missed(&best.coordinates) {
         return Ok(best);
     }
     let held = with_wishes_held(system, &wishes);
-    let mut least = wishes.distance(&best.coordinates);
-    for attempt in 0..STARTS {
+    let first = wishes.distance(&best.coordinates);
+    let (mut least, mut iterations) = (first, best.iterations);
+    let is_all_named = held.iter().all(|block| block.unknowns.is_empty());
+    for attempt in 0..if is_all_named { 1 } else { STARTS } {
         let start = free_start(system, start, &wishes, attempt);
-        let Some(found) = let_go(system, &held, start, &mut best.iterations) else {
+        let Some(found) = let_go(system, &held, start, &mut iterations) else {
             continue;
         };
         for names in spelled(system, found) {
@@ -131,9 +135,11 @@ pub fn assemble_as_meant(
             }
         }
     }
-    // What the corrector has in store is of this pose.
-    let last = corrector.correct(system, &mut best.coordinates, Pace::Patient);
-    best.iterations += last.iterations;
+    if least < first {
+        // What the corrector has in store is of this pose.
+        let last = corrector.correct(system, &mut best.coordinates, Pace::Patient);
+        best.iterations = iterations + last.iterations;
+    }
     Ok(best)
 }
 

@@ -6,7 +6,6 @@ use crate::kinematics::certificate::Certifier;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
 use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
-use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
@@ -123,9 +122,6 @@ impl<'s> Recorder<'s> {
                 if found.start > 0 {
                     self.event(time, EventKind::OtherStart);
                 }
-                if persist {
-                    self.note_missed_wish(time, &start, &found.coordinates);
-                }
                 let point = self.tracker.point(time, found.coordinates);
                 if persist && point.branch.condition >= SINGULAR_START {
                     self.event(time, EventKind::StartSingular);
@@ -149,21 +145,6 @@ impl<'s> Recorder<'s> {
                 }
                 Err(None)
             }
-        }
-    }
-
-    /// Says which named start value the first pose is farthest from, if it is far.
-    fn note_missed_wish(&mut self, time: f64, start: &[f64], pose: &[f64]) {
-        let mechanism = self.tracker.system().mechanism();
-        let wishes = Wishes::new(mechanism, start, &self.tracker.actuation().named);
-        if let Some(unknown) = wishes.missed(pose) {
-            let kind = EventKind::StartMoved {
-                unknown,
-                wanted: start[unknown],
-                found: pose[unknown],
-                mode: None,
-            };
-            self.event(time, kind);
         }
     }
 
