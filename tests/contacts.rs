@@ -10,6 +10,7 @@ mod reference;
 use driven::{Driven, Model, add_derivatives, certify_motion, solve};
 use glam::DVec3;
 use mechanim::kinematics::results::certificate::Certificate;
+use mechanim::kinematics::results::trajectory::EventKind;
 
 use mechanim::kinematics::freedoms::mobility::Mobility;
 
@@ -352,5 +353,89 @@ fn torus_pair_has_eight_assemblies_at_the_start() {
     assert_eq!(angles.len(), expected.len(), "{angles:?}");
     for (found, expected) in angles.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+    }
+}
+
+/// A roller on a rocker that an eccentric disc moves: FIRST and SECOND are the surfaces and turn their frames.
+const CAM: &str = "units = { angle = \"deg\" }\nduration = 2\n[inputs]\nphi = \"180*t\"\nw = \"5*t\"\n[chains]\n\
+    cam = \"Ry(phi) Tx(12) CAM\"\nroller = \"Tx(80) Tz(10) Ry(psi) Tx(-70) Tz(40) ROLLER\"\n[contacts.k]\n\
+    first = { SURFACE = { radius = 30 }, frame = \"cam\" }\nsecond = { SURFACE = { radius = 10 }, frame = \"roller\" }\n\
+    [guess]\npsi = -8\n[[bodies]]\nname = \"roller\"\nframe = \"roller\"\n[outputs]\nx = \"k.point.x\"\nz = \"k.point.z\"\n\
+    mu = \"k.pressure_angle\"\n";
+
+/// The rocker's angle where its roller's centre is 40 from the disc's: a circle about the pivot cut by one about the disc's
+/// centre.
+fn rocker(phi: f64) -> f64 {
+    let centre = [12.0 * phi.cos() - 80.0, -12.0 * phi.sin() - 10.0];
+    let (away, arm) = (centre[0].hypot(centre[1]), 70f64.hypot(40.0));
+    let corner = (arm * arm + away * away - 40.0 * 40.0) / (2.0 * arm * away);
+    // Turning about y takes x towards -z.
+    40f64.atan2(-70.0) - centre[1].atan2(centre[0]) + corner.acos()
+}
+
+#[test]
+fn parallel_cylinders_are_a_planar_contact() {
+    let cam = |surface: &str, first: &str, second: &str| {
+        let text = CAM.replace("SURFACE", surface).replace("ROLLER", second);
+        written(&text.replace("CAM", first))
+    };
+    let times: Vec<f64> = (0..81).map(|k| 0.025 * k as f64).collect();
+    let spheres = cam("sphere", "E", "E");
+    let of_spheres = solve(&spheres, &times).unwrap();
+    // Axes the same way and the opposite way, shifted along, shifted while they turn.
+    let turns = [
+        ("Rx(90)", "Rx(90)", true),
+        ("Rx(90)", "Rx(-90)", true),
+        ("Rx(-90)", "Rx(90) Tz(3)", true),
+        ("Rx(90) Rz(20) Tz(-5)", "R(1, 0, 0, -90) Rz(35) Tz(7)", true),
+        ("Ty(w) Rx(90)", "Rx(90) Tz(-2)", false),
+    ];
+    for (first, second, is_planar) in turns {
+        let case = format!("{first} on {second}");
+        let model = cam("cylinder", first, second);
+        let trajectory = solve(&model, &times).unwrap();
+        for ((time, pose), sphere) in times.iter().zip(whole(&trajectory)).zip(whole(&of_spheres)) {
+            let certified = matches!(pose.certificate, Certificate::Certified { .. });
+            assert!(certified, "{case} at {time}");
+            let exact = rocker(180.0 * time * TAU / 360.0).to_degrees();
+            let error = turned(value(&model, pose, "psi") - exact, 360.0);
+            assert!(error.abs() < 1e-11, "{case} at {time}: {error:e}");
+            for name in ["psi", "x", "z", "mu"] {
+                let error = value(&model, pose, name) - value(&spheres, sphere, name);
+                assert!(error.abs() < 2e-12, "{case} at {time}: {name} {error:e}");
+            }
+        }
+        let mobility = Mobility::new(&model.system().unwrap(), &model.actuation);
+        let freedoms = if is_planar { 1 } else { 2 };
+        assert_eq!(mobility.count.freedoms(), freedoms as i64, "{case}");
+        assert_eq!(
+            mobility.generic.map(|n| n.mobility),
+            Some(freedoms),
+            "{case}"
+        );
+        assert_eq!(
+            mobility.count.planar_dependents().is_some(),
+            is_planar,
+            "{case}"
+        );
+    }
+}
+
+#[test]
+fn cylinders_whose_axes_become_parallel_are_named() {
+    // A parallelogram keeps its coupler upright, which its chain does not show.
+    let text = "units = { angle = \"deg\" }\nduration = 1\n[inputs]\na = \"30 + 20*t\"\n[chains]\n\
+        coupler = \"Rx(a) Ty(100) Rx(b)\"\nslide = \"Ty(60) Tx(s) TILT\"\n[loops]\n\
+        P = \"coupler Tz(50) Rx(d) inv(Tz(50) Rx(c) Ty(100))\"\n[contacts.k]\n\
+        first = { cylinder = { radius = 30 }, frame = \"coupler\" }\n\
+        second = { cylinder = { radius = 10 }, frame = \"slide\" }\n[guess]\nb = -30\nc = 30\nd = 0\ns = 60\n\
+        [[bodies]]\nname = \"slide\"\nframe = \"slide\"\n";
+    for (tilt, is_parallel) in [("E", true), ("Rx(5)", false)] {
+        let model = written(&text.replace("TILT", tilt));
+        let trajectory = solve(&model, &[0.0, 0.5]).unwrap();
+        let mut kinds = trajectory.events.iter().map(|e| &e.kind);
+        let named =
+            kinds.any(|k| matches!(k, EventKind::AxesParallel { contact } if contact == "k"));
+        assert_eq!(named, is_parallel, "{tilt}");
     }
 }

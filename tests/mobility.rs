@@ -815,3 +815,115 @@ fn the_report_names_what_is_held_and_what_is_redundant() {
     assert_eq!(mobility["redundant"].as_array().unwrap().len(), 3);
     assert_eq!(mobility["redundant"][0]["loop"], "A");
 }
+
+/// Three loops, each in a frame that moves: HOUSE carries them all.
+const EXCAVATOR: &str = r#"units = { length = "m", angle = "deg" }
+duration = 2
+[parameters]
+h = 1.4
+[inputs]
+INPUTS
+c1 = "1.55 + 0.15*t"
+c2 = "2.2 + 0.15*t"
+c3 = "1.3 + 0.1*t"
+[chains]
+house = "HOUSE"
+boom = "house Tz(h) Ry(-b)"
+stick = "boom Tx(4) Ry(-s)"
+bucket = "stick Tx(2) Ry(-k)"
+[loops]
+lift = "LIFT"
+draw = "boom T(1.6, 0, 0.5) Ry(-u2) Tx(c2) Ry(-v2) inv(stick Tx(-0.6))"
+dig = "stick T(0.6, 0, 0.4) Ry(-u3) Tx(c3) Ry(-v3) inv(bucket Tz(0.35))"
+[guess]
+b = 30
+s = -60
+k = -40
+u1 = 60
+[[bodies]]
+name = "bucket"
+frame = "bucket"
+"#;
+
+const LIFT: &str = "house T(0.6, 0, 0.5) Ry(-u1) Tx(c1) Ry(-v1) inv(boom Tx(1.5))";
+
+#[test]
+fn what_carries_a_loop_is_no_part_of_it() {
+    let excavator = |house: &str, inputs: &str, lift: &str| {
+        let text = EXCAVATOR.replace("HOUSE", house);
+        text.replace("INPUTS", inputs).replace("LIFT", lift)
+    };
+    let plain_text = excavator("E", "", LIFT);
+    let plain = read(&plain_text);
+    let (counted, poses) = (mobility_of(&plain_text), run(&plain, 9));
+    assert_eq!(counted.count.freedoms(), 3);
+    assert_eq!(counted.count.planar_dependents(), Some(6));
+    let swing = "swing = \"60*t\"";
+    let houses: [(&str, &str, usize); 5] = [
+        ("Rz(swing)", swing, 1),
+        ("T(1, 2, 0.3) Rz(swing) Tx(0.1)", swing, 1),
+        ("Rx(-2*swing + 3)", swing, 1),
+        ("Hz(0.2, swing)", swing, 1),
+        (
+            "Tx(drive) R(1, 2, 3, swing)",
+            "swing = \"60*t\"\ndrive = \"2*t\"",
+            2,
+        ),
+    ];
+    let lifts = [
+        LIFT,
+        // The other way round, from the middle on, spelled out, and with a common end.
+        "boom Tx(1.5) inv(house T(0.6, 0, 0.5) Ry(-u1) Tx(c1) Ry(-v1))",
+        "Ry(-u1) Tx(c1) Ry(-v1) inv(boom Tx(1.5)) house T(0.6, 0, 0.5)",
+        "inv(inv(house)) Tx(0.6) Tz(0.5) Ry(-u1) Tx(c1) Ry(-v1) Tx(-1.5) Ry(b) Tz(-h) inv(house)",
+        "house T(0.6, 0, 0.5) Ry(-u1) Tx(c1) Ry(-v1) house inv(boom Tx(1.5) house)",
+    ];
+    let cases = houses
+        .into_iter()
+        .flat_map(|house| lifts.map(|lift| (house, lift)));
+    for ((house, inputs, more), lift) in cases {
+        let text = excavator(house, inputs, lift);
+        let model = read(&text);
+        let case = format!("{house}: {lift}");
+        let bodies = text.find("[[bodies]]").unwrap();
+        for text in [&text[..], &text[..bodies]] {
+            let mobility = mobility_of(text);
+            assert_eq!(mobility.count.loops, counted.count.loops, "{case}");
+            assert_eq!(mobility.count.freedoms(), 3 + more as i64, "{case}");
+            assert_eq!(mobility.count.planar_dependents(), Some(6), "{case}");
+            assert_eq!(mobility.generic.unwrap().mobility, 3 + more, "{case}");
+            assert_eq!(mobility.inputs, 3 + more, "{case}");
+            assert!(mobility.redundant.is_empty(), "{case}");
+            assert!(mobility.conditions.is_empty(), "{case}");
+        }
+        // The house turns on the ground, whatever it carries.
+        let slot = model.unknowns.len();
+        let mut joints = model.joints.list.iter();
+        assert!(joints.any(|j| j.coordinates == [slot]), "{case}");
+        let trajectory = run(&model, 9);
+        for (pose, plain_pose) in trajectory.poses().zip(poses.poses()) {
+            for coordinate in &plain.unknowns {
+                let name = &coordinate.name;
+                let error = unknown(&model, pose, name) - unknown(&plain, plain_pose, name);
+                assert!(error.abs() < 1e-13, "{case}: {name} {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_point_is_closed_where_it_is() {
+    // Beside a sphere a loop may turn about the sphere's centre: what carries both sides is cancelled between them only.
+    let text = "duration = 1\n[inputs]\na = \"0.3 + t\"\nb = \"0.2*t\"\n[chains]\nbase = \"Tx(3) Rz(a)\"\n\
+        ball = \"base Tx(2) Ry(b) Tx(1)\"\ntable = \"base Tz(z)\"\n[contacts.c]\nfirst = { plane = {}, frame = \"table\" }\n\
+        second = { sphere = { radius = 0.5 }, frame = \"ball\" }\n[guess]\nz = -1\n[[bodies]]\nname = \"ball\"\nframe = \"ball\"\n";
+    let model = read(text);
+    let trajectory = run(&model, 5);
+    for sample in &trajectory.samples {
+        let pose = sample.pose.as_ref().unwrap();
+        let height = -sample.inputs[1].sin() - 0.5;
+        assert!((unknown(&model, pose, "z") - height).abs() < 1e-14);
+    }
+    let mobility = mobility_of(text);
+    assert_eq!(mobility.generic.unwrap().mobility, 2);
+}

@@ -8,7 +8,9 @@ mod reference;
 use driven::{Driven, Model};
 use mechanim::diag::Source;
 use mechanim::kinematics::loops::forward::{body_poses, closure_error};
+use mechanim::kinematics::solve::assembly::assemble;
 use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
+use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::math::Pose;
 
 use mechanim::model::mechanism::Mechanism;
@@ -275,4 +277,123 @@ fn the_verb_prints_a_count_and_the_option_starts_from_one() {
         .exits(2)
         .says(&["there is no mode 3", "2 assemblies"]);
     w.run(&[&arguments[..], &["--mode", "1"]].concat()).exits(2);
+}
+
+/// Unknowns of the first pose as a scene starts, degrees.
+fn first_pose(model: &Model, name: &str) -> f64 {
+    let trajectory = driven::solve(model, &[0.0]).unwrap();
+    let pose = trajectory.samples[0].pose.as_ref().unwrap();
+    let slot = model.unknowns.iter().position(|c| c.name == name);
+    pose.unknowns[slot.unwrap()].to_degrees()
+}
+
+fn off(a: f64, b: f64) -> f64 {
+    ((a - b) - 360.0 * ((a - b) / 360.0).round()).abs()
+}
+
+#[test]
+fn a_rocker_guessed_at_its_angle_is_there() {
+    // Crank, coupler, rocker, ground; the coupler's angles are not named.
+    let bars = [
+        [1.0, 3.2, 2.5, 4.0],
+        [1.0, 3.0, 3.0, 4.0],
+        [2.0, 4.0, 3.0, 3.5],
+        [2.5, 3.0, 3.5, 1.0],
+    ];
+    let (mut seen, mut elsewhere) = (0, 0);
+    for [crank, coupler, rocker, ground] in bars {
+        for (step, side) in (0..24).flat_map(|step| [(step, 1.0), (step, -1.0)]) {
+            let phi = f64::from(15 * step).to_radians();
+            // Where the circles of coupler and rocker meet.
+            let pin = [crank * phi.cos(), crank * phi.sin()];
+            let to = [ground - pin[0], -pin[1]];
+            let away = to[0].hypot(to[1]);
+            let along = (coupler * coupler - rocker * rocker + away * away) / (2.0 * away);
+            let aside = side * (coupler * coupler - along * along).sqrt();
+            if !(aside.abs() > 0.1) {
+                continue;
+            }
+            let [x, y] = [to[0] / away, to[1] / away];
+            let meet = [
+                pin[0] + along * x - aside * y,
+                pin[1] + along * y + aside * x,
+            ];
+            let angle = meet[1].atan2(meet[0] - ground).to_degrees();
+            let text = format!(
+                "units = {{ angle = \"deg\" }}\n[inputs]\nphi = {}\n[loops]\n\
+                 A = \"Rz(phi) Tx({crank}) Rz(k) Tx({coupler}) Rz(q) inv(Tx({ground}) Rz(p) Tx({rocker}))\"\n\
+                 [guess]\np = {angle}\n",
+                15 * step
+            );
+            let model = reference::scenes::written(&text);
+            assert!(off(first_pose(&model, "p"), angle) < 1e-9, "{text}");
+            seen += 1;
+            let system = model.system().unwrap();
+            let start = model.actuation.start_at(0.0);
+            let slot = model.unknowns.iter().position(|c| c.name == "p").unwrap();
+            let near = assemble(&system, &mut Corrector::new(&system), &start, true).unwrap();
+            elsewhere += usize::from(off(near.coordinates[slot].to_degrees(), angle) > 1.0);
+        }
+    }
+    // A search from the start values alone is often elsewhere.
+    assert!(seen > 100 && elsewhere > 10, "{seen} {elsewhere}");
+}
+
+/// A scissor lift of two stages whose bars are 600 long.
+fn scissors(ground: f64, guess: &str) -> String {
+    format!(
+        "units = {{ angle = \"deg\" }}\n[inputs]\nd = {ground}\n[chains]\nA1 = \"Rz(a1)\"\nB1 = \"Tx(d) Rz(b1)\"\n\
+         A2 = \"B1 Tx(600) Rz(a2)\"\nB2 = \"A1 Tx(600) Rz(b2)\"\n[loops]\none = \"A1 Tx(300) Rz(x1) inv(B1 Tx(300))\"\n\
+         two = \"A2 Tx(300) Rz(x2) inv(B2 Tx(300))\"\n[guess]\na1 = 20\nb1 = 160\n{guess}\n"
+    )
+}
+
+#[test]
+fn a_scissor_lift_stands_as_it_was_sketched() {
+    for ground in [150.0, 300.0, 450.0, 560.0_f64] {
+        // Half the ground line and half a bar.
+        let lean = (ground / 600.0).acos().to_degrees();
+        let fold = 180.0 - 2.0 * lean;
+        for stage in [1.0, -1.0] {
+            // The second stage stands on the first, or hangs down in front of it.
+            let [a2, b2] = match stage > 0.0 {
+                true => [-fold, fold],
+                false => [180.0, 180.0],
+            };
+            let text = scissors(ground, &format!("a2 = {}\nb2 = {}", a2 - 3.0, b2 + 4.0));
+            let model = reference::scenes::written(&text);
+            for (name, exact) in [("a1", lean), ("b1", 180.0 - lean), ("a2", a2), ("b2", b2)] {
+                let found = first_pose(&model, name);
+                assert!(off(found, exact) < 1e-9, "{text}: {name} is {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_start_value_that_another_mode_keeps_is_warned_about() {
+    // Closing angles that are named, and wrong, leave nothing free: the lift collapses.
+    let w = Workspace::new();
+    w.write(
+        "lift.toml",
+        scissors(560.0, "a2 = -140\nb2 = 140\nx1 = 0\nx2 = 0"),
+    );
+    let warning = "the start value `a2` = -140.000000000 deg led to 180.000000000 deg";
+    w.run(&["check", "lift.toml"])
+        .exits(0)
+        .says(&[warning, "--mode=++ has -137.92"]);
+    let json = w
+        .run(&["solve", "lift.toml", "--out", "lift.json"])
+        .exits(0);
+    json.says(&[warning]);
+    let table = String::from_utf8(w.read("lift.json")).unwrap();
+    assert!(
+        table.contains("\"start-moved\"") && table.contains("\"mode\": \"++\""),
+        "{table:.3000}"
+    );
+    w.run(&["check", "lift.toml", "--mode=++"])
+        .exits(0)
+        .says_nothing();
+    // A rough sketch is no reason to speak: no assembly is nearer.
+    w.run(&["check", "slider-crank"]).exits(0).says_nothing();
 }

@@ -371,6 +371,7 @@ fn word(event: &Event, place: f64, x: &Abscissa) -> String {
         EventKind::LimitPosition { name, .. } => format!("{name} turns back"),
         EventKind::GimbalLock { .. } => "gimbal lock".to_owned(),
         EventKind::StartSingular => "singular start".to_owned(),
+        EventKind::AxesParallel { contact } => format!("{contact} touches along a line"),
         EventKind::StartNotClosed { .. } | EventKind::BranchChosen { .. } => String::new(),
     }
 }

@@ -62,6 +62,15 @@ pub struct Loop {
     pub closes: Closes,
 }
 
+/// Two cylinders in contact that may cross at any angle, but touch in a point only where they do cross.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// Name of the contact.
+    pub contact: String,
+    /// From the frame of the first cylinder to that of the second; their axes are z.
+    pub across: Chain,
+}
+
 /// A formula over the coordinates that must vanish.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equation {
@@ -155,6 +164,8 @@ pub struct Mechanism {
     pub equations: Vec<Equation>,
     /// Names of those loops and equations that are contacts of surfaces.
     pub contacts: Vec<String>,
+    /// Cylinders among them that may cross at any angle.
+    pub crossings: Vec<Crossing>,
     /// Links.
     pub bodies: Vec<Body>,
     /// Traced points.

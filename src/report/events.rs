@@ -23,6 +23,7 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
         EventKind::GimbalLock { .. } => "gimbal-lock",
         EventKind::StartSingular => "start-singular",
         EventKind::StartMoved { .. } => "start-moved",
+        EventKind::AxesParallel { .. } => "axes-parallel",
         EventKind::OtherStart => "other-start",
     };
     let mut object = Map::new();
@@ -46,6 +47,9 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
                 json!(value * mechanism.file_units(*measure)),
             );
             object.insert("extreme".to_owned(), json!(extreme));
+        }
+        EventKind::AxesParallel { contact } => {
+            object.insert("contact".to_owned(), json!(contact));
         }
         EventKind::StartMoved {
             name,

@@ -122,6 +122,9 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
         EventKind::StartSingular => format!(
             "the motion starts at a singular pose at {at}: rates are infinite or not determined there, and assemblies may meet"
         ),
+        EventKind::AxesParallel { contact } => format!(
+            "the two cylinders of contact `{contact}` have parallel axes at {at}: they touch along a line, and its coordinates say nothing; write `sphere` for both where centres stay in one plane"
+        ),
         EventKind::StartMoved {
             name,
             measure,

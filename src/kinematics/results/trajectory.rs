@@ -115,6 +115,11 @@ pub enum EventKind {
         /// Signatures of the others that were found.
         others: Vec<String>,
     },
+    /// Two cylinders in contact have parallel axes at the start: they touch along a line, and where is not determined.
+    AxesParallel {
+        /// Name of the contact.
+        contact: String,
+    },
     /// The first pose is far from a start value that the scene names, and another assembly is nearer.
     StartMoved {
         /// Name of the unknown that is farthest off.

@@ -27,7 +27,7 @@ const REACH: f64 = 2.0;
 
 /// Largest closure error of an assembly that counts. Rounding leaves about 1e-15; a start that stopped beside a
 /// pose leaves far more.
-const CLOSED: f64 = 1e-12;
+pub const CLOSED: f64 = 1e-12;
 
 /// Link poses (rotation entries, translations over the size) that agree within this are the same: above what
 /// rounding leaves at a nearly singular pose, below the distance of assemblies that can be told apart.

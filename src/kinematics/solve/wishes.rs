@@ -7,9 +7,10 @@
 //! nearest to the named values is taken.
 
 use super::assembly::{Assembled, NotClosed, assemble, close, turns_matter};
-use super::assembly_modes::start_values;
+use super::assembly_modes::{CLOSED, start_values};
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
+use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::structure::block::{Block, block};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -121,24 +122,25 @@ pub fn assemble_as_meant(
     }
     let held = with_wishes_held(system, &wishes);
     let first = wishes.distance(&best.coordinates);
-    let (mut least, mut iterations) = (first, best.iterations);
+    let (mut least, mut spent) = (first, 0);
     let is_all_named = held.iter().all(|block| block.unknowns.is_empty());
     for attempt in 0..if is_all_named { 1 } else { STARTS } {
         let start = free_start(system, start, &wishes, attempt);
-        let Some(found) = let_go(system, &held, start, &mut iterations) else {
+        let Some((found, iterations)) = let_go(system, &held, start) else {
             continue;
         };
         for names in spelled(system, found) {
             let distance = wishes.distance(&names);
             if distance < least - NEARER {
-                (best.coordinates, best.start, least) = (names, 0, distance);
+                (best.coordinates, best.start) = (names, 0);
+                (least, spent) = (distance, iterations);
             }
         }
     }
     if least < first {
         // What the corrector has in store is of this pose.
         let last = corrector.correct(system, &mut best.coordinates, Pace::Patient);
-        best.iterations = iterations + last.iterations;
+        best.iterations += spent + last.iterations;
     }
     Ok(best)
 }
@@ -166,30 +168,29 @@ fn free_start(system: &System, start: &[f64], wishes: &Wishes, attempt: usize) -
     values
 }
 
-/// A closed pose from a start: first with the named unknowns held, then without.
-fn let_go(
-    system: &System,
-    held: &[Block],
-    mut values: Vec<f64>,
-    iterations: &mut u32,
-) -> Option<Vec<f64>> {
-    let mut descent = Descent::default();
+/// A closed pose from a start, first with the named unknowns held, then without, and the iterations that took.
+fn let_go(system: &System, held: &[Block], mut values: Vec<f64>) -> Option<(Vec<f64>, u32)> {
+    let (mut descent, mut iterations) = (Descent::default(), 0);
     for block in held {
-        *iterations += descent.minimise(system.mechanism(), block, &mut values).0;
+        iterations += descent.minimise(system.mechanism(), block, &mut values).0;
     }
     // Buffers of its own: what another start has left in them must not show in the last digits.
     let mut corrector = Corrector::new(system);
-    close(system, &mut corrector, &mut values, iterations).ok()?;
-    Some(values)
+    close(system, &mut corrector, &mut values, &mut iterations).ok()?;
+    Some((values, iterations))
 }
 
-/// The pose, and the same with the other angles of a ball joint.
+/// The pose, and the same with the other angles of a ball joint where nothing else depends on them.
 fn spelled(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
     let mut all = vec![pose];
     for ball in system.balls() {
         let mut other = all[0].clone();
         ball.rename(&mut other);
-        all.push(other);
+        let mut held = system.structure().held.iter();
+        let is_kept = held.all(|held| other[held.unknown] == all[0][held.unknown]);
+        if is_kept && closure_error(system.mechanism(), &other) <= CLOSED {
+            all.push(other);
+        }
     }
     all
 }

@@ -125,6 +125,7 @@ pub fn resolve(
             .iter()
             .map(|c| c.name.value.clone())
             .collect(),
+        crossings: contacts.crossings,
         bodies,
         traces,
         outputs,

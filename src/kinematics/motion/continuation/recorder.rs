@@ -9,10 +9,14 @@ use crate::kinematics::solve::assembly::smallest_gap;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
+use glam::DVec3;
 
 /// Condition above which the first pose is called singular: a pose where assemblies meet is found to half of the
 /// digits, which leaves a condition of about 1e8.
 pub(crate) const SINGULAR_START: f64 = 1e7;
+
+/// Axes at a smaller angle (radians) count as parallel: a pose at which they are is double, and found to half its digits.
+const PARALLEL: f64 = 1e-6;
 
 /// Follows a motion and keeps its samples.
 pub(crate) struct Recorder<'s> {
@@ -122,6 +126,9 @@ impl<'s> Recorder<'s> {
                 if found.start > 0 {
                     self.event(time, EventKind::OtherStart);
                 }
+                if persist {
+                    self.note_parallel_axes(time, &found.coordinates);
+                }
                 let point = self.tracker.point(time, found.coordinates);
                 if persist && point.branch.condition >= SINGULAR_START {
                     self.event(time, EventKind::StartSingular);
@@ -144,6 +151,22 @@ impl<'s> Recorder<'s> {
                     self.event(time, kind);
                 }
                 Err(None)
+            }
+        }
+    }
+
+    /// Says which cylinders touch along a line though they were meant to cross.
+    fn note_parallel_axes(&mut self, time: f64, pose: &[f64]) {
+        let mechanism = self.tracker.system().mechanism();
+        if mechanism.crossings.is_empty() {
+            return;
+        }
+        let arguments = mechanism.argument_values(pose);
+        for crossing in &mechanism.crossings {
+            let axis = crossing.across.pose(&arguments).rotation.z_axis;
+            if axis.cross(DVec3::Z).length() < PARALLEL {
+                let contact = crossing.contact.clone();
+                self.event(time, EventKind::AxesParallel { contact });
             }
         }
     }

@@ -5,13 +5,14 @@ use super::super::super::contacts::Surface;
 use super::super::super::formula::compile::{compile, constant, exact_constant};
 use super::super::super::formula::expression::Node;
 use super::super::joints::Joints;
-use super::super::names::Names;
+use super::super::names::{Meaning, Names};
 use super::super::symbolic::{Drafted, Formulas, Term, cross, difference, dot};
 use super::chains::{Closure, ParsedContact};
+use super::parallel::across;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::chain::{Argument, Chain, Motion, Step};
 use crate::model::expression::Expression;
-use crate::model::mechanism::{Closes, Equation, Kind, Loop};
+use crate::model::mechanism::{Closes, Crossing, Equation, Kind, Loop};
 use crate::model::walk::{Vector, sum};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
@@ -21,6 +22,8 @@ use crate::numbers::scalar::Ring;
 pub struct Contacts {
     pub loops: Vec<Loop>,
     pub equations: Vec<Equation>,
+    /// Cylinders that may cross at any angle.
+    pub crossings: Vec<Crossing>,
     /// Full names of the scalars, with their formulas over the coordinates, or why there is none.
     pub scalars: Vec<(String, Kind, Result<Expression, String>)>,
 }
@@ -62,6 +65,13 @@ impl Contacts {
                 continue;
             }
             all.close(contact, names, joints, [&first, &second], diagnostics);
+            let is_free = |what| names.meaning(&format!("{}.{what}", contact.name.value));
+            if let (Some(factors), Some(Meaning::Unknown(_))) = (across(contact), is_free("w2")) {
+                let across = joints.chain(&factors, diagnostics);
+                let contact = contact.name.value.clone();
+                let crossing = across.map(|across| Crossing { contact, across });
+                all.crossings.extend(crossing);
+            }
             let frame = contact.frame.as_ref();
             let frame = frame.and_then(|f| joints.chain(f, diagnostics));
             all.describe(

@@ -51,18 +51,20 @@ pub fn settle(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
     }
 }
 
+/// From the frame of one cylinder in contact to that of the other; `None` unless both surfaces are cylinders.
+pub fn across(contact: &ParsedContact) -> Option<Vec<Factor>> {
+    let [first, second] = &contact.sides;
+    let both = [&first.surface, &second.surface];
+    let are_cylinders = both.iter().all(|s| matches!(s, Surface::Cylinder { .. }));
+    let back = first.frame.iter().rev().cloned().map(Factor::inverse);
+    are_cylinders.then(|| back.chain(second.frame.iter().cloned()).collect())
+}
+
 /// `None` unless both surfaces are cylinders and all rotations from one to the other are about their axes.
 fn arrangement(contact: &ParsedContact, names: &Names, unit: &AngleUnit) -> Option<Arrangement> {
-    let [first, second] = &contact.sides;
-    let [Surface::Cylinder { .. }, Surface::Cylinder { .. }] = [&first.surface, &second.surface]
-    else {
-        return None;
-    };
-    let back = first.frame.iter().rev().cloned().map(Factor::inverse);
-    let across: Vec<Factor> = back.chain(second.frame.iter().cloned()).collect();
     // What is wrong with a chain is said where it is resolved.
     let mut joints = Joints::new(names, unit);
-    let chain = joints.chain(&across, &mut Diagnostics::default())?;
+    let chain = joints.chain(&across(contact)?, &mut Diagnostics::default())?;
     // Rotations about the axis change neither its direction nor those of the other rotations' axes along it, so one pose
     // shows whether all are along it.
     let at_zero = vec![ArgumentValue::new(0.0); joints.arguments.len()];
