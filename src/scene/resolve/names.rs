@@ -292,7 +292,7 @@ impl Names {
     }
 
     /// Makes a constant of an unknown that turns out to be one.
-    pub fn settle(&mut self, name: &str, value: f64) {
+    pub fn settle(&mut self, name: &str, value: Constant) {
         let Some(index) = self.unknowns.iter().position(|c| c.name == name) else {
             return;
         };

@@ -13,35 +13,39 @@ use super::super::parsed::Parsed;
 use super::chains::ParsedContact;
 use crate::diag::Diagnostics;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Motion};
+use crate::model::chain::{Motion, Step};
+use crate::model::fixed::FixedPose;
 use crate::model::joints::EXACT;
 use crate::model::mechanism::AngleUnit;
-use crate::model::walk::walk;
+use crate::numbers::constant::Constant;
 use glam::DVec3;
-use std::f64::consts::PI;
 
 /// How two parallel axes lie to each other.
 struct Arrangement {
     /// The z axes of both frames point the same way.
     is_same_way: bool,
     /// Place of the second frame along the first axis; `None` if it changes.
-    along: Option<f64>,
+    along: Option<Constant>,
 }
 
 /// Makes constants of those unknowns of contacts that parallel axes leave no choice.
 pub fn settle(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
-    let mut settled: Vec<(String, f64)> = Vec::new();
+    let mut settled: Vec<(String, Constant)> = Vec::new();
     for contact in &parsed.contacts {
         let Some(arrangement) = arrangement(contact, names, unit) else {
             continue;
         };
-        let spin = if arrangement.is_same_way { PI } else { 0.0 };
+        let zero = Constant::exact(0.0);
+        let spin = match arrangement.is_same_way {
+            true => Constant::PI,
+            false => zero,
+        };
         let known = [
             ("spin", Some(spin)),
-            ("w2", Some(0.0)),
+            ("w2", Some(zero)),
             ("w1", arrangement.along),
         ];
-        let named = |(what, value): (&str, Option<f64>)| {
+        let named = |(what, value): (&str, Option<Constant>)| {
             Some((format!("{}.{what}", contact.name.value), value?))
         };
         settled.extend(known.into_iter().filter_map(named));
@@ -66,20 +70,27 @@ fn arrangement(contact: &ParsedContact, names: &Names, unit: &AngleUnit) -> Opti
     let mut joints = Joints::new(names, unit);
     let chain = joints.chain(&across(contact)?, &mut Diagnostics::default())?;
     // Rotations about the axis change neither its direction nor those of the other rotations' axes along it, so one pose
-    // shows whether all are along it.
-    let at_zero = vec![ArgumentValue::new(0.0); joints.arguments.len()];
-    let (mut frame, mut is_parallel, mut is_shifted) = (Pose::IDENTITY, true, false);
-    walk(&chain.steps, &mut frame, &at_zero, |here, joint| {
-        let axis = here.rotation.col(joint.axis);
-        match joint.motion {
-            Motion::Rotation => is_parallel &= axis.cross(DVec3::Z).length() <= EXACT,
-            Motion::Translation => is_shifted |= axis.z.abs() > EXACT,
+    // shows whether all are along it: that at which nothing is turned or shifted.
+    let mut frame = FixedPose::exact(Pose::IDENTITY);
+    let (mut is_parallel, mut is_shifted) = (true, false);
+    for step in &chain.steps {
+        match *step {
+            Step::Fixed(pose) => frame = frame * pose,
+            Step::Joint { motion, axis, .. } => match motion {
+                Motion::Rotation => is_parallel &= is_along(frame.rotation.col(axis)),
+                Motion::Translation => is_shifted |= frame.rotation.col(axis).z.abs() > EXACT,
+            },
         }
-    });
+    }
     let axis = frame.rotation.z_axis;
-    is_parallel &= axis.cross(DVec3::Z).length() <= EXACT;
-    is_parallel.then(|| Arrangement {
+    (is_parallel && is_along(axis)).then(|| Arrangement {
         is_same_way: axis.z > 0.0,
-        along: (!is_shifted).then_some(frame.translation.z),
+        along: (!is_shifted)
+            .then(|| Constant::within(frame.translation.z, frame.error.translation)),
     })
+}
+
+/// Whether a direction is that of the z axis or opposite.
+fn is_along(direction: DVec3) -> bool {
+    direction.cross(DVec3::Z).length() <= EXACT
 }
