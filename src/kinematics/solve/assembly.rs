@@ -37,7 +37,7 @@ pub struct NotClosed {
 pub struct Assembled {
     /// Unknowns, then inputs.
     pub coordinates: Vec<f64>,
-    /// Iterations of all tries that led there.
+    /// Iterations of all tries from the start values and beside them, and of the last correction.
     pub iterations: u32,
     /// Zero for the given start, else the number of the perturbed start that succeeded.
     pub start: usize,

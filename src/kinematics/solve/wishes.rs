@@ -122,25 +122,24 @@ pub fn assemble_as_meant(
     }
     let held = with_wishes_held(system, &wishes);
     let first = wishes.distance(&best.coordinates);
-    let (mut least, mut spent) = (first, 0);
+    let mut least = first;
     let is_all_named = held.iter().all(|block| block.unknowns.is_empty());
     for attempt in 0..if is_all_named { 1 } else { STARTS } {
         let start = free_start(system, start, &wishes, attempt);
-        let Some((found, iterations)) = let_go(system, &held, start) else {
+        let Some(found) = let_go(system, &held, start) else {
             continue;
         };
         for names in spelled(system, found) {
             let distance = wishes.distance(&names);
             if distance < least - NEARER {
-                (best.coordinates, best.start) = (names, 0);
-                (least, spent) = (distance, iterations);
+                (best.coordinates, best.start, least) = (names, 0, distance);
             }
         }
     }
     if least < first {
         // What the corrector has in store is of this pose.
         let last = corrector.correct(system, &mut best.coordinates, Pace::Patient);
-        best.iterations += spent + last.iterations;
+        best.iterations += last.iterations;
     }
     Ok(best)
 }
@@ -168,16 +167,16 @@ fn free_start(system: &System, start: &[f64], wishes: &Wishes, attempt: usize) -
     values
 }
 
-/// A closed pose from a start, first with the named unknowns held, then without, and the iterations that took.
-fn let_go(system: &System, held: &[Block], mut values: Vec<f64>) -> Option<(Vec<f64>, u32)> {
-    let (mut descent, mut iterations) = (Descent::default(), 0);
+/// A closed pose from a start, first with the named unknowns held, then without.
+fn let_go(system: &System, held: &[Block], mut values: Vec<f64>) -> Option<Vec<f64>> {
+    let mut descent = Descent::default();
     for block in held {
-        iterations += descent.minimise(system.mechanism(), block, &mut values).0;
+        descent.minimise(system.mechanism(), block, &mut values);
     }
     // Buffers of its own: what another start has left in them must not show in the last digits.
     let mut corrector = Corrector::new(system);
-    close(system, &mut corrector, &mut values, &mut iterations).ok()?;
-    Some((values, iterations))
+    close(system, &mut corrector, &mut values, &mut 0).ok()?;
+    Some(values)
 }
 
 /// The pose, and the same with the other angles of a ball joint where nothing else depends on them.

@@ -2,6 +2,7 @@
 //! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
 
 use super::super::super::contacts::Surface;
+use super::super::super::formula::chain::Factor;
 use super::super::super::formula::compile::{compile, constant, exact_constant};
 use super::super::super::formula::expression::Node;
 use super::super::joints::Joints;
@@ -99,7 +100,12 @@ impl Contacts {
             Closure::Point(factors) => (factors, Closes::Point),
             Closure::Distance => {
                 let formulas = Formulas::default();
-                let [a, b] = frames.map(|c| formulas.walk(c, &joints.arguments).0.origin);
+                let own = apart(contact, joints);
+                let ends = match &own {
+                    Some(own) => own.each_ref(),
+                    None => frames,
+                };
+                let [a, b] = ends.map(|c| formulas.walk(c, &joints.arguments).0.origin);
                 let distance = formulas.length(difference(b, a));
                 let gap = distance - sum_of_radii(&formulas, contact, names);
                 self.equations.push(Equation {
@@ -156,6 +162,19 @@ impl Contacts {
         self.scalars
             .push((format!("{name}.pressure_angle"), Kind::Angle, angle));
     }
+}
+
+/// The frames of a contact's surfaces as seen from the last frame that carries both, if anything moves that.
+fn apart(contact: &ParsedContact, joints: &mut Joints) -> Option<[Chain; 2]> {
+    let [first, second] = contact.sides.each_ref().map(|side| &side.frame);
+    let pairs = first.iter().zip(second);
+    let shared = pairs.take_while(|(a, b)| a.is_alike(b)).count();
+    // What is wrong with the frames is said already.
+    let mut chain = |factors: &[Factor]| joints.chain(factors, &mut Diagnostics::default());
+    let base = chain(&first[..shared])?;
+    let moves = base.steps.iter().any(|step| step.joint().is_some());
+    let (a, b) = (chain(&first[shared..])?, chain(&second[shared..])?);
+    moves.then_some([a, b])
 }
 
 /// The angle between the normal and the velocity that the contact point has as a point of the second body, in 0..90
