@@ -106,7 +106,8 @@ impl PairSweep<'_> {
     fn settle(&self, motion: &mut Motion, search: &mut Search, goal: Goal, best: &mut Best) {
         while let Some(piece) = search.open.pop() {
             search.looks += 1;
-            let look = self.look(motion, &piece, self.value_of(motion, goal, best));
+            let goals = [self.value_of(motion, goal, best), self.target(best)];
+            let look = self.look(motion, &piece, goals);
             self.measure(motion, &piece, &look, best);
             let overlaps = best.found.proximity.distance < 0.0;
             let most = if overlaps {
@@ -140,8 +141,8 @@ impl PairSweep<'_> {
         }
     }
 
-    /// Lower bound over a piece, as far as the goal needs it.
-    fn look(&self, motion: &Motion, piece: &Piece, goal: f64) -> Look {
+    /// Lower bound over a piece, as far as the goal needs it. Pairs of elements are near unless they reach the last goal, too.
+    fn look(&self, motion: &Motion, piece: &Piece, [goal, last]: [f64; 2]) -> Look {
         let stretch = &motion.stretches[piece.stretch];
         let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
         let moved = self.chain.around(arguments, s, half);
@@ -174,6 +175,7 @@ impl PairSweep<'_> {
             let far = apart(first, second) - way;
             if far >= goal {
                 lowest = lowest.min(far);
+                left.extend((far < last).then_some([i, j]));
                 return;
             }
             let meeting = Meeting::new(first, second, mine, &moved);

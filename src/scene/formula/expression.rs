@@ -64,11 +64,11 @@ impl Node {
 
     /// Whether the same is written, wherever it stands.
     pub fn is_alike(&self, other: &Self) -> bool {
-        use NodeKind::{Binary, Call, Name, Negate, Number, Radians};
+        use NodeKind::{Angle, Binary, Call, Name, Negate, Number, Radians};
         match (&self.kind, &other.kind) {
             (Number(a), Number(b)) | (Radians(a), Radians(b)) => a == b,
             (Name(a), Name(b)) => a == b,
-            (Negate(a), Negate(b)) => a.is_alike(b),
+            (Negate(a), Negate(b)) | (Angle(a), Angle(b)) => a.is_alike(b),
             (Binary(sign, a, b), Binary(other, c, d)) => {
                 sign == other && a.is_alike(c) && b.is_alike(d)
             }
