@@ -13,6 +13,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
 use crate::model::mechanism::Mechanism;
+use std::time::Instant;
 
 /// Most instants at which an excluded pair is looked at: it is reported, not judged.
 const LOOKS_AT_EXCLUDED: usize = 24;
@@ -28,12 +29,29 @@ pub enum Judgement {
     Passed,
     /// Nearer than its minimum.
     Failed,
+    /// The same, but the bound is an estimate: nothing is proved.
+    Estimated,
     /// The distances found pass, but the bound below them does not, and could not be made finer.
     Undecided,
     /// Joined by this joint: not judged.
     Neighbours(&'static str),
     /// Left out by the scene for this reason.
     Ignored(String),
+}
+
+impl Judgement {
+    /// Of a pair that passes, with a proof of that or without.
+    const fn kept(is_certified: bool) -> Self {
+        match is_certified {
+            true => Self::Passed,
+            false => Self::Estimated,
+        }
+    }
+
+    /// Whether the minimum is kept, as far as is known.
+    pub const fn is_kept(&self) -> bool {
+        matches!(self, Self::Passed | Self::Estimated)
+    }
 }
 
 /// A pair of bodies over the motion.
@@ -52,12 +70,14 @@ pub struct PairReport {
     /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they
     /// may be in each other there is the bound of `least`.
     pub farthest: Option<f64>,
+    /// Seconds that looking at it took.
+    pub seconds: f64,
 }
 
 /// What was found.
 #[derive(Clone, Debug)]
 pub struct ClearanceReport {
-    /// Judged pairs: failed and undecided ones first, then by distance above their minimum.
+    /// Judged pairs: failed, undecided and estimated ones first, then by distance above their minimum.
     pub judged: Vec<PairReport>,
     /// Excluded pairs, those of the scene first.
     pub excluded: Vec<PairReport>,
@@ -72,13 +92,13 @@ pub struct ClearanceReport {
 }
 
 impl ClearanceReport {
-    /// Every judged pair passed.
-    pub fn passed(&self) -> bool {
-        self.judged.iter().all(|p| p.judgement == Judgement::Passed)
+    /// Every judged pair keeps its minimum, as far as is known.
+    pub fn is_kept(&self) -> bool {
+        self.judged.iter().all(|p| p.judgement.is_kept())
     }
 
-    /// That a check which passes has looked at nothing.
-    fn nothing_judged(&self) -> Option<String> {
+    /// That a check has looked at nothing, and why.
+    pub fn nothing_judged(&self) -> Option<String> {
         let why = match self.excluded.len() {
             0 => "fewer than two bodies have shapes".to_owned(),
             1 => "the only one is excluded".to_owned(),
@@ -99,7 +119,7 @@ impl ClearanceReport {
         let sample = (0..self.times.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let is_near = |p: &&PairReport| {
             let distance = sample.and_then(|k| p.distances.get(k));
-            distance.is_some_and(|d| *d < p.minimum) && p.judgement != Judgement::Passed
+            distance.is_some_and(|d| *d < p.minimum) && !p.judgement.is_kept()
         };
         let near = self.judged.iter().filter(is_near);
         let mut list: Vec<usize> = near.flat_map(|p| p.pair).collect();
@@ -143,6 +163,11 @@ pub fn check(
         for b in a + 1..count {
             progress(done, all);
             done += 1;
+            let begun = Instant::now();
+            let timed = |pair: PairReport| PairReport {
+                seconds: begun.elapsed().as_secs_f64(),
+                ..pair
+            };
             let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
                 continue;
             };
@@ -156,7 +181,8 @@ pub fn check(
                 (None, None) => None,
             };
             if rules.touching.contains(&[a, b]) {
-                report.judged.extend(touching(&mut motion, &sweep));
+                let pair = touching(&mut motion, &sweep);
+                report.judged.extend(pair.map(timed));
             } else if let Some(judgement) = excluded {
                 let pair = look_at_excluded(&mut motion, &sweep, minimum, judgement);
                 if let (Some(ignored), Some(pair)) = (ignored, &pair)
@@ -164,9 +190,10 @@ pub fn check(
                 {
                     report.warnings.extend(needless(mechanism, pair, joint));
                 }
-                report.excluded.extend(pair);
+                report.excluded.extend(pair.map(timed));
             } else {
-                report.judged.extend(judge(&mut motion, &sweep, minimum));
+                let pair = judge(&mut motion, &sweep, minimum);
+                report.judged.extend(pair.map(timed));
             }
         }
     }
@@ -176,7 +203,8 @@ pub fn check(
     let rank = |p: &PairReport| match p.judgement {
         Judgement::Failed => 0,
         Judgement::Undecided => 1,
-        _ => 2,
+        Judgement::Estimated => 2,
+        _ => 3,
     };
     let spare = |p: &PairReport| p.least.distance - p.minimum;
     report
@@ -204,6 +232,7 @@ fn look_at_excluded(
         judgement,
         distances: Vec::new(),
         farthest: None,
+        seconds: 0.0,
     })
 }
 
@@ -226,11 +255,12 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
             least,
             judgement: Judgement::Failed,
             distances,
+            seconds: 0.0,
         });
     }
     let contact = sweep.contact_over(motion);
     let mut judgement = if contact.is_within(AT_LEAST * size) {
-        Judgement::Passed
+        Judgement::kept(contact.is_certified)
     } else {
         Judgement::Undecided
     };
@@ -249,6 +279,7 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
         least,
         judgement,
         distances,
+        seconds: 0.0,
     })
 }
 
@@ -281,7 +312,7 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
     let judgement = if least.distance < enough {
         Judgement::Failed
     } else if least.bound >= enough {
-        Judgement::Passed
+        Judgement::kept(least.is_certified)
     } else {
         Judgement::Undecided
     };
@@ -292,6 +323,7 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
         judgement,
         distances,
         farthest: None,
+        seconds: 0.0,
     })
 }
 

@@ -1,6 +1,7 @@
 //! Files and standard output: what is written never replaces an input of the command.
 
 use super::args::scene::SceneArgs;
+use super::term::Term;
 use super::term::outcome::Failure;
 use crate::export::png::{Effort, encode};
 use crate::export::{Output, Stream, Target};
@@ -70,9 +71,9 @@ fn write_bytes(mut output: Box<dyn Output>, bytes: &[u8]) -> Result<(), Failure>
     Ok(output.commit()?)
 }
 
-/// Prints the text of a verb, but where its `report` goes to standard output.
-pub fn print_beside(report: Option<&Path>, text: &str) -> Result<(), Failure> {
-    if report == Some(Path::new("-")) {
+/// Prints the text of a verb, but where its `report` goes to standard output, or where nothing is to be said.
+pub fn print_beside(term: &Term, report: Option<&Path>, text: &str) -> Result<(), Failure> {
+    if term.quiet() || report == Some(Path::new("-")) {
         return Ok(());
     }
     let mut out = std::io::stdout().lock();

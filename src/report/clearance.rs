@@ -1,14 +1,19 @@
-//! The clearance report as a table for people, as JSON, JUnit XML and CSV. Nothing is computed here.
+//! The clearance report as cases of a verdict, as a table for people, as JSON and CSV. Nothing is computed here.
 
+use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport};
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use serde_json::{Value, json};
 
+/// More excluded pairs with one reason are one line of the table. JSON and JUnit have all of them.
+const MOST_OF_ONE_REASON: usize = 3;
+
 /// The word of a judgement in reports.
 pub fn word(judgement: &Judgement) -> &'static str {
     match judgement {
         Judgement::Passed => "passed",
+        Judgement::Estimated => "estimated",
         Judgement::Failed => "failed",
         Judgement::Undecided => "undecided",
         Judgement::Neighbours(_) => "neighbours",
@@ -43,13 +48,10 @@ fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
     [0, 1].map(|k| shape_name(mechanism, pair.pair[k], pair.least.shapes[k]))
 }
 
-/// The report as the `clearance` object of `mechanim-check/1`.
-pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport) -> Value {
+/// The report as the `clearance` object of `mechanim-check/1`; `result` is what its cases came to.
+pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport, result: Status) -> Value {
     let pair = |p: &PairReport| {
-        let judged = matches!(
-            p.judgement,
-            Judgement::Passed | Judgement::Failed | Judgement::Undecided
-        );
+        let judged = reason(p).is_none();
         let mut value = json!({
             "bodies": names(mechanism, p),
             "verdict": word(&p.judgement),
@@ -69,12 +71,7 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport) -> Value {
                     object.insert("farthest".to_owned(), json!(farthest));
                 }
             }
-            let reason = match &p.judgement {
-                Judgement::Neighbours(joint) => Some((*joint).to_owned()),
-                Judgement::Ignored(reason) => Some(reason.clone()),
-                _ => None,
-            };
-            if let Some(reason) = reason {
+            if let Some(reason) = reason(p) {
                 object.insert("reason".to_owned(), json!(reason));
             }
         }
@@ -83,31 +80,13 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport) -> Value {
     json!({
         "unit": mechanism.length_unit,
         "tolerance": report.tolerance,
-        "passed": report.passed(),
+        "passed": result == Status::Passed,
         "judged": report.judged.len(),
         "pairs": report.judged.iter().map(pair).collect::<Vec<_>>(),
         "excluded": report.excluded.iter().map(pair).collect::<Vec<_>>(),
         "unchecked": report.gaps,
         "warnings": report.warnings,
     })
-}
-
-/// A text for XML attributes and contents.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&apos;"),
-            // XML 1.0 has no way to write other control characters.
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 /// One sentence on a pair.
@@ -127,47 +106,73 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     )
 }
 
-/// JUnit XML: one case a pair, excluded ones skipped with their reason.
-pub fn to_junit(mechanism: &Mechanism, report: &ClearanceReport) -> String {
-    let failures = report
-        .judged
-        .iter()
-        .filter(|p| p.judgement != Judgement::Passed)
-        .count();
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"{} clearance\" tests=\"{}\" failures=\"{failures}\" skipped=\"{}\">\n",
-        escaped(&mechanism.title),
-        report.judged.len() + report.excluded.len(),
-        report.excluded.len(),
-    );
-    for p in report.judged.iter().chain(&report.excluded) {
-        let [a, b] = names(mechanism, p);
-        let name = escaped(&format!("{a} / {b}"));
-        text.push_str(&format!(
-            "    <testcase classname=\"clearance\" name=\"{name}\""
-        ));
-        let message = escaped(&sentence(mechanism, p));
-        match &p.judgement {
-            Judgement::Passed => text.push_str("/>\n"),
-            Judgement::Failed => text.push_str(&format!(
-                ">\n      <failure message=\"{message}\"/>\n    </testcase>\n"
-            )),
-            Judgement::Undecided => text.push_str(&format!(
-                ">\n      <failure message=\"not decided, the bound is {:.6}: {message}\"/>\n    </testcase>\n",
-                p.least.bound
-            )),
-            Judgement::Neighbours(joint) => text.push_str(&format!(
-                ">\n      <skipped message=\"neighbours: {}\"/>\n    </testcase>\n",
-                escaped(joint)
-            )),
-            Judgement::Ignored(reason) => text.push_str(&format!(
-                ">\n      <skipped message=\"ignored: {}\"/>\n    </testcase>\n",
-                escaped(reason)
-            )),
-        }
+/// Why a pair is not judged: the joint, or the words of the scene.
+fn reason(p: &PairReport) -> Option<&str> {
+    match &p.judgement {
+        Judgement::Neighbours(joint) => Some(joint),
+        Judgement::Ignored(reason) => Some(reason),
+        _ => None,
     }
-    text.push_str("  </testsuite>\n</testsuites>\n");
-    text
+}
+
+/// One case a pair, one for every stretch of time that was not checked, and one if no pair was judged. An estimate is
+/// enough where no proof is asked for.
+pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, is_proof_asked: bool) -> Vec<Case> {
+    let pairs = report.judged.iter().chain(&report.excluded);
+    let mut list: Vec<Case> = pairs
+        .map(|p| case(mechanism, p, is_proof_asked).taking(p.seconds))
+        .collect();
+    list.extend(report.gaps.iter().map(|[from, to]| {
+        let name = format!("t = {from:.6} s to {to:.6} s");
+        let text = "not checked: the motion could not be followed there";
+        Case::new(CLEARANCE, &name, Status::NotProved, text)
+    }));
+    if report.gaps.is_empty() {
+        let nothing = report.nothing_judged().into_iter();
+        list.extend(
+            nothing.map(|text| Case::new(CLEARANCE, "pairs of bodies", Status::NotProved, text)),
+        );
+    }
+    list
+}
+
+fn case(mechanism: &Mechanism, p: &PairReport, is_proof_asked: bool) -> Case {
+    let status = match &p.judgement {
+        Judgement::Passed => Status::Passed,
+        Judgement::Estimated if !is_proof_asked => Status::Passed,
+        Judgement::Estimated | Judgement::Undecided => Status::NotProved,
+        Judgement::Failed => Status::Failed,
+        Judgement::Neighbours(_) | Judgement::Ignored(_) => Status::Skipped,
+    };
+    let sentence = sentence(mechanism, p);
+    let text = match reason(p) {
+        Some(reason) => format!("{}: {reason}; {sentence}", word(&p.judgement)),
+        None => format!(
+            "{}: {sentence}; {}",
+            word(&p.judgement),
+            bound(mechanism, p)
+        ),
+    };
+    let [a, b] = names(mechanism, p);
+    Case::new(CLEARANCE, &format!("{a} / {b}"), status, text)
+}
+
+/// What is known of a pair between the samples.
+fn bound(mechanism: &Mechanism, p: &PairReport) -> String {
+    let (least, unit) = (&p.least, &mechanism.length_unit);
+    let sure = match least.is_certified {
+        true => "proved",
+        false => "estimated",
+    };
+    match p.farthest {
+        Some(farthest) => format!(
+            "between the samples from {:.2e} to {farthest:.2e} {unit} apart ({sure})",
+            least.bound
+        ),
+        None if least.distance > 0.0 => format!("never below {:.6} {unit} ({sure})", least.bound),
+        // A depth has no bound: it is only known that the bodies overlap.
+        None => "a depth has no bound".to_owned(),
+    }
 }
 
 /// A CSV cell: quoted where it has to be.
@@ -233,18 +238,8 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
             found.judged.len()
         ));
     }
-    for p in &found.excluded {
-        let [a, b] = names(mechanism, p);
-        let (kind, why) = match &p.judgement {
-            Judgement::Ignored(reason) => ("ignored", reason.as_str()),
-            Judgement::Neighbours(joint) => ("neighbours", *joint),
-            other => (word(other), ""),
-        };
-        text.push_str(&format!(
-            "    {:>10.4}{}  {kind:<10} {a} / {b}: {why}\n",
-            p.least.distance,
-            inside(p)
-        ));
+    for group in by_reason(&found.excluded) {
+        text.push_str(&excluded(mechanism, &group));
     }
     for [start, end] in &found.gaps {
         text.push_str(&format!(
@@ -252,6 +247,41 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
         ));
     }
     text
+}
+
+/// Excluded pairs with equal reasons, in the order in which these come first.
+fn by_reason(pairs: &[PairReport]) -> Vec<Vec<&PairReport>> {
+    let mut groups: Vec<Vec<&PairReport>> = Vec::new();
+    for p in pairs {
+        match groups.iter_mut().find(|g| g[0].judgement == p.judgement) {
+            Some(group) => group.push(p),
+            None => groups.push(vec![p]),
+        }
+    }
+    groups
+}
+
+/// Lines of excluded pairs with one reason: one a pair, or one for all of them with the nearest pair.
+fn excluded(mechanism: &Mechanism, group: &[&PairReport]) -> String {
+    let line = |p: &PairReport, who: &str| {
+        format!(
+            "    {:>10.4}{}  {:<10} {who}: {}\n",
+            p.least.distance,
+            inside(p),
+            word(&p.judgement),
+            reason(p).unwrap_or_default()
+        )
+    };
+    let name = |p: &PairReport| names(mechanism, p).join(" / ");
+    if group.len() <= MOST_OF_ONE_REASON {
+        return group.iter().map(|p| line(p, &name(p))).collect();
+    }
+    let distance = |p: &&&PairReport| p.least.distance;
+    let nearest = group
+        .iter()
+        .min_by(|p, q| distance(p).total_cmp(&distance(q)));
+    let folded = |p: &&PairReport| line(p, &format!("{} pairs, nearest {}", group.len(), name(p)));
+    nearest.map(folded).unwrap_or_default()
 }
 
 fn inside(p: &PairReport) -> &'static str {

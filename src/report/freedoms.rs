@@ -90,6 +90,10 @@ fn terms(count: &JointCount) -> String {
 /// The count, the numeric mobility, and the number of inputs.
 fn sentence(mobility: &Mobility) -> String {
     let count = &mobility.count;
+    if count.loops.is_empty() && count.equations == 0 {
+        let freedoms = counted(count.freedoms().unsigned_abs() as usize, "freedom");
+        return format!("open chain: {freedoms}, {} driven", mobility.inputs);
+    }
     let mut text = format!("{} by count ({})", count.freedoms(), terms(count));
     match (mobility.generic, mobility.at_start) {
         (None, _) => text.push_str("; no closed pose to take a rank at"),

@@ -1,5 +1,6 @@
 //! Measures of a motion as `check` and `solve` show them.
 
+use super::verdict::{Case, MEASURES, Status};
 use crate::kinematics::measures::measure;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -44,27 +45,35 @@ fn digits(value: f64) -> String {
 }
 
 impl Measured<'_> {
-    /// Whether it has a value within its limits.
-    pub fn holds(&self) -> bool {
-        self.value.is_some_and(|value| self.measure.allows(value))
+    /// Whether it has a value within its limits. A value without limits is just told.
+    fn status(&self) -> Status {
+        let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
+        match self.value {
+            Some(value) if !self.measure.allows(value) => Status::Failed,
+            Some(_) if is_limited => Status::Passed,
+            Some(_) => Status::Skipped,
+            None => Status::Failed,
+        }
     }
 
-    /// One line: name, value, unit, and what is wrong with it.
-    pub fn line(&self) -> String {
-        let name = &self.measure.name;
+    /// The name, as reports of people have it.
+    pub fn name(&self) -> &str {
+        &self.measure.name
+    }
+
+    /// Value and unit, and what is wrong with it.
+    pub fn sentence(&self) -> String {
         let Some(value) = self.value else {
-            return format!(
-                "{name:<16} no value: a pose is missing on the way, or a formula has none"
-            );
+            return "no value: a pose is missing on the way, or a formula has none".to_owned();
         };
-        let mut line = format!("{name:<16} {} {}", digits(value * self.factor), self.unit);
+        let mut text = format!("{} {}", digits(value * self.factor), self.unit);
         if let Some((word, limit)) = self.broken(value) {
-            line.push_str(&format!(" is {word} the limit {}", limit * self.factor));
+            text.push_str(&format!(" is {word} the limit {}", limit * self.factor));
             if let Some(why) = &self.measure.why {
-                line.push_str(&format!(": {why}"));
+                text.push_str(&format!(": {why}"));
             }
         }
-        line.trim_end().to_owned()
+        text.trim_end().to_owned()
     }
 
     fn broken(&self, value: f64) -> Option<(&'static str, f64)> {
@@ -73,6 +82,23 @@ impl Measured<'_> {
         below
             .map(|min| ("below", min))
             .or(above.map(|max| ("above", max)))
+    }
+
+    /// The question whether its limits are kept.
+    pub fn case(&self) -> Case {
+        let limit = |word: &str, limit: Option<f64>| {
+            limit.map(|v| format!("; {word} {} {}", v * self.factor, self.unit))
+        };
+        let limits = [
+            limit("at least", self.measure.min),
+            limit("at most", self.measure.max),
+        ];
+        let limits: String = limits.iter().flatten().map(|l| l.trim_end()).collect();
+        let text = match limits.is_empty() {
+            true => format!("{}; no limit", self.sentence()),
+            false => self.sentence() + &limits,
+        };
+        Case::new(MEASURES, self.name(), self.status(), text)
     }
 
     /// The same for machines.
@@ -84,7 +110,7 @@ impl Measured<'_> {
             "unit": self.unit,
             "min": scaled(self.measure.min),
             "max": scaled(self.measure.max),
-            "holds": self.holds(),
+            "holds": self.status() != Status::Failed,
         })
     }
 }

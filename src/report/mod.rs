@@ -1,10 +1,13 @@
 //! Results in words, as tables and as documents: text, CSV, JSON, JUnit. Nothing is printed here.
 
 pub mod cells;
+pub mod check;
 pub mod clearance;
+pub mod closure;
 pub mod events;
 pub mod freedoms;
 pub mod iterates;
+pub mod junit;
 pub mod measures;
 pub mod precision;
 pub mod proof;
@@ -12,3 +15,4 @@ pub mod sensitivity;
 pub mod sentences;
 pub mod synthesis;
 pub mod table;
+pub mod verdict;

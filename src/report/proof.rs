@@ -1,6 +1,7 @@
 //! What is proved of a motion: its poses and the intervals between them, summed up.
 
 use super::sentences;
+use super::verdict::{Case, PROOF, Status};
 use crate::kinematics::results::certificate::{Certificate, IntervalCertificate, Reason};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Structure;
@@ -78,9 +79,9 @@ impl<'t> MotionProof<'t> {
         );
         if self.certified > 0 {
             text.push_str(&format!(
-                "; within {:.1e} {unit} of the proved path, the only motion within {} {unit}",
+                "; within {:.1e} {unit} of the proved path, the only motion{}",
                 self.radius,
-                sentences::radius(self.unique_radius)
+                within(self.unique_radius, unit)
             ));
         }
         let refusal = self.first_refused().and_then(|(_, i)| i.refused);
@@ -93,6 +94,16 @@ impl<'t> MotionProof<'t> {
             ));
         }
         text
+    }
+
+    /// The question whether the motion is proved between the samples.
+    pub fn case(&self, mechanism: &Mechanism, actuation: &Actuation) -> Case {
+        let status = match self.is_whole() {
+            true => Status::Passed,
+            false => Status::NotProved,
+        };
+        let text = self.sentence(mechanism, actuation);
+        Case::new(PROOF, "motion certificate", status, text)
     }
 
     /// For the JSON report.
@@ -118,9 +129,19 @@ impl<'t> MotionProof<'t> {
     }
 }
 
+/// `" within 2.5 mm"`; nothing where no unknown could differ.
+fn within(radius: f64, unit: &str) -> String {
+    match radius.is_finite() {
+        true => format!(" within {} {unit}", sentences::radius(radius)),
+        false => String::new(),
+    }
+}
+
 /// The certificates of a motion, summed up.
 pub struct PoseProofs {
     poses: usize,
+    /// Something closes: else there is nothing to prove.
+    is_closing: bool,
     /// Largest error bound of a certified pose.
     pub error_bound: f64,
     /// Smallest radius of uniqueness.
@@ -135,9 +156,10 @@ pub struct PoseProofs {
 
 impl PoseProofs {
     /// Of the certificates, if they were asked for: clearances may have needed more.
-    pub fn of(trajectory: &Trajectory, is_asked: bool) -> Self {
+    pub fn of(structure: &Structure, trajectory: &Trajectory, is_asked: bool) -> Self {
         let mut proof = Self {
             poses: 0,
+            is_closing: !structure.blocks.is_empty(),
             error_bound: 0.0,
             unique_radius: f64::INFINITY,
             refused: 0,
@@ -179,20 +201,37 @@ impl PoseProofs {
 
     /// Itself if any pose is certified; the bounds mean nothing otherwise.
     pub fn certified(&self) -> Option<&Self> {
-        (self.refused < self.poses).then_some(self)
+        (self.is_closing && self.refused < self.poses).then_some(self)
+    }
+
+    fn is_asked(&self) -> bool {
+        self.reasons != [Reason::NotAsked.word()]
+    }
+
+    /// The question whether every pose is proved.
+    pub fn case(&self, mechanism: &Mechanism) -> Case {
+        let status = match self.refused {
+            _ if !self.is_asked() || !self.is_closing => Status::Skipped,
+            0 => Status::Passed,
+            _ => Status::NotProved,
+        };
+        Case::new(PROOF, "pose certificates", status, self.sentence(mechanism))
     }
 
     /// One line.
     pub fn sentence(&self, mechanism: &Mechanism) -> String {
-        if self.reasons == [Reason::NotAsked.word()] {
+        if !self.is_closing {
+            return "no loop and no equation: nothing to prove".to_owned();
+        }
+        if !self.is_asked() {
             return "not asked for".to_owned();
         }
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {:.1e} {unit}, the only pose within {} {unit}; ",
+                "error at most {:.1e} {unit}, the only pose{}; ",
                 p.error_bound,
-                sentences::radius(p.unique_radius)
+                within(p.unique_radius, unit)
             )
         });
         let reasons = if self.reasons.is_empty() {

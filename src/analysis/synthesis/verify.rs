@@ -5,7 +5,7 @@
 use super::plan::FINER;
 use crate::analysis::observer::{distance, positions};
 use crate::analysis::study::FamilyError;
-use crate::clearance::check::{ClearanceReport, Judgement, check};
+use crate::clearance::check::{ClearanceReport, check};
 use crate::diag::Source;
 use crate::kinematics::measures::measure;
 use crate::kinematics::motion::continuation::solve;
@@ -135,7 +135,7 @@ impl Proof {
     fn note(&mut self, mechanism: &Mechanism, touching: &[[usize; 2]], report: &ClearanceReport) {
         self.pairs = report.judged.len();
         for pair in &report.judged {
-            if pair.judgement != Judgement::Passed {
+            if !pair.judgement.is_kept() {
                 let names = pair.pair.map(|k| mechanism.bodies[k].name.clone());
                 if touching.contains(&pair.pair) {
                     self.cutting.push(names);

@@ -25,12 +25,12 @@ pub struct Cli {
     /// When to colour messages; NO_COLOR is respected.
     #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
     pub color: ColourChoice,
-    /// Say nothing but errors.
+    /// Say nothing but errors: no report, no warning. What is asked for by name (a file, `-`, a list) is written.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed; 2 bad usage or bad scene; 3 no usable graphics \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed or could not prove what it was asked to; 2 bad usage or bad scene; 3 no usable graphics \
 adapter; 4 the mechanism could not be closed over the whole motion; 70 internal error; 130 interrupted.";
 
 /// The verbs.

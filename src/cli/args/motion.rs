@@ -115,25 +115,25 @@ pub struct CheckArgs {
     /// are sampled in any case.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
-    /// What is proved: nothing, every pose, or also the motion between the samples, which then is part of the check.
-    /// Clearances rest on proved poses whatever is asked for.
+    /// What must be proved: nothing, every pose and the bounds of clearances, or also the motion between the samples.
+    /// What is asked for and cannot be proved fails the check.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the clearances as JUnit XML, one case a pair of bodies.
+    /// Write the verdict as JUnit XML, one case for everything that was asked: closing, proofs, measures, pairs of bodies.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
     /// Write the distance of every judged pair over time as CSV.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub csv: Option<PathBuf>,
     /// Plot the distances of the worst pairs over time, with their minimum and the worst moment, to this file
     /// (.svg or .png).
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub plot: Option<PathBuf>,
     /// Draw the moment at which the worst pair is nearest, with the distance marked, to this PNG file.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", conflicts_with = "pose")]
     pub render: Option<PathBuf>,
     /// How many pairs the table shows, the worst first.
     #[arg(long, value_name = "N", default_value_t = 10)]

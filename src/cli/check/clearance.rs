@@ -1,4 +1,4 @@
-//! The clearance part of `mechanim check`: table, files, verdict.
+//! The clearance part of `mechanim check`: what is asked, and the files.
 
 use crate::charts;
 use crate::clearance::check::{ClearanceReport, check};
@@ -14,21 +14,28 @@ use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
-use crate::report::clearance::{table, to_csv, to_json, to_junit};
-use serde_json::Value;
+use crate::report::clearance::to_csv;
+use crate::scene::Scene;
 use std::path::Path;
 
 /// More curves in one panel cannot be told apart.
 const MOST_CURVES: usize = 5;
 
-/// What the check adds to its report.
-pub struct Part {
-    /// Lines of the table.
-    pub text: String,
-    /// The `clearance` object.
-    pub document: Value,
-    /// Every judged pair passed.
-    pub passed: bool,
+/// Refuses to report clearances where the scene asks for none.
+pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failure> {
+    let options = [
+        ("--csv", &args.csv),
+        ("--plot", &args.plot),
+        ("--render", &args.render),
+    ];
+    let asked = options.into_iter().find(|(_, path)| path.is_some());
+    match asked.filter(|_| scene.clearance.is_none()) {
+        None => Ok(()),
+        Some((option, _)) => Err(Failure::usage(
+            format!("{option} reports clearances, and the scene asks for none"),
+            vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
+        )),
+    }
 }
 
 /// Checks the clearances that the scene asks for; `None` if it asks for none.
@@ -37,22 +44,9 @@ pub fn run(
     opened: &OpenScene,
     trajectory: &Trajectory,
     term: &Term,
-) -> Result<Option<Part>, Failure> {
+) -> Result<Option<ClearanceReport>, Failure> {
     let OpenScene { scene, system } = opened;
     let Some(rules) = &scene.clearance else {
-        for (option, path) in [
-            ("--junit", &args.junit),
-            ("--csv", &args.csv),
-            ("--plot", &args.plot),
-            ("--render", &args.render),
-        ] {
-            if path.is_some() {
-                return Err(Failure::usage(
-                    format!("{option} reports clearances, and the scene asks for none"),
-                    vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
-                ));
-            }
-        }
         return Ok(None);
     };
     let mechanism = &scene.mechanism;
@@ -71,9 +65,6 @@ pub fn run(
     for warning in &found.warnings {
         term.warning(warning);
     }
-    if let Some(path) = &args.junit {
-        io::write_text(&args.scene, path, &to_junit(mechanism, &found))?;
-    }
     if let Some(path) = &args.csv {
         io::write_text(&args.scene, path, &to_csv(mechanism, &found))?;
     }
@@ -83,11 +74,7 @@ pub fn run(
     if let Some(path) = &args.render {
         crate::cli::pictures::clearance::write(args, opened, trajectory, &found, path, term)?;
     }
-    Ok(Some(Part {
-        text: table(mechanism, &found, args.worst),
-        document: to_json(mechanism, &found),
-        passed: found.passed() && found.gaps.is_empty(),
-    }))
+    Ok(Some(found))
 }
 
 /// The distances of the worst pairs over time as a chart.

@@ -49,9 +49,7 @@ pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(path) = &args.json {
         io::write_document(path, &document(args, kind, &found))?;
     }
-    if !term.quiet() {
-        io::print_beside(args.json.as_deref(), &text(&found))?;
-    }
+    io::print_beside(term, args.json.as_deref(), &text(&found))?;
     Ok(if found.is_same() {
         Outcome::Done
     } else {

@@ -35,9 +35,7 @@ pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(path) = &args.json {
         io::write_document(path, &document(&results, failed))?;
     }
-    if !term.quiet() {
-        io::print_beside(args.json.as_deref(), &text(&args.folder, &results))?;
-    }
+    io::print_beside(term, args.json.as_deref(), &text(&args.folder, &results))?;
     Ok(if failed {
         Outcome::CheckFailed
     } else {

@@ -48,7 +48,7 @@ pub fn tell(
         term.note(&sentence(mechanism, event));
     }
     let missing = trajectory.missing();
-    if missing == 0 && trajectory.gaps.is_empty() {
+    if trajectory.is_whole() {
         return Ok(Outcome::Done);
     }
     term.warning(&match missing {

@@ -41,6 +41,7 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
         )?;
     }
     io::print_beside(
+        term,
         args.json.as_deref(),
         &text(mechanism, inputs, args.at, &modes),
     )?;

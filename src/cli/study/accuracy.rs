@@ -49,7 +49,11 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(output) = output {
         output.commit()?;
     }
-    io::print_beside(args.out.as_deref(), &precision::text(mechanism, &study))?;
+    io::print_beside(
+        term,
+        args.out.as_deref(),
+        &precision::text(mechanism, &study),
+    )?;
     Ok(Outcome::Done)
 }
 

@@ -49,7 +49,7 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
         let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
         let (distance, unit) = (six(pair.least.distance), &mechanism.length_unit);
         Clearances {
-            kept: report.passed(),
+            kept: report.is_kept(),
             worst: format!("{a} / {b}, {distance} {unit} ({} asked for)", pair.minimum),
             instead: None,
         }

@@ -83,7 +83,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(path) = &args.json {
         io::write_json(&args.scene, path, &result.document())?;
     }
-    io::print_beside(args.json.as_deref(), &result.text())?;
+    io::print_beside(term, args.json.as_deref(), &result.text())?;
     if is_stopped {
         let kept = args.out.as_ref().map_or_else(
             || "the best so far was reported".to_owned(),

@@ -71,6 +71,7 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
         io::write_json(&args.scene, path, &document)?;
     }
     io::print_beside(
+        term,
         args.json.as_deref(),
         &ranking(opened, &ranked, args.worst, seconds),
     )?;

@@ -52,6 +52,6 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
         Some(path) => io::write_json(&args.scene, path, &document)?,
         None => {}
     }
-    io::print_beside(args.out.as_deref(), &table.text(rank))?;
+    io::print_beside(term, args.out.as_deref(), &table.text(rank))?;
     Ok(Outcome::Done)
 }

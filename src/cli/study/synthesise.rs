@@ -16,7 +16,6 @@ use crate::report::cells::six;
 use crate::report::synthesis::{Found, document, ladder, rows, text};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -53,16 +52,11 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     {
         io::write_text(scene, path, &rows(&found))?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
-        let mut out = std::io::stdout().lock();
-        for one in &found {
-            out.write_all(text(one).as_bytes())?;
-        }
-        if found.len() > 1 {
-            out.write_all(ladder(&found).as_bytes())?;
-        }
-        out.flush()?;
+    let mut report: String = found.iter().map(text).collect();
+    if found.len() > 1 {
+        report.push_str(&ladder(&found));
     }
+    io::print_beside(term, args.json.as_deref(), &report)?;
     if stopped {
         let kept = "the best so far was reported and written as asked";
         return Err(Failure::Stopped(kept.to_owned()));

@@ -78,7 +78,7 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(path) = &args.json {
         io::write_json(&args.scene, path, &result.document())?;
     }
-    io::print_beside(args.json.as_deref(), &result.text())?;
+    io::print_beside(term, args.json.as_deref(), &result.text())?;
     if !is_whole {
         let done = result.pieces.made;
         return Err(Failure::Stopped(format!(

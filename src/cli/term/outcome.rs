@@ -5,10 +5,11 @@ use crate::export::ExportError;
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
 use crate::render::RenderError;
+use crate::report::verdict::Status;
 
 /// Done.
 pub const DONE: i32 = 0;
-/// A check failed.
+/// A check failed, or could not prove what it was asked to.
 pub const CHECK_FAILED: i32 = 1;
 /// Bad usage, bad scene, or a file that cannot be read or written.
 pub const BAD_USAGE: i32 = 2;
@@ -26,10 +27,20 @@ pub const INTERRUPTED: i32 = 130;
 pub enum Outcome {
     /// Everything is fine.
     Done,
-    /// A check says no.
+    /// A check says no, or cannot prove what it was asked to.
     CheckFailed,
     /// Results were written, but some instants have no pose.
     NotClosed,
+}
+
+impl From<Status> for Outcome {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Skipped | Status::Passed => Self::Done,
+            Status::Failed | Status::NotProved => Self::CheckFailed,
+            Status::NotClosed => Self::NotClosed,
+        }
+    }
 }
 
 impl Outcome {

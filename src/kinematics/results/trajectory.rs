@@ -192,6 +192,11 @@ impl Trajectory {
         self.samples.iter().filter(|s| s.pose.is_none()).count()
     }
 
+    /// Whether there is a pose at every sample and, as far as is known, between them.
+    pub fn is_whole(&self) -> bool {
+        self.missing() == 0 && self.gaps.is_empty()
+    }
+
     /// The worst closure error of all poses.
     pub fn closure_error(&self) -> f64 {
         self.poses().map(|p| p.closure_error).fold(0.0, f64::max)

@@ -1,0 +1,78 @@
+//! The check of a whole motion.
+
+use super::{Answer, clearance};
+use crate::cli::args::motion::{CertifyArg, CheckArgs};
+use crate::cli::motion::{certify, event_messages};
+use crate::cli::open::inputs_table;
+use crate::cli::open::scene::OpenScene;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::kinematics::motion::sampling::{even_times, frame_times, knots, only};
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::model::mechanism::Mechanism;
+use crate::report::check::{Asked, MotionReport, without_pose};
+use crate::report::verdict::Verdict;
+use crate::report::{closure, measures};
+use std::time::Instant;
+
+/// Solves the motion and asks everything that the scene and the command line ask.
+pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer, Failure> {
+    let OpenScene { scene, system } = opened;
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    let times = match args.samples {
+        Some(count) => even_times(mechanism, actuation, count),
+        None if args.scene.table.is_some() => inputs_table::row_times(actuation),
+        None => frame_times(mechanism, actuation, scene.view.fps),
+    };
+    clearance::refuse_without_rules(args, scene)?;
+    // Tubes, which clearances are bounded by, join certified poses.
+    let needed = match args.certify {
+        CertifyArg::None if scene.clearance.is_some() => CertifyArg::Pose,
+        asked => asked,
+    };
+    let begun = Instant::now();
+    let mut trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    event_messages::note_moved_start(system, actuation, &mut trajectory)?;
+    if let Err(failure) = event_messages::tell(system, actuation, &trajectory, term) {
+        return Ok(never_closed(mechanism, &trajectory, failure));
+    }
+    // Sums and means are over the samples that were asked for.
+    let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));
+    let clearances = clearance::run(args, opened, &trajectory, term)?;
+    let asked = Asked {
+        closure: args.closure,
+        poses: args.certify != CertifyArg::None,
+        motion: args.certify == CertifyArg::Motion,
+    };
+    let found = MotionReport::new(
+        (system, actuation),
+        &trajectory,
+        asked,
+        &measured,
+        clearances.as_ref(),
+    );
+    let verdict = found.verdict(seconds);
+    Ok(Answer {
+        text: found.text(&verdict, args.worst),
+        document: found.json(&verdict),
+        verdict,
+        failure: None,
+    })
+}
+
+/// There is no pose at all: `failure` says why and what to do.
+fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory, failure: Failure) -> Answer {
+    let mut case = closure::closes(mechanism, trajectory);
+    case.text = format!("{}; {failure}", case.text);
+    let verdict = Verdict {
+        title: mechanism.title.clone(),
+        cases: vec![case],
+    };
+    Answer {
+        text: String::new(),
+        document: without_pose(mechanism, trajectory, &verdict),
+        verdict,
+        failure: Some(failure),
+    }
+}

@@ -1,0 +1,86 @@
+//! The check of a pose that is offered with `--pose`.
+
+use super::Answer;
+use crate::cli::args::motion::CheckArgs;
+use crate::cli::term::outcome::Failure;
+use crate::diag::nearest;
+use crate::kinematics::solve::pose_check::judge;
+use crate::report::closure::{offered, offered_word};
+use crate::report::verdict::Verdict;
+use crate::scene::Scene;
+use serde_json::{Value, json};
+
+/// Judges the pose.
+pub fn check(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
+    let mechanism = &scene.mechanism;
+    let loops = judge(mechanism, &coordinates(args, scene)?, args.closure);
+    let verdict = Verdict {
+        title: mechanism.title.clone(),
+        cases: loops.iter().map(|l| offered(mechanism, l)).collect(),
+    };
+    let cases = verdict.cases.iter();
+    let lines: String = cases
+        .map(|case| format!("  loop {}: {}\n", case.name, case.text))
+        .collect();
+    let list: Vec<Value> = loops.iter().map(|l| {
+        json!({ "loop": l.name, "angle": l.angle, "distance": l.distance, "verdict": offered_word(l.verdict) })
+    }).collect();
+    let document = json!({
+        "schema": "mechanim-pose/1",
+        "title": mechanism.title,
+        "tolerance": args.closure,
+        "loops": list,
+        "checks": verdict.json(),
+        "result": verdict.result().word(),
+    });
+    Ok(Answer {
+        text: format!(
+            "{}\n{lines}  result: {}\n",
+            mechanism.title,
+            verdict.sentence()
+        ),
+        document,
+        verdict,
+        failure: None,
+    })
+}
+
+/// Coordinates of the offered pose: all unknowns from `--pose`, inputs at the start of the drive.
+fn coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+    let mechanism = &scene.mechanism;
+    let mut values = vec![None; mechanism.unknowns.len()];
+    for (name, text) in &args.pose {
+        let Some(index) = mechanism.unknowns.iter().position(|c| c.name == *name) else {
+            let names: Vec<&str> = mechanism.unknowns.iter().map(|c| c.name.as_str()).collect();
+            let mut hints = vec![format!("its unknowns are: {}", names.join(", "))];
+            hints.extend(
+                nearest(name, names.iter().copied()).map(|near| format!("did you mean `{near}`?")),
+            );
+            return Err(Failure::usage(
+                format!("the scene has no unknown `{name}`"),
+                hints,
+            ));
+        };
+        let value = text.parse::<f64>().ok().filter(|v| v.is_finite());
+        let value = value.ok_or_else(|| {
+            Failure::usage(format!("`{text}` is not a value for `{name}`"), Vec::new())
+        })?;
+        values[index] = Some(value / mechanism.file_units(mechanism.unknowns[index].kind));
+    }
+    let missing: Vec<&str> = mechanism
+        .unknowns
+        .iter()
+        .zip(&values)
+        .filter(|(_, v)| v.is_none())
+        .map(|(c, _)| c.name.as_str())
+        .collect();
+    if !missing.is_empty() {
+        return Err(Failure::usage(
+            format!("the pose lacks {}", missing.join(", ")),
+            Vec::new(),
+        ));
+    }
+    let mut coordinates: Vec<f64> = values.into_iter().flatten().collect();
+    coordinates.extend(scene.actuation.inputs_at(0.0));
+    Ok(coordinates)
+}

@@ -1,0 +1,205 @@
+//! The report on a whole motion as text and as JSON: what every part found, and the one verdict.
+
+use super::clearance;
+use super::closure;
+use super::events::gaps;
+use super::freedoms;
+use super::measures::Measured;
+use super::proof::{MotionProof, PoseProofs, assumptions};
+use super::sentences;
+use super::verdict::{CLEARANCE, Verdict};
+use crate::clearance::check::ClearanceReport;
+use crate::kinematics::freedoms::mobility::Mobility;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::mechanism::Mechanism;
+use serde_json::{Value, json};
+
+/// What was asked of a motion beside its own limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// Largest closure error, relative to the mechanism's size.
+    pub closure: f64,
+    /// Every pose is to be proved.
+    pub poses: bool,
+    /// The motion between the samples, too.
+    pub motion: bool,
+}
+
+/// Everything that was found out about a motion.
+pub struct MotionReport<'a> {
+    mechanism: &'a Mechanism,
+    actuation: &'a Actuation,
+    trajectory: &'a Trajectory,
+    asked: Asked,
+    mobility: Mobility,
+    poses: PoseProofs,
+    motion: Option<MotionProof<'a>>,
+    assumptions: Vec<String>,
+    measured: &'a [Measured<'a>],
+    clearances: Option<&'a ClearanceReport>,
+}
+
+impl<'a> MotionReport<'a> {
+    /// Sums up a motion that has poses.
+    pub fn new(
+        (system, actuation): (&'a System, &'a Actuation),
+        trajectory: &'a Trajectory,
+        asked: Asked,
+        measured: &'a [Measured<'a>],
+        clearances: Option<&'a ClearanceReport>,
+    ) -> Self {
+        let structure = system.structure();
+        let is_proving = !structure.blocks.is_empty() || asked.motion || clearances.is_some();
+        let assumptions = match asked.poses && is_proving {
+            true => assumptions(structure),
+            false => Vec::new(),
+        };
+        Self {
+            mechanism: system.mechanism(),
+            actuation,
+            trajectory,
+            asked,
+            mobility: Mobility::new(system, actuation),
+            poses: PoseProofs::of(structure, trajectory, asked.poses),
+            motion: asked.motion.then(|| MotionProof::of(trajectory)),
+            assumptions,
+            measured,
+            clearances,
+        }
+    }
+
+    /// Every question with its answer; the motion took `seconds` to solve.
+    pub fn verdict(&self, seconds: f64) -> Verdict {
+        let (mechanism, trajectory) = (self.mechanism, self.trajectory);
+        let mut cases = vec![closure::closes(mechanism, trajectory).taking(seconds)];
+        cases.push(closure::error(mechanism, trajectory, self.asked.closure));
+        cases.push(self.poses.case(mechanism));
+        let motion = self.motion.iter();
+        cases.extend(motion.map(|proof| proof.case(mechanism, self.actuation)));
+        cases.extend(self.measured.iter().map(Measured::case));
+        if let Some(report) = self.clearances {
+            cases.extend(clearance::cases(mechanism, report, self.asked.poses));
+        }
+        Verdict {
+            title: mechanism.title.clone(),
+            cases,
+        }
+    }
+
+    /// Smallest singular value of all poses; `None` where no unknown is solved for.
+    fn sigma(&self) -> Option<f64> {
+        let poses = self.trajectory.poses().map(|p| p.sigma_min);
+        let least = poses.fold(f64::INFINITY, f64::min);
+        least.is_finite().then_some(least)
+    }
+
+    /// Largest condition number, likewise; infinite at singular poses.
+    fn condition(&self) -> Option<f64> {
+        let poses = self.trajectory.poses().map(|p| p.condition);
+        self.sigma().map(|_| poses.fold(0.0, f64::max))
+    }
+
+    /// The branch signatures met, in order.
+    fn branches(&self) -> Vec<&str> {
+        let signatures = self.trajectory.poses().map(|p| p.branch.as_str());
+        let mut list: Vec<&str> = signatures.filter(|s| !s.is_empty()).collect();
+        list.dedup();
+        list
+    }
+
+    /// Lines for people; the table of pairs has its `worst` ones.
+    pub fn text(&self, verdict: &Verdict, worst: usize) -> String {
+        let (mechanism, trajectory) = (self.mechanism, self.trajectory);
+        let samples = trajectory.samples.len();
+        let mut lines = vec![(
+            "samples",
+            format!("{samples} ({} without a pose)", trajectory.missing()),
+        )];
+        if let (Some(sigma), Some(condition)) = (self.sigma(), self.condition()) {
+            let error = trajectory.closure_error();
+            let error = closure::error_sentence(mechanism, error, self.asked.closure);
+            lines.push(("closure error", error));
+            lines.push(("smallest sigma", format!("{sigma:.4}")));
+            lines.push(("condition", format!("{condition:.1}")));
+            lines.push(("branch", self.branches().join(" ")));
+            lines.push(("certificate", self.poses.sentence(mechanism)));
+        }
+        let motion = self.motion.iter();
+        lines.extend(motion.map(|proof| ("motion", proof.sentence(mechanism, self.actuation))));
+        if !self.assumptions.is_empty() {
+            lines.push(("assumed", self.assumptions.join("; ")));
+        }
+        let measured = self.measured.iter();
+        lines.extend(measured.map(|m| (m.name(), m.sentence())));
+        let lines: String = lines.iter().map(line).collect();
+        let pairs = self
+            .clearances
+            .map(|found| clearance::table(mechanism, found, worst));
+        format!(
+            "{}\n{lines}{}{}{}",
+            mechanism.title,
+            freedoms::text(mechanism, &self.mobility),
+            pairs.unwrap_or_default(),
+            line(&("result", verdict.sentence()))
+        )
+    }
+
+    /// The JSON document.
+    pub fn json(&self, verdict: &Verdict) -> Value {
+        let (mechanism, trajectory) = (self.mechanism, self.trajectory);
+        let certified = self.poses.certified();
+        let events = trajectory.events.iter();
+        let clearance = self
+            .clearances
+            .map(|found| clearance::to_json(mechanism, found, verdict.result_of(CLEARANCE)));
+        json!({
+            "schema": "mechanim-check/1",
+            "title": mechanism.title,
+            "samples": trajectory.samples.len(),
+            "missing": trajectory.missing(),
+            "closure_error": trajectory.closure_error(),
+            "tolerance": self.asked.closure,
+            "size": mechanism.size,
+            "sigma_min": self.sigma(),
+            "condition": self.condition().filter(|c| c.is_finite()),
+            "branches": self.branches(),
+            "error_bound": certified.map(|p| p.error_bound),
+            "unique_radius": certified.map(|p| p.unique_radius).filter(|r| r.is_finite()),
+            "refused": self.poses.refused,
+            "refused_because": self.poses.reasons,
+            "locked": self.poses.locked,
+            "measures": self.measured.iter().map(Measured::json).collect::<Vec<_>>(),
+            "assumed": self.assumptions,
+            "motion": self.motion.as_ref().map(MotionProof::json),
+            "mobility": freedoms::document(mechanism, &self.mobility),
+            "events": events.map(|e| sentences::sentence(mechanism, e)).collect::<Vec<_>>(),
+            "clearance": clearance,
+            "gaps": gaps(mechanism, trajectory),
+            "checks": verdict.json(),
+            "result": verdict.result().word(),
+        })
+    }
+}
+
+/// The JSON document of a motion without any pose: there is nothing else to report.
+pub fn without_pose(mechanism: &Mechanism, trajectory: &Trajectory, verdict: &Verdict) -> Value {
+    let events = trajectory.events.iter();
+    json!({
+        "schema": "mechanim-check/1",
+        "title": mechanism.title,
+        "samples": trajectory.samples.len(),
+        "missing": trajectory.missing(),
+        "size": mechanism.size,
+        "events": events.map(|e| sentences::sentence(mechanism, e)).collect::<Vec<_>>(),
+        "gaps": gaps(mechanism, trajectory),
+        "checks": verdict.json(),
+        "result": verdict.result().word(),
+    })
+}
+
+/// One line of the report with its head.
+fn line((head, text): &(&str, String)) -> String {
+    format!("  {head:<16} {text}\n")
+}

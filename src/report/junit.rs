@@ -1,0 +1,69 @@
+//! A verdict as JUnit XML: one suite a scene, one case a question. What is wrong is a failure, what could not be
+//! decided an error, so that a green suite means an exit code of zero and nothing else does.
+
+use super::verdict::{Case, Status, Verdict};
+
+/// The whole file. `seconds` is what the check took.
+pub fn to_junit(verdict: &Verdict, seconds: f64) -> String {
+    let count = |status: &[Status]| {
+        let cases = verdict.cases.iter();
+        cases.filter(|c| status.contains(&c.status)).count()
+    };
+    let totals = format!(
+        "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{seconds:.3}\"",
+        verdict.cases.len(),
+        count(&[Status::Failed, Status::NotClosed]),
+        count(&[Status::NotProved]),
+        count(&[Status::Skipped]),
+    );
+    let cases: String = verdict.cases.iter().map(case).collect();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {totals}>\n  <testsuite name=\"{}\" {totals}>\n\
+         {cases}  </testsuite>\n</testsuites>\n",
+        escaped(&verdict.title),
+    )
+}
+
+fn case(case: &Case) -> String {
+    let time = case.seconds.map(|s| format!(" time=\"{s:.3}\""));
+    let head = format!(
+        "    <testcase classname=\"{}\" name=\"{}\"{}>",
+        escaped(case.group),
+        escaped(&case.name),
+        time.unwrap_or_default(),
+    );
+    let text = escaped(&case.text);
+    // Some readers show the attribute, others the text inside.
+    let body = match case.status {
+        Status::Passed => format!("<system-out>{text}</system-out>"),
+        Status::Skipped => format!("<skipped message=\"{text}\"/>"),
+        Status::NotProved => {
+            format!("<error type=\"not-proved\" message=\"{text}\">{text}</error>")
+        }
+        Status::Failed => format!("<failure type=\"failed\" message=\"{text}\">{text}</failure>"),
+        Status::NotClosed => {
+            format!("<failure type=\"not-closed\" message=\"{text}\">{text}</failure>")
+        }
+    };
+    format!("{head}{body}</testcase>\n")
+}
+
+/// A text for XML attributes and contents.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&apos;"),
+            '\n' => out.push_str("&#10;"),
+            // XML 1.0 has no way to write other control characters, nor the two that end the basic plane.
+            c if c.is_control() => out.push(' '),
+            '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
+            c => out.push(c),
+        }
+    }
+    out
+}

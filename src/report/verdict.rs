@@ -1,0 +1,146 @@
+//! What a check was asked, and how every question came out: the one value from which exit code, text, JSON and JUnit
+//! follow.
+
+use serde_json::{Value, json};
+
+/// How a question came out, the worse the later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Status {
+    /// Not asked, or nothing to answer.
+    Skipped,
+    /// Yes.
+    Passed,
+    /// Neither yes nor no: a proof that was asked for is missing, or there was nothing to look at.
+    NotProved,
+    /// No.
+    Failed,
+    /// Poses are missing.
+    NotClosed,
+}
+
+impl Status {
+    /// The word used in reports.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Skipped => "skipped",
+            Self::Passed => "passed",
+            Self::NotProved => "not proved",
+            Self::Failed => "failed",
+            Self::NotClosed => "not closed over the whole motion",
+        }
+    }
+}
+
+/// One question.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What it is about: [`MOTION`], [`PROOF`], [`MEASURES`], [`CLEARANCE`].
+    pub group: &'static str,
+    /// What was looked at: a measure, a pair of bodies.
+    pub name: String,
+    /// The answer.
+    pub status: Status,
+    /// Values, limits, reasons.
+    pub text: String,
+    /// Seconds that finding the answer took, where that was measured.
+    pub seconds: Option<f64>,
+}
+
+/// Group of the cases about closing.
+pub const MOTION: &str = "motion";
+/// Group of the cases about certificates.
+pub const PROOF: &str = "proof";
+/// Group of the measures.
+pub const MEASURES: &str = "measures";
+/// Group of the pairs of bodies.
+pub const CLEARANCE: &str = "clearance";
+
+impl Case {
+    /// An answer that was not timed.
+    pub fn new(group: &'static str, name: &str, status: Status, text: impl Into<String>) -> Self {
+        Self {
+            group,
+            name: name.to_owned(),
+            status,
+            text: text.into(),
+            seconds: None,
+        }
+    }
+
+    /// The same with the seconds it took.
+    pub fn taking(self, seconds: f64) -> Self {
+        Self {
+            seconds: Some(seconds),
+            ..self
+        }
+    }
+}
+
+/// More names of cases make the result of a report unreadable.
+const MOST_NAMES: usize = 4;
+
+/// All questions of one check.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// Title of the scene.
+    pub title: String,
+    /// Every question with its answer.
+    pub cases: Vec<Case>,
+}
+
+impl Verdict {
+    /// The worst answer; [`Status::Passed`] if nothing was asked.
+    pub fn result(&self) -> Status {
+        worst(self.cases.iter())
+    }
+
+    /// The worst answer of one group.
+    pub fn result_of(&self, group: &str) -> Status {
+        worst(self.cases.iter().filter(|case| case.group == group))
+    }
+
+    /// The result in words, with the names of the cases that did not pass: `failed: crank / rod; not proved: poses`.
+    pub fn sentence(&self) -> String {
+        let bad = [Status::NotClosed, Status::Failed, Status::NotProved];
+        let parts = bad.into_iter().filter_map(|status| self.names(status));
+        let parts: Vec<String> = parts.collect();
+        match parts.is_empty() {
+            true => Status::Passed.word().to_owned(),
+            false => parts.join("; "),
+        }
+    }
+
+    /// A bad answer with the names of all cases that have it.
+    fn names(&self, status: Status) -> Option<String> {
+        let cases = self.cases.iter().filter(|case| case.status == status);
+        let names: Vec<&str> = cases.map(|case| case.name.as_str()).collect();
+        // Only the motion itself can be open.
+        if names.is_empty() || status == Status::NotClosed {
+            return (!names.is_empty()).then(|| status.word().to_owned());
+        }
+        let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+        let more = match names.len().saturating_sub(MOST_NAMES) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        Some(format!("{}: {shown}{more}", status.word()))
+    }
+
+    /// All cases for the JSON report.
+    pub fn json(&self) -> Value {
+        let case = |case: &Case| {
+            json!({
+                "group": case.group,
+                "name": case.name,
+                "status": case.status.word(),
+                "text": case.text,
+            })
+        };
+        self.cases.iter().map(case).collect()
+    }
+}
+
+fn worst<'c>(cases: impl Iterator<Item = &'c Case>) -> Status {
+    let all = cases.map(|case| case.status);
+    all.fold(Status::Passed, Status::max)
+}
