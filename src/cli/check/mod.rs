@@ -13,6 +13,7 @@ use crate::cli::io;
 use crate::report::junit::to_junit;
 use crate::report::verdict::{PROOF, Status, Verdict};
 use serde_json::Value;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What a check found.
@@ -52,7 +53,12 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(failure) = answer.failure {
         return Err(failure);
     }
-    io::print_beside(term, args.json.as_deref(), &answer.text)?;
+    let files = [&args.json, &args.junit, &args.csv];
+    let streamed = files
+        .into_iter()
+        .flatten()
+        .find(|path| *path == Path::new("-"));
+    io::print_beside(term, streamed.map(PathBuf::as_path), &answer.text)?;
     if answer.verdict.result_of(PROOF) == Status::NotProved {
         term.note("hint: a proof that is asked for and refused fails the check; --certify none asks for none");
     }

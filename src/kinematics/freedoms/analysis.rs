@@ -4,10 +4,12 @@
 //! [`ordering`](crate::kinematics::structure::ordering), the poses that decide on ranks in [`generic_rank`](super::generic_rank),
 //! passive freedoms in [`passive`].
 
-use super::generic_rank::{EMPTY, Ranks, closed_poses, random_poses};
+use super::generic_rank::{EMPTY, Ranks, closed_poses, poses_around, random_poses};
 use super::passive;
 use crate::kinematics::ball::chart::charted;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::solve::assembly::assemble;
+use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::{Block, Held, Structure, StructureError, block, names};
 use crate::kinematics::structure::loop_part::{LoopPart, component_name, components_of};
 use crate::kinematics::structure::ordering::{Incidence, Member, of_group, unknowns_of};
@@ -19,9 +21,9 @@ use std::sync::Arc;
 impl System {
     /// Analyses `mechanism` and lays it out for solving.
     ///
-    /// Ranks are taken at random poses. Loops with more equations than unknowns, and those that seem to lack
-    /// equations, are judged at closed poses on `actuation`, too: an over-constrained loop has its true rank only
-    /// there, and only there it shows whether a freedom is passive.
+    /// Ranks are taken at random poses. Loops with more equations than unknowns, those that seem to lack
+    /// equations, and mechanisms that start at a singular pose are judged at closed poses on `actuation`, too: an
+    /// over-constrained loop has its true rank only there, and only there it shows whether a freedom is passive.
     ///
     /// # Errors
     /// A loop that closes nowhere, unknowns that nothing determines.
@@ -49,11 +51,16 @@ fn analyse(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<System, S
         Vec::new(),
     );
     let is_sure = |b: &Block| b.rows() == b.unknowns.len() && !generic.lacks(b);
-    if system.blocks().iter().all(is_sure) {
+    let is_square = system.blocks().iter().all(is_sure);
+    if is_square && !starts_singular(&system, actuation) {
         return Ok(system);
     }
     // Closed poses by blocks, else with everything in one.
     let mut poses = closed_poses(&system, actuation);
+    if is_square && let Some(pose) = poses.first() {
+        // Regular at random poses and singular at this closed one: a singular pose, or a freedom that only closed poses have.
+        poses.extend(poses_around(&system, &pose.clone()));
+    }
     if poses.is_empty() && system.blocks().len() > 1 {
         let groups = incidence.merged(&[]);
         let merged = groups.iter().map(|g| of_group(&mechanism, &incidence, g));
@@ -78,6 +85,21 @@ fn analyse(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<System, S
         closed.blocks(&incidence, incidence.groups(&slots)),
         held,
     ))
+}
+
+/// Whether the pose at which the drive starts lacks rank.
+fn starts_singular(system: &System, actuation: &Actuation) -> bool {
+    let start = actuation.start_at(0.0);
+    if !start.iter().all(|v| v.is_finite()) {
+        return false;
+    }
+    let mut corrector = Corrector::new(system);
+    let Ok(found) = assemble(system, &mut corrector, &start, false) else {
+        return false;
+    };
+    let poses = [found.coordinates];
+    let ranks = Ranks::new(system.mechanism(), &poses);
+    system.blocks().iter().any(|b| ranks.lacks(b))
 }
 
 /// An unknown that changes no equation at any pose stands in the formulas only in vain.

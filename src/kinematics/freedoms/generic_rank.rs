@@ -1,7 +1,7 @@
 //! Poses at which a mechanism is probed, random ones and closed ones, and ranks of blocks there.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::solve::assembly::assemble;
+use crate::kinematics::solve::assembly::{assemble, shake};
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::wishes::assemble_as_meant;
 use crate::kinematics::structure::block::{Block, StructureError, names};
@@ -106,6 +106,23 @@ pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
         }
     }
     poses
+}
+
+/// How many closed poses are looked for around a singular one, and how far from it they start at most, in scaled unknowns.
+const AROUND: (usize, f64) = (4, 0.1);
+
+/// Closed poses around `pose` at the same inputs. Of a pose that stands alone they are that pose again, to the square
+/// root of rounding, which is enough for the rank that it would have beside it; of a freedom they are others of its poses.
+pub fn poses_around(system: &System, pose: &[f64]) -> Vec<Vec<f64>> {
+    let mut corrector = Corrector::new(system);
+    let (count, far) = AROUND;
+    let closed = (1..=count).filter_map(|attempt| {
+        let mut start = pose.to_vec();
+        shake(system.mechanism(), attempt, far, &mut start);
+        let found = assemble(system, &mut corrector, &start, false);
+        Some(found.ok()?.coordinates)
+    });
+    closed.collect()
 }
 
 /// Ranks of blocks, the largest of several poses.
