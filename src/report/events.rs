@@ -110,15 +110,10 @@ fn lack(mechanism: &Mechanism, lack: &Lack) -> Value {
 
 fn inputs(mechanism: &Mechanism, values: &[f64]) -> Map<String, Value> {
     let pairs = mechanism.inputs.iter().zip(values);
+    // An input without a value is null.
     let named = pairs.map(|(input, v)| {
         let value = v * mechanism.file_units(input.kind);
-        // JSON has no infinities; a text is not mistaken for a missing value.
-        let value = if value.is_finite() {
-            json!(value)
-        } else {
-            json!(value.to_string())
-        };
-        (input.name.clone(), value)
+        (input.name.clone(), json!(value))
     });
     named.collect()
 }

@@ -1,11 +1,10 @@
 //! Newton's iterates as a table: CSV without the polygons, or JSON with them.
 
-use super::table::quoted;
+use super::table::{number, quoted};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::solve::iterates::Iterate;
 use crate::model::mechanism::Mechanism;
-use crate::model::printed::shortest;
 use serde_json::{Map, Value, json};
 
 /// Names of the columns in their order.
@@ -56,10 +55,7 @@ pub fn write_csv(
     let names: Vec<String> = header(mechanism).iter().map(|name| quoted(name)).collect();
     let mut text = names.join(",") + "\n";
     for iterate in iterates {
-        let row: Vec<String> = cells(mechanism, iterate)
-            .into_iter()
-            .map(shortest)
-            .collect();
+        let row: Vec<String> = cells(mechanism, iterate).into_iter().map(number).collect();
         text.push_str(&(row.join(",") + "\n"));
     }
     output.emit(text.as_bytes())

@@ -243,18 +243,25 @@ fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<
 
 fn csv_cell(cell: &Cell) -> String {
     match cell {
-        Cell::Number(value) => shortest(*value),
+        Cell::Number(value) => number(*value),
         Cell::Whole(value) => value.to_string(),
         Cell::Text(text) => quoted(text),
         Cell::Empty => String::new(),
     }
 }
 
-/// Numbers that JSON cannot say become texts, so that an infinity is not mistaken for a missing value.
+/// A number; nothing for a value that does not exist (infinities, NaN).
+pub(super) fn number(value: f64) -> String {
+    match value.is_finite() {
+        true => shortest(value),
+        false => String::new(),
+    }
+}
+
+/// A value that does not exist is null, as it is an empty cell of the CSV.
 fn json_cell(cell: Cell) -> Value {
     match cell {
-        Cell::Number(value) if value.is_finite() => json!(value),
-        Cell::Number(value) => json!(value.to_string()),
+        Cell::Number(value) => json!(value),
         Cell::Whole(value) => json!(value),
         Cell::Text(text) => json!(text),
         Cell::Empty => Value::Null,
@@ -274,6 +281,14 @@ pub(super) fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_that_do_not_exist_are_empty_cells_and_null() {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(number(value), "");
+            assert_eq!(json_cell(Cell::Number(value)), Value::Null);
+        }
+    }
 
     #[test]
     fn cells_that_need_quotes_get_them() {
