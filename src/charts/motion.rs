@@ -65,11 +65,7 @@ pub fn chart(
 pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
     let slot = |slot: usize, label: &str, kind: Kind| Curve {
         label: label.to_owned(),
-        unit: match kind {
-            Kind::Length => mechanism.length_unit.clone(),
-            Kind::Angle => mechanism.angle_unit.name.clone(),
-            Kind::Number => String::new(),
-        },
+        unit: mechanism.unit_name(kind).to_owned(),
         factor: mechanism.file_units(kind),
         expression: Expression::new(vec![Op::Slot(slot)]),
         kind,

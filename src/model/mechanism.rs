@@ -230,6 +230,15 @@ impl Mechanism {
         self.size.powf(-equation.length_exponent) / equation.magnitude
     }
 
+    /// Name of the unit in which values of `kind` are read and written; empty for plain numbers.
+    pub fn unit_name(&self, kind: Kind) -> &str {
+        match kind {
+            Kind::Length => &self.length_unit,
+            Kind::Angle => &self.angle_unit.name,
+            Kind::Number => "",
+        }
+    }
+
     /// What one of the file's units is inside the program for a coordinate or output of `kind`.
     pub fn unit_of(&self, kind: Kind) -> Constant {
         match kind {

@@ -3,8 +3,12 @@
 use super::sentences::gap_sentence;
 use super::verdict::{Case, MOTION, Status};
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::kinematics::solve::pose_check::{OfferedLoop, Verdict};
+use crate::kinematics::solve::pose_check::{Offered, OfferedGap, Verdict};
 use crate::model::mechanism::Mechanism;
+use serde_json::{Value, json};
+
+/// The question that every check begins with.
+const CLOSES: &str = "motion closes";
 
 /// Whether there is a pose at every sample and between them.
 pub fn closes(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
@@ -19,7 +23,12 @@ pub fn closes(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
         true => Status::Passed,
         false => Status::NotClosed,
     };
-    Case::new(MOTION, "motion closes", status, text.join("; "))
+    Case::new(MOTION, CLOSES, status, text.join("; "))
+}
+
+/// The same of a loop that no pose closes, for the reason that `why` says.
+pub fn nowhere(why: &str) -> Case {
+    Case::new(MOTION, CLOSES, Status::NotClosed, why)
 }
 
 /// Whether the poses are closed to `allowed`, relative to the mechanism's size.
@@ -43,22 +52,21 @@ pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String
     format!("{worst:.2e} (allowed {allowed:.0e}, relative to {size} {unit})")
 }
 
-/// Whether a loop is closed at an offered pose.
-pub fn offered(mechanism: &Mechanism, item: &OfferedLoop) -> Case {
+/// Whether a loop or an equation is closed at an offered pose.
+pub fn offered(mechanism: &Mechanism, item: &Offered) -> Case {
     let status = match item.verdict {
         Verdict::Closed => Status::Passed,
         Verdict::HalfTurn | Verdict::Open => Status::Failed,
     };
-    Case::new(
-        MOTION,
-        &item.name,
-        status,
-        offered_sentence(mechanism, item),
-    )
+    let name = match item.gap {
+        OfferedGap::Loop { .. } => format!("loop {}", item.name),
+        OfferedGap::Equation(_) => format!("equation {}", item.name),
+    };
+    Case::new(MOTION, &name, status, offered_sentence(mechanism, item))
 }
 
-/// The word of a loop's verdict.
-pub fn offered_word(verdict: Verdict) -> &'static str {
+/// The word of a verdict on an offered pose.
+fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Closed => "closed",
         Verdict::HalfTurn => "half-turn",
@@ -66,8 +74,31 @@ pub fn offered_word(verdict: Verdict) -> &'static str {
     }
 }
 
-fn offered_sentence(mechanism: &Mechanism, item: &OfferedLoop) -> String {
-    let (angle, distance, unit) = (item.angle, item.distance, &mechanism.length_unit);
+/// Loops and equations at an offered pose, for the JSON report.
+pub fn offered_json(list: &[Offered]) -> [Vec<Value>; 2] {
+    let (mut loops, mut equations) = (Vec::new(), Vec::new());
+    for Offered { name, gap, verdict } in list {
+        let verdict = word(*verdict);
+        match gap {
+            OfferedGap::Loop { angle, distance } => loops.push(json!({
+                "loop": name, "angle": angle, "distance": distance, "verdict": verdict
+            })),
+            OfferedGap::Equation(value) => equations.push(json!({
+                "equation": name, "value": value, "verdict": verdict
+            })),
+        }
+    }
+    [loops, equations]
+}
+
+fn offered_sentence(mechanism: &Mechanism, item: &Offered) -> String {
+    let unit = &mechanism.length_unit;
+    let (angle, distance) = match item.gap {
+        OfferedGap::Loop { angle, distance } => (angle, distance),
+        OfferedGap::Equation(value) => {
+            return format!("{} (off by {value:.1e})", word(item.verdict));
+        }
+    };
     let gap = format!("{angle:.6} rad and {distance:.6} {unit}");
     match item.verdict {
         Verdict::Closed => format!("closed (off by {angle:.1e} rad and {distance:.1e} {unit})"),

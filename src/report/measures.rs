@@ -5,7 +5,6 @@ use crate::kinematics::measures::measure;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::Measure;
-use crate::model::mechanism::Kind;
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
@@ -26,11 +25,7 @@ pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> V
         measure,
         value,
         factor: mechanism.file_units(measure.kind),
-        unit: match measure.kind {
-            Kind::Length => &mechanism.length_unit,
-            Kind::Angle => &mechanism.angle_unit.name,
-            Kind::Number => "",
-        },
+        unit: mechanism.unit_name(measure.kind),
     });
     list.collect()
 }

@@ -180,10 +180,9 @@ pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
 
 /// A value with its unit: `-17.000000000 mm`.
 pub fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
-    let unit = match kind {
-        Kind::Angle => format!(" {}", mechanism.angle_unit.name),
-        Kind::Length => format!(" {}", mechanism.length_unit),
-        Kind::Number => String::new(),
-    };
-    format!("{:.9}{unit}", value * mechanism.file_units(kind))
+    let text = format!("{:.9}", value * mechanism.file_units(kind));
+    match mechanism.unit_name(kind) {
+        "" => text,
+        unit => format!("{text} {unit}"),
+    }
 }

@@ -83,6 +83,7 @@ pub fn write_json(
         "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name, "time": "s" },
         "size": mechanism.size,
         "columns": names,
+        "column_units": units(mechanism, columns),
         "missing": trajectory.missing(),
         "samples": samples,
         "events": events(mechanism, trajectory),
@@ -142,6 +143,34 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
         names.extend(motion.map(str::to_owned));
     }
     names
+}
+
+/// Units of the columns that have one, by name: rates of angles in degrees are per degree, per degree squared and so on.
+fn units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
+    let mut list = vec![("time".to_owned(), "s".to_owned())];
+    let unit = |kind| mechanism.unit_name(kind).to_owned();
+    let coordinates = mechanism.inputs.iter().chain(&mechanism.unknowns);
+    list.extend(coordinates.map(|c| (c.name.clone(), unit(c.kind))));
+    for trace in &mechanism.traces {
+        let places = ["x", "y", "z"].map(|axis| format!("{}.{axis}", trace.name));
+        list.extend(places.map(|name| (name, unit(Kind::Length))));
+    }
+    let outputs = mechanism.outputs.iter();
+    list.extend(outputs.map(|o| (o.name.clone(), unit(o.kind))));
+    if columns.rates {
+        let unknowns = mechanism.unknowns.iter();
+        let rate = |kind| match mechanism.unit_name(kind) {
+            "" => "1/s".to_owned(),
+            unit => format!("{unit}/s"),
+        };
+        list.extend(unknowns.map(|c| (format!("d({})/dt", c.name), rate(c.kind))));
+    }
+    if let Some(derivatives) = columns.derivatives {
+        let names = derivatives.headings(mechanism).into_iter().map(|h| h.0);
+        list.extend(names.zip(derivatives.units(mechanism)));
+    }
+    let with_unit = list.into_iter().filter(|(_, unit)| !unit.is_empty());
+    with_unit.map(|(name, unit)| (name, json!(unit))).collect()
 }
 
 fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> {

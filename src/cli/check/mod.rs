@@ -10,9 +10,11 @@ use super::open::scene as open_scene;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
 use crate::cli::io;
+use crate::kinematics::structure::block::StructureError;
+use crate::report::closure;
 use crate::report::junit::to_junit;
 use crate::report::verdict::{PROOF, Status, Verdict};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -37,11 +39,13 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
         ));
     }
     let begun = Instant::now();
-    let opened = open_scene::open(&args.scene, term)?;
-    let answer = if args.pose.is_empty() {
-        motion::check(args, &opened, term)?
-    } else {
-        pose::check(args, &opened.scene)?
+    let answer = match open_scene::open(&args.scene, term) {
+        Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => {
+            closes_nowhere(&args.scene.scene, failure)
+        }
+        Err(failure) => return Err(failure),
+        Ok(opened) if args.pose.is_empty() => motion::check(args, &opened, term)?,
+        Ok(opened) => pose::check(args, &opened.scene)?,
     };
     let seconds = begun.elapsed().as_secs_f64();
     if let Some(path) = &args.junit {
@@ -63,4 +67,23 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
         term.note("hint: a proof that is asked for and refused fails the check; --certify none asks for none");
     }
     Ok(answer.verdict.result().into())
+}
+
+/// The answer to a scene with a loop that no pose closes.
+fn closes_nowhere(scene: &str, failure: Failure) -> Answer {
+    let verdict = Verdict {
+        title: scene.to_owned(),
+        cases: vec![closure::nowhere(&failure.to_string())],
+    };
+    Answer {
+        text: String::new(),
+        document: json!({
+            "schema": "mechanim-check/1",
+            "title": scene,
+            "checks": verdict.json(),
+            "result": verdict.result().word(),
+        }),
+        verdict,
+        failure: Some(failure),
+    }
 }

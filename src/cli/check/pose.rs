@@ -5,31 +5,30 @@ use crate::cli::args::motion::CheckArgs;
 use crate::cli::term::outcome::Failure;
 use crate::diag::nearest;
 use crate::kinematics::solve::pose_check::judge;
-use crate::report::closure::{offered, offered_word};
+use crate::report::closure::{offered, offered_json};
 use crate::report::verdict::Verdict;
 use crate::scene::Scene;
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Judges the pose.
 pub fn check(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
     let mechanism = &scene.mechanism;
-    let loops = judge(mechanism, &coordinates(args, scene)?, args.closure);
+    let found = judge(mechanism, &coordinates(args, scene)?, args.closure);
     let verdict = Verdict {
         title: mechanism.title.clone(),
-        cases: loops.iter().map(|l| offered(mechanism, l)).collect(),
+        cases: found.iter().map(|l| offered(mechanism, l)).collect(),
     };
     let cases = verdict.cases.iter();
     let lines: String = cases
-        .map(|case| format!("  loop {}: {}\n", case.name, case.text))
+        .map(|case| format!("  {}: {}\n", case.name, case.text))
         .collect();
-    let list: Vec<Value> = loops.iter().map(|l| {
-        json!({ "loop": l.name, "angle": l.angle, "distance": l.distance, "verdict": offered_word(l.verdict) })
-    }).collect();
+    let [loops, equations] = offered_json(&found);
     let document = json!({
         "schema": "mechanim-pose/1",
         "title": mechanism.title,
         "tolerance": args.closure,
-        "loops": list,
+        "loops": loops,
+        "equations": equations,
         "checks": verdict.json(),
         "result": verdict.result().word(),
     });

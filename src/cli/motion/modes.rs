@@ -8,7 +8,7 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::solve::assembly_modes::{Mode, Modes};
-use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::model::mechanism::{Coordinate, Mechanism};
 use crate::report::sentences;
 use serde_json::{Map, Value, json};
 
@@ -118,10 +118,9 @@ fn table(mechanism: &Mechanism, modes: &Modes) -> String {
 }
 
 fn heading(mechanism: &Mechanism, unknown: &Coordinate) -> String {
-    match unknown.kind {
-        Kind::Angle => format!("{}/{}", unknown.name, mechanism.angle_unit.name),
-        Kind::Length => format!("{}/{}", unknown.name, mechanism.length_unit),
-        Kind::Number => unknown.name.clone(),
+    match mechanism.unit_name(unknown.kind) {
+        "" => unknown.name.clone(),
+        unit => format!("{}/{unit}", unknown.name),
     }
 }
 

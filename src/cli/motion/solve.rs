@@ -15,7 +15,7 @@ use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
 use crate::kinematics::solve::iterates::iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::proof::MotionProof;
 use crate::report::table::{Columns, write_csv, write_json};
 use crate::report::{freedoms, iterates as iterate_table};
@@ -64,6 +64,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         term.note(&format!("idle: {idle} at its start value"));
     }
     if let Some(wanted) = derivatives {
+        tell_unit(wanted, &scene.mechanism, term);
         add_derivatives(&system, actuation, &mut trajectory, wanted);
     }
     let columns = Columns {
@@ -77,6 +78,21 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     output.commit()?;
     Ok(outcome)
+}
+
+/// Says that rates by an angle in degrees are per degree: the columns are named by quantities, not by units.
+fn tell_unit(columns: RateColumns, mechanism: &Mechanism, term: &Term) {
+    let By::Input(index) = columns.by else {
+        return;
+    };
+    let input = &mechanism.inputs[index];
+    let unit = mechanism.unit_name(input.kind);
+    if input.kind == Kind::Angle && mechanism.angle_unit.radians != 1.0 {
+        let name = &input.name;
+        term.note(&format!(
+            "rates of order n by `{name}` are per {unit}^n, like all angles of this scene"
+        ));
+    }
 }
 
 /// Newton's iterates from the start values, as a table.

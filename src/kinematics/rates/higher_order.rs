@@ -175,31 +175,56 @@ impl RateColumns {
     /// Names of the columns (`d2(h)/dt2`, `d(h)/d(phi)`) and the factors from internal values to the file's units;
     /// all orders of one quantity, then the next.
     pub fn headings(&self, mechanism: &Mechanism) -> Vec<(String, f64)> {
-        let units = |kind| mechanism.file_units(kind);
-        let named = |c: &Coordinate| (c.name.clone(), units(c.kind));
-        let mut quantities: Vec<(String, f64)> = mechanism.unknowns.iter().map(named).collect();
-        for trace in &mechanism.traces {
-            let places = ["x", "y", "z"].map(|axis| format!("{}.{axis}", trace.name));
-            quantities.extend(places.map(|name| (name, units(Kind::Length))));
-        }
-        let outputs = mechanism.outputs.iter();
-        quantities.extend(outputs.map(|o| (o.name.clone(), units(o.kind))));
         let (below, unit) = match self.by {
             By::Time => ("t".to_owned(), 1.0),
             By::Input(k) => {
                 let input = &mechanism.inputs[k];
-                (format!("({})", input.name), units(input.kind))
+                (
+                    format!("({})", input.name),
+                    mechanism.file_units(input.kind),
+                )
             }
         };
-        let orders = |(name, factor): (String, f64)| -> Vec<(String, f64)> {
-            let heading = |k: usize| {
-                let power = if k == 1 { String::new() } else { k.to_string() };
-                let text = format!("d{power}({name})/d{below}{power}");
-                (text, factor / unit.powi(k as i32))
-            };
-            (1..=self.order).map(heading).collect()
+        self.of_orders(mechanism, |name, kind, k| {
+            let power = if k == 1 { String::new() } else { k.to_string() };
+            let text = format!("d{power}({name})/d{below}{power}");
+            (text, mechanism.file_units(kind) / unit.powi(k as i32))
+        })
+    }
+
+    /// Units of the same columns: `mm/deg^2`; empty where there is none.
+    pub fn units(&self, mechanism: &Mechanism) -> Vec<String> {
+        let below = match self.by {
+            By::Time => "s",
+            By::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
         };
-        quantities.into_iter().flat_map(orders).collect()
+        self.of_orders(mechanism, |_, kind, k| {
+            let above = mechanism.unit_name(kind);
+            let one = if above.is_empty() { "1" } else { above };
+            match (below, k) {
+                ("", _) => above.to_owned(),
+                (_, 1) => format!("{one}/{below}"),
+                (_, _) => format!("{one}/{below}^{k}"),
+            }
+        })
+    }
+
+    /// What `of` makes of every column: of the name and the kind of a quantity and the order.
+    fn of_orders<T>(&self, mechanism: &Mechanism, of: impl Fn(&str, Kind, usize) -> T) -> Vec<T> {
+        let mut quantities: Vec<(String, Kind)> = Vec::new();
+        let named = |c: &Coordinate| (c.name.clone(), c.kind);
+        quantities.extend(mechanism.unknowns.iter().map(named));
+        for trace in &mechanism.traces {
+            let places = ["x", "y", "z"].map(|axis| format!("{}.{axis}", trace.name));
+            quantities.extend(places.map(|name| (name, Kind::Length)));
+        }
+        let outputs = mechanism.outputs.iter();
+        quantities.extend(outputs.map(|o| (o.name.clone(), o.kind)));
+        let mut list = Vec::with_capacity(quantities.len() * self.order);
+        for (name, kind) in &quantities {
+            list.extend((1..=self.order).map(|k| of(name, *kind, k)));
+        }
+        list
     }
 
     /// Values of the columns at a pose, in internal units; `None` where there are none.

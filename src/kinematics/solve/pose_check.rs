@@ -15,24 +15,37 @@ pub enum Verdict {
     Open,
 }
 
-/// One loop at the offered pose.
+/// One loop at the offered pose, or one equation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OfferedLoop {
-    /// Name of the loop.
+pub struct Offered {
+    /// Name of the loop or equation.
     pub name: String,
-    /// Rotation of the product, radians.
-    pub angle: f64,
-    /// Translation of the product, in the scene's unit.
-    pub distance: f64,
+    /// What is left.
+    pub gap: OfferedGap,
     /// The judgement.
     pub verdict: Verdict,
+}
+
+/// What is left open at the offered pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OfferedGap {
+    /// Of a loop.
+    Loop {
+        /// Rotation of the product, radians.
+        angle: f64,
+        /// Translation of the product, in the scene's unit.
+        distance: f64,
+    },
+    /// Of an equation: its value.
+    Equation(f64),
 }
 
 /// Poses in print have four or five digits; a half-turn is recognised within this (radians, sizes).
 const PRINTED_DIGITS: f64 = 5e-3;
 
-/// Judges every loop at `coordinates` (unknowns, then inputs); `tolerance` is relative to the mechanism's size.
-pub fn judge(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<OfferedLoop> {
+/// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
+/// mechanism's size.
+pub fn judge(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<Offered> {
     let arguments = mechanism.argument_values(coordinates);
     let loops = mechanism.loops.iter().map(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
@@ -44,12 +57,24 @@ pub fn judge(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<
         } else {
             Verdict::Open
         };
-        OfferedLoop {
+        Offered {
             name: item.name.clone(),
-            angle,
-            distance,
+            gap: OfferedGap::Loop { angle, distance },
             verdict,
         }
     });
-    loops.collect()
+    let equations = mechanism.equations.iter().enumerate();
+    let equations = equations.map(|(index, item)| {
+        let value = item.expression.value(coordinates);
+        let is_closed = (value * mechanism.weight_of(index)).abs() <= tolerance;
+        Offered {
+            name: item.name.clone(),
+            gap: OfferedGap::Equation(value),
+            verdict: match is_closed {
+                true => Verdict::Closed,
+                false => Verdict::Open,
+            },
+        }
+    });
+    loops.chain(equations).collect()
 }
