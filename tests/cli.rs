@@ -633,6 +633,106 @@ fn colour_quiet_and_progress_do_as_they_are_told() {
         .says(&["none.toml"]);
 }
 
+/// Reports are said, and quiet says nothing; files and what is asked for on standard output are written all the same.
+#[test]
+fn quiet_verbs_print_no_report() {
+    let w = workspace();
+    for verb in [
+        &["check", "moving.toml"][..],
+        &["modes", "still.toml"],
+        &["sensitivity", "gearshift"],
+        &["tolerance", "gearshift", "--samples", "10"],
+    ] {
+        let loud = w.run(verb);
+        assert!(!loud.stdout.is_empty(), "{verb:?}");
+        let quiet = w.run(&[verb, &["-q"]].concat()).exits(loud.code);
+        quiet.prints_nothing().says_nothing();
+    }
+    let json = w
+        .run(&["modes", "still.toml", "-q", "--json", "-"])
+        .exits(0);
+    assert!(json.text().contains("mechanim-modes/1"));
+    let streams = [
+        &["--json", "-"][..],
+        &["--junit", "-"],
+        &["--certify", "none", "--junit", "-"],
+    ];
+    for stream in streams {
+        let text = w.run(&[&["check", "moving.toml"], stream].concat()).text();
+        assert!(!text.contains("  result  "), "{stream:?}: {text}");
+    }
+}
+
+/// Columns of numbers hold numbers: what does not exist is an empty cell and null, and units are named.
+#[test]
+fn tables_hold_numbers_or_nothing() {
+    let w = workspace();
+    let outputs = "[outputs]\nnone = \"phi/phi\"\nfar = \"1/phi\"\n";
+    let still = STILL.replace("phi = 0.3", "phi = 0");
+    w.write(
+        "none.toml",
+        still.replace("[[bodies]]", &format!("{outputs}[[bodies]]")),
+    );
+    // Nothing is solved: neither a singular value nor a radius.
+    w.write(
+        "arm.toml",
+        "[inputs]\nq = 0.3\n[[bodies]]\nname = \"a\"\nframe = \"Rz(q)\"\n",
+    );
+    for (scene, empty) in [
+        ("none.toml", &["none", "far"][..]),
+        ("arm.toml", &["sigma_min", "unique_radius"]),
+    ] {
+        let solve = |format: &str| {
+            let run = w.run(&["solve", scene, "--out", "-", "--format", format]);
+            run.exits(0).text()
+        };
+        let csv = solve("csv");
+        let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
+        let json: serde_json::Value = serde_json::from_str(&solve("json")).unwrap();
+        for (name, cell) in rows[0].iter().zip(&rows[1]) {
+            assert!(
+                !cell.contains("inf") && !cell.contains("NaN"),
+                "{name}: {cell}"
+            );
+            assert_ne!(json["samples"][0][name], "inf", "{name}");
+        }
+        for name in empty {
+            assert!(json["samples"][0][name].is_null(), "{name}");
+        }
+    }
+    let rates = [
+        "solve",
+        "four-bar",
+        "--samples",
+        "2",
+        "--order",
+        "2",
+        "--out",
+        "-",
+        "--format",
+        "json",
+    ];
+    let units = |more: &[&str]| -> serde_json::Value {
+        let text = w.run(&[&rates[..], more].concat()).exits(0).text();
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()["column_units"].clone()
+    };
+    let by_angle = units(&["--per", "phi"]);
+    assert_eq!(by_angle["d2(psi)/d(phi)2"], "deg/deg^2");
+    assert_eq!(by_angle["d2(K.x)/d(phi)2"], "mm/deg^2");
+    let by_time = units(&[]);
+    assert_eq!(
+        (&by_time["d(psi)/dt"], &by_time["d2(K.x)/dt2"]),
+        (&"deg/s".into(), &"mm/s^2".into())
+    );
+    assert_eq!(
+        (&by_time["time"], &by_time["phi"]),
+        (&"s".into(), &"deg".into())
+    );
+    assert!(by_time["sigma_min"].is_null());
+    w.run(&[&rates[..], &["--per", "phi"]].concat())
+        .says(&["per deg^n"]);
+}
+
 #[test]
 fn iterates_are_traced_as_a_table_and_as_polygons() {
     let workspace = Workspace::new();
