@@ -87,7 +87,7 @@ fn tell_unit(columns: RateColumns, mechanism: &Mechanism, term: &Term) {
     };
     let input = &mechanism.inputs[index];
     let unit = mechanism.unit_name(input.kind);
-    if input.kind == Kind::Angle && mechanism.angle_unit.radians != 1.0 {
+    if input.kind == Kind::Angle && mechanism.file_units(input.kind) != 1.0 {
         let name = &input.name;
         term.note(&format!(
             "rates of order n by `{name}` are per {unit}^n, like all angles of this scene"
