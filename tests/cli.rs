@@ -641,7 +641,14 @@ fn quiet_verbs_print_no_report() {
         &["check", "moving.toml"][..],
         &["modes", "still.toml"],
         &["sensitivity", "gearshift"],
-        &["tolerance", "gearshift", "--samples", "10"],
+        &[
+            "tolerance",
+            "gearshift",
+            "--tolerance",
+            "0.5",
+            "--samples",
+            "10",
+        ],
     ] {
         let loud = w.run(verb);
         assert!(!loud.stdout.is_empty(), "{verb:?}");

@@ -1,6 +1,7 @@
 //! `mechanim check`: do all loops close over the motion, is an offered pose a closed one, and is all that was asked for
 //! so. Exit code, text, JSON and JUnit follow from one verdict.
 
+mod answer;
 mod clearance;
 mod motion;
 mod pose;
@@ -11,24 +12,11 @@ use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
 use crate::cli::io;
 use crate::kinematics::structure::block::StructureError;
-use crate::report::closure;
 use crate::report::junit::to_junit;
-use crate::report::verdict::{PROOF, Status, Verdict};
-use serde_json::{Value, json};
+use crate::report::verdict::{PROOF, Status};
+use answer::Answer;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// What a check found.
-struct Answer {
-    /// Lines for people.
-    text: String,
-    /// The JSON report.
-    document: Value,
-    /// What exit code and JUnit follow from.
-    verdict: Verdict,
-    /// Said in place of the text: there is nothing to report on.
-    failure: Option<Failure>,
-}
 
 /// Runs the verb.
 pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -41,7 +29,7 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     let begun = Instant::now();
     let answer = match open_scene::open(&args.scene, term) {
         Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => {
-            closes_nowhere(&args.scene.scene, failure)
+            Answer::closes_nowhere(&args.scene.scene, failure)
         }
         Err(failure) => return Err(failure),
         Ok(opened) if args.pose.is_empty() => motion::check(args, &opened, term)?,
@@ -67,23 +55,4 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
         term.note("hint: a proof that is asked for and refused fails the check; --certify none asks for none");
     }
     Ok(answer.verdict.result().into())
-}
-
-/// The answer to a scene with a loop that no pose closes.
-fn closes_nowhere(scene: &str, failure: Failure) -> Answer {
-    let verdict = Verdict {
-        title: scene.to_owned(),
-        cases: vec![closure::nowhere(&failure.to_string())],
-    };
-    Answer {
-        text: String::new(),
-        document: json!({
-            "schema": "mechanim-check/1",
-            "title": scene,
-            "checks": verdict.json(),
-            "result": verdict.result().word(),
-        }),
-        verdict,
-        failure: Some(failure),
-    }
 }

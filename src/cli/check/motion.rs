@@ -1,6 +1,7 @@
 //! The check of a whole motion.
 
-use super::{Answer, clearance};
+use super::answer::Answer;
+use super::clearance;
 use crate::cli::args::motion::{CertifyArg, CheckArgs};
 use crate::cli::motion::{certify, event_messages};
 use crate::cli::open::inputs_table;

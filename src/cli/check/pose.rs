@@ -1,6 +1,6 @@
 //! The check of a pose that is offered with `--pose`.
 
-use super::Answer;
+use super::answer::Answer;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::term::outcome::Failure;
 use crate::diag::nearest;

@@ -1,0 +1,39 @@
+//! What a check found, before anything of it is written.
+
+use crate::cli::term::outcome::Failure;
+use crate::report::closure;
+use crate::report::verdict::Verdict;
+use serde_json::{Value, json};
+
+/// What a check found.
+pub struct Answer {
+    /// Lines for people.
+    pub text: String,
+    /// The JSON report.
+    pub document: Value,
+    /// What exit code and JUnit follow from.
+    pub verdict: Verdict,
+    /// Said in place of the text: there is nothing to report on.
+    pub failure: Option<Failure>,
+}
+
+impl Answer {
+    /// The answer to a scene with a loop that no pose closes.
+    pub fn closes_nowhere(scene: &str, failure: Failure) -> Self {
+        let verdict = Verdict {
+            title: scene.to_owned(),
+            cases: vec![closure::nowhere(&failure.to_string())],
+        };
+        Self {
+            text: String::new(),
+            document: json!({
+                "schema": "mechanim-check/1",
+                "title": scene,
+                "checks": verdict.json(),
+                "result": verdict.result().word(),
+            }),
+            verdict,
+            failure: Some(failure),
+        }
+    }
+}
