@@ -242,14 +242,14 @@ fn motions_that_are_coupled_otherwise_than_a_screw_are_joints_of_their_own() {
 }
 
 #[test]
-fn a_check_that_judges_no_pair_warns() {
+fn a_check_that_judges_no_pair_warns_and_does_not_pass() {
     let w = Workspace::new();
     let two = WRIST
         .lines()
         .filter(|l| !l.contains("yoke") && !l.contains("cross"));
     w.write("two.toml", two.collect::<Vec<_>>().join("\n"));
     let run = w.run(&["check", "two.toml", "--json", "r.json"]);
-    run.exits(0)
+    run.exits(1)
         .says(&["no pair of bodies was judged: the only one is excluded"]);
     let json = std::fs::read(w.path("r.json")).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
