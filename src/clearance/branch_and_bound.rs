@@ -86,7 +86,7 @@ impl PairSweep<'_> {
         let bound = lowest.fold(near, f64::min);
         let is_proved = all().all(|(piece, _)| motion.stretches[piece.stretch].is_certified);
         // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
-        let is_certified = is_proved && near > 0.0 && motion.gaps.is_empty();
+        let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
         let is_refined = bound >= self.target(&best);
         let bound = bound - self.pose_slack(motion);
         Some(self.least(motion, &best, bound, [is_certified, is_refined]))
