@@ -160,6 +160,7 @@ fn verdict(outcome: Outcome) -> &'static str {
         Outcome::Done => "passed",
         Outcome::CheckFailed => "failed",
         Outcome::NotClosed => "not closed over the whole motion",
+        Outcome::Undecided => "undecided: the motion was given up",
     }
 }
 

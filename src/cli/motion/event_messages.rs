@@ -4,7 +4,7 @@ use crate::cli::open::mode;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::feasible::feasible_inputs;
-use crate::kinematics::results::trajectory::{Event, EventKind, Trajectory};
+use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Trajectory};
 use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -29,7 +29,7 @@ pub fn tell(
     let told = |e: &&Event| {
         !matches!(
             e.kind,
-            EventKind::MotionEnds
+            EventKind::MotionEnds(_)
                 | EventKind::MotionResumes { same_branch: true }
                 | EventKind::LimitPosition { .. }
         )
@@ -58,6 +58,9 @@ pub fn tell(
             trajectory.samples.len()
         ),
     });
+    if is_undecided(trajectory) {
+        return Ok(Outcome::Undecided);
+    }
     Ok(Outcome::NotClosed)
 }
 
@@ -101,6 +104,11 @@ pub fn note_moved_start(
     Ok(())
 }
 
+/// Whether the motion was given up wherever it has no pose.
+fn is_undecided(trajectory: &Trajectory) -> bool {
+    !trajectory.gaps.is_empty() && trajectory.gaps.iter().all(Gap::is_undecided)
+}
+
 fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory) -> Failure {
     let mechanism = system.mechanism();
     let first = trajectory.events.first();
@@ -108,6 +116,9 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
         || "no pose was found".to_owned(),
         |event| sentence(mechanism, event),
     );
+    if is_undecided(trajectory) {
+        return Failure::Undecided(message);
+    }
     let mut hints: Vec<String> = first
         .into_iter()
         .filter_map(|e| contradiction(system, e))

@@ -8,7 +8,7 @@ use crate::render::RenderError;
 
 /// Done.
 pub const DONE: i32 = 0;
-/// A check failed.
+/// A check failed, or a motion was given up undecided.
 pub const CHECK_FAILED: i32 = 1;
 /// Bad usage, bad scene, or a file that cannot be read or written.
 pub const BAD_USAGE: i32 = 2;
@@ -30,6 +30,8 @@ pub enum Outcome {
     CheckFailed,
     /// Results were written, but some instants have no pose.
     NotClosed,
+    /// Results were written, but the motion was given up where poses may exist.
+    Undecided,
 }
 
 impl Outcome {
@@ -37,7 +39,7 @@ impl Outcome {
     pub const fn code(self) -> i32 {
         match self {
             Self::Done => DONE,
-            Self::CheckFailed => CHECK_FAILED,
+            Self::CheckFailed | Self::Undecided => CHECK_FAILED,
             Self::NotClosed => NOT_CLOSED,
         }
     }
@@ -68,6 +70,9 @@ pub enum Failure {
         /// How to mend it.
         hints: Vec<String>,
     },
+    /// There is no pose, and none can be excluded.
+    #[error("{0}")]
+    Undecided(String),
     /// A file could not be made.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -104,6 +109,7 @@ impl Failure {
     pub fn code(&self) -> i32 {
         match self {
             _ if self.is_broken_pipe() => DONE,
+            Self::Undecided(_) => CHECK_FAILED,
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
             Self::Import(_) | Self::Stdout(_) => BAD_USAGE,
             Self::Structure(

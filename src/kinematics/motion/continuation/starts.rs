@@ -4,6 +4,7 @@ use super::recorder::{Recorder, SINGULAR_START};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{shake, turns_matter};
+use crate::kinematics::solve::branch::BranchState;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
@@ -42,7 +43,7 @@ impl Recorder<'_> {
         time: f64,
     ) -> Option<PathPoint> {
         let is_start = self.samples.len() == 1;
-        if !is_start || from.branch.condition < SINGULAR_START {
+        if !is_start || !is_singular_start(&from.branch) {
             return None;
         }
         let beside = from.time + BESIDE_START * (time - from.time);
@@ -93,6 +94,11 @@ impl Recorder<'_> {
         let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;
         is_near.then(|| self.tracker.point(time, found.coordinates))
     }
+}
+
+/// Whether the first pose is singular. A single equation has no condition, and a singular value of its own.
+pub(super) fn is_singular_start(branch: &BranchState) -> bool {
+    branch.condition >= SINGULAR_START || branch.sigma_min * SINGULAR_START <= 1.0
 }
 
 /// Takes whole turns out of angles that only differ by them from those of `near`.
