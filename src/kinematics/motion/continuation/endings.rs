@@ -60,7 +60,7 @@ impl Recorder<'_> {
     /// A proof is worth its time where poses are proved, and somebody asks what comes behind.
     fn is_proved(&self, fold: &Fold, sense: f64) -> bool {
         let tracker = &self.tracker;
-        let is_wanted = self.certifier.is_some() && !self.ends_at_gap && !tracker.is_cancelled();
+        let is_wanted = self.proof.is_some() && !self.ends_at_gap && !tracker.is_cancelled();
         is_wanted && fold_proof::is_proved(tracker.system(), tracker.actuation(), fold, sense)
     }
 

@@ -16,6 +16,7 @@ use crate::model::chain::Argument;
 use crate::model::expression::{Expression, Op};
 use crate::model::joints::Joints;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::printed::InputReading;
 use std::sync::Arc;
 
 /// Most unknowns: all blocks are proved as one.
@@ -85,6 +86,7 @@ impl Exchanged {
                 Argument::Affine(affine) => {
                     let terms = affine.terms.iter_mut();
                     terms.for_each(|term| term.0 = exchanged(term.0, slots));
+                    affine.terms.sort_by_key(|term| term.0);
                 }
                 Argument::Formula(expression) => *expression = renamed(expression, slots),
             }
@@ -121,7 +123,10 @@ impl Exchanged {
         to[self.input] += reach * scale;
         let actuation = Actuation::straight(&from, &to, guess);
         let recorder = Recorder::new(&self.system, &actuation, &|| false);
-        let motion = recorder.proving().up_to_gaps().run(&[0.0, 0.5, 1.0]);
+        let motion = recorder
+            .proving(InputReading::Numbers)
+            .up_to_gaps()
+            .run(&[0.0, 0.5, 1.0]);
         if motion.missing() > 0 || !motion.events.is_empty() {
             return None;
         }
@@ -167,4 +172,46 @@ fn renamed(expression: &Expression, slots: [usize; 2]) -> Expression {
         other => other,
     });
     Expression::new(ops.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::diag::Source;
+    use crate::kinematics::motion::tracker::path_tracker::PathPoint;
+    use crate::kinematics::solve::branch::BranchState;
+    use crate::scene::{Overrides, load};
+
+    /// Whether the place x of an equation in x and phi is proved to be a fold, where phi would be largest or smallest.
+    fn is_fold(equation: &str, x: f64, phi: f64, sense: f64) -> bool {
+        let text = format!(
+            "[inputs]\nphi = \"{phi} + t\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {x}\n"
+        );
+        let name = "test".to_owned();
+        let scene = load(&Source { name, text }, &Overrides::default()).unwrap();
+        let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
+        let fold = Fold {
+            at: PathPoint {
+                time: 0.0,
+                coordinates: vec![x, phi],
+                branch: BranchState::default(),
+            },
+            beside: [vec![x - 0.1, phi], vec![x + 0.1, phi]],
+        };
+        is_proved(&system, &scene.actuation, &fold, sense)
+    }
+
+    #[test]
+    fn only_a_fold_is_proved_to_be_one() {
+        assert!(is_fold("x^2 + phi", 0.0, 0.0, 1.0));
+        assert!(is_fold("x^2 - phi", 0.0, 0.0, -1.0));
+        // The wrong way round, an inflection, a regular pose, the sharp end of a cusp's branch.
+        assert!(!is_fold("x^2 + phi", 0.0, 0.0, -1.0));
+        assert!(!is_fold("x^3 - phi", 0.0, 0.0, 1.0));
+        assert!(!is_fold("x - phi", 0.0, 0.0, 1.0));
+        assert!(!is_fold("x^2 + phi", 0.3, -0.09, 1.0));
+        assert!(!is_fold("abs(x) + phi", 0.0, 0.0, 1.0));
+    }
 }
