@@ -1,7 +1,7 @@
 //! Where steps in time end: the way on, if there is one, else what the motion ends at.
 
 use super::fold_proof;
-use super::recorder::Recorder;
+use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
 use crate::kinematics::motion::tracker::arc_length::{Fold, Onward};
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::Target;
@@ -10,17 +10,6 @@ use crate::kinematics::solve::closure::are_angles_too_large;
 
 /// Shares of the interval between two samples at which a formula is tried beyond the end of a motion.
 const BEYOND: [f64; 3] = [1e-11, 1e-9, 1e-7];
-
-/// Most singular poses that a motion is followed back through.
-pub(super) const MOST_WAYS_ON: usize = 10_000;
-
-/// A pose beyond the end of the steps.
-pub(super) struct WayOn {
-    /// The pose.
-    pub to: PathPoint,
-    /// It was reached in arc length, through a pose at which no tangent along the drive exists.
-    pub in_arc_length: bool,
-}
 
 impl Recorder<'_> {
     /// A pose beyond the end of the steps: behind a jump of the drive, on a singular pose, or through it. Else what the

@@ -1,13 +1,12 @@
 //! From one sample to the next: where the motion starts, goes on, ends, and resumes.
 
-use super::endings::{MOST_WAYS_ON, WayOn};
 use super::events::Events;
 use super::gaps::Gaps;
-use super::starts::is_singular_start;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
 use crate::kinematics::results::trajectory::{Ending, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
+use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
@@ -19,6 +18,17 @@ pub(crate) const SINGULAR_START: f64 = 1e7;
 
 /// Axes at a smaller angle (radians) count as parallel: a pose at which they are is double, and found to half its digits.
 const PARALLEL: f64 = 1e-6;
+
+/// Most singular poses that a motion is followed back through.
+pub(super) const MOST_WAYS_ON: usize = 10_000;
+
+/// A pose beyond the end of the steps.
+pub(super) struct WayOn {
+    /// The pose.
+    pub to: PathPoint,
+    /// It was reached in arc length, through a pose at which no tangent along the drive exists.
+    pub in_arc_length: bool,
+}
 
 /// Follows a motion and keeps its samples.
 pub(crate) struct Recorder<'s> {
@@ -245,4 +255,9 @@ impl<'s> Recorder<'s> {
         // The drive may be feasible again before the next sample.
         self.resume(last, time)
     }
+}
+
+/// Whether the first pose is singular. A single equation has no condition, and a singular value of its own.
+pub(super) fn is_singular_start(branch: &BranchState) -> bool {
+    branch.condition >= SINGULAR_START || branch.sigma_min * SINGULAR_START <= 1.0
 }

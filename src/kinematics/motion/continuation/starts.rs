@@ -1,10 +1,9 @@
 //! Motions that start on a singular pose: the tangent gives no way on there, though poses exist.
 
-use super::recorder::{Recorder, SINGULAR_START};
+use super::recorder::{Recorder, is_singular_start};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{shake, turns_matter};
-use crate::kinematics::solve::branch::BranchState;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
@@ -94,11 +93,6 @@ impl Recorder<'_> {
         let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;
         is_near.then(|| self.tracker.point(time, found.coordinates))
     }
-}
-
-/// Whether the first pose is singular. A single equation has no condition, and a singular value of its own.
-pub(super) fn is_singular_start(branch: &BranchState) -> bool {
-    branch.condition >= SINGULAR_START || branch.sigma_min * SINGULAR_START <= 1.0
 }
 
 /// Takes whole turns out of angles that only differ by them from those of `near`.

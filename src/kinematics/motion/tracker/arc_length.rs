@@ -24,6 +24,9 @@ const MOST_STEPS: usize = 400;
 /// A regular pose this far away has left the singular one behind.
 const FAR_ENOUGH: f64 = 1e-2;
 
+/// How far from a fold, in scaled unknowns, time is seen to be earlier on both sides: it changes with the square.
+const BESIDE_FOLD: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
 /// Most steps back to the near side of a fold, each twice as long.
 const MOST_STEPS_BACK: usize = 12;
 
@@ -38,6 +41,10 @@ const CORRECTION_OF_STEP: f64 = 0.25;
 
 /// Floor of the above: rounding.
 const CORRECTION_FLOOR: f64 = 1e-13;
+
+/// A change by this share of a step shorter than the second number is rounding between two folds that nearly meet.
+const NOISE: f64 = 1e-3;
+const NOISY: f64 = 1e-6;
 
 /// Most iterations of a correction.
 const MOST_ITERATIONS: usize = 8;
@@ -145,7 +152,7 @@ impl ArcWalk<'_, '_> {
                 if self.is_reached(&fold, time) {
                     return self.at_time(&here, step, time);
                 }
-                return self.fold(end, here, fold, next);
+                return self.fold(end, fold);
             }
             if self.is_reached(&next, time) {
                 return self.at_time(&here, step, time);
@@ -251,6 +258,7 @@ impl ArcWalk<'_, '_> {
     fn step_within(&mut self, here: &ArcPoint, step: f64, allowed: f64) -> Option<ArcPoint> {
         let mut next = here.clone();
         self.move_by(&mut next, &here.tangent, step);
+        let length = step.abs().max(FIRST_STEP);
         let mut last = allowed;
         let mut converged = false;
         for _ in 0..MOST_ITERATIONS {
@@ -261,7 +269,7 @@ impl ArcWalk<'_, '_> {
             }
             self.move_by(&mut next, &change, 1.0);
             // No path is bent more sharply than its steps are long, so that no more than this is left.
-            converged = size * size <= f64::EPSILON * step.abs().max(FIRST_STEP);
+            converged = size * size <= f64::EPSILON * length || size <= NOISE * length.min(NOISY);
             if converged {
                 break;
             }
@@ -409,28 +417,21 @@ impl ArcWalk<'_, '_> {
         self.tracker.corrected(point.time, coordinates, Pace::Brisk)
     }
 
-    /// The fold, if time really has an extremum there.
-    fn fold(
-        &mut self,
-        end: &PathPoint,
-        here: ArcPoint,
-        fold: ArcPoint,
-        next: ArcPoint,
-    ) -> Option<Onward> {
-        let later = |point: &ArcPoint| (fold.time - point.time) * self.unit;
+    /// The fold, if time really has an extremum there: it is earlier on both sides.
+    fn fold(&mut self, end: &PathPoint, fold: ArcPoint) -> Option<Onward> {
         let rounding = f64::EPSILON * (fold.time * self.unit).abs();
-        if later(&here) < -rounding || later(&next) <= rounding {
-            return None;
-        }
+        let beside = BESIDE_FOLD.iter().find_map(|reach| {
+            let sides = [self.step(&fold, -reach)?, self.step(&fold, *reach)?];
+            let later = |side: &ArcPoint| (fold.time - side.time) * self.unit > 2.0 * rounding;
+            let is_extremum = sides.iter().all(later);
+            is_extremum.then(|| sides.map(|side| side.coordinates))
+        })?;
         let is_later = (fold.time - end.time) * self.unit > 0.0;
         let at = PathPoint {
             time: if is_later { fold.time } else { end.time },
             coordinates: fold.coordinates,
             branch: end.branch.clone(),
         };
-        Some(Onward::Fold(Fold {
-            at,
-            beside: [here.coordinates, next.coordinates],
-        }))
+        Some(Onward::Fold(Fold { at, beside }))
     }
 }
