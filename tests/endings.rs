@@ -120,7 +120,7 @@ fn ring(more: f64, start: f64) -> (Model, f64) {
 #[test]
 fn a_ring_with_nearly_equal_twists_is_followed_through_its_swing_from_any_start() {
     for more in [1e-1, 1e-2, 5e-3, 1e-3] {
-        for start in [0.3, 1.0, 2.0, 3.0, 3.14, 4.0, 5.5] {
+        for start in [0.3, 1.0, 2.0, 3.0, 3.13, 4.0, 5.5] {
             let (model, factor) = ring(more, start);
             for samples in [20, 81] {
                 let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
