@@ -507,6 +507,47 @@ fn ctrl_c_ends_a_solve_in_its_middle() {
     }
 }
 
+/// A step in a formula, and a start whose angles are too large: poses may exist where none is found.
+#[test]
+fn a_motion_that_is_given_up_is_neither_done_nor_impossible() {
+    let w = workspace();
+    let step = "duration = 4\n[inputs]\nphi = \"t\"\n[equations]\ne = \"x - floor(phi)\"\n";
+    w.write("step.toml", step);
+    let large = "units = { length = \"mm\" }\n[inputs]\nphi = 0.3\n[loops]\n\
+                 A = \"Rz(phi) Tx(40) Rz(1.7*alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 120\nalpha = 3e13\n";
+    w.write("large.toml", large);
+    for (scene, word) in [("step.toml", "steps"), ("large.toml", "too large")] {
+        for verb in [
+            vec!["solve", scene, "--out", "x.json"],
+            vec!["check", scene],
+        ] {
+            w.run(&verb).exits(1).says(&["undecided", word]);
+        }
+    }
+}
+
+/// A zero of higher order at which an input passes zero, at every count of samples.
+#[test]
+fn solve_and_check_end_where_an_input_passes_zero() {
+    let w = workspace();
+    let zero = "duration = 4\n[inputs]\nphi = \"t - 2\"\n[equations]\ne = \"x*abs(x) - phi\"\n[guess]\nx = -1.4\n";
+    w.write("zero.toml", zero);
+    for samples in 3..=11 {
+        let samples = samples.to_string();
+        w.run(&[
+            "solve",
+            "zero.toml",
+            "--samples",
+            &samples,
+            "--out",
+            "x.csv",
+        ])
+        .exits(0);
+        w.run(&["check", "zero.toml", "--samples", &samples])
+            .exits(0);
+    }
+}
+
 #[test]
 fn a_motion_that_leaves_its_range_is_written_as_far_as_it_goes() {
     let w = workspace();
@@ -516,7 +557,8 @@ fn a_motion_that_leaves_its_range_is_written_as_far_as_it_goes() {
         .exits(4)
         .prints_nothing();
     run.says(&[
-        "no pose exists beyond",
+        "the motion has no pose beyond",
+        "it ends at a fold (proved)",
         "phi = 0.848062",
         "samples have no pose",
     ]);

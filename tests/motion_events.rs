@@ -6,7 +6,7 @@ mod driven;
 use driven::{even_times, frame_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::results::trajectory::{EventKind, Trajectory};
+use mechanim::kinematics::results::trajectory::{Ending, EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::scene::{Overrides, Scene, load};
 
@@ -47,7 +47,7 @@ fn end_of_the_motion_is_located_and_frames_beyond_have_no_pose() {
     let ends: Vec<f64> = trajectory
         .events
         .iter()
-        .filter(|e| e.kind == EventKind::MotionEnds)
+        .filter(|e| e.kind == EventKind::MotionEnds(Ending::Fold { proved: true }))
         .map(|e| e.inputs[0])
         .collect();
     assert_eq!(ends.len(), 2);

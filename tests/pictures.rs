@@ -281,7 +281,7 @@ fn a_file_that_cannot_hold_what_is_asked_is_refused() {
             .replace("[40, 0, 0]", "[80, 0, 0]"),
     );
     let gone = w.run(&["render", "gap.toml", "--at", "0.5", "--out", "x.stl"]);
-    gone.exits(4).says(&["no pose exists at t = 0.5 s"]);
+    gone.exits(4).says(&["the motion has no pose at t = 0.5 s"]);
     assert!(!w.path("x.stl").exists());
     w.run(&["render", "gap.toml", "--at", "0", "--out", "x.stl"])
         .exits(0);

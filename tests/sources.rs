@@ -324,7 +324,7 @@ fn lifting_arm_ends_where_its_triangle_does() {
     let ends: Vec<f64> = trajectory
         .events
         .iter()
-        .filter(|e| e.kind == EventKind::MotionEnds)
+        .filter(|e| matches!(e.kind, EventKind::MotionEnds(_)))
         .map(|e| e.time)
         .collect();
     let [end] = ends.as_slice() else {

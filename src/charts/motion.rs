@@ -44,7 +44,7 @@ pub fn chart(
     if missing > 0 {
         let all = trajectory.samples.len();
         chart.notes.push(format!(
-            "{missing} of {all} samples have no pose: the loops cannot be closed there"
+            "{missing} of {all} samples have no pose: the loops are not closed there"
         ));
     }
     let named = |p: &Panel| {
@@ -355,7 +355,7 @@ fn word(event: &Event, place: f64, x: &Abscissa) -> String {
         Abscissa::Quantity(curve) => curve.unit.as_str(),
     };
     match &event.kind {
-        EventKind::MotionEnds => format!("ends at {} {unit}", short(place))
+        EventKind::MotionEnds(_) => format!("ends at {} {unit}", short(place))
             .trim_end()
             .to_owned(),
         EventKind::MotionResumes { same_branch: true } => "resumes".to_owned(),

@@ -40,6 +40,12 @@ impl Actuation {
         self.drives.iter().map(|drive| drive.value(time)).collect()
     }
 
+    /// Rates of the inputs per second at `time`; not finite where a drive has none.
+    pub fn rates_at(&self, time: f64) -> Vec<f64> {
+        let drives = self.drives.iter();
+        drives.map(|d| d.series(time, 1).derivative(1)).collect()
+    }
+
     /// Start values of all coordinates: the guess, then the inputs at `time`.
     pub fn start_at(&self, time: f64) -> Vec<f64> {
         [self.guess.clone(), self.inputs_at(time)].concat()

@@ -19,9 +19,12 @@ pub fn closes(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
     };
     let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
     let text: Vec<String> = [counted].into_iter().chain(gaps).collect();
-    let status = match trajectory.is_whole() {
-        true => Status::Passed,
-        false => Status::NotClosed,
+    let status = if trajectory.is_whole() {
+        Status::Passed
+    } else if trajectory.is_undecided() {
+        Status::NotProved
+    } else {
+        Status::NotClosed
     };
     Case::new(MOTION, CLOSES, status, text.join("; "))
 }

@@ -1,6 +1,8 @@
 //! Events and stretches without a pose as JSON, in the scene's units.
 
-use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant, Lack, Trajectory};
+use crate::kinematics::results::trajectory::{
+    Ending, Event, EventKind, Gap, Instant, Lack, Trajectory,
+};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 
@@ -12,7 +14,7 @@ pub fn events(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
 
 fn event(mechanism: &Mechanism, event: &Event) -> Value {
     let kind = match &event.kind {
-        EventKind::MotionEnds => "motion-ends",
+        EventKind::MotionEnds(_) => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
         EventKind::SingularPosePassed => "singular-pose-passed",
         EventKind::SingularPoseMet => "singular-pose-met",
@@ -31,6 +33,9 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
     object.insert("time".to_owned(), json!(event.time));
     object.insert("inputs".to_owned(), inputs(mechanism, &event.inputs).into());
     match &event.kind {
+        EventKind::MotionEnds(ending) => {
+            object.insert("ending".to_owned(), self::ending(ending));
+        }
         EventKind::MotionResumes { same_branch } => {
             object.insert("same_branch".to_owned(), json!(same_branch));
         }
@@ -78,6 +83,17 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
     object.into()
 }
 
+/// What a motion ends at, in a word, and how surely.
+fn ending(ending: &Ending) -> Value {
+    let word = ending.word();
+    match ending {
+        Ending::Fold { proved } => json!({ "kind": word, "proved": proved }),
+        Ending::NoValue { name } => json!({ "kind": word, "equation": name }),
+        Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
+        Ending::AngleTooLarge => json!({ "kind": word }),
+    }
+}
+
 /// All stretches without a pose: where poses end, where they begin again, and how much is lacking in between; null
 /// where the drive begins or ends inside.
 pub fn gaps(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
@@ -89,6 +105,8 @@ fn gap(mechanism: &Mechanism, gap: &Gap) -> Value {
     json!({
         "from": gap.from.as_ref().map(|at| instant(mechanism, at)),
         "until": gap.until.as_ref().map(|at| instant(mechanism, at)),
+        "ending": gap.ending.as_ref().map(ending),
+        "beginning": gap.beginning.as_ref().map(ending),
         "widest": gap.widest.as_ref().map(|lack| self::lack(mechanism, lack)),
     })
 }

@@ -1,6 +1,6 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
-use crate::kinematics::results::trajectory::{Event, EventKind, Gap, Instant};
+use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Gap, Instant};
 use crate::model::mechanism::{Kind, Mechanism};
 
 /// Angles above this are no rounding of a zero.
@@ -45,7 +45,32 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
             amount(lack.distance)
         )
     });
-    format!("no pose exists {stretch}{lack}")
+    let ends = [("ends", &gap.ending), ("begins again", &gap.beginning)];
+    let ends = ends.map(|(verb, ending)| {
+        let ending = ending.as_ref();
+        ending.map_or_else(String::new, |e| format!("; it {verb} {}", ending_words(e)))
+    });
+    let found = match gap.is_undecided() || gap.ending.is_none() {
+        true => "no pose was found",
+        false => "the motion has no pose",
+    };
+    format!("{found} {stretch}{}{lack}", ends.concat())
+}
+
+/// What a motion ends at, after "ends".
+fn ending_words(ending: &Ending) -> String {
+    match ending {
+        Ending::Fold { proved: true } => "at a fold (proved)".to_owned(),
+        Ending::Fold { proved: false } => "at a fold (located, not proved)".to_owned(),
+        Ending::NoValue { name } => format!("where equation `{name}` has no value beyond"),
+        Ending::GivenUp { sigma_min } => format!(
+            "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
+        ),
+        Ending::AngleTooLarge => {
+            "undecided: the angles are too large to close the loops within their own rounding"
+                .to_owned()
+        }
+    }
 }
 
 /// One event as a sentence.
@@ -56,7 +81,9 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
         inputs(mechanism, &event.inputs)
     );
     match &event.kind {
-        EventKind::MotionEnds => format!("no pose exists beyond {at}"),
+        EventKind::MotionEnds(ending) => {
+            format!("the motion ends at {at}, {}", ending_words(ending))
+        }
         EventKind::MotionResumes { same_branch: true } => format!("poses exist again from {at} on"),
         EventKind::MotionResumes { same_branch: false } => {
             format!("poses exist again from {at} on, on another branch than before")

@@ -71,7 +71,7 @@ pub fn add(
             .push(line(values, y, VALUE_SIZE, theme.faint_ink()));
     }
     if view.captions && sample.pose.is_none() {
-        let text = format!("no pose exists here: {values}");
+        let text = format!("no pose here: {values}");
         let y = inset + 1.8 * TITLE_SIZE;
         frame
             .labels

@@ -29,7 +29,7 @@ pub fn tell(
     let told = |e: &&Event| {
         !matches!(
             e.kind,
-            EventKind::MotionEnds
+            EventKind::MotionEnds(_)
                 | EventKind::MotionResumes { same_branch: true }
                 | EventKind::LimitPosition { .. }
         )
@@ -58,6 +58,9 @@ pub fn tell(
             trajectory.samples.len()
         ),
     });
+    if trajectory.is_undecided() {
+        return Ok(Outcome::Undecided);
+    }
     Ok(Outcome::NotClosed)
 }
 
@@ -108,6 +111,9 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
         || "no pose was found".to_owned(),
         |event| sentence(mechanism, event),
     );
+    if trajectory.is_undecided() {
+        return Failure::Undecided(message);
+    }
     let mut hints: Vec<String> = first
         .into_iter()
         .filter_map(|e| contradiction(system, e))

@@ -69,7 +69,7 @@ fn refuse_missing(scene: &Scene, trajectory: &Trajectory, sample: usize) -> Resu
     }
     let values = inputs(&scene.mechanism, &sample.inputs);
     Err(Failure::NeverClosed {
-        message: format!("no pose exists at t = {} s ({values})", sample.time),
+        message: format!("the motion has no pose at t = {} s ({values})", sample.time),
         hints: vec!["take another time with --at SECONDS".to_owned()],
     })
 }

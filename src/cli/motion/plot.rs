@@ -151,7 +151,7 @@ fn solve_with_ends(system: &System, actuation: &Actuation, mut times: Vec<f64>) 
     let ends = trajectory.events.iter().filter(|event| {
         matches!(
             event.kind,
-            EventKind::MotionEnds | EventKind::MotionResumes { .. }
+            EventKind::MotionEnds(_) | EventKind::MotionResumes { .. }
         )
     });
     let ends: Vec<f64> = ends

@@ -9,7 +9,7 @@ use crate::report::verdict::Status;
 
 /// Done.
 pub const DONE: i32 = 0;
-/// A check failed, or could not prove what it was asked to.
+/// A check failed, or could not prove what it was asked to; a motion was given up undecided.
 pub const CHECK_FAILED: i32 = 1;
 /// Bad usage, bad scene, or a file that cannot be read or written.
 pub const BAD_USAGE: i32 = 2;
@@ -31,6 +31,8 @@ pub enum Outcome {
     CheckFailed,
     /// Results were written, but some instants have no pose.
     NotClosed,
+    /// Results were written, but the motion was given up where poses may exist.
+    Undecided,
 }
 
 impl From<Status> for Outcome {
@@ -48,7 +50,7 @@ impl Outcome {
     pub const fn code(self) -> i32 {
         match self {
             Self::Done => DONE,
-            Self::CheckFailed => CHECK_FAILED,
+            Self::CheckFailed | Self::Undecided => CHECK_FAILED,
             Self::NotClosed => NOT_CLOSED,
         }
     }
@@ -79,6 +81,9 @@ pub enum Failure {
         /// How to mend it.
         hints: Vec<String>,
     },
+    /// There is no pose, and none can be excluded.
+    #[error("{0}")]
+    Undecided(String),
     /// A file could not be made.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -115,6 +120,7 @@ impl Failure {
     pub fn code(&self) -> i32 {
         match self {
             _ if self.is_broken_pipe() => DONE,
+            Self::Undecided(_) => CHECK_FAILED,
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
             Self::Import(_) | Self::Stdout(_) => BAD_USAGE,
             Self::Structure(

@@ -61,8 +61,8 @@ pub struct Event {
 /// Kinds of events.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
-    /// No closed pose exists beyond: a fold or the end of the feasible range.
-    MotionEnds,
+    /// The motion is followed no farther.
+    MotionEnds(Ending),
     /// The drive has come into the feasible range (again); the pose was assembled anew.
     MotionResumes {
         /// The branch is the one before the gap, or there was none before.
@@ -139,6 +139,45 @@ pub enum EventKind {
     OtherStart,
 }
 
+/// Why a motion is followed no farther.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// A fold: the path goes on in arc length, but the drive turns back along it. Beyond it this assembly has no pose.
+    Fold {
+        /// Tubes in arc length prove that it turns back; else its place was computed.
+        proved: bool,
+    },
+    /// An equation has no value beyond: the end of a formula's range.
+    NoValue {
+        /// The equation.
+        name: String,
+    },
+    /// No step could be trusted, and no fold was found: whether the motion goes on is not known.
+    GivenUp {
+        /// Smallest singular value at the last pose.
+        sigma_min: f64,
+    },
+    /// Angles are so large that their own rounding leaves the loops open.
+    AngleTooLarge,
+}
+
+impl Ending {
+    /// Whether the motion may go on all the same.
+    pub const fn is_undecided(&self) -> bool {
+        matches!(self, Self::GivenUp { .. } | Self::AngleTooLarge)
+    }
+
+    /// The word used in reports.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Fold { .. } => "fold",
+            Self::NoValue { .. } => "no-value",
+            Self::GivenUp { .. } => "given-up",
+            Self::AngleTooLarge => "angle-too-large",
+        }
+    }
+}
+
 /// One place on the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instant {
@@ -161,15 +200,27 @@ pub struct Lack {
     pub distance: f64,
 }
 
-/// A stretch of the drive without a pose.
+/// A stretch of the drive in which no pose was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
-    /// The last place with a pose, located by halving; `None` if the drive begins inside.
+    /// The last place with a pose; `None` if the drive begins inside.
     pub from: Option<Instant>,
-    /// The first place with a pose again, likewise; `None` if the drive ends inside.
+    /// The first place with a pose again; `None` if the drive ends inside.
     pub until: Option<Instant>,
+    /// What the motion ends at before it.
+    pub ending: Option<Ending>,
+    /// What the motion behind it ends at, followed backwards.
+    pub beginning: Option<Ending>,
     /// The sample at which most is lacking, of those inside.
     pub widest: Option<Lack>,
+}
+
+impl Gap {
+    /// Whether the motion was only given up, so that it may go on inside.
+    pub fn is_undecided(&self) -> bool {
+        let end = self.ending.as_ref().or(self.beginning.as_ref());
+        end.is_some_and(Ending::is_undecided)
+    }
 }
 
 /// The motion over the drive.
@@ -179,7 +230,7 @@ pub struct Trajectory {
     pub samples: Vec<Sample>,
     /// Events in the order of time.
     pub events: Vec<Event>,
-    /// Stretches without a pose in the order of time.
+    /// Stretches in which no pose was found, in the order of time.
     pub gaps: Vec<Gap>,
     /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
     /// asked for.
@@ -197,6 +248,11 @@ impl Trajectory {
         self.missing() == 0 && self.gaps.is_empty()
     }
 
+    /// Whether the motion was given up wherever it has no pose: poses may exist there.
+    pub fn is_undecided(&self) -> bool {
+        !self.gaps.is_empty() && self.gaps.iter().all(Gap::is_undecided)
+    }
+
     /// The worst closure error of all poses.
     pub fn closure_error(&self) -> f64 {
         self.poses().map(|p| p.closure_error).fold(0.0, f64::max)
@@ -205,7 +261,7 @@ impl Trajectory {
     /// The samples of one motion: behind its first end there are no poses, even where the drive is feasible again.
     pub fn of_one_motion(mut self) -> Vec<Sample> {
         let mut ends = self.events.iter();
-        if let Some(end) = ends.find(|e| matches!(e.kind, EventKind::MotionEnds)) {
+        if let Some(end) = ends.find(|e| matches!(e.kind, EventKind::MotionEnds(_))) {
             let behind = self.samples.iter_mut().filter(|s| s.time > end.time);
             behind.for_each(|s| s.pose = None);
         }

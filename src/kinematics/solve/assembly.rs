@@ -1,7 +1,8 @@
 //! Finding a first closed pose from start values that may be far off: Levenberg-Marquardt, then Newton.
 
+use super::closure::CLOSURE_TOLERANCE;
 use super::descent::Descent;
-use super::newton::{CLOSURE_TOLERANCE, Corrector, Pace};
+use super::newton::{Corrector, Pace};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::{Argument, Motion, Step};

@@ -1,7 +1,7 @@
 //! Newton's method made visible: the iterates from the start values, with residuals, corrections and the opened polygon
 //! of every loop. Plain Newton on every block in its order, without the safeguards of the solver.
 
-use super::newton::CLOSURE_TOLERANCE;
+use super::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::loops::forward;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::certificate::{Certificate, Reason};

@@ -1,8 +1,10 @@
 //! Closed poses: assembly from start values, Newton corrections, prediction, branches, and the count of assemblies.
 
+pub mod along_drive;
 pub mod assembly;
 pub mod assembly_modes;
 pub mod branch;
+pub mod closure;
 mod descent;
 pub mod iterates;
 pub mod newton;

@@ -3,6 +3,7 @@
 //! A correction ends with an evaluation of the pose that it returns. That linearisation is kept, with its factors and
 //! its inverse once somebody asks for them, so that tangent, prediction, rank and branch sign of the pose share it.
 
+use super::closure::is_closed;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
@@ -38,10 +39,6 @@ pub enum Pace {
 
 /// Residuals are sums of a few dozen products of order one, so they cannot be made smaller than about this.
 const ROUNDING_FLOOR: f64 = 4e-15;
-
-/// Largest residual of a returned pose, relative to the mechanism's size. Rounding leaves about 1e-15; what is
-/// above this has not converged.
-pub const CLOSURE_TOLERANCE: f64 = 1e-11;
 
 /// Least ratio of singular values that are iterated from an inverse: half of its digits are then right, enough for
 /// the accuracy promised. Below it, and wherever a rank may be lost, the Jacobian is decomposed.
@@ -184,6 +181,10 @@ impl Corrector {
                 break;
             }
             last_residual = left;
+            if iterations == most && pace == Pace::Patient && at_floor {
+                // Closed to rounding, though the unknowns still creep: towards a zero of higher order.
+                break;
+            }
             if iterations == most {
                 return Correction::failed(iterations, first_step);
             }
@@ -206,7 +207,7 @@ impl Corrector {
         }
         let residual = buffers.workspace.residual_norm();
         Correction {
-            converged: residual <= CLOSURE_TOLERANCE,
+            converged: is_closed(mechanism, block, coordinates, residual),
             iterations,
             first_step,
             residual,
@@ -276,7 +277,7 @@ impl Correction {
 
 impl BlockBuffers {
     /// Residual and Jacobian at `coordinates`, unless they stand there already.
-    fn evaluate(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
+    pub(crate) fn evaluate(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         let values = block.unknowns.iter().chain(&block.plan.outer);
         let values = values.map(|slot| coordinates[*slot]);
         let known = self.stage >= Stage::Evaluated && self.at.iter().copied().eq(values.clone());

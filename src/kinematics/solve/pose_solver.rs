@@ -4,6 +4,7 @@
 //! Next to a pose where the angles of a ball joint are locked everything is solved in a [`Chart`]; the scene's angles are
 //! read from the result.
 
+use super::along_drive::AlongDrive;
 use super::assembly::{Assembled, NotClosed, assemble};
 use super::branch::{BranchState, BranchWatch};
 use super::newton::{Correction, Corrector, Pace};
@@ -169,6 +170,30 @@ impl<'s> PoseSolver<'s> {
     /// Corrects `coordinates`; whether that closed them.
     pub fn closed(&mut self, coordinates: &mut [f64], pace: Pace) -> bool {
         coordinates.iter().all(|v| v.is_finite()) && self.correct(coordinates, pace).converged
+    }
+
+    /// Corrects one block, the ones before it being closed.
+    pub fn correct_block(
+        &mut self,
+        coordinates: &mut [f64],
+        block: usize,
+        pace: Pace,
+    ) -> Correction {
+        let corrector = &mut self.corrector;
+        let correction = corrector.correct_block(self.system, block, coordinates, pace);
+        self.iterations += correction.iterations;
+        correction
+    }
+
+    /// Linearises one block along the drive, whose inputs have the rates that stand in the tail of `rates`.
+    pub fn along_drive(
+        &mut self,
+        coordinates: &[f64],
+        rates: &mut [f64],
+        block: usize,
+    ) -> AlongDrive<'_> {
+        self.corrector
+            .along_drive(self.system, block, coordinates, rates)
     }
 
     /// Rates of the unknowns for the rates of the inputs that stand in the tail of `rates`. Those of gimbal-locked angles

@@ -3,7 +3,7 @@
 use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, affine_value};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
-use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
+use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
 use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::Motion;

@@ -10,7 +10,7 @@ use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
-use crate::kinematics::solve::newton::CLOSURE_TOLERANCE;
+use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};
 use crate::numbers::rounding::{GROW, OPERATION};

@@ -62,9 +62,13 @@ impl PathWatcher for Events {
         self.passed_at(tracker, time);
     }
 
-    fn turned_back(&mut self, tracker: &PathTracker) {
+    fn turned_back(&mut self, tracker: &PathTracker, by_drive: bool) {
         if let Some(time) = self.singular_sample.take() {
-            self.add(tracker.actuation(), time, EventKind::SingularPoseMet);
+            let kind = match by_drive {
+                true => EventKind::SingularPoseMet,
+                false => EventKind::SingularPosePassed,
+            };
+            self.add(tracker.actuation(), time, kind);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Stretches of the drive without a pose, and how far the mechanism stays from closing there.
 
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
-use crate::kinematics::results::trajectory::{Gap, Instant, Lack};
+use crate::kinematics::results::trajectory::{Ending, Gap, Instant, Lack};
 use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
@@ -27,14 +27,24 @@ pub(super) fn instant(tracker: &PathTracker, time: f64) -> Instant {
 
 impl Gaps {
     /// A stretch without a pose begins.
-    pub fn open(&mut self, tracker: &PathTracker, from: Option<f64>) {
+    pub fn open(&mut self, tracker: &PathTracker, from: Option<(f64, Ending)>) {
         self.elsewhere = None;
         self.widest = None;
+        let (from, ending) = from.unzip();
         self.list.push(Gap {
             from: from.map(|time| instant(tracker, time)),
             until: None,
+            ending,
+            beginning: None,
             widest: None,
         });
+    }
+
+    /// Poses may exist in the present gap.
+    pub fn give_up(&mut self, ending: Ending) {
+        if let Some(gap) = self.list.last_mut() {
+            gap.ending = Some(ending);
+        }
     }
 
     /// Keeps the sample of a gap at which most is lacking.

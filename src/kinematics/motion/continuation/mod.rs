@@ -2,7 +2,9 @@
 //! them is located and told.
 
 mod crossings;
+mod endings;
 mod events;
+mod fold_proof;
 mod gaps;
 mod locks;
 mod poses;
@@ -54,7 +56,7 @@ pub fn solve_whole(system: &System, actuation: &Actuation, times: &[f64]) -> Opt
     let recorder = Recorder::new(system, actuation, &|| false);
     let motion = recorder.up_to_gaps().run(times);
     let mut ends = motion.events.iter();
-    let broken = ends.any(|e| matches!(e.kind, EventKind::MotionEnds));
+    let broken = ends.any(|e| matches!(e.kind, EventKind::MotionEnds(_)));
     let all = motion.samples.len() == times.len() && motion.missing() == 0;
     (all && !broken).then_some(motion)
 }

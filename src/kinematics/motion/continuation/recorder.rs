@@ -4,8 +4,9 @@ use super::events::Events;
 use super::gaps::Gaps;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
-use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
+use crate::kinematics::results::trajectory::{Ending, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
+use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
@@ -18,6 +19,17 @@ pub(crate) const SINGULAR_START: f64 = 1e7;
 /// Axes at a smaller angle (radians) count as parallel: a pose at which they are is double, and found to half its digits.
 const PARALLEL: f64 = 1e-6;
 
+/// Most singular poses that a motion is followed back through.
+pub(super) const MOST_WAYS_ON: usize = 10_000;
+
+/// A pose beyond the end of the steps.
+pub(super) struct WayOn {
+    /// The pose.
+    pub to: PathPoint,
+    /// It was reached in arc length, through a pose at which no tangent along the drive exists.
+    pub in_arc_length: bool,
+}
+
 /// Follows a motion and keeps its samples.
 pub(crate) struct Recorder<'s> {
     pub(crate) tracker: PathTracker<'s>,
@@ -26,7 +38,7 @@ pub(crate) struct Recorder<'s> {
     pub(crate) samples: Vec<Sample>,
     pub(crate) proof: Option<(Certifier<'s>, InputReading)>,
     /// Nobody asks what comes behind a gap.
-    ends_at_gap: bool,
+    pub(super) ends_at_gap: bool,
 }
 
 impl<'s> Recorder<'s> {
@@ -130,7 +142,7 @@ impl<'s> Recorder<'s> {
                     self.note_parallel_axes(time, &found.coordinates);
                 }
                 let point = self.tracker.point(time, found.coordinates);
-                if persist && point.branch.condition >= SINGULAR_START {
+                if persist && is_singular_start(&point.branch) {
                     self.event(time, EventKind::StartSingular);
                 }
                 let point = self.tracker.keep(point, &mut self.events);
@@ -141,7 +153,10 @@ impl<'s> Recorder<'s> {
             }
             Err(best) => {
                 self.gaps.note_lack(&self.tracker, time, best.clone());
-                if persist {
+                if persist && self.is_angle_too_large(&best.coordinates) {
+                    self.gaps.give_up(Ending::AngleTooLarge);
+                    self.event(time, EventKind::MotionEnds(Ending::AngleTooLarge));
+                } else if persist {
                     let lack = smallest_gap(self.tracker.system(), best);
                     let kind = EventKind::StartNotClosed {
                         name: lack.name,
@@ -191,7 +206,7 @@ impl<'s> Recorder<'s> {
         if let Some(beyond) = self.leave_singular_start(&here, time) {
             here = beyond;
         }
-        loop {
+        for _ in 0..MOST_WAYS_ON {
             match self.tracker.follow(here, time, &mut self.events) {
                 Ok(point) => return Ok(point),
                 Err(Stop::Undefined(index, point)) => {
@@ -199,44 +214,50 @@ impl<'s> Recorder<'s> {
                     return Err(Some(point));
                 }
                 Err(Stop::Ends(end)) => match self.way_on(&end, time) {
-                    Some(beyond)
-                        if beyond.time == time && !self.tracker.is_usable(&beyond.branch) =>
+                    Ok(WayOn { to, .. })
+                        if to.time == time && !self.tracker.is_usable(&to.branch) =>
                     {
                         self.events.singular_sample = Some(time);
-                        return Ok(beyond);
+                        return Ok(to);
                     }
-                    Some(beyond) => {
+                    Ok(WayOn { to, in_arc_length }) => {
                         // Steps also end at kinks of formulas, which have two sides but no other branch.
-                        let is_other_side = beyond.branch.signs != end.branch.signs;
-                        if is_other_side && self.tracker.jump_after(&end).is_none() {
+                        let is_other_side = to.branch.signs != end.branch.signs;
+                        let is_singular = is_other_side || in_arc_length;
+                        if is_singular && self.tracker.jump_after(&end).is_none() {
                             self.events.passed_at(&self.tracker, end.time);
                         }
-                        here = self.tracker.keep(beyond, &mut self.events);
+                        here = self.tracker.keep(to, &mut self.events);
                     }
-                    None => return self.end(end, time),
+                    Err((at, ending)) => return self.end(end, (at, ending), time),
                 },
             }
         }
+        let sigma_min = here.branch.sigma_min;
+        self.end(here.clone(), (here, Ending::GivenUp { sigma_min }), time)
     }
 
-    /// A pose beyond the end of the steps: behind a jump of the drive, on a singular pose, or through it.
-    fn way_on(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
-        let tracker = &mut self.tracker;
-        let leapt = tracker.leap(end).or_else(|| tracker.settle(end, time));
-        leapt.or_else(|| tracker.cross(end, time))
-    }
-
-    /// The motion ends at `end`, unless it has only just begun there.
-    fn end(&mut self, end: PathPoint, time: f64) -> Result<PathPoint, Option<PathPoint>> {
-        if let Some(beyond) = self.leave_start(&end, time) {
+    /// The motion ends `at` the end of its path, unless it has only just begun there. Steps ended at `last`.
+    fn end(
+        &mut self,
+        last: PathPoint,
+        (at, ending): (PathPoint, Ending),
+        time: f64,
+    ) -> Result<PathPoint, Option<PathPoint>> {
+        if let Some(beyond) = self.leave_start(&last, time) {
             return Ok(beyond);
         }
-        self.event(end.time, EventKind::MotionEnds);
+        self.event(at.time, EventKind::MotionEnds(ending.clone()));
         if self.ends_at_gap {
-            return Err(Some(end));
+            return Err(Some(last));
         }
-        self.gaps.open(&self.tracker, Some(end.time));
+        self.gaps.open(&self.tracker, Some((at.time, ending)));
         // The drive may be feasible again before the next sample.
-        self.resume(end, time)
+        self.resume(last, time)
     }
+}
+
+/// Whether the first pose is singular. A single equation has no condition, and a singular value of its own.
+pub(super) fn is_singular_start(branch: &BranchState) -> bool {
+    branch.condition >= SINGULAR_START || branch.sigma_min * SINGULAR_START <= 1.0
 }

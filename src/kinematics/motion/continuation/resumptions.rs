@@ -8,7 +8,7 @@ use super::gaps::instant;
 use super::recorder::Recorder;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::Target;
-use crate::kinematics::results::trajectory::EventKind;
+use crate::kinematics::results::trajectory::{Ending, EventKind};
 use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake};
 
 /// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
@@ -56,8 +56,12 @@ impl Recorder<'_> {
 
     /// The first pose of a motion whose drive begins where there is none.
     pub(crate) fn enter(&mut self, found: PathPoint) -> Result<PathPoint, Option<PathPoint>> {
-        let first = self.walk_back(&found, None);
-        self.close_gap(&found, first.map_or(found.time, |s| s.time), true);
+        let target = self.samples.first().map_or(found.time, |s| s.time);
+        let (time, beginning) = match self.walk_back(&found, Target::Time(target)) {
+            Some((first, beginning)) => (first.time, Some(beginning)),
+            None => (found.time, None),
+        };
+        self.close_gap(&found, (time, beginning), true);
         Ok(self.restart(found))
     }
 
@@ -69,7 +73,11 @@ impl Recorder<'_> {
     ) -> Result<PathPoint, Option<PathPoint>> {
         let gap = self.gaps.list.last();
         let began = gap.and_then(|g| g.from.as_ref()).map(|from| from.time);
-        let Some(first) = self.walk_back(&found, began) else {
+        let target = match (began, self.samples.first()) {
+            (Some(time), _) => Target::Gap(time),
+            (None, first) => Target::Time(first.map_or(found.time, |s| s.time)),
+        };
+        let Some((first, beginning)) = self.walk_back(&found, target) else {
             self.gaps.elsewhere = Some(found);
             return Err(None);
         };
@@ -81,24 +89,21 @@ impl Recorder<'_> {
             other.unwrap_or(found)
         };
         let same_branch = found.branch.signs == *wanted;
-        self.close_gap(&found, first.time, same_branch);
+        self.close_gap(&found, (first.time, Some(beginning)), same_branch);
         Ok(self.restart(found))
     }
 
-    /// Where the motion to `found` begins; `None` if it can be followed back to where the gap began, or to the first sample.
-    fn walk_back(&mut self, found: &PathPoint, began: Option<f64>) -> Option<PathPoint> {
-        let target = match began {
-            Some(time) => Target::Gap(time),
-            None => Target::Time(self.samples.first()?.time),
-        };
-        self.tracker.walk_back(found, target, &mut Unwatched)
-    }
-
-    fn close_gap(&mut self, found: &PathPoint, time: f64, same_branch: bool) {
+    fn close_gap(
+        &mut self,
+        found: &PathPoint,
+        (time, beginning): (f64, Option<Ending>),
+        same_branch: bool,
+    ) {
         self.gaps.measure(&self.tracker);
         let until = instant(&self.tracker, time);
         if let Some(gap) = self.gaps.list.last_mut() {
             gap.until = Some(until);
+            gap.beginning = beginning;
         }
         self.fill_back(found, time);
         self.event(time, EventKind::MotionResumes { same_branch });

@@ -1,6 +1,6 @@
 //! Motions that start on a singular pose: the tangent gives no way on there, though poses exist.
 
-use super::recorder::{Recorder, SINGULAR_START};
+use super::recorder::{Recorder, is_singular_start};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::{shake, turns_matter};
@@ -42,7 +42,7 @@ impl Recorder<'_> {
         time: f64,
     ) -> Option<PathPoint> {
         let is_start = self.samples.len() == 1;
-        if !is_start || from.branch.condition < SINGULAR_START {
+        if !is_start || !is_singular_start(&from.branch) {
             return None;
         }
         let beside = from.time + BESIDE_START * (time - from.time);

@@ -6,6 +6,9 @@ use crate::model::actuation::Actuation;
 /// Change of an input, relative to its size, that two times a few smallest steps apart cannot make in a smooth drive.
 const JUMP: f64 = 1e-6;
 
+/// Nor can it be this many times what the rates at the two times make it: on its way through zero an input has no size.
+const FASTER: f64 = 100.0;
+
 impl PathTracker<'_> {
     /// The inputs right after a pose, and the time then, if the drive jumps there.
     pub fn jump_after(&self, point: &PathPoint) -> Option<(f64, Vec<f64>)> {
@@ -14,14 +17,30 @@ impl PathTracker<'_> {
         let inputs = self.inputs(time).ok()?;
         let before = &point.coordinates[self.unknowns()..];
         let least = JUMP * self.system().mechanism().size;
-        let mut pairs = before.iter().zip(&inputs);
-        let jumps = pairs.any(|(a, b)| (a - b).abs() > JUMP * a.abs().max(b.abs()).max(least));
-        jumps.then_some((time, inputs))
+        let actuation = self.actuation();
+        let rates = actuation.rates_at(point.time);
+        let rates = rates.into_iter().zip(actuation.rates_at(time));
+        let pairs = before.iter().zip(&inputs);
+        let mut jumps = pairs.zip(rates).map(|((a, b), (before, after))| {
+            let smooth = FASTER * step * (before.abs() + after.abs());
+            let change = (a - b).abs();
+            // Rates that are no numbers say nothing.
+            change > JUMP * a.abs().max(b.abs()).max(least) && (smooth.is_nan() || change > smooth)
+        });
+        jumps.any(|jump| jump).then_some((time, inputs))
     }
 
-    /// Over a jump of the drive the motion is followed as if the inputs went straight from their old values to the new.
-    pub fn leap(&mut self, point: &PathPoint) -> Option<PathPoint> {
-        let (time, inputs) = self.jump_after(point)?;
+    /// Over a jump of the drive the motion is followed as if the inputs went straight from their old values to the new;
+    /// not beyond `last`.
+    pub fn leap(&mut self, point: &PathPoint, last: f64) -> Option<PathPoint> {
+        let (mut time, mut inputs) = self.jump_after(point)?;
+        if time > last {
+            time = last;
+            inputs = self.inputs(time).ok()?;
+        }
+        if time <= point.time {
+            return None;
+        }
         let n = self.unknowns();
         let guess = self.actuation().guess.clone();
         let bridge = Actuation::straight(&point.coordinates[n..], &inputs, guess);

@@ -1,6 +1,7 @@
 //! Following a motion on one assembly branch: prediction, correction, trust, and steps that halve. It knows samples and
 //! events only as a watcher that it calls.
 
+pub mod arc_length;
 pub mod jumps;
 pub mod path_tracker;
 pub mod singular;

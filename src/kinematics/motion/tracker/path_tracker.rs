@@ -20,6 +20,9 @@ const CREEPING: f64 = 1e-7;
 /// Most such steps in a row from one sample to the next: beyond this the motion has come to rest before a singular pose.
 const MOST_CREEPING: usize = 1_000;
 
+/// Most steps, taken or refused, from one sample to the next: a hundred thousand turns.
+const MOST_STEPS: usize = 2_000_000;
+
 /// A step across a singular pose starts from the last pose whose smallest singular value is above this fraction
 /// of the best seen; nearer to the singular pose the tangent is noise.
 const TRUSTED_SIGMA: f64 = 1e-4;
@@ -45,7 +48,7 @@ pub struct PathPoint {
 /// Why a motion cannot be followed farther.
 #[derive(Clone, Debug)]
 pub enum Stop {
-    /// No pose beyond; the last good one.
+    /// No step beyond can be trusted; the last good pose.
     Ends(PathPoint),
     /// The input of this index has no value there; the last good pose.
     Undefined(usize, PathPoint),
@@ -76,8 +79,8 @@ pub trait PathWatcher {
     /// The motion went through a singular pose near this time.
     fn passed(&mut self, _: &PathTracker, _: f64) {}
 
-    /// It came back from a singular pose on the side on which it went there.
-    fn turned_back(&mut self, _: &PathTracker) {}
+    /// It left a singular pose on the side on which it came there; whether because the drive turned back.
+    fn turned_back(&mut self, _: &PathTracker, _by_drive: bool) {}
 }
 
 /// Nobody is told.
@@ -177,8 +180,10 @@ impl<'s> PathTracker<'s> {
         if self.solver.chart().is_some() {
             self.recent = [Some(point.clone()), self.recent[0].take()];
         }
-        if self.is_trusted(&point.branch) {
+        if self.is_usable(&point.branch) {
             self.solver.renew_rows(&point.coordinates);
+        }
+        if self.is_trusted(&point.branch) {
             watcher.regular(self, &point);
             self.anchor = Some(point.clone());
         }
@@ -198,9 +203,12 @@ impl<'s> PathTracker<'s> {
         let way = (time - here.time).abs();
         let mut steps = Steps::new(here.time, time, way, SMALLEST_STEP * self.interval);
         let mut creeping = 0;
-        while !steps.is_done() {
+        for _ in 0..MOST_STEPS {
+            if steps.is_done() {
+                return Ok(here);
+            }
             if creeping > MOST_CREEPING || self.is_cancelled() {
-                return Err(Stop::Ends(here));
+                break;
             }
             match self.step(&here, steps.target(), watcher) {
                 Ok(Some(point)) => {
@@ -213,10 +221,10 @@ impl<'s> PathTracker<'s> {
                 Err(index) => return Err(Stop::Undefined(index, here)),
             }
             if steps.is_stuck() {
-                return Err(Stop::Ends(here));
+                break;
             }
         }
-        Ok(here)
+        Err(Stop::Ends(here))
     }
 
     /// One predictor-corrector step; `Ok(None)` where it cannot be trusted.
@@ -250,7 +258,8 @@ impl<'s> PathTracker<'s> {
         // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
         if fine && !usable && self.is_usable(&point.branch) {
             if same {
-                watcher.turned_back(self);
+                let by_drive = self.drive_turns([&base, here, &point]);
+                watcher.turned_back(self, by_drive);
             } else if watcher.crosses() && self.is_joined(here, &point) {
                 watcher.passed(self, here.time);
             } else {
@@ -260,13 +269,22 @@ impl<'s> PathTracker<'s> {
         Ok(fine.then_some(point))
     }
 
+    /// Whether an input turns back at the second of three poses.
+    fn drive_turns(&self, [before, at, behind]: [&PathPoint; 3]) -> bool {
+        let mut inputs = self.unknowns()..at.coordinates.len();
+        inputs.any(|k| {
+            let [a, b, c] = [before, at, behind].map(|point| point.coordinates[k]);
+            (b - a) * (c - b) < 0.0
+        })
+    }
+
     /// Whether the tangent of a pose is worth anything.
     pub fn is_usable(&self, branch: &BranchState) -> bool {
         branch.sigma_min >= USABLE_SIGMA * self.best_sigma
     }
 
     /// Whether a pose is far enough from singular ones to predict from across one.
-    fn is_trusted(&self, branch: &BranchState) -> bool {
+    pub(crate) fn is_trusted(&self, branch: &BranchState) -> bool {
         branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
     }
 

@@ -15,6 +15,14 @@ const BESIDE_INPUTS: f64 = 1e-11;
 /// Longest stretch, in intervals between samples, over which a singular pose is crossed.
 const LONGEST_CROSSING: f64 = 1.0;
 
+/// How far beyond a kink the next pose is looked for, in intervals between samples, and how far the unknowns may move
+/// there, in scaled unknowns: an inverse cosine near its end is known to 1e-8.
+const HOPS: [f64; 4] = [1e-6, 1e-7, 1e-8, 1e-9];
+const LONGEST_HOP: f64 = 1e-5;
+
+/// A crossing is looked for at no more than this many distances: as many as there are bits in the last step.
+const MOST_REACHES: usize = 64;
+
 /// A gap is seen if it is wider than this power of one half of the way on which it is looked for.
 const HALVINGS: i32 = 30;
 
@@ -53,7 +61,10 @@ impl PathTracker<'_> {
         let anchor = self.anchor.clone().filter(|a| a.time < end.time)?;
         let mut reach = (end.time - anchor.time) * 2.0;
         let limit = (LONGEST_CROSSING * self.interval).min(time - anchor.time);
-        while reach <= limit * (1.0 + 1e-12) {
+        for _ in 0..MOST_REACHES {
+            if reach > limit * (1.0 + 1e-12) {
+                break;
+            }
             let beyond = (anchor.time + reach).min(time);
             let inputs = self.inputs(beyond).ok()?;
             let (mut coordinates, predicted) = self.solver.predict(&anchor.coordinates, &inputs, 1);
@@ -70,6 +81,29 @@ impl PathTracker<'_> {
             };
         }
         None
+    }
+
+    /// Over a kink of a formula, or the steps that its rounding makes: the pose right beyond is the nearest one, and the
+    /// Jacobian is as regular there as before.
+    pub fn hop(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        if !self.is_trusted(&end.branch) {
+            return None;
+        }
+        let n = self.unknowns();
+        let interval = self.interval;
+        HOPS.iter().find_map(|share| {
+            let beyond = end.time + (share * interval).min(time - end.time);
+            let inputs = self.inputs(beyond).ok()?;
+            let mut coordinates = [&end.coordinates[..n], &inputs].concat();
+            let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
+            if !correction.converged || correction.first_step > LONGEST_HOP {
+                return None;
+            }
+            let point = self.point(beyond, coordinates);
+            let ratio = point.branch.sigma_min / end.branch.sigma_min;
+            let is_alike = point.branch.signs == end.branch.signs && (0.5..=2.0).contains(&ratio);
+            (beyond > end.time && is_alike).then_some(point)
+        })
     }
 
     /// Whether poses join `end` to `beyond`. What looks like a crossing may be two folds that face each other over a

@@ -1,0 +1,108 @@
+//! Where steps in time end: the way on, if there is one, else what the motion ends at.
+
+use super::fold_proof;
+use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
+use crate::kinematics::motion::tracker::arc_length::{Fold, Onward};
+use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
+use crate::kinematics::motion::tracker::singular::Target;
+use crate::kinematics::results::trajectory::Ending;
+use crate::kinematics::solve::closure::are_angles_too_large;
+
+/// Shares of the interval between two samples at which a formula is tried beyond the end of a motion.
+const BEYOND: [f64; 3] = [1e-11, 1e-9, 1e-7];
+
+impl Recorder<'_> {
+    /// A pose beyond the end of the steps: behind a jump of the drive, on a singular pose, or through it. Else what the
+    /// motion ends at, and where.
+    pub(super) fn way_on(
+        &mut self,
+        end: &PathPoint,
+        time: f64,
+    ) -> Result<WayOn, (PathPoint, Ending)> {
+        let tracker = &mut self.tracker;
+        let found = tracker
+            .leap(end, time)
+            .or_else(|| tracker.settle(end, time))
+            .or_else(|| tracker.cross(end, time))
+            .or_else(|| tracker.hop(end, time));
+        if let Some(to) = found {
+            let in_arc_length = false;
+            return Ok(WayOn { to, in_arc_length });
+        }
+        let to = self.onward(end, time)?;
+        let in_arc_length = !self.tracker.is_trusted(&end.branch);
+        Ok(WayOn { to, in_arc_length })
+    }
+
+    /// The pose to which the path leads in arc length.
+    fn onward(&mut self, end: &PathPoint, time: f64) -> Result<PathPoint, (PathPoint, Ending)> {
+        match self.tracker.onward(end, time) {
+            Onward::Passed(to) => Ok(to),
+            Onward::Fold(fold) => {
+                let proved = self.is_proved(&fold, (time - end.time).signum());
+                Err((fold.at, Ending::Fold { proved }))
+            }
+            Onward::Lost => Err((end.clone(), self.ending_at(end, time))),
+        }
+    }
+
+    /// A proof is worth its time where poses are proved, and somebody asks what comes behind.
+    fn is_proved(&self, fold: &Fold, sense: f64) -> bool {
+        let tracker = &self.tracker;
+        let is_wanted = self.proof.is_some() && !self.ends_at_gap && !tracker.is_cancelled();
+        is_wanted && fold_proof::is_proved(tracker.system(), tracker.actuation(), fold, sense)
+    }
+
+    /// What stops a motion that does not end at a fold.
+    fn ending_at(&self, end: &PathPoint, time: f64) -> Ending {
+        if self.is_angle_too_large(&end.coordinates) {
+            return Ending::AngleTooLarge;
+        }
+        let away = (time - end.time).signum() * self.tracker.interval;
+        let mut beyond = BEYOND.iter().map(|share| end.time + share * away);
+        let undefined = beyond.find_map(|time| self.undefined_equation(end, time));
+        match undefined {
+            Some(name) => Ending::NoValue { name },
+            None => Ending::GivenUp {
+                sigma_min: end.branch.sigma_min,
+            },
+        }
+    }
+
+    /// Whether the angles leave loops open by their own rounding.
+    pub(super) fn is_angle_too_large(&self, coordinates: &[f64]) -> bool {
+        let system = self.tracker.system();
+        are_angles_too_large(system.mechanism(), system.blocks(), coordinates)
+    }
+
+    /// An equation that has no value with the unknowns of `point` and the inputs of `time`.
+    fn undefined_equation(&self, point: &PathPoint, time: f64) -> Option<String> {
+        let mechanism = self.tracker.system().mechanism();
+        let n = self.tracker.unknowns();
+        let inputs = self.tracker.inputs(time).ok()?;
+        let coordinates = [&point.coordinates[..n], &inputs].concat();
+        let mut equations = mechanism.equations.iter();
+        let undefined = equations.find(|e| !e.expression.value(&coordinates).is_finite());
+        undefined.map(|equation| equation.name.clone())
+    }
+
+    /// Where the motion to `found` begins, and what at; `None` if it can be followed back to where the gap began, or to the
+    /// first sample.
+    pub(super) fn walk_back(
+        &mut self,
+        found: &PathPoint,
+        target: Target,
+    ) -> Option<(PathPoint, Ending)> {
+        let (Target::Time(time) | Target::Gap(time)) = target;
+        let mut from = found.clone();
+        for _ in 0..MOST_WAYS_ON {
+            let first = self.tracker.walk_back(&from, target, &mut Unwatched)?;
+            match self.onward(&first, time) {
+                Ok(before) => from = before,
+                Err(end) => return Some(end),
+            }
+        }
+        let sigma_min = from.branch.sigma_min;
+        Some((from, Ending::GivenUp { sigma_min }))
+    }
+}

@@ -1,0 +1,217 @@
+//! Proof that a fold is one: the motion driven by one of its unknowns instead of its input.
+//!
+//! With the two exchanged the mechanism is regular at the fold, and tubes lead along the path from before the fold to
+//! behind it. If the input at the fold is beyond its values at both ends, by more than the error bounds, then it has an
+//! extremum on that path.
+
+use super::recorder::Recorder;
+use crate::kinematics::certificate::tube::certify_motion;
+use crate::kinematics::motion::tracker::arc_length::Fold;
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::Sample;
+use crate::kinematics::structure::block::block;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::chain::Argument;
+use crate::model::expression::{Expression, Op};
+use crate::model::joints::Joints;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::printed::InputReading;
+use std::sync::Arc;
+
+/// Most unknowns: all blocks are proved as one.
+const MOST_UNKNOWNS: usize = 60;
+
+/// How far from the fold the tubes begin and end, in scaled unknowns: far enough for the input to change visibly, near
+/// enough for the tubes.
+const REACHES: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
+
+/// A mechanism in which an unknown and an input have changed places.
+struct Exchanged {
+    system: System,
+    unknown: usize,
+    input: usize,
+}
+
+/// Whether the only input that moves turns back at the fold, where it was rising or falling as time went by in the
+/// direction of `sense`, 1 or -1.
+pub(super) fn is_proved(system: &System, actuation: &Actuation, fold: &Fold, sense: f64) -> bool {
+    let mechanism = system.mechanism();
+    let mut moving = actuation.drives.iter().enumerate();
+    let mut moving = moving.by_ref().filter(|(_, drive)| !drive.is_constant());
+    let (Some((input, drive)), None) = (moving.next(), moving.next()) else {
+        return false;
+    };
+    let rate = drive.series(fold.at.time, 1).derivative(1) * sense;
+    let most = mechanism.unknowns.len() <= MOST_UNKNOWNS;
+    let Some(unknown) = fastest(system, fold).filter(|_| most && rate.is_finite() && rate != 0.0)
+    else {
+        return false;
+    };
+    let exchanged = Exchanged::new(system, unknown, input);
+    let mut reaches = REACHES.iter();
+    reaches.any(|reach| exchanged.turns_back(fold, *reach, rate.signum()) == Some(true))
+}
+
+/// The unknown that moves most from one side of the fold to the other.
+fn fastest(system: &System, fold: &Fold) -> Option<usize> {
+    let mechanism = system.mechanism();
+    let [before, behind] = &fold.beside;
+    let moved = |k: usize| (behind[k] - before[k]).abs() / mechanism.scale_of(k);
+    let unknowns = system.blocks().iter().flat_map(|b| &b.unknowns).copied();
+    unknowns.max_by(|a, b| moved(*a).total_cmp(&moved(*b)))
+}
+
+impl Exchanged {
+    fn new(system: &System, unknown: usize, input: usize) -> Self {
+        let old = system.mechanism();
+        let slots = [unknown, old.unknowns.len() + input];
+        let mut mechanism = Mechanism {
+            bodies: Vec::new(),
+            traces: Vec::new(),
+            outputs: Vec::new(),
+            // The scene's table of joints says nothing of these arguments, and nobody asks for it.
+            joints: Joints::default(),
+            ..old.clone()
+        };
+        std::mem::swap(
+            &mut mechanism.unknowns[unknown],
+            &mut mechanism.inputs[input],
+        );
+        if let Some(magnitude) = mechanism.magnitudes.get_mut(unknown) {
+            *magnitude = 1.0;
+        }
+        for argument in &mut mechanism.arguments {
+            match argument {
+                Argument::Affine(affine) => {
+                    let terms = affine.terms.iter_mut();
+                    terms.for_each(|term| term.0 = exchanged(term.0, slots));
+                    affine.terms.sort_by_key(|term| term.0);
+                }
+                Argument::Formula(expression) => *expression = renamed(expression, slots),
+            }
+        }
+        for equation in &mut mechanism.equations {
+            equation.expression = renamed(&equation.expression, slots);
+        }
+        let blocks = system.blocks();
+        let loops = blocks.iter().flat_map(|b| b.loops.clone()).collect();
+        let equations = blocks.iter().flat_map(|b| b.equations.clone()).collect();
+        let unknowns = blocks.iter().flat_map(|b| b.unknowns.clone()).collect();
+        let mut structure = system.structure().clone();
+        structure.blocks = vec![block(&mechanism, loops, equations, unknowns)];
+        Self {
+            system: System::bare(Arc::new(mechanism), structure),
+            unknown,
+            input,
+        }
+    }
+
+    /// Whether the input is proved to be beyond its values `reach` before and behind the fold; `None` where the proof fails.
+    fn turns_back(&self, fold: &Fold, reach: f64, sense: f64) -> Option<bool> {
+        let mechanism = self.system.mechanism();
+        let n = mechanism.unknowns.len();
+        let mut guess = fold.at.coordinates[..n].to_vec();
+        let mut inputs = fold.at.coordinates[n..].to_vec();
+        std::mem::swap(&mut guess[self.unknown], &mut inputs[self.input]);
+        let scale = match mechanism.inputs[self.input].kind {
+            Kind::Length => mechanism.size,
+            Kind::Angle | Kind::Number => 1.0,
+        };
+        let [mut from, mut to] = [inputs.clone(), inputs];
+        from[self.input] -= reach * scale;
+        to[self.input] += reach * scale;
+        let actuation = Actuation::straight(&from, &to, guess);
+        let recorder = Recorder::new(&self.system, &actuation, &|| false);
+        let motion = recorder
+            .proving(InputReading::Numbers)
+            .up_to_gaps()
+            .run(&[0.0, 0.5, 1.0]);
+        if motion.missing() > 0 || !motion.events.is_empty() {
+            return None;
+        }
+        let tubes = certify_motion(&self.system, &actuation, &motion);
+        if tubes.iter().any(|tube| tube.refused.is_some()) {
+            return None;
+        }
+        let known: Option<Vec<[f64; 2]>> = motion.samples.iter().map(|s| self.known(s)).collect();
+        let [[before, e0], [at, e1], [behind, e2]] = known?[..] else {
+            return None;
+        };
+        let rounding = f64::EPSILON * at.abs();
+        let beyond = |other: f64, error: f64| (at - other) * sense > e1 + error + rounding;
+        Some(beyond(before, e0) && beyond(behind, e2))
+    }
+
+    /// The input that has become an unknown, and the error that its proof leaves.
+    fn known(&self, sample: &Sample) -> Option<[f64; 2]> {
+        let mechanism = self.system.mechanism();
+        let pose = sample.pose.as_ref()?;
+        let Certificate::Certified { error_bound, .. } = pose.certificate else {
+            return None;
+        };
+        let error = match mechanism.unknowns[self.unknown].kind {
+            Kind::Angle => error_bound / mechanism.size,
+            Kind::Length | Kind::Number => error_bound,
+        };
+        Some([pose.unknowns[self.unknown], error])
+    }
+}
+
+fn exchanged(slot: usize, [a, b]: [usize; 2]) -> usize {
+    match slot {
+        _ if slot == a => b,
+        _ if slot == b => a,
+        _ => slot,
+    }
+}
+
+fn renamed(expression: &Expression, slots: [usize; 2]) -> Expression {
+    let ops = expression.ops().iter().map(|op| match *op {
+        Op::Slot(slot) => Op::Slot(exchanged(slot, slots)),
+        other => other,
+    });
+    Expression::new(ops.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::diag::Source;
+    use crate::kinematics::motion::tracker::path_tracker::PathPoint;
+    use crate::kinematics::solve::branch::BranchState;
+    use crate::scene::{Overrides, load};
+
+    /// Whether the place x of an equation in x and phi is proved to be a fold, where phi would be largest or smallest.
+    fn is_fold(equation: &str, x: f64, phi: f64, sense: f64) -> bool {
+        let text = format!(
+            "[inputs]\nphi = \"{phi} + t\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {x}\n"
+        );
+        let name = "test".to_owned();
+        let scene = load(&Source { name, text }, &Overrides::default()).unwrap();
+        let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
+        let fold = Fold {
+            at: PathPoint {
+                time: 0.0,
+                coordinates: vec![x, phi],
+                branch: BranchState::default(),
+            },
+            beside: [vec![x - 0.1, phi], vec![x + 0.1, phi]],
+        };
+        is_proved(&system, &scene.actuation, &fold, sense)
+    }
+
+    #[test]
+    fn only_a_fold_is_proved_to_be_one() {
+        assert!(is_fold("x^2 + phi", 0.0, 0.0, 1.0));
+        assert!(is_fold("x^2 - phi", 0.0, 0.0, -1.0));
+        // The wrong way round, an inflection, a regular pose, the sharp end of a cusp's branch.
+        assert!(!is_fold("x^2 + phi", 0.0, 0.0, -1.0));
+        assert!(!is_fold("x^3 - phi", 0.0, 0.0, 1.0));
+        assert!(!is_fold("x - phi", 0.0, 0.0, 1.0));
+        assert!(!is_fold("x^2 + phi", 0.3, -0.09, 1.0));
+        assert!(!is_fold("abs(x) + phi", 0.0, 0.0, 1.0));
+    }
+}

@@ -1,0 +1,48 @@
+//! One block's equations with time as an unknown more: residual, Jacobian, and the derivative along the drive.
+
+use super::newton::{Corrector, REFINEMENTS};
+use crate::kinematics::structure::system::System;
+
+/// A block linearised along the drive.
+#[derive(Clone, Copy, Debug)]
+pub struct AlongDrive<'c> {
+    /// One entry a row.
+    pub residual: &'c [f64],
+    /// By the block's scaled unknowns, column-major.
+    pub jacobian: &'c [f64],
+    /// Rate of the residual while the block's own unknowns stand still: one entry a row, then padding.
+    pub drift: &'c [f64],
+}
+
+impl Corrector {
+    /// Linearises block `index` at `coordinates`, at which the blocks before it are closed. `rates` are those of all
+    /// coordinates: the inputs' are given, those of the blocks before are filled in.
+    pub fn along_drive(
+        &mut self,
+        system: &System,
+        index: usize,
+        coordinates: &[f64],
+        rates: &mut [f64],
+    ) -> AlongDrive<'_> {
+        let mechanism = system.mechanism();
+        let blocks = &system.structure().blocks;
+        for (block, buffers) in blocks.iter().zip(&mut self.blocks).take(index) {
+            buffers.linearise(mechanism, block, coordinates);
+            buffers.workspace.drift_along(&block.plan, rates);
+            buffers.solve_drift();
+            buffers.refine(REFINEMENTS);
+            for (unknown, change) in buffers.changes(block) {
+                rates[unknown] = change;
+            }
+        }
+        let (block, buffers) = (&blocks[index], &mut self.blocks[index]);
+        buffers.evaluate(mechanism, block, coordinates);
+        buffers.workspace.drift_along(&block.plan, rates);
+        let workspace = &buffers.workspace;
+        AlongDrive {
+            residual: &workspace.residual,
+            jacobian: &workspace.jacobian,
+            drift: workspace.drift.as_flattened(),
+        }
+    }
+}
