@@ -5,7 +5,7 @@
 mod driven;
 
 use driven::{Driven, Model, check, even_times, frame_times, knots, solve};
-use mechanim::clearance::bodies::{Hull, nearest};
+use mechanim::clearance::bodies::{Hull, LeftOut, nearest};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
 
@@ -48,7 +48,7 @@ fn distances(
     let hulls = pair.map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
     let at = move |pose: &ClosedPose| {
         let a_from_b = pose.bodies[pair[0]].inverse() * pose.bodies[pair[1]];
-        let found = nearest(&hulls[0], &hulls[1], &a_from_b).unwrap();
+        let found = nearest(&hulls[0], &hulls[1], &a_from_b, &LeftOut::new()).unwrap();
         found.proximity.distance
     };
     trajectory.poses().map(at)

@@ -1,12 +1,13 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
-use super::core::{Core, Element, elements};
+use super::core::{Element, elements};
 use super::mesh;
 use super::pair::{Proximity, distance};
 use super::point::point_to;
 use crate::math::Pose;
 use crate::model::mechanism::Body;
 use glam::DVec3;
+use std::collections::HashSet;
 
 /// A body's elements in its frame, and a ball around them.
 #[derive(Clone, Debug)]
@@ -74,8 +75,11 @@ pub fn parted(a: &Element, b: &Element, n: DVec3) -> f64 {
     }
 }
 
-/// The nearest elements of two hulls.
-pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<BodyProximity> {
+/// Pairs of elements that are left out.
+pub type LeftOut = HashSet<[usize; 2]>;
+
+/// The nearest elements of two hulls, but for some pairs.
+pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Option<BodyProximity> {
     let placed: Vec<Element> = b.elements.iter().map(|e| e.moved(a_from_b)).collect();
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, first) in a.elements.iter().enumerate() {
@@ -83,6 +87,7 @@ pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<BodyProximity> {
             placed
                 .iter()
                 .enumerate()
+                .filter(|(j, _)| !left_out.contains(&[i, *j]))
                 .map(|(j, second)| (apart(first, second), i, j)),
         );
     }
@@ -104,12 +109,12 @@ pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<BodyProximity> {
 }
 
 /// Whether a mesh of one body encloses a solid of the other without touching it, or the other way round.
-pub fn enclosed(a: &Hull, b: &Hull, a_from_b: &Pose) -> Option<[usize; 2]> {
-    let is_mesh = |e: &Element| matches!(e.core, Core::Mesh(..));
+pub fn enclosed(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Option<[usize; 2]> {
     for (i, first) in a.elements.iter().enumerate() {
         for (j, second) in b.elements.iter().enumerate() {
             let placed = second.moved(a_from_b);
-            if (is_mesh(first) || is_mesh(second))
+            if mesh::is_any([first, second])
+                && !left_out.contains(&[i, j])
                 && apart(first, &placed) < 0.0
                 && mesh::one_inside(&first.core, &placed.core)
             {

@@ -135,7 +135,7 @@ impl PairSweep<'_> {
             return;
         };
         let pose = self.relative(motion, instant);
-        let found = nearest(self.hulls[0], self.hulls[1], &pose);
+        let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
         if let Some(found) = found.filter(|f| f.proximity.distance < near) {
             *best = Best { found, instant };
         }
@@ -165,6 +165,9 @@ impl PairSweep<'_> {
         let mut left: Vec<[usize; 2]> = Vec::new();
         let mut placed: Vec<Option<Element>> = vec![None; self.hulls[1].elements.len()];
         let mut visit = |[i, j]: [usize; 2]| {
+            if self.left_out.contains(&[i, j]) {
+                return;
+            }
             let first = &self.hulls[0].elements[i];
             let mine = &self.hulls[1].elements[j];
             let second = placed[j].get_or_insert_with(|| mine.moved(&moved.pose));

@@ -6,7 +6,7 @@ pub use super::contact::BETWEEN_SAMPLES;
 use super::core::Core;
 use super::mesh_tree::Enclosure;
 use super::motion::Motion;
-use super::neighbours::neighbours;
+use super::neighbours::{Neighbours, neighbours};
 use super::sweep::{Least, PairSweep};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -163,38 +163,24 @@ pub fn check(
         for b in a + 1..count {
             progress(done, all);
             done += 1;
+            let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
+                continue;
+            };
             let begun = Instant::now();
+            let asked = AskedPair {
+                rules,
+                bodies: [a, b],
+                hulls: [first, second],
+                tolerance,
+            };
+            let found = asked.look(&mut motion);
             let timed = |pair: PairReport| PairReport {
                 seconds: begun.elapsed().as_secs_f64(),
                 ..pair
             };
-            let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
-                continue;
-            };
-            let minimum = rules.minimum_of([a, b]);
-            let sweep = PairSweep::new(&motion, [a, b], [first, second], tolerance, minimum);
-            let ignored = rules.ignored.iter().find(|i| i.pair == [a, b]);
-            let joint = neighbours(&mechanism.joints, [a, b]);
-            let excluded = match (ignored, joint) {
-                (Some(ignored), _) => Some(Judgement::Ignored(ignored.reason.clone())),
-                (None, Some(joint)) => Some(Judgement::Neighbours(joint)),
-                (None, None) => None,
-            };
-            if rules.touching.contains(&[a, b]) {
-                let pair = touching(&mut motion, &sweep);
-                report.judged.extend(pair.map(timed));
-            } else if let Some(judgement) = excluded {
-                let pair = look_at_excluded(&mut motion, &sweep, minimum, judgement);
-                if let (Some(ignored), Some(pair)) = (ignored, &pair)
-                    && !ignored.is_one_of_many
-                {
-                    report.warnings.extend(needless(mechanism, pair, joint));
-                }
-                report.excluded.extend(pair.map(timed));
-            } else {
-                let pair = judge(&mut motion, &sweep, minimum);
-                report.judged.extend(pair.map(timed));
-            }
+            report.judged.extend(found.judged.map(timed));
+            report.excluded.extend(found.excluded.map(timed));
+            report.warnings.extend(found.warning);
         }
     }
     progress(all, all);
@@ -214,6 +200,98 @@ pub fn check(
         .excluded
         .sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
     report
+}
+
+/// Two bodies, and what is asked of them.
+struct AskedPair<'a> {
+    rules: &'a ClearanceRules,
+    bodies: [usize; 2],
+    hulls: [&'a Hull; 2],
+    tolerance: f64,
+}
+
+/// What was found of a pair: neighbours are judged but for the shapes at their joint.
+#[derive(Default)]
+struct Found {
+    judged: Option<PairReport>,
+    excluded: Option<PairReport>,
+    warning: Option<String>,
+}
+
+impl<'a> AskedPair<'a> {
+    fn minimum(&self) -> f64 {
+        self.rules.minimum_of(self.bodies)
+    }
+
+    fn sweep(&self, motion: &Motion) -> PairSweep<'a> {
+        let minimum = self.minimum();
+        PairSweep::new(motion, self.bodies, self.hulls, self.tolerance, minimum)
+    }
+
+    /// The rules in their order: what the scene says of the pair itself comes first.
+    fn look(&self, motion: &mut Motion) -> Found {
+        let mut found = Found::default();
+        let minimum = self.minimum();
+        let whole = self.sweep(motion);
+        if self.rules.touching.contains(&self.bodies) {
+            found.judged = touching(motion, &whole);
+            return found;
+        }
+        if self.rules.has_own_minimum(self.bodies) {
+            found.judged = judge(motion, &whole, minimum);
+            return found;
+        }
+        let joints = &motion.system.mechanism().joints;
+        let near = neighbours(motion, joints, self.bodies, self.hulls, minimum);
+        let mut ignored = self.rules.ignored.iter();
+        if let Some(ignored) = ignored.find(|i| i.pair == self.bodies) {
+            let judgement = Judgement::Ignored(ignored.reason.clone());
+            found.excluded = look_at_excluded(motion, &whole, minimum, judgement);
+            if !ignored.is_one_of_many {
+                found.warning = self.needless(motion, near.as_ref());
+            }
+            return found;
+        }
+        match near {
+            None => found.judged = judge(motion, &whole, minimum),
+            Some(Neighbours::Rigid) => {
+                let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
+                found.excluded = look_at_excluded(motion, &whole, minimum, judgement);
+            }
+            Some(Neighbours::Joined { words, touching }) => {
+                let rest = whole.without(&touching);
+                found.judged = judge(motion, &rest, minimum);
+                let judgement = Judgement::Neighbours(words);
+                found.excluded = look_at_excluded(motion, &rest.complement(), minimum, judgement);
+            }
+        }
+        found
+    }
+
+    /// That an exclusion excludes nothing: what it leaves out would pass.
+    fn needless(&self, motion: &mut Motion, near: Option<&Neighbours>) -> Option<String> {
+        let [a, b] = self
+            .bodies
+            .map(|k| &motion.system.mechanism().bodies[k].name);
+        let unit = &motion.system.mechanism().length_unit;
+        let needless = format!("`{a}` and `{b}` need no `ignore`: ");
+        let touching: &[[usize; 2]] = match near {
+            Some(Neighbours::Rigid) => return Some(needless + "they are one rigid part"),
+            Some(Neighbours::Joined { touching, .. }) => touching,
+            None => &[],
+        };
+        let rest = self.sweep(motion).without(touching);
+        let samples = motion.samples.clone();
+        match rest.sampled(motion, &samples, None) {
+            Some(least) if least.distance < self.minimum() => return None,
+            Some(_) => {}
+            None => return Some(needless + "only shapes at their joint touch"),
+        }
+        let found = judge(motion, &rest, self.minimum())?;
+        let bound = found.least.bound;
+        (found.judgement == Judgement::Passed)
+            .then(|| format!("{needless}they never come nearer than {bound:.6} {unit}"))
+    }
 }
 
 fn look_at_excluded(
@@ -280,22 +358,6 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
         judgement,
         distances,
         seconds: 0.0,
-    })
-}
-
-/// An exclusion that excludes nothing.
-fn needless(mechanism: &Mechanism, pair: &PairReport, joint: Option<&str>) -> Option<String> {
-    let [a, b] = pair.pair.map(|k| &mechanism.bodies[k].name);
-    if let Some(joint) = joint {
-        return Some(format!(
-            "`{a}` and `{b}` need no `ignore`: they are neighbours ({joint})"
-        ));
-    }
-    (pair.least.distance >= pair.minimum).then(|| {
-        format!(
-            "`{a}` and `{b}` need no `ignore`: they were never seen nearer than {:.6} {}",
-            pair.least.distance, mechanism.length_unit
-        )
     })
 }
 

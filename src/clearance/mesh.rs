@@ -2,7 +2,7 @@
 //!
 //! A mesh is a surface. It has distances and a test for points inside, but no depth.
 
-use super::core::Core;
+use super::core::{Core, Element};
 use super::cores::{self, CorePair};
 use super::mesh_tree::{Content, MeshTree, Node};
 use super::point::point_to;
@@ -108,6 +108,11 @@ pub fn nearest(tree: &MeshTree, pose: &Pose, other: &Core) -> CorePair {
         points: best.points.map(|p| pose.transform_point(p)),
         normal: pose.transform_vector(best.normal),
     }
+}
+
+/// Whether a mesh is among the elements.
+pub fn is_any(elements: [&Element; 2]) -> bool {
+    elements.iter().any(|e| matches!(e.core, Core::Mesh(..)))
 }
 
 /// Whether one of two elements, at least one of them a mesh and their surfaces apart, lies inside the other.

@@ -1,13 +1,128 @@
-//! Which bodies are neighbours: two bodies that one joint connects touch where it is, and are not judged.
+//! Neighbours: two bodies that one joint connects. Their shapes that touch at the joint itself are left out of the check,
+//! everything else of them is judged.
 //!
 //! A body that belongs to a link between two others parts them, however near their axes are: they must clear each other.
 
-use crate::model::joints::Joints;
+use super::bodies::Hull;
+use super::core::Element;
+use super::mesh;
+use super::motion::Motion;
+use super::pair::distance;
+use crate::math::Pose;
+use crate::model::chain::{ArgumentValue, Motion as StepMotion};
+use crate::model::joints::{Joint, JointKind, Joints};
+use crate::model::walk::walk;
+use glam::DVec3;
 
-/// Why two bodies are neighbours, or `None` if they are not.
-pub fn neighbours(joints: &Joints, [a, b]: [usize; 2]) -> Option<&'static str> {
-    if joints.are_rigid(a, b) {
-        return Some("one rigid part");
+/// Shapes that are to touch may miss each other by this part of their extents.
+const TOUCH: f64 = 1e-9;
+
+/// A contact belongs to the joint if it is no farther from it than this many radii of the smaller shape.
+const AROUND: f64 = 2.0;
+
+/// Two bodies with nothing but a joint between, or not even that.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Neighbours {
+    /// One link: nothing moves between them.
+    Rigid,
+    /// On the two sides of a joint.
+    Joined {
+        /// What kind of joint.
+        words: &'static str,
+        /// Elements of the first and the second body that touch there at the first pose.
+        touching: Vec<[usize; 2]>,
+    },
+}
+
+impl Neighbours {
+    /// As in reports.
+    pub const fn words(&self) -> &'static str {
+        match self {
+            Self::Rigid => "one rigid part",
+            Self::Joined { words, .. } => words,
+        }
     }
-    joints.between(a, b).map(|joint| joint.kind.words())
+}
+
+/// Why two bodies are neighbours, or `None` if they are not. Shapes nearer than `minimum` count as touching.
+pub fn neighbours(
+    motion: &Motion,
+    joints: &Joints,
+    [a, b]: [usize; 2],
+    hulls: [&Hull; 2],
+    minimum: f64,
+) -> Option<Neighbours> {
+    if joints.are_rigid(a, b) {
+        return Some(Neighbours::Rigid);
+    }
+    let joint = joints.between(a, b)?;
+    let instant = motion.samples.first().map(|k| &motion.instants[*k])?;
+    let place = Place::new(joints, joint, &instant.arguments);
+    let [world_from_a, world_from_b] = [a, b].map(|body| instant.bodies[body]);
+    let a_from_b = world_from_a.inverse() * world_from_b;
+    let mut touching = Vec::new();
+    for (i, first) in hulls[0].elements.iter().enumerate() {
+        for (j, mine) in hulls[1].elements.iter().enumerate() {
+            let second = mine.moved(&a_from_b);
+            let contact = contact(first, &second, minimum);
+            let is_there = contact.is_some_and(|(point, radius)| {
+                place.is_near(world_from_a.transform_point(point), AROUND * radius)
+            });
+            touching.extend(is_there.then_some([i, j]));
+        }
+    }
+    let words = joint.kind.words();
+    Some(Neighbours::Joined { words, touching })
+}
+
+/// Where two elements touch, or are nearer than `minimum`, and the radius of the smaller one.
+fn contact(first: &Element, second: &Element, minimum: f64) -> Option<(DVec3, f64)> {
+    let [(_, r), (_, s)] = [first.bounds(), second.bounds()];
+    let radius = r.min(s);
+    let found = distance(first, second);
+    let is_near = found.distance <= minimum + TOUCH * radius;
+    let is_inside = || mesh::is_any([first, second]) && mesh::one_inside(&first.core, &second.core);
+    let point = 0.5 * (found.points[0] + found.points[1]);
+    (is_near || is_inside()).then_some((point, radius))
+}
+
+/// Where a joint is, at a pose.
+enum Place {
+    /// On these lines: points and directions.
+    Lines(Vec<[DVec3; 2]>),
+    /// In this point.
+    Point(DVec3),
+    /// Wherever the bodies touch: sliders have no place of their own.
+    Anywhere,
+}
+
+impl Place {
+    fn new(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Self {
+        if matches!(joint.kind, JointKind::Prismatic | JointKind::Planar) {
+            return Self::Anywhere;
+        }
+        let mut here: Pose = joints.world_from(&joint.before).pose(arguments);
+        let mut lines = Vec::new();
+        walk(&joint.steps, &mut here, arguments, |here, step| {
+            if step.motion == StepMotion::Rotation {
+                lines.push([here.translation, here.rotation.col(step.axis)]);
+            }
+        });
+        match (joint.kind, lines.first()) {
+            (JointKind::Spherical, Some([centre, _])) => Self::Point(*centre),
+            (_, Some(_)) => Self::Lines(lines),
+            (_, None) => Self::Anywhere,
+        }
+    }
+
+    fn is_near(&self, point: DVec3, reach: f64) -> bool {
+        match self {
+            Self::Anywhere => true,
+            Self::Point(centre) => point.distance(*centre) <= reach,
+            Self::Lines(lines) => lines.iter().any(|[origin, direction]| {
+                let arm = point - *origin;
+                (arm - *direction * arm.dot(*direction)).length() <= reach
+            }),
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Two bodies over a motion: their distances at its poses, and what counts as near enough. What lies between the poses is
 //! found by [`branch_and_bound`](super::branch_and_bound).
 
-use super::bodies::{BodyProximity, Hull, enclosed};
+use super::bodies::{BodyProximity, Hull, LeftOut, enclosed};
 use super::core::{Core, Element};
 use super::motion::Motion;
 use super::pair::is_inside;
@@ -55,6 +55,9 @@ pub struct PairSweep<'a> {
     least_scale: f64,
     /// Length of the chain between the bodies, with their own.
     extent: f64,
+    /// Pairs of elements that do not count.
+    pub(super) left_out: LeftOut,
+    is_swapped: bool,
 }
 
 /// The least distance so far, at an exact pose.
@@ -99,7 +102,27 @@ impl<'a> PairSweep<'a> {
             minimum,
             least_scale: SMALLEST_SCALE * extent,
             extent,
+            left_out: LeftOut::default(),
+            is_swapped: swap,
         }
+    }
+
+    /// Without these pairs of elements, of the first and the second body as they were given.
+    pub fn without(mut self, pairs: &[[usize; 2]]) -> Self {
+        let swap = self.is_swapped;
+        let own = pairs
+            .iter()
+            .map(|[i, j]| if swap { [*j, *i] } else { [*i, *j] });
+        self.left_out = own.collect();
+        self
+    }
+
+    /// With nothing but the pairs of elements that it leaves out.
+    pub fn complement(mut self) -> Self {
+        let [m, n] = self.hulls.map(|hull| hull.elements.len());
+        let all = (0..m).flat_map(|i| (0..n).map(move |j| [i, j]));
+        self.left_out = all.filter(|pair| !self.left_out.contains(pair)).collect();
+        self
     }
 
     /// By how much a bound may stay below the minimum of a pair that passes.
@@ -153,7 +176,7 @@ impl<'a> PairSweep<'a> {
         mut distances: Option<&mut Vec<f64>>,
     ) -> Option<Best> {
         let mut best: Option<Best> = None;
-        let mut track = Track::new(self.hulls);
+        let mut track = Track::new(self.hulls, &self.left_out);
         for &instant in instants {
             let least = best.as_ref().map(|b| b.found.proximity.distance);
             let limit = match (&distances, least) {
@@ -181,6 +204,7 @@ impl<'a> PairSweep<'a> {
                     self.hulls[0],
                     self.hulls[1],
                     &self.relative(motion, instant),
+                    &self.left_out,
                 )
             {
                 best.found.elements = elements;

@@ -1,7 +1,7 @@
 //! Distances of two bodies at one pose after the other. From pose to pose no distance changes by more than the points
 //! move, so that most elements need not be looked at again.
 
-use super::bodies::{BodyProximity, Hull, apart, parted};
+use super::bodies::{BodyProximity, Hull, LeftOut, apart, parted};
 use super::core::Element;
 use super::pair::distance;
 use crate::math::Pose;
@@ -25,12 +25,16 @@ pub struct Track<'a> {
 }
 
 impl<'a> Track<'a> {
-    /// Two bodies of which nothing is known yet.
-    pub fn new(hulls: [&'a Hull; 2]) -> Self {
+    /// Two bodies of which nothing is known yet, but for some pairs of elements.
+    pub fn new(hulls: [&'a Hull; 2], left_out: &LeftOut) -> Self {
         let balls: Vec<(DVec3, f64)> = hulls[1].elements.iter().map(Element::bounds).collect();
+        let mut lower = vec![f64::NEG_INFINITY; hulls[0].elements.len() * balls.len()];
+        for [i, j] in left_out {
+            lower[i * balls.len() + j] = f64::INFINITY;
+        }
         Self {
             hulls,
-            lower: vec![f64::NEG_INFINITY; hulls[0].elements.len() * balls.len()],
+            lower,
             normals: vec![DVec3::ZERO; hulls[0].elements.len() * balls.len()],
             balls,
             last: None,
@@ -94,7 +98,10 @@ impl<'a> Track<'a> {
                 let turned = if turn == 0.0 { 0.0 } else { turn * radius };
                 let way = shift.length() + turned + SLACK * (center.length() + radius);
                 for lower in self.lower.iter_mut().skip(j).step_by(columns) {
-                    *lower -= way + SLACK * lower.abs();
+                    // What is left out stays infinitely far.
+                    if *lower < f64::INFINITY {
+                        *lower -= way + SLACK * lower.abs();
+                    }
                 }
             }
         }

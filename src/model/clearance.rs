@@ -39,4 +39,9 @@ impl ClearanceRules {
         let own = self.pairs.iter().find(|p| p.pair == pair);
         own.map_or(self.minimum, |p| p.minimum)
     }
+
+    /// Whether the scene asks for a minimum of this very pair, which is then judged whatever joins it.
+    pub fn has_own_minimum(&self, pair: [usize; 2]) -> bool {
+        self.pairs.iter().any(|p| p.pair == pair)
+    }
 }

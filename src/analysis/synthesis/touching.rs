@@ -2,7 +2,7 @@
 //! mechanisms whose surfaces cut each other beside the point of contact.
 
 use crate::analysis::study::Family;
-use crate::clearance::bodies::{Hull, nearest};
+use crate::clearance::bodies::{Hull, LeftOut, nearest};
 use crate::diag::Source;
 use crate::kinematics::loops::forward;
 use crate::model::mechanism::Mechanism;
@@ -56,7 +56,7 @@ impl Touching<'_> {
             for [a, b] in &rules.touching {
                 if let (Some(first), Some(second)) = (&hulls[*a], &hulls[*b]) {
                     let first_from_second = bodies[*a].inverse() * bodies[*b];
-                    let near = nearest(first, second, &first_from_second);
+                    let near = nearest(first, second, &first_from_second, &LeftOut::new());
                     let depth = near.map_or(0.0, |n| -n.proximity.distance / mechanism.size);
                     deepest = deepest.max(depth);
                 }
