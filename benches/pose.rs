@@ -8,7 +8,6 @@ use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certifier;
 use mechanim::kinematics::loops::forward::closure_error;
 use mechanim::kinematics::motion::continuation::solve;
-use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;
@@ -113,14 +112,9 @@ impl Course<'_> {
             }
             kept.copy_from_slice(&here);
             if depth >= Depth::Certificate {
-                match certifier.polish(kept, &[], watch.bases(), &corrector) {
-                    Certificate::Certified { error_bound, .. } => {
-                        pass.worst_bound = pass.worst_bound.max(error_bound);
-                    }
-                    Certificate::Locked { .. } | Certificate::Refused { .. } => {
-                        pass.worst_bound = f64::INFINITY;
-                    }
-                }
+                let certificate = certifier.polish(kept, &[], watch.bases(), &corrector);
+                let [error_bound, _] = certificate.bounds().unwrap_or([f64::INFINITY; 2]);
+                pass.worst_bound = pass.worst_bound.max(error_bound);
             }
         }
         pass.micros = start.elapsed().as_secs_f64() * 1e6 / self.inputs.len() as f64;

@@ -7,7 +7,6 @@ use allocation_counter::measure;
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certifier;
-use mechanim::kinematics::results::certificate::Certificate;
 
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
@@ -66,7 +65,7 @@ fn a_pose_allocates_nothing_once_the_buffers_stand() {
             // Proofs of formulas are made with intervals, whose lists come and go.
             if !is_formula {
                 let certificate = certifier.polish(&mut here, &[], watch.bases(), &corrector);
-                certified += u32::from(matches!(certificate, Certificate::Certified { .. }));
+                certified += u32::from(certificate.bounds().is_some());
             }
         };
         // The buffers grow with the first poses.

@@ -92,6 +92,7 @@ fn a_locked_rotation_is_right_where_only_a_sum_of_angles_is_determined() {
         let Certificate::Locked {
             error_bound,
             unique_radius,
+            ..
         } = pose.certificate
         else {
             panic!("{:?}", pose.certificate)

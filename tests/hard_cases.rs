@@ -76,13 +76,9 @@ fn assert_set(mechanism: &Model, names: &[&str], expected: &[Vec<f64>], toleranc
 
 /// Bound and radius in the scene's unit, if the pose is proved.
 fn proof(pose: &ClosedPose) -> Option<(f64, f64)> {
-    match pose.certificate {
-        Certificate::Certified {
-            error_bound,
-            unique_radius,
-        } => Some((error_bound, unique_radius)),
-        Certificate::Locked { .. } | Certificate::Refused { .. } => None,
-    }
+    let is_locked = matches!(pose.certificate, Certificate::Locked { .. });
+    let bounds = pose.certificate.bounds().filter(|_| !is_locked);
+    bounds.map(|[error_bound, unique_radius]| (error_bound, unique_radius))
 }
 
 #[test]

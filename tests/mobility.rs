@@ -7,8 +7,6 @@ mod program;
 use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::freedoms::mobility::Mobility;
-use mechanim::kinematics::results::certificate::Certificate;
-
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 
@@ -53,7 +51,7 @@ fn run(mechanism: &Model, samples: usize) -> Trajectory {
     for pose in trajectory.poses() {
         assert!(pose.closure_error < 1e-14, "{}", pose.closure_error);
         assert_eq!(pose.rank, mechanism.unknowns.len());
-        assert!(matches!(pose.certificate, Certificate::Certified { .. }));
+        assert!(pose.certificate.bounds().is_some());
     }
     trajectory
 }

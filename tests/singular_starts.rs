@@ -132,7 +132,7 @@ fn an_over_constrained_loop_of_any_dimensions_turns_without_a_false_end() {
         for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
             let error = turned(pose.unknowns[slot(&mechanism, "t2")] - t2(sample.inputs[0]));
             assert!(error < 1e-12, "{error:e}");
-            assert!(matches!(pose.certificate, Certificate::Certified { .. }));
+            assert!(pose.certificate.bounds().is_some());
         }
     }
 }
@@ -151,7 +151,7 @@ fn equations_alone_are_solved_alike_at_any_size() {
     for size in [1e-9, 1e-6, 1e6, 1e9] {
         let mechanism = bars(size);
         let other = whole(&mechanism, 73);
-        let proved = |pose| matches!(pose, &Certificate::Certified { .. });
+        let proved = |pose: &Certificate| pose.bounds().is_some();
         assert!(other.poses().all(|p| proved(&p.certificate)), "{size}");
         for (a, b) in one.poses().zip(other.poses()) {
             for (k, unknown) in mechanism.unknowns.iter().enumerate() {
@@ -193,7 +193,7 @@ fn dixons_bars_are_solved_alike_at_any_size() {
         let mechanism = at(size);
         let trajectory = whole(&mechanism, 73);
         for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
-            assert!(matches!(pose.certificate, Certificate::Certified { .. }));
+            assert!(pose.certificate.bounds().is_some());
             let s = (sample.inputs[0] / size).powi(2) - 900.0;
             let expected = -(2500.0 + s).sqrt();
             let error = pose.unknowns[slot(&mechanism, "p2")] / size - expected;

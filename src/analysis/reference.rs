@@ -40,9 +40,11 @@ impl Reference {
                 continue;
             };
             reference.bound = match (reference.bound, pose.certificate) {
-                (Some(worst), Certificate::Certified { error_bound, .. }) => {
-                    Some(worst.max(error_bound))
-                }
+                (
+                    Some(worst),
+                    Certificate::Certified { error_bound, .. }
+                    | Certificate::Consistent { error_bound, .. },
+                ) => Some(worst.max(error_bound)),
                 _ => None,
             };
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();

@@ -5,6 +5,7 @@
 
 use super::expression::{Affine, Expression};
 use super::fixed::FixedPose;
+use super::pattern::Pattern;
 use crate::numbers::scalar::Scalar;
 
 /// Rotation about a coordinate axis, or translation along it.
@@ -66,6 +67,14 @@ pub enum Argument {
 }
 
 impl Argument {
+    /// Its affine form, if it has one.
+    pub fn affine(&self) -> Option<Affine> {
+        match self {
+            Self::Affine(affine) => Some(affine.clone()),
+            Self::Formula(expression) => expression.affine(),
+        }
+    }
+
     /// Coordinates it depends on, ascending.
     pub fn coordinates(&self) -> Vec<usize> {
         match self {
@@ -160,5 +169,17 @@ impl Chain {
         used.sort_unstable();
         used.dedup();
         used
+    }
+
+    /// What is zero in the product whatever the joints do.
+    pub fn pattern(&self) -> Pattern {
+        let factors = self.steps.iter().map(|step| match step {
+            Step::Fixed(pose) => pose.pattern,
+            Step::Joint { motion, axis, .. } => match motion {
+                Motion::Translation => Pattern::of_shift(*axis),
+                Motion::Rotation => Pattern::of_turn(*axis),
+            },
+        });
+        factors.fold(Pattern::IDENTITY, |product, factor| product * factor)
     }
 }

@@ -4,6 +4,7 @@
 //! that, since a run may have thousands of factors. So every pose carries its own bound: what its numbers leave open,
 //! and what each product rounded, which is measured with two f64 a number.
 
+use super::pattern::Pattern;
 use crate::math::Pose;
 use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
@@ -29,6 +30,8 @@ pub struct FixedPose {
     pub pose: Pose,
     /// How far it may be from the one meant.
     pub error: PoseError,
+    /// What is zero in the pose meant, by the motions that it is made of.
+    pub pattern: Pattern,
 }
 
 impl FixedPose {
@@ -37,6 +40,7 @@ impl FixedPose {
         Self {
             pose,
             error: PoseError::default(),
+            pattern: Pattern::of_exact(&pose),
         }
     }
 
@@ -49,6 +53,7 @@ impl FixedPose {
         Self {
             pose: Pose::from_translation(DVec3::AXES[axis] * length.number()),
             error,
+            pattern: unless_zero(length, Pattern::of_shift(axis)),
         }
     }
 
@@ -78,7 +83,11 @@ impl FixedPose {
             rotation,
             translation: 0.0,
         };
-        Self { pose, error }
+        Self {
+            pose,
+            error,
+            pattern: unless_zero(angle, Pattern::of_turn(axis)),
+        }
     }
 
     /// The rotation that takes the z axis to a direction of the scene, not zero. Which one is free, so that the stored
@@ -115,7 +124,11 @@ impl FixedPose {
             rotation: (defect + SQRT_2 * (defect + tilt)) * GROW,
             translation: 0.0,
         };
-        Self { pose, error }
+        Self {
+            pose,
+            error,
+            pattern: Pattern::of_any_rotation(),
+        }
     }
 
     /// The inverse motion.
@@ -131,7 +144,20 @@ impl FixedPose {
             rotation,
             translation: (rotation * self.pose.translation.length() + translation + rounded) * GROW,
         };
-        Self { pose, error }
+        Self {
+            pose,
+            error,
+            pattern: self.pattern.inverse(),
+        }
+    }
+}
+
+/// The pattern of a motion; one by zero, which is exact, is none.
+fn unless_zero(by: Constant, pattern: Pattern) -> Pattern {
+    if by == Constant::exact(0.0) {
+        Pattern::IDENTITY
+    } else {
+        pattern
     }
 }
 
@@ -173,7 +199,11 @@ impl Mul for FixedPose {
             rotation: error.rotation * GROW,
             translation: error.translation * GROW,
         };
-        Self { pose, error }
+        Self {
+            pose,
+            error,
+            pattern: self.pattern * right.pattern,
+        }
     }
 }
 

@@ -12,6 +12,7 @@ pub mod joints;
 pub mod measure;
 pub mod mechanism;
 pub mod palette;
+pub mod pattern;
 pub mod plot;
 pub mod printed;
 pub mod shape;

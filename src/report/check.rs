@@ -53,7 +53,7 @@ impl<'a> MotionReport<'a> {
         let structure = system.structure();
         let is_proving = !structure.blocks.is_empty() || asked.motion || clearances.is_some();
         let assumptions = match asked.poses && is_proving {
-            true => assumptions(structure),
+            true => assumptions(system),
             false => Vec::new(),
         };
         Self {
@@ -170,6 +170,8 @@ impl<'a> MotionReport<'a> {
             "refused": self.poses.refused,
             "refused_because": self.poses.reasons,
             "locked": self.poses.locked,
+            "consistent": self.poses.consistent,
+            "closes_to": (self.poses.consistent > 0).then_some(self.poses.closes_to),
             "measures": self.measured.iter().map(Measured::json).collect::<Vec<_>>(),
             "assumed": self.assumptions,
             "motion": self.motion.as_ref().map(MotionProof::json),

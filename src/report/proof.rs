@@ -2,28 +2,27 @@
 
 use super::sentences;
 use super::verdict::{Case, PROOF, Status};
-use crate::kinematics::results::certificate::{Certificate, IntervalCertificate, Reason};
+use crate::kinematics::certificate::rows::redundant;
+use crate::kinematics::results::certificate::{
+    CONSISTENT, Certificate, IntervalCertificate, Reason,
+};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Structure;
+use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
 /// What proofs of a mechanism rest on, one sentence each.
-pub fn assumptions(structure: &Structure) -> Vec<String> {
+pub fn assumptions(system: &System) -> Vec<String> {
     let mut list = vec![
         "sine and cosine right within one unit in the last place".to_owned(),
         "inputs as printed".to_owned(),
     ];
-    let unknowns: usize = structure.blocks.iter().map(|b| b.unknowns.len()).sum();
-    let dropped = structure.equation_count().saturating_sub(unknowns);
-    if dropped > 0 {
-        list.push(format!("{dropped} dependent equations checked, not proved"));
-    }
-    let empty = structure.empty_equations.len();
-    if empty > 0 {
+    let redundant = redundant(system);
+    if redundant > 0 {
         list.push(format!(
-            "{empty} equations empty at random poses hold at all"
+            "{redundant} redundant equations bounded, not proved"
         ));
     }
     list
@@ -33,6 +32,9 @@ pub fn assumptions(structure: &Structure) -> Vec<String> {
 pub struct MotionProof<'t> {
     trajectory: &'t Trajectory,
     certified: usize,
+    /// Intervals whose redundant equations are bounded only.
+    consistent: usize,
+    closes_to: f64,
     tubes: usize,
     radius: f64,
     unique_radius: f64,
@@ -44,12 +46,20 @@ impl<'t> MotionProof<'t> {
         let mut proof = Self {
             trajectory,
             certified: 0,
+            consistent: 0,
+            closes_to: 0.0,
             tubes: 0,
             radius: 0.0,
             unique_radius: f64::INFINITY,
         };
         for interval in trajectory.intervals.iter().filter(|i| i.refused.is_none()) {
-            proof.certified += 1;
+            match interval.closes_to {
+                None => proof.certified += 1,
+                Some(closes_to) => {
+                    proof.consistent += 1;
+                    proof.closes_to = proof.closes_to.max(closes_to);
+                }
+            }
             proof.tubes += interval.tubes;
             proof.radius = proof.radius.max(interval.radius);
             proof.unique_radius = proof.unique_radius.min(interval.unique_radius);
@@ -57,9 +67,13 @@ impl<'t> MotionProof<'t> {
         proof
     }
 
-    /// Whether every interval is certified.
+    /// Whether every interval is certified or, as far as redundant equations allow, consistent.
     pub fn is_whole(&self) -> bool {
-        self.certified == self.trajectory.intervals.len()
+        self.proved() == self.trajectory.intervals.len()
+    }
+
+    fn proved(&self) -> usize {
+        self.certified + self.consistent
     }
 
     /// The first interval that is not certified: its sample and its certificate.
@@ -71,13 +85,24 @@ impl<'t> MotionProof<'t> {
     /// One line.
     pub fn sentence(&self, mechanism: &Mechanism, actuation: &Actuation) -> String {
         let unit = &mechanism.length_unit;
+        let word = if self.consistent > 0 {
+            CONSISTENT
+        } else {
+            "certified"
+        };
         let mut text = format!(
-            "{} of {} intervals certified in {} tubes",
-            self.certified,
+            "{} of {} intervals {word} in {} tubes",
+            self.proved(),
             self.trajectory.intervals.len(),
             self.tubes
         );
-        if self.certified > 0 {
+        if self.consistent > 0 {
+            text.push_str(&format!(
+                "; redundant equations close to {:.1e} {unit} everywhere",
+                self.closes_to
+            ));
+        }
+        if self.proved() > 0 {
             text.push_str(&format!(
                 "; within {:.1e} {unit} of the proved path, the only motion{}",
                 self.radius,
@@ -117,10 +142,12 @@ impl<'t> MotionProof<'t> {
                 "because": refusal.obstacle.word(),
             }))
         });
-        let any = self.certified > 0;
+        let any = self.proved() > 0;
         json!({
             "intervals": self.trajectory.intervals.len(),
             "certified": self.certified,
+            "consistent": self.consistent,
+            "closes_to": (self.consistent > 0).then_some(self.closes_to),
             "tubes": self.tubes,
             "radius": any.then_some(self.radius),
             "unique_radius": any.then_some(self.unique_radius),
@@ -150,6 +177,12 @@ pub struct PoseProofs {
     pub refused: usize,
     /// Proved as rotations only.
     pub locked: usize,
+    /// Poses whose redundant equations are bounded only.
+    pub consistent: usize,
+    /// The largest of those bounds.
+    pub closes_to: f64,
+    /// Poses that are proved not to close: a redundant equation does not hold.
+    pub open: usize,
     /// Words of all reasons for a refusal.
     pub reasons: Vec<&'static str>,
 }
@@ -164,6 +197,9 @@ impl PoseProofs {
             unique_radius: f64::INFINITY,
             refused: 0,
             locked: 0,
+            consistent: 0,
+            closes_to: 0.0,
+            open: 0,
             reasons: Vec::new(),
         };
         for pose in trajectory.poses() {
@@ -174,25 +210,21 @@ impl PoseProofs {
                 },
                 true => pose.certificate,
             };
-            match certificate {
-                Certificate::Certified {
-                    error_bound,
-                    unique_radius,
-                }
-                | Certificate::Locked {
-                    error_bound,
-                    unique_radius,
-                } => {
-                    let is_locked = matches!(certificate, Certificate::Locked { .. });
-                    proof.locked += usize::from(is_locked);
-                    proof.error_bound = proof.error_bound.max(error_bound);
-                    proof.unique_radius = proof.unique_radius.min(unique_radius);
-                }
-                Certificate::Refused { reason } => {
-                    proof.refused += 1;
-                    if !proof.reasons.contains(&reason.word()) {
-                        proof.reasons.push(reason.word());
-                    }
+            if let Some([error_bound, unique_radius]) = certificate.bounds() {
+                let is_locked = matches!(certificate, Certificate::Locked { .. });
+                proof.locked += usize::from(is_locked);
+                proof.error_bound = proof.error_bound.max(error_bound);
+                proof.unique_radius = proof.unique_radius.min(unique_radius);
+            }
+            if let Some(closes_to) = certificate.closes_to() {
+                proof.consistent += 1;
+                proof.closes_to = proof.closes_to.max(closes_to);
+            }
+            if let Certificate::Refused { reason } = certificate {
+                proof.refused += 1;
+                proof.open += usize::from(reason == Reason::Open);
+                if !proof.reasons.contains(&reason.word()) {
+                    proof.reasons.push(reason.word());
                 }
             }
         }
@@ -213,6 +245,7 @@ impl PoseProofs {
         let status = match self.refused {
             _ if !self.is_asked() || !self.is_closing => Status::Skipped,
             0 => Status::Passed,
+            _ if self.open > 0 => Status::Failed,
             _ => Status::NotProved,
         };
         Case::new(PROOF, "pose certificates", status, self.sentence(mechanism))
@@ -239,12 +272,23 @@ impl PoseProofs {
         } else {
             format!(" ({})", self.reasons.join(", "))
         };
+        let consistent = match self.consistent {
+            0 => String::new(),
+            n => format!(
+                "; {n} {CONSISTENT}: redundant equations close to {:.1e} {unit}",
+                self.closes_to
+            ),
+        };
+        let open = match self.open {
+            0 => String::new(),
+            n => format!("; {n} open: redundant equations do not hold"),
+        };
         let locked = match self.locked {
             0 => String::new(),
             n => format!("; {n} with locked angles, of which the rotation is proved"),
         };
         format!(
-            "{bounds}refused {} of {}{reasons}{locked}",
+            "{bounds}refused {} of {}{reasons}{consistent}{open}{locked}",
             self.refused, self.poses
         )
     }

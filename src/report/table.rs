@@ -4,7 +4,7 @@ use super::events::{events, gaps};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::rates::higher_order::RateColumns;
-use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::printed::{rounding, shortest};
@@ -20,6 +20,8 @@ pub struct Columns {
     pub derivatives: Option<RateColumns>,
     /// The proof of the motion up to the next sample.
     pub motion: bool,
+    /// What redundant equations close to.
+    pub redundant: bool,
 }
 
 /// A cell of the table.
@@ -129,18 +131,16 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
         "branch",
         "error_bound",
         "unique_radius",
-        "iterations",
-        "status",
     ];
+    let redundant = |name| columns.redundant.then_some(name);
     names.extend(proof.map(str::to_owned));
+    names.extend(redundant("closes_to").map(str::to_owned));
+    names.extend(["iterations", "status"].map(str::to_owned));
     if columns.motion {
-        let motion = [
-            "motion_tubes",
-            "motion_radius",
-            "motion_unique",
-            "motion_status",
-        ];
+        let motion = ["motion_tubes", "motion_radius", "motion_unique"];
         names.extend(motion.map(str::to_owned));
+        names.extend(redundant("motion_closes_to").map(str::to_owned));
+        names.push("motion_status".to_owned());
     }
     names
 }
@@ -216,28 +216,23 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));
     cells.push(Cell::Whole(pose.rank as u64));
     cells.push(Cell::Text(pose.branch.clone()));
-    cells.extend(match printed_bounds(mechanism, pose) {
-        Some(bounds) => bounds.map(Cell::Number),
-        None => [Cell::Empty, Cell::Empty],
-    });
+    let bounds = printed_bounds(mechanism, pose);
+    cells.extend([0, 1].map(|k| number_or_empty(bounds.map(|b| b[k]))));
+    if columns.redundant {
+        cells.push(number_or_empty(pose.certificate.closes_to()));
+    }
     cells.push(Cell::Whole(u64::from(pose.iterations)));
-    cells.push(Cell::Text("ok".to_owned()));
+    cells.push(Cell::Text(status(&pose.certificate).to_owned()));
     cells
 }
 
 /// Bound of the error, and radius of uniqueness, of the unknowns as the row prints them.
 fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> {
+    let [error, unique] = pose.certificate.bounds()?;
     // The turn that is left of three angles is no larger than the sum of theirs.
-    let (error, unique, angles) = match pose.certificate {
-        Certificate::Certified {
-            error_bound,
-            unique_radius,
-        } => (error_bound, unique_radius, 1.0),
-        Certificate::Locked {
-            error_bound,
-            unique_radius,
-        } => (error_bound, unique_radius, 3.0),
-        Certificate::Refused { .. } => return None,
+    let angles = match pose.certificate {
+        Certificate::Locked { .. } => 3.0,
+        _ => 1.0,
     };
     let values = mechanism.unknowns.iter().zip(&pose.unknowns);
     let rounded = values.map(|(unknown, value)| {
@@ -251,22 +246,37 @@ fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> 
     Some([(error + rounded) * GROW, (unique - rounded).max(0.0)])
 }
 
+/// A pose in one word: one that is proved not to close is none, whatever its closure error.
+fn status(certificate: &Certificate) -> &'static str {
+    match certificate {
+        Certificate::Refused {
+            reason: reason @ Reason::Open,
+        } => reason.word(),
+        _ if certificate.closes_to().is_some() => CONSISTENT,
+        _ => "ok",
+    }
+}
+
+fn number_or_empty(value: Option<f64>) -> Cell {
+    value.map_or(Cell::Empty, Cell::Number)
+}
+
 /// What is proved of the motion from sample `index` to the next one; empty after the last.
 fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<Cell> {
     if !columns.motion {
         return Vec::new();
     }
     let Some(interval) = trajectory.intervals.get(index) else {
-        return vec![Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty];
+        let count = 4 + usize::from(columns.redundant);
+        return (0..count).map(|_| Cell::Empty).collect();
     };
+    let bound = |value| number_or_empty((interval.tubes > 0).then_some(value));
     let mut cells = vec![Cell::Whole(interval.tubes as u64)];
-    if interval.tubes > 0 {
-        cells.extend([interval.radius, interval.unique_radius].map(Cell::Number));
-    } else {
-        cells.extend([Cell::Empty, Cell::Empty]);
+    cells.extend([interval.radius, interval.unique_radius].map(bound));
+    if columns.redundant {
+        cells.push(number_or_empty(interval.closes_to));
     }
-    let refused = interval.refused.map(|r| r.obstacle.word());
-    cells.push(Cell::Text(refused.unwrap_or("certified").to_owned()));
+    cells.push(Cell::Text(interval.word().to_owned()));
     cells
 }
 

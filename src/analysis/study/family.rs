@@ -50,7 +50,8 @@ impl Nominal {
     fn add(&mut self, pose: Vec<f64>, certificate: Certificate) {
         self.poses.push(pose);
         match certificate {
-            Certificate::Certified { error_bound, .. } => {
+            Certificate::Certified { error_bound, .. }
+            | Certificate::Consistent { error_bound, .. } => {
                 self.error_bound = self.error_bound.max(error_bound)
             }
             Certificate::Locked { .. } | Certificate::Refused { .. } => self.unproved += 1,

@@ -10,7 +10,6 @@ use crate::diag::Source;
 use crate::kinematics::measures::measure;
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::motion::sampling::{is_cyclic, knots};
-use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};
@@ -93,12 +92,9 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     };
     let mut branch: Option<&str> = None;
     for pose in trajectory.poses() {
-        match pose.certificate {
-            Certificate::Certified { error_bound, .. }
-            | Certificate::Locked { error_bound, .. } => {
-                proof.error_bound = proof.error_bound.max(error_bound);
-            }
-            Certificate::Refused { .. } => proof.unproved += 1,
+        match pose.certificate.bounds() {
+            Some([error_bound, _]) => proof.error_bound = proof.error_bound.max(error_bound),
+            None => proof.unproved += 1,
         }
         proof.one_branch &= *branch.get_or_insert(&pose.branch) == pose.branch;
     }

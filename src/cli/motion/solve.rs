@@ -9,6 +9,7 @@ use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Output;
+use crate::kinematics::certificate::rows::redundant;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
@@ -16,7 +17,7 @@ use crate::kinematics::solve::iterates::iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::report::proof::MotionProof;
+use crate::report::proof::{MotionProof, PoseProofs};
 use crate::report::table::{Columns, write_csv, write_json};
 use crate::report::{freedoms, iterates as iterate_table};
 use crate::scene::Scene;
@@ -59,6 +60,18 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
             proof.sentence(&scene.mechanism, actuation)
         ));
     }
+    let open = PoseProofs::of(
+        system.structure(),
+        &trajectory,
+        args.certify != CertifyArg::None,
+    )
+    .open;
+    if open > 0 {
+        term.warning(&format!(
+            "{open} of {} samples are open: redundant equations do not hold, by more than rounding and the digits of the dimensions explain",
+            trajectory.samples.len()
+        ));
+    }
     for held in &system.structure().held {
         let idle = freedoms::idle(&scene.mechanism, held);
         term.note(&format!("idle: {idle} at its start value"));
@@ -71,6 +84,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         rates: args.rates,
         derivatives,
         motion: proves_motion,
+        redundant: redundant(&system) > 0,
     };
     match format {
         TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,

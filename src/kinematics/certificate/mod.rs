@@ -20,59 +20,43 @@
 //! taken into the later residual, and what is left of its error bound is added to eta through |R times its column|, and
 //! to q and eta through the second derivatives.
 //!
-//! Limits: equations that the structure found empty at random poses are taken as empty. Of an over-determined
-//! block the rows fixed for the branch signs are proved; the dropped rows are only checked to be small. Where arguments
-//! or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that stands still:
-//! simpler, and a few times less sharp. The motion between poses is proved there too.
+//! Of a block with more equations than unknowns as many rows as unknowns are proved. The others cannot be: that they hold
+//! at the very same pose is a property of the dimensions, and those are known to some digits only. At the exact pose of the
+//! proved rows each of them is bounded, by the same test with the same digits. Where it is open by more than rounding and
+//! the digits of the dimensions explain, the pose is refused; else the bound is part of the certificate. The same holds for
+//! equations that the structure found empty at random poses, unless they vanish by the axes of the chain (`rows`).
+//!
+//! Where arguments or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that
+//! stands still: simpler, and a few times less sharp. The motion between poses is proved there too.
 
 pub mod neighbourhood;
 pub mod pose;
+pub mod rows;
 pub mod tube;
 
 use super::results::certificate::{Certificate, Reason};
 use super::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::Argument;
-use crate::model::expression::Affine;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::U;
-use pose::chain::ArgumentDouble;
-use pose::kantorovich::{Earlier, Kantorovich};
-use pose::system::BlockSystem;
+use pose::prover::PoseProver;
 
 /// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
 /// involved.
 #[derive(Clone, Debug)]
 pub struct Certifier<'m> {
     system: &'m System,
-    forms: Vec<Option<Affine>>,
-    systems: Vec<BlockSystem>,
-    kantorovich: Kantorovich,
-    arguments: Vec<ArgumentDouble>,
-    earlier: Earlier,
+    prover: PoseProver<'m>,
+    has_redundant_rows: bool,
 }
 
 impl<'m> Certifier<'m> {
     /// Prepares the proof.
     pub fn new(system: &'m System) -> Self {
-        let mechanism = system.mechanism();
-        let structure = system.structure();
-        let arguments = mechanism.arguments.iter().map(|a| match a {
-            Argument::Affine(affine) => Some(affine.clone()),
-            Argument::Formula(expression) => expression.affine(),
-        });
-        let equations = mechanism.equations.iter().map(|e| e.expression.affine());
-        let forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
-        let blocks = structure.blocks.iter();
         Self {
             system,
-            systems: blocks
-                .map(|block| BlockSystem::new(mechanism, block, &forms))
-                .collect(),
-            forms,
-            kantorovich: Kantorovich::default(),
-            arguments: Vec::new(),
-            earlier: Earlier::default(),
+            prover: PoseProver::new(system),
+            has_redundant_rows: rows::redundant(system) > 0,
         }
     }
 
@@ -85,8 +69,12 @@ impl<'m> Certifier<'m> {
         rests: &[f64],
         bases: &[Vec<usize>],
     ) -> Certificate {
-        match self.prove([coordinates, rests], bases, None) {
-            Ok(radius) => self.certificate(self.earlier.largest, radius),
+        match self.prover.prove([coordinates, rests], bases, None) {
+            Ok(radius) => self.certificate(
+                self.prover.earlier.largest,
+                radius,
+                self.prover.earlier.closes_to,
+            ),
             Err(Reason::Formula) => self.certify_formulas([coordinates, rests], bases),
             Err(reason) => Certificate::Refused { reason },
         }
@@ -102,16 +90,22 @@ impl<'m> Certifier<'m> {
         bases: &[Vec<usize>],
         corrector: &Corrector,
     ) -> Certificate {
-        let radius = match self.prove([coordinates, rests], bases, Some(corrector)) {
+        let radius = match self
+            .prover
+            .prove([coordinates, rests], bases, Some(corrector))
+        {
             Ok(radius) => radius,
             Err(Reason::Formula) => return self.certify_formulas([coordinates, rests], bases),
             Err(reason) => return Certificate::Refused { reason },
         };
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
-        for system in &self.systems {
+        for system in &self.prover.systems {
             for &slot in &system.unknowns {
                 let scale = self.system.mechanism().scale_of(slot);
-                let (step, rest) = (self.earlier.step[slot], self.earlier.rest[slot]);
+                let (step, rest) = (
+                    self.prover.earlier.step[slot],
+                    self.prover.earlier.rest[slot],
+                );
                 let old = coordinates[slot];
                 let new = old - scale * step;
                 let made = DoubleDouble::sum(old, -new).hi / scale;
@@ -122,66 +116,32 @@ impl<'m> Certifier<'m> {
                 coordinates[slot] = new;
             }
         }
-        self.certificate(error, radius - moved)
+        self.certificate(error, radius - moved, self.prover.earlier.closes_to)
     }
 
     /// The proof where arguments or equations are no affine forms.
     fn certify_formulas(&self, place: [&[f64]; 2], bases: &[Vec<usize>]) -> Certificate {
         match tube::pose(self.system, place, bases) {
-            Ok((error, radius)) => self.certificate(error, radius),
+            Ok((error, radius, closes_to)) => self.certificate(error, radius, closes_to),
             Err(reason) => Certificate::Refused { reason },
         }
     }
 
     /// From radians and sizes, so that both hold for every unknown in its own unit.
-    fn certificate(&self, error: f64, radius: f64) -> Certificate {
+    fn certificate(&self, error: f64, radius: f64, closes_to: f64) -> Certificate {
         let [least, largest] = self.system.mechanism().distance_units();
+        let error_bound = error * largest * (1.0 + 1e-12);
+        let unique_radius = radius * least * (1.0 - 1e-12);
+        if self.has_redundant_rows {
+            return Certificate::Consistent {
+                error_bound,
+                unique_radius,
+                closes_to: closes_to * largest * (1.0 + 1e-12),
+            };
+        }
         Certificate::Certified {
-            error_bound: error * largest * (1.0 + 1e-12),
-            unique_radius: radius * least * (1.0 - 1e-12),
+            error_bound,
+            unique_radius,
         }
-    }
-
-    /// Fills `earlier` with the bounds of all unknowns; the radius of uniqueness in radians and sizes.
-    fn prove(
-        &mut self,
-        [coordinates, rests]: [&[f64]; 2],
-        bases: &[Vec<usize>],
-        corrector: Option<&Corrector>,
-    ) -> Result<f64, Reason> {
-        let blank = Affine::default();
-        self.arguments.clear();
-        let arguments = self.forms[..self.system.mechanism().arguments.len()].iter();
-        self.arguments.extend(
-            arguments.map(|form| {
-                ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests)
-            }),
-        );
-        self.earlier.reset(self.system.mechanism().unknowns.len());
-        let mut radius = f64::INFINITY;
-        for (index, (system, basis)) in self.systems.iter_mut().zip(bases).enumerate() {
-            if system.has_formula {
-                return Err(Reason::Formula);
-            }
-            system.evaluate(
-                self.system.mechanism(),
-                [coordinates, rests],
-                &self.arguments,
-            )?;
-            if system.left_out_rows_are_open(basis) {
-                return Err(Reason::Open);
-            }
-            let inverse = corrector.and_then(|c| c.inverse(index)).filter(|inverse| {
-                inverse.rows().len() == basis.len() && system.rows.len() == basis.len()
-            });
-            let (unique, error) =
-                self.kantorovich
-                    .prove(system, basis, inverse, &mut self.earlier)?;
-            if system.may_be_half_turned(error.max(self.earlier.largest)) {
-                return Err(Reason::HalfTurn);
-            }
-            radius = radius.min(unique);
-        }
-        Ok(radius)
     }
 }

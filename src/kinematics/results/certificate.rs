@@ -11,6 +11,16 @@ pub enum Certificate {
         /// It is the only one within this distance, measured likewise.
         unique_radius: f64,
     },
+    /// An exact pose of as many independent equations as there are unknowns exists. The redundant ones hold there as far
+    /// as rounding and the digits of the dimensions let anyone see: that they do is no theorem.
+    Consistent {
+        /// As above.
+        error_bound: f64,
+        /// As above.
+        unique_radius: f64,
+        /// Proved: none of the redundant equations is open by more, measured likewise.
+        closes_to: f64,
+    },
     /// An exact closed pose exists, but angles of a ball joint are locked, so that only its rotation is proved.
     Locked {
         /// As above, where the three angles of every ball joint are replaced by the rotation vector that leads to the
@@ -18,12 +28,46 @@ pub enum Certificate {
         error_bound: f64,
         /// It is the only one within this distance, measured likewise.
         unique_radius: f64,
+        /// As above, where there are redundant equations.
+        closes_to: Option<f64>,
     },
     /// Nothing was proved.
     Refused {
         /// Why.
         reason: Reason,
     },
+}
+
+impl Certificate {
+    /// Error bound and radius of uniqueness, unless nothing was proved.
+    pub const fn bounds(&self) -> Option<[f64; 2]> {
+        match *self {
+            Self::Certified {
+                error_bound,
+                unique_radius,
+            }
+            | Self::Consistent {
+                error_bound,
+                unique_radius,
+                ..
+            }
+            | Self::Locked {
+                error_bound,
+                unique_radius,
+                ..
+            } => Some([error_bound, unique_radius]),
+            Self::Refused { .. } => None,
+        }
+    }
+
+    /// By how much redundant equations may be open, where they are bounded and not proved.
+    pub const fn closes_to(&self) -> Option<f64> {
+        match *self {
+            Self::Consistent { closes_to, .. } => Some(closes_to),
+            Self::Locked { closes_to, .. } => closes_to,
+            Self::Certified { .. } | Self::Refused { .. } => None,
+        }
+    }
 }
 
 /// Why a pose has no certificate.
@@ -37,7 +81,8 @@ pub enum Reason {
     GimbalLock,
     /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
     HalfTurn,
-    /// An equation that the proof leaves out does not hold.
+    /// A redundant equation does not hold: what it is open by is more than rounding and the digits of the dimensions
+    /// explain.
     Open,
     /// Nobody wanted one.
     NotAsked,
@@ -66,9 +111,25 @@ pub struct IntervalCertificate {
     pub radius: f64,
     /// It is the only one within this distance of the path, measured likewise.
     pub unique_radius: f64,
+    /// The redundant equations are nowhere open by more; `None` where there are none, or nothing was proved.
+    pub closes_to: Option<f64>,
     /// Where and why the proof ended before the interval did.
     pub refused: Option<Refusal>,
 }
+
+impl IntervalCertificate {
+    /// The word used in reports.
+    pub const fn word(&self) -> &'static str {
+        match (self.refused, self.closes_to) {
+            (Some(refusal), _) => refusal.obstacle.word(),
+            (None, Some(_)) => CONSISTENT,
+            (None, None) => "certified",
+        }
+    }
+}
+
+/// The word for what is proved but for its redundant equations, which are only bounded.
+pub const CONSISTENT: &str = "consistent";
 
 /// The end of a proof.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -155,6 +155,17 @@ impl BranchWatch {
     }
 }
 
+/// The rows of every block that are the most independent at a pose.
+pub fn best_rows(
+    system: &System,
+    corrector: &mut Corrector,
+    coordinates: &[f64],
+) -> Vec<Vec<usize>> {
+    let mut watch = BranchWatch::default();
+    watch.observe(system, corrector, coordinates);
+    watch.rows
+}
+
 /// Rows that are independent at this pose: pivots of the transposed matrix.
 fn row_basis(jacobian: &[f64], rows: usize, columns: usize, qr: &mut PivotedQr) -> Vec<usize> {
     if rows == columns {

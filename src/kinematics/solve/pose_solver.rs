@@ -6,7 +6,7 @@
 
 use super::along_drive::AlongDrive;
 use super::assembly::{Assembled, NotClosed, assemble};
-use super::branch::{BranchState, BranchWatch};
+use super::branch::{BranchState, BranchWatch, best_rows};
 use super::newton::{Correction, Corrector, Pace};
 use super::predictor::{Prediction, Predictor};
 use super::wishes::assemble_as_meant;
@@ -32,6 +32,8 @@ pub struct PoseSolver<'s> {
     corrector: Corrector,
     predictor: Predictor,
     watch: BranchWatch,
+    /// The rows that the last pose is to be proved on, where a block leaves a choice.
+    chosen: Option<Vec<Vec<usize>>>,
     /// Newton iterations so far.
     pub iterations: u32,
 }
@@ -52,6 +54,7 @@ impl<'s> PoseSolver<'s> {
             corrector: Corrector::new(system),
             predictor: Predictor::default(),
             watch: BranchWatch::default(),
+            chosen: None,
             iterations: 0,
         }
     }
@@ -240,15 +243,26 @@ impl<'s> PoseSolver<'s> {
         }
     }
 
+    /// The rows of every block that are the most independent at a pose.
+    pub fn best_rows(&mut self, coordinates: &[f64]) -> Vec<Vec<usize>> {
+        best_rows(self.system, &mut self.corrector, coordinates)
+    }
+
     /// Linearises at a pose that is to be proved: the rows that each block is proved on, and the inverses that serve it.
     pub fn proof_basis(&mut self, coordinates: &[f64]) -> (&[Vec<usize>], &Corrector) {
         if self.chart_at(coordinates).is_some() {
             // The pose was observed in the chart; the proof is about the scene's angles.
             self.observe_angles(coordinates);
         }
+        let mut blocks = self.system.blocks().iter();
+        // The rows of the signs stay as long as they serve: a proof on them may be many times too loose.
+        self.chosen = blocks
+            .any(|b| b.rows() > b.unknowns.len())
+            .then(|| self.best_rows(coordinates));
         // Poses beside this one may have been looked at since it was observed.
         self.corrector.prepare(self.system, coordinates);
-        (self.watch.bases(), &self.corrector)
+        let rows = self.chosen.as_deref();
+        (rows.unwrap_or(self.watch.bases()), &self.corrector)
     }
 
     /// Smallest singular value of a block to all digits: those of every pose are iterated, to a millionth. `None` where

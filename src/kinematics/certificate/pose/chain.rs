@@ -9,7 +9,7 @@ use crate::model::chain::{Motion, Step};
 use crate::model::expression::Affine;
 use crate::model::fixed::FixedPose;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::{LONG_STEP, SIN_COS, U};
+use crate::numbers::rounding::{DECIMAL, LONG_STEP, SIN_COS, U};
 use crate::numbers::sin_cos::{Factor, sin_cos};
 use glam::{DMat3, DVec3};
 
@@ -68,6 +68,8 @@ struct PlannedJoint {
     /// of the translation.
     open_behind: [f64; 2],
     length_behind: f64,
+    /// The angle of their rotation.
+    angle_behind: f64,
 }
 
 /// A loop laid out for the walk.
@@ -79,6 +81,7 @@ pub struct LoopPlan {
     /// The same for the fixed pose before the first joint.
     open_before: [f64; 2],
     length_before: f64,
+    angle_before: f64,
     steps: usize,
 }
 
@@ -123,14 +126,18 @@ impl LoopPlan {
     fn after(&mut self, fixed: Option<FixedPose>) -> PlannedJoint {
         let pose = fixed.unwrap_or(FixedPose::exact(Pose::IDENTITY));
         let open = [pose.error.rotation, pose.error.translation];
+        let trace: f64 = (0..3).map(|k| pose.rotation.col(k)[k]).sum();
+        let angle = libm::acos((0.5 * (trace - 1.0)).clamp(-1.0, 1.0));
         match self.joints.last_mut() {
             Some(last) => {
                 last.open_behind = open;
                 last.length_behind = pose.translation.length();
+                last.angle_behind = angle;
             }
             None => {
                 self.open_before = open;
                 self.length_before = pose.translation.length();
+                self.angle_before = angle;
             }
         }
         let part = |v: f64| (v != 0.0).then(|| Factor::short(DoubleDouble::from(v)));
@@ -143,6 +150,7 @@ impl LoopPlan {
             sign: 1.0,
             open_behind: [0.0; 2],
             length_behind: 0.0,
+            angle_behind: 0.0,
         }
     }
 }
@@ -282,6 +290,41 @@ impl LoopAtPose {
         }
         add(plan.open_before, reach);
         (open, reach + plan.length_before / size)
+    }
+
+    /// By how much rotation and translation rows change at most where every number of the loop that f64 has not is
+    /// off by a unit in its last place.
+    pub fn last_units(&self, plan: &LoopPlan, arguments: &[ArgumentDouble]) -> [f64; 2] {
+        let unit = |is_open: bool, size: f64| if is_open { DECIMAL * size } else { 0.0 };
+        let mut sums = [0.0; 2];
+        let mut add = |[turn, shift]: [f64; 2], reach: f64| {
+            sums[0] += turn;
+            sums[1] += shift / self.size + turn * reach;
+        };
+        let fixed = |[turn, shift]: [f64; 2], [angle, length]: [f64; 2]| {
+            [unit(turn > 0.0, angle), unit(shift > 0.0, length)]
+        };
+        let whole = self.joints.first().map_or(0.0, |joint| joint.reach);
+        add(
+            fixed(plan.open_before, [plan.angle_before, plan.length_before]),
+            whole,
+        );
+        for (joint, planned) in self.joints.iter().zip(&plan.joints) {
+            add(
+                fixed(
+                    planned.open_behind,
+                    [planned.angle_behind, planned.length_behind],
+                ),
+                joint.reach,
+            );
+            let argument = &arguments[joint.argument];
+            let value = unit(argument.open_length > 0.0, argument.value.whole.abs());
+            match joint.motion {
+                Motion::Rotation => add([value, 0.0], joint.reach),
+                Motion::Translation => add([0.0, value], 0.0),
+            }
+        }
+        sums
     }
 
     /// Derivative of the six residuals by the joint's own motion.

@@ -2,6 +2,7 @@
 
 use super::system::BlockSystem;
 use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::certificate::rows::LARGEST_GAP;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, groups};
@@ -17,6 +18,8 @@ pub struct Earlier {
     pub rest: Vec<f64>,
     /// Largest distance of any such unknown from the pose.
     pub largest: f64,
+    /// No redundant equation is open by more.
+    pub closes_to: f64,
 }
 
 impl Earlier {
@@ -27,6 +30,7 @@ impl Earlier {
             list.resize(unknowns, 0.0);
         }
         self.largest = 0.0;
+        self.closes_to = 0.0;
     }
 
     /// Notes what is proved of an unknown.
@@ -40,7 +44,7 @@ impl Earlier {
 /// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
 const GROW: f64 = 1.0 + 1e-12;
 
-/// Numbers of all unknowns, or of all rows, in whole groups.
+/// Numbers of all unknowns and redundant rows, or of all rows, in whole groups.
 #[derive(Clone, Debug, Default)]
 struct Constants {
     /// The Newton step; of rows the residual at the earlier blocks' Newton steps.
@@ -100,7 +104,10 @@ pub struct Kantorovich {
     /// R with one row an equation: any matrix serves the proof; how good it is is measured.
     inverse: LaneMatrix,
     elimination: Elimination,
-    /// Derivatives of the rows of the basis, one form after the other.
+    /// The rows as they are taken: those of the basis, then the redundant ones.
+    order: Vec<usize>,
+    widened: LaneMatrix,
+    /// Derivatives of these rows, one form after the other.
     columns: LaneMatrix,
     /// Residuals and weights of the rows: residual, and weights for the rest of eta, for q, for K.
     rows: Constants,
@@ -115,6 +122,9 @@ pub struct Kantorovich {
 impl Kantorovich {
     /// Proves a block on its rows `basis` and notes its bounds; returns its radius of uniqueness and its error bound,
     /// in radians and sizes. The inverse has one row an equation.
+    ///
+    /// A row G that the basis leaves out is carried along like an unknown, with L = G' R in place of a row of R and L F - G
+    /// in place of R F. The exact pose of the basis has F = 0, so that G is there within the bounds of L F - G.
     pub fn prove(
         &mut self,
         system: &BlockSystem,
@@ -122,19 +132,24 @@ impl Kantorovich {
         inverse: Option<&LaneMatrix>,
         earlier: &mut Earlier,
     ) -> Result<(f64, f64), Reason> {
-        let n = basis.len();
-        if n == 0 {
+        let (n, all) = (basis.len(), system.rows.len());
+        if all == 0 {
             return Ok((f64::INFINITY, 0.0));
         }
-        self.take_columns(system, basis);
+        self.order.clear();
+        self.order.extend_from_slice(basis);
+        self.take_columns(system);
         match inverse {
             Some(inverse) => self.inverse.copy(inverse),
             None => self.invert(system, n)?,
         }
-        self.weigh(system, basis, earlier);
+        if n < all {
+            self.take_redundant_rows(system);
+        }
+        self.weigh(system, earlier);
         self.bound_unknowns(n, system, earlier);
         let Constants { newton, rest, q, k } = &self.unknowns;
-        let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..n]);
+        let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..all]);
         let (mut eta, mut most_q, mut most_k) = (0.0, 0.0, 0.0);
         for i in 0..n {
             eta = worse(eta, (newton[i].abs() + rest[i] * GROW) * GROW);
@@ -150,25 +165,81 @@ impl Kantorovich {
         if !(error <= BALL && error < radius) {
             return Err(Reason::Singular);
         }
-        for (i, unknown) in system.unknowns.iter().enumerate() {
+        let rest = |i: usize| {
             let (q, k) = (q[i] * GROW, k[i] * GROW);
-            let rest = (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW;
-            earlier.note(*unknown, newton[i], rest);
+            (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW
+        };
+        for (i, unknown) in system.unknowns.iter().enumerate() {
+            earlier.note(*unknown, newton[i], rest(i));
+        }
+        for (i, gap) in newton.iter().enumerate().skip(n) {
+            // What the last digits of the dimensions do to the row at the exact pose of the others.
+            let digits = self.order.iter().enumerate();
+            let digits =
+                digits.map(|(r, row)| self.inverse.at(r, i).abs() * system.rows[*row].last_units);
+            let (gap, explained) = (gap.abs(), rest(i) + digits.sum::<f64>());
+            let closes_to = (gap + explained) * GROW;
+            if gap > explained {
+                return Err(Reason::Open);
+            }
+            if closes_to.is_nan() || closes_to > LARGEST_GAP {
+                return Err(Reason::Singular);
+            }
+            earlier.closes_to = earlier.closes_to.max(closes_to);
         }
         Ok((radius, error))
     }
 
-    /// The derivatives of the rows of the basis.
-    fn take_columns(&mut self, system: &BlockSystem, basis: &[usize]) {
-        if basis.len() == system.rows.len() {
+    /// The derivatives of the rows in their order.
+    fn take_columns(&mut self, system: &BlockSystem) {
+        if self.order.len() == system.rows.len() && self.order.is_sorted() {
             self.columns.copy(&system.columns);
             return;
         }
-        self.columns.reset(system.forms.len(), basis.len());
+        self.columns.reset(system.forms.len(), self.order.len());
         for (from, to) in system.columns.rows().zip(self.columns.rows_mut()) {
             let to = to.as_flattened_mut();
-            for (to, row) in to.iter_mut().zip(basis) {
+            for (to, row) in to.iter_mut().zip(&self.order) {
                 *to = from.as_flattened()[*row];
+            }
+        }
+    }
+
+    /// Appends the rows that the basis leaves out, and to R what carries them: L = G' R for the rows of the basis, -1 for
+    /// their own.
+    fn take_redundant_rows(&mut self, system: &BlockSystem) {
+        let (n, all) = (self.order.len(), system.rows.len());
+        for row in 0..all {
+            if !self.order[..n].contains(&row) {
+                self.order.push(row);
+            }
+        }
+        self.take_columns(system);
+        self.derive(system, n, all);
+        self.widened.reset(all, all);
+        for i in 0..n {
+            let of_r = &self.inverse.row(i).as_flattened()[..n];
+            let wide = self.widened.row_mut(i).as_flattened_mut();
+            wide[..n].copy_from_slice(of_r);
+            for (factor, slopes) in of_r.iter().zip(self.matrix.rows()) {
+                let slopes = &slopes.as_flattened()[n..all];
+                for (sum, slope) in wide[n..].iter_mut().zip(slopes) {
+                    *sum += factor * slope;
+                }
+            }
+        }
+        for i in n..all {
+            *self.widened.at_mut(i, i) = -1.0;
+        }
+        std::mem::swap(&mut self.inverse, &mut self.widened);
+    }
+
+    /// Derivatives of `rows` rows by the block's `n` unknowns, one unknown after the other.
+    fn derive(&mut self, system: &BlockSystem, n: usize, rows: usize) {
+        self.matrix.reset(n, rows);
+        for (form, values) in system.forms.iter().zip(self.columns.rows()) {
+            for (column, rate) in &form.own {
+                add_scaled(self.matrix.row_mut(*column), *rate, values);
             }
         }
     }
@@ -176,12 +247,7 @@ impl Kantorovich {
     /// Inverts the Jacobian of the basis by the block's unknowns.
     fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
         // The transposed matrix has the transposed inverse.
-        self.matrix.reset(n, n);
-        for (form, values) in system.forms.iter().zip(self.columns.rows()) {
-            for (column, rate) in &form.own {
-                add_scaled(self.matrix.row_mut(*column), *rate, values);
-            }
-        }
+        self.derive(system, n, n);
         let pivots = self
             .elimination
             .invert_matrix(&self.matrix, &mut self.inverse);
@@ -189,8 +255,8 @@ impl Kantorovich {
     }
 
     /// Residuals and weights of the rows.
-    fn weigh(&mut self, system: &BlockSystem, basis: &[usize], earlier: &Earlier) {
-        let n = basis.len();
+    fn weigh(&mut self, system: &BlockSystem, earlier: &Earlier) {
+        let n = self.order.len();
         self.rows.reset(n);
         self.changes.clear();
         for (form, open) in system.forms.iter().zip(&system.open) {
@@ -212,7 +278,7 @@ impl Kantorovich {
         let sums = (2 * n + system.forms.len() + 8) as f64 * U;
         let Constants { newton, rest, q, k } = &mut self.rows;
         let [residuals, rests, qs, ks] = [newton, rest, q, k].map(|l| l.as_flattened_mut());
-        for (i, index) in basis.iter().enumerate() {
+        for (i, index) in self.order.iter().enumerate() {
             let row = &system.rows[*index];
             // Until here the sums of what the forms drift, and of their own rates.
             let (drifts, own_rates) = (rests[i], qs[i]);
@@ -245,15 +311,16 @@ impl Kantorovich {
         put(&mut rows.q, first, sums[2]);
     }
 
-    /// Constants of all unknowns, before they are grown.
+    /// Constants of the `n` unknowns and of the redundant rows behind them, before they are grown.
     fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &Earlier) {
-        self.unknowns.reset(n);
-        self.identity.reset(n, n);
+        let all = self.order.len();
+        self.unknowns.reset(all);
+        self.identity.reset(n, all);
         for i in 0..n {
             *self.identity.at_mut(i, i) = -1.0;
         }
-        self.before.reset(system.before.len(), n);
-        in_blocks!(groups(n), |G, first| self
+        self.before.reset(system.before.len(), all);
+        in_blocks!(groups(all), |G, first| self
             .bound_some::<G>(n, first, system, earlier));
     }
 
@@ -266,10 +333,11 @@ impl Kantorovich {
         system: &BlockSystem,
         earlier: &Earlier,
     ) {
-        let rows = &self.rows;
-        let weights = [&rows.newton, &rows.rest, &rows.q, &rows.k].map(|l| &l.as_flattened()[..n]);
+        let (rows, all) = (&self.rows, self.order.len());
+        let weights = [&rows.newton, &rows.rest, &rows.q, &rows.k];
+        let weights = weights.map(|l| &l.as_flattened()[..all]);
         let [mut newton, mut rest, mut q, mut k] = [[f64x4::ZERO; G]; 4];
-        for (i, row) in self.inverse.rows().enumerate().take(n) {
+        for (i, row) in self.inverse.rows().enumerate().take(all) {
             let row = part::<G>(row, first);
             let [residual, for_rest, for_q, for_k] = weights.map(|list| f64x4::splat(list[i]));
             for g in 0..G {
@@ -282,12 +350,8 @@ impl Kantorovich {
         }
         let forms = system.forms.iter().zip(&system.open);
         for ((form, open), column) in forms.zip(self.columns.rows()) {
-            // Where a basis leaves rows out, it is all that is left that counts.
-            let rows = if n == system.rows.len() {
-                form.rows.clone()
-            } else {
-                0..n
-            };
+            // Where a basis leaves rows out, they do not stand in their own order.
+            let rows = if n == all { form.rows.clone() } else { 0..all };
             let column = &column.as_flattened()[rows.clone()];
             let mut product = [f64x4::ZERO; G];
             for (row, value) in self.inverse.rows().skip(rows.start).zip(column) {

@@ -3,4 +3,5 @@
 pub mod chain;
 pub mod kantorovich;
 pub mod product;
+pub mod prover;
 pub mod system;

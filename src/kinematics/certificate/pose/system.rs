@@ -2,14 +2,15 @@
 
 use super::chain::{ArgumentDouble, LoopAtPose, LoopPlan, affine_value};
 use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::certificate::rows::ProofRows;
 use crate::kinematics::results::certificate::Reason;
-use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::Motion;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
-use crate::numbers::rounding::U;
+use crate::numbers::rounding::{DECIMAL, U};
 use std::ops::Range;
 
 /// Affine forms of the arguments, then of the equations; `None` for formulas.
@@ -35,6 +36,8 @@ pub struct Row {
     pub second_all: f64,
     /// Error of the row of the Jacobian, summed over all unknowns.
     pub column_error: f64,
+    /// Change where all numbers of the scene are off by a unit in their last place; only where rows are redundant.
+    pub last_units: f64,
 }
 
 /// A form (argument or affine equation) that the block uses.
@@ -74,7 +77,10 @@ struct EquationRow {
 #[derive(Clone, Debug)]
 struct LoopRows {
     plan: LoopPlan,
-    components: Vec<usize>,
+    /// Its equations and the rows they stand in, those of the block first.
+    rows: Vec<(usize, usize)>,
+    /// How many of them are the block's.
+    of_block: usize,
     /// A point closes it, so that it may be turned by anything.
     may_turn: bool,
 }
@@ -92,6 +98,7 @@ pub struct BlockSystem {
     pub has_formula: bool,
     loops: Vec<LoopRows>,
     equations: Vec<EquationRow>,
+    first_equation: usize,
     /// At the last pose.
     pub rows: Vec<Row>,
     /// Derivative of every row by every form, one form after the other.
@@ -104,8 +111,11 @@ pub struct BlockSystem {
 
 impl BlockSystem {
     /// Lays out a block.
-    pub fn new(mechanism: &Mechanism, block: &Block, forms: &Forms) -> Self {
+    pub fn new(of: &System, block: &Block, forms: &Forms) -> Self {
+        let mechanism = of.mechanism();
+        let rows = ProofRows::new(of, block);
         let mut system = Self {
+            first_equation: rows.first_equation,
             unknowns: block.unknowns.clone(),
             ..Self::default()
         };
@@ -114,12 +124,13 @@ impl BlockSystem {
         for index in block.arguments.iter().copied().chain(equations) {
             system.add_form(mechanism, block, forms, index);
         }
-        for part in &block.loops {
+        for (part, of_loop) in block.loops.iter().zip(rows.loops) {
             let place = |a: usize| block.arguments.iter().position(|b| *b == a).unwrap_or(0);
             let steps = &mechanism.loops[part.index].chain.steps;
             system.loops.push(LoopRows {
                 plan: LoopPlan::new(steps, place),
-                components: part.components.clone(),
+                rows: of_loop,
+                of_block: part.components.len(),
                 may_turn: mechanism.loops[part.index].closes == Closes::Point,
             });
             system.at_pose.push(LoopAtPose::default());
@@ -130,17 +141,17 @@ impl BlockSystem {
             system.equations.push(EquationRow { affine, scale });
         }
         system.note_rows();
-        system.rows = vec![Row::default(); block.rows()];
+        system.rows = vec![Row::default(); rows.count];
         system.open = vec![0.0; system.forms.len()];
         system
     }
 
-    /// Notes which rows depend on each form.
+    /// Notes which rows of the block depend on each form.
     fn note_rows(&mut self) {
         let first = self.forms.len() - self.equations.len();
         let mut row = 0;
         for item in &self.loops {
-            let end = row + item.components.len();
+            let end = row + item.of_block;
             for argument in item.plan.arguments() {
                 self.forms[argument].reaches(row..end);
             }
@@ -192,20 +203,45 @@ impl BlockSystem {
         self.arguments.clear();
         self.arguments
             .extend(of_block.map(|form| arguments[form.index]));
-        let mut row = 0;
         for index in 0..self.loops.len() {
-            row = self.loop_rows(index, row, mechanism.size)?;
+            self.loop_rows(index, mechanism.size)?;
         }
-        self.equation_rows(row, [coordinates, rests]);
+        self.equation_rows([coordinates, rests]);
+        if self.rows.len() > self.unknowns.len() {
+            self.weigh_last_units(coordinates);
+        }
         Ok(())
     }
 
-    /// Fills the rows of a loop from `row` on; returns the row after them.
-    fn loop_rows(&mut self, index: usize, row: usize, size: f64) -> Result<usize, Reason> {
+    /// By how much every row changes where the numbers of the scene are off by a unit in their last place.
+    fn weigh_last_units(&mut self, coordinates: &[f64]) {
+        for (item, at_pose) in self.loops.iter().zip(&self.at_pose) {
+            let units = at_pose.last_units(&item.plan, &self.arguments);
+            for &(component, row) in &item.rows {
+                self.rows[row].last_units = units[component / 3];
+            }
+        }
+        for (equation, row) in self.equations.iter().zip(self.first_equation..) {
+            let terms = equation
+                .affine
+                .terms
+                .iter()
+                .map(|(slot, c)| (*c, coordinates[*slot]));
+            let all = terms.chain([(equation.affine.constant, 1.0)]);
+            let sizes = all
+                .filter(|(c, _)| !c.is_exact())
+                .map(|(c, x)| c.largest() * x.abs());
+            self.rows[row].last_units = DECIMAL * equation.scale * sizes.sum::<f64>();
+        }
+    }
+
+    /// Fills the rows of a loop.
+    fn loop_rows(&mut self, index: usize, size: f64) -> Result<(), Reason> {
         let LoopRows {
             plan,
-            components,
+            rows,
             may_turn,
+            ..
         } = &self.loops[index];
         let forms = &self.forms;
         let item = &mut self.at_pose[index];
@@ -226,30 +262,32 @@ impl BlockSystem {
         let first = item.first_derivatives(|a| forms[a].rate);
         let open = item.first_derivatives(|a| self.open[a]);
         let reach = item.joints.first().map_or(0.0, |j| 1.0 + j.reach);
-        for (k, &component) in components.iter().enumerate() {
+        for &(component, row) in rows {
             let kind = component / 3;
             let farthest = if kind == 0 { 1.0 } else { reach };
             // The columns carry rounding, and belong to arguments that are open by `open`.
             let slack = COLUMN_ROUNDING + open[0];
-            self.rows[row + k] = Row {
+            self.rows[row] = Row {
                 residual: item.residual[component],
                 open: item.open[kind] + open[0] * open[0] * farthest + open[0] * open[1],
                 second: own[kind],
                 second_all: all[kind],
                 column_error: slack * (first[kind] + first[0] * farthest) + open[kind] * first[0],
+                last_units: 0.0,
             };
         }
         for joint in &item.joints {
             let column = item.column(joint);
-            let target = &mut self.columns.row_mut(joint.argument).as_flattened_mut()[row..];
-            for (entry, component) in target.iter_mut().zip(components) {
-                *entry += column[*component];
+            let target = self.columns.row_mut(joint.argument).as_flattened_mut();
+            for &(component, row) in rows {
+                target[row] += column[component];
             }
         }
-        Ok(row + components.len())
+        Ok(())
     }
 
-    fn equation_rows(&mut self, row: usize, [coordinates, rests]: [&[f64]; 2]) {
+    fn equation_rows(&mut self, [coordinates, rests]: [&[f64]; 2]) {
+        let row = self.first_equation;
         let first = self.forms.len() - self.equations.len();
         for (k, equation) in self.equations.iter().enumerate() {
             let scale = equation.scale;
@@ -262,22 +300,9 @@ impl BlockSystem {
                 second: 0.0,
                 second_all: 0.0,
                 column_error: COLUMN_ROUNDING * scale * self.forms[first + k].rate,
+                last_units: 0.0,
             };
         }
-    }
-
-    /// Whether a row that the proof on `basis` leaves out does not hold.
-    pub fn left_out_rows_are_open(&self, basis: &[usize]) -> bool {
-        if basis.len() == self.rows.len() {
-            return false;
-        }
-        let small = |row: &Row| row.residual.abs() <= CLOSURE_TOLERANCE;
-        let mut left_out = self
-            .rows
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| !basis.contains(k));
-        left_out.any(|(_, row)| !small(row))
     }
 
     /// Whether a loop may be turned by π once the unknowns move by `distance`.

@@ -1,9 +1,10 @@
 //! The blocks of a mechanism, proved along a path one after the other.
 
+use super::constants::Earlier;
 use super::form::Form;
 use super::path::Path;
 use super::proof;
-use super::proof::{Earlier, Workspace};
+use super::proof::Workspace;
 use super::rows::Layout;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
@@ -25,7 +26,7 @@ impl<'m> Blocks<'m> {
         let blocks = structure.blocks.iter();
         Self {
             layouts: blocks
-                .map(|block| Layout::new(mechanism, &forms, block))
+                .map(|block| Layout::new(system, &forms, block))
                 .collect(),
             forms,
             unknowns: mechanism.unknowns.len(),
@@ -44,6 +45,7 @@ impl<'m> Blocks<'m> {
             rest: vec![0.0; self.unknowns],
             largest: 0.0,
             unique: f64::INFINITY,
+            closes_to: 0.0,
         };
         let work = &mut self.work;
         for (layout, basis) in self.layouts.iter().zip(bases) {

@@ -5,9 +5,13 @@
 //! stretch take the Newton-Kantorovich test at once, which gives two radii: within the smaller one around the path there is
 //! a solution at every instant, within the larger one it is the only one. So tubes are joined, and the samples' own
 //! certified poses are joined to them, wherever one solution lies within the larger radius of the other. A stretch that fails is halved, down to [`FLOOR`] of the interval; keyframes always part stretches.
+//!
+//! Of an over-determined block the rows that are proved are chosen anew for every stretch. The others are bounded over the
+//! whole of it, as in the certificate of a pose.
 
 mod blocks;
 mod chain;
+mod constants;
 mod drive;
 mod form;
 mod model;
@@ -15,6 +19,7 @@ mod path;
 mod proof;
 mod prover;
 mod rows;
+mod stretches;
 
 use crate::kinematics::results::certificate::{IntervalCertificate, Reason};
 use crate::kinematics::results::trajectory::Trajectory;
@@ -23,7 +28,8 @@ use crate::model::actuation::Actuation;
 use blocks::Blocks;
 pub use model::{Around, Model, Polynomial};
 use path::Path;
-pub use prover::{FLOOR, Prover, Tube};
+pub use prover::{FLOOR, Prover};
+pub use stretches::Tube;
 
 /// Proves every interval between consecutive samples; one entry less than there are samples.
 pub fn certify_motion(
@@ -36,15 +42,16 @@ pub fn certify_motion(
     pairs.map(|pair| prover.interval(pair).0).collect()
 }
 
-/// Proves a single pose, at coordinates and what comes to the inputs, whose formulas have no affine form: error bound and radius of uniqueness in radians and sizes.
+/// Proves a single pose, at coordinates and what comes to the inputs, whose formulas have no affine form: error bound,
+/// radius of uniqueness and what redundant rows may be open by, in radians and sizes.
 pub(crate) fn pose(
     system: &System,
     [coordinates, rests]: [&[f64]; 2],
     bases: &[Vec<usize>],
-) -> Result<(f64, f64), Reason> {
+) -> Result<(f64, f64, f64), Reason> {
     let mechanism = system.mechanism();
     let mut blocks = Blocks::new(system);
     let mut path = Path::still(mechanism.unknowns.len(), coordinates, rests);
     let proved = blocks.prove(bases, &mut path, false)?;
-    Ok((proved.largest, proved.unique))
+    Ok((proved.largest, proved.unique, proved.closes_to))
 }

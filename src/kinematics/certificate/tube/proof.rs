@@ -3,16 +3,21 @@
 //! With the path x(s), the residual F and its Jacobian J along it, and a matrix R(s) = R₀ + s R₁ + s² R₂ near the inverse
 //! of J(x(s)): the product with R is taken coefficient by coefficient before s ranges over the stretch, so that what
 //! cancels along the path cancels in the bound. The path itself is made by Newton's method on polynomials.
+//!
+//! A row G that the proof leaves out is treated like an unknown, with L(s) = G' R(s) in place of a row of R: at the exact
+//! motion F = 0, so that G is there within the bounds of L F - G. What G is open by along the path for want of digits or
+//! of coefficients cancels against F.
 
+use super::constants::{Constants, Earlier, accept};
 use super::form::Form;
 use super::model::{Polynomial, TERMS, size};
 use super::path::Path;
 use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
 use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::certificate::rows::LARGEST_GAP_OF_TUBE;
 use crate::kinematics::results::certificate::Reason;
-use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::linalg::gauss_jordan::Elimination;
-use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups};
+use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, combine, dot, groups};
 use crate::numbers::rounding::{GROW, OPERATION};
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
@@ -35,17 +40,6 @@ const BALL_STEP: f64 = 16.0;
 
 /// No smaller ball is tried: a motion so close to a kink is as good as on it.
 const SMALLEST_BALL: f64 = 1e-6;
-
-/// What is proved of the unknowns of earlier blocks.
-#[derive(Clone, Debug)]
-pub struct Earlier {
-    /// Distance from the path, per unknown of the mechanism, in radians and sizes.
-    pub rest: Vec<f64>,
-    /// The largest of them.
-    pub largest: f64,
-    /// Distance within which the motion is the only one.
-    pub unique: f64,
-}
 
 /// Buffers of the test.
 #[derive(Debug, Default)]
@@ -72,11 +66,13 @@ pub struct Workspace {
 /// Groups that the coefficients of a polynomial take.
 const POLYNOMIAL: usize = TERMS.div_ceil(4);
 
-/// Bounds for one unknown.
-struct Constants {
-    eta: f64,
-    q: f64,
-    k: f64,
+/// What a row of factors times J should be.
+#[derive(Clone, Copy)]
+enum Aim {
+    /// The identity's row of an unknown.
+    Unknown(usize),
+    /// A redundant row of J.
+    Row(usize),
 }
 
 /// Adds what is proved of a block to what is proved of the earlier ones. `may_move`: the path is first brought to the
@@ -92,25 +88,35 @@ pub fn prove(
 ) -> Result<(), Reason> {
     work.n = layout.own;
     layout.rows(forms, path, &mut work.rows)?;
-    if layout.own > 0 {
-        for attempt in 0.. {
-            work.lay_out(basis, layout.columns.len());
-            work.invert()?;
-            if !may_move || work.correct(layout, path, attempt)? {
-                break;
-            }
-            layout.rows(forms, path, &mut work.rows)?;
+    for attempt in 0.. {
+        work.lay_out(basis, layout.columns.len());
+        if layout.own == 0 {
+            break;
         }
+        work.invert()?;
+        if !may_move || work.correct(layout, path, attempt)? {
+            break;
+        }
+        layout.rows(forms, path, &mut work.rows)?;
     }
     let bends = bends(layout, forms, path)?;
+    let mut error = 0.0;
     if layout.own > 0 {
         work.follow_inverse();
         let constants = work.constants(layout, basis, &bends, earlier);
-        accept(layout, &constants, bends.ball, earlier)?;
+        error = accept(layout, &constants, bends.ball, earlier)?;
     }
-    let gaps = (0..work.rows.residual.len()).filter(|row| !basis.contains(row));
-    if gaps.into_iter().any(|row| work.is_open(row, earlier)) {
-        return Err(Reason::Open);
+    for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
+        let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
+        let explained = bounds.explained(error);
+        let closes_to = (bounds.residual + explained) * GROW;
+        if bounds.residual > explained {
+            return Err(Reason::Open);
+        }
+        if closes_to.is_nan() || closes_to > LARGEST_GAP_OF_TUBE {
+            return Err(Reason::Singular);
+        }
+        earlier.closes_to = earlier.closes_to.max(closes_to);
     }
     for (trace, turn) in work.rows.traces.iter().zip(&bends.turns) {
         let along_the_path = trace.c[0] - trace.size_of_change();
@@ -134,53 +140,34 @@ fn bends(layout: &Layout, forms: &[Form], path: &Path) -> Result<Bends, Reason> 
 }
 
 impl Workspace {
-    /// Whether a row that the proof leaves out does not hold: in the middle of the stretch, or anywhere if there are no
-    /// unknowns that could keep it closed.
-    fn is_open(&self, row: usize, earlier: &Earlier) -> bool {
-        let residual = &self.rows.residual[row];
-        let gap = if self.n == 0 {
-            residual.size()
-        } else {
-            let slopes = self.rows.jacobian[0].row(row).as_flattened().iter();
-            let play = slopes.map(|v| v.abs()).sum::<f64>() * earlier.largest;
-            residual.c[0].abs() - 2.0 * play - residual.rest
-        };
-        gap.is_nan() || gap > CLOSURE_TOLERANCE
-    }
-
     /// Takes the rows of the basis.
     fn lay_out(&mut self, basis: &[usize], width: usize) {
-        let n = self.n;
+        let products = self.products();
         self.stride = groups(width);
-        let products = (3 * n + 8) as f64 * OPERATION;
         self.stacked.clear();
         for matrix in self.rows.jacobian.iter().rev() {
             for row in basis {
                 self.stacked.extend_from_slice(matrix.row(*row));
             }
         }
-        self.slack.clear();
         self.residuals.clear();
+        self.slack.clear();
         self.open.clear();
         for row in basis {
-            for g in 0..self.stride {
-                let mut sum = self.rows.rest.row(*row)[g];
-                for matrix in &self.rows.jacobian {
-                    let entries = matrix.row(*row)[g];
-                    sum.iter_mut()
-                        .zip(entries)
-                        .for_each(|(s, e)| *s += products * e.abs());
-                }
-                self.slack.push(sum);
-            }
+            self.rows.add_slack(*row, products, &mut self.slack);
+            self.open.push(self.rows.open_of(*row, products));
             let residual = &self.rows.residual[*row];
             let mut padded = [[0.0; 4]; POLYNOMIAL];
             for (k, c) in residual.c.iter().enumerate() {
                 padded[k / 4][k % 4] = *c;
             }
             self.residuals.extend(padded);
-            self.open.push(residual.rest + products * size(&residual.c));
         }
+    }
+
+    /// Rounding of the sums of products that an entry takes part in, over its size.
+    fn products(&self) -> f64 {
+        (3 * self.n + 8) as f64 * OPERATION
     }
 
     /// Rows of coefficient `k` of J and of all lower ones.
@@ -311,55 +298,102 @@ impl Workspace {
         bends: &Bends,
         earlier: &Earlier,
     ) -> Vec<Constants> {
-        let (n, width) = (self.n, layout.columns.len());
-        let drift = earlier.largest;
-        let mut product = vec![[0.0; 4]; self.stride];
-        let of_unknown = |i: usize| {
-            let factors = &self.factors[i * INVERSE_TERMS * n..(i + 1) * INVERSE_TERMS * n];
-            let sizes: Vec<f64> = (0..n)
-                .map(|r| (0..INVERSE_TERMS).map(|m| factors[m * n + r].abs()).sum())
-                .collect();
-            let weigh = |bounds: &[f64]| -> f64 {
-                let pairs = sizes.iter().zip(basis);
-                pairs.map(|(s, row)| s * bounds[*row]).sum()
-            };
-            combine(&mut product, &sizes, &self.slack);
-            let mut whole = product.clone();
-            for k in 0..JACOBIAN_TERMS + INVERSE_TERMS - 1 {
-                // Coefficients m of R meet those k - m of J.
-                let least = (k + 1).saturating_sub(JACOBIAN_TERMS);
-                let most = k.min(INVERSE_TERMS - 1);
-                let rows = self.coefficients_from(k - least);
-                let count = (most - least + 1) * n;
-                let of_r = &factors[least * n..least * n + count];
-                combine(&mut product, of_r, &rows[..count * self.stride]);
-                if k == 0 {
-                    product[i / 4][i % 4] -= 1.0;
-                }
-                for (whole, part) in whole.iter_mut().zip(&product) {
-                    for (w, p) in whole.iter_mut().zip(part) {
-                        *w += p.abs();
-                    }
-                }
-            }
-            let whole = &whole.as_flattened()[..width];
-            let bend = weigh(&bends.all);
-            let carried = whole[n..].iter().zip(&layout.columns[n..]);
-            let carried: f64 = carried.map(|(c, slot)| c * earlier.rest[*slot]).sum();
-            let open: f64 = sizes.iter().zip(&self.open).map(|(s, o)| s * o).sum();
-            let residual = self.residual(factors);
-            Constants {
-                eta: (residual + open + carried + 0.5 * bend * drift * drift) * GROW,
-                q: (whole[..n].iter().sum::<f64>() + bend * drift) * GROW,
-                k: weigh(&bends.own) * GROW,
-            }
-        };
-        let mut of_unknown = of_unknown;
-        (0..n).map(&mut of_unknown).collect()
+        let of_unknown = self.factors.chunks_exact(INVERSE_TERMS * self.n);
+        let of_unknown = of_unknown.enumerate();
+        of_unknown
+            .map(|(i, factors)| self.bound(factors, Aim::Unknown(i), layout, basis, bends, earlier))
+            .collect()
     }
 
-    /// Bound of the polynomial that a row of R makes of F.
-    fn residual(&self, factors: &[f64]) -> f64 {
+    /// Bounds for a row that the basis leaves out: its factors are those of G' R.
+    fn of_redundant_row(
+        &self,
+        row: usize,
+        layout: &Layout,
+        basis: &[usize],
+        bends: &Bends,
+        earlier: &Earlier,
+    ) -> Constants {
+        let (n, all) = (self.n, INVERSE_TERMS * self.n);
+        let mut factors = vec![0.0; all];
+        for (k, matrix) in self.rows.jacobian.iter().enumerate().take(INVERSE_TERMS) {
+            let slopes = &matrix.row(row).as_flattened()[..n];
+            for (slope, of_unknown) in slopes.iter().zip(self.factors.chunks_exact(all.max(1))) {
+                // Coefficients m of R go to those k + m of the product.
+                for (sum, factor) in factors[k * n..].iter_mut().zip(of_unknown) {
+                    *sum += slope * factor;
+                }
+            }
+        }
+        self.bound(&factors, Aim::Row(row), layout, basis, bends, earlier)
+    }
+
+    /// Bounds of a row of factors times F and J, less what it aims at.
+    fn bound(
+        &self,
+        factors: &[f64],
+        aim: Aim,
+        layout: &Layout,
+        basis: &[usize],
+        bends: &Bends,
+        earlier: &Earlier,
+    ) -> Constants {
+        let (n, width) = (self.n, layout.columns.len());
+        let drift = earlier.largest;
+        let sizes: Vec<f64> = (0..n)
+            .map(|r| (0..INVERSE_TERMS).map(|m| factors[m * n + r].abs()).sum())
+            .collect();
+        let weigh = |bounds: &[f64]| -> f64 {
+            let pairs = sizes.iter().zip(basis);
+            pairs.map(|(s, row)| s * bounds[*row]).sum()
+        };
+        let mut product = vec![[0.0; 4]; self.stride];
+        combine(&mut product, &sizes, &self.slack);
+        let mut whole = product.clone();
+        for k in 0..JACOBIAN_TERMS + INVERSE_TERMS - 1 {
+            // Coefficients m of the factors meet those k - m of J.
+            let least = (k + 1).saturating_sub(JACOBIAN_TERMS);
+            let most = k.min(INVERSE_TERMS - 1);
+            let rows = self.coefficients_from(k - least);
+            let count = (most - least + 1) * n;
+            let factors = &factors[least * n..least * n + count];
+            combine(&mut product, factors, &rows[..count * self.stride]);
+            match aim {
+                Aim::Unknown(i) if k == 0 => product[i / 4][i % 4] -= 1.0,
+                Aim::Row(row) if k < JACOBIAN_TERMS => {
+                    add_scaled(&mut product, -1.0, self.rows.jacobian[k].row(row));
+                }
+                _ => {}
+            }
+            for (whole, part) in whole.iter_mut().zip(&product) {
+                for (w, p) in whole.iter_mut().zip(part) {
+                    *w += p.abs();
+                }
+            }
+        }
+        let mut open: f64 = sizes.iter().zip(&self.open).map(|(s, o)| s * o).sum();
+        let (mut bend, mut own_bend) = (weigh(&bends.all), weigh(&bends.own));
+        if let Aim::Row(row) = aim {
+            let mut slack = Vec::new();
+            self.rows.add_slack(row, self.products(), &mut slack);
+            add_scaled(&mut whole, 1.0, &slack);
+            open += self.rows.open_of(row, self.products());
+            bend += bends.all[row];
+            own_bend += bends.own[row];
+        }
+        let whole = &whole.as_flattened()[..width];
+        let carried = whole[n..].iter().zip(&layout.columns[n..]);
+        let carried: f64 = carried.map(|(c, slot)| c * earlier.rest[*slot]).sum();
+        Constants {
+            residual: self.residual(factors, aim) * GROW,
+            rest: (open + carried + 0.5 * bend * drift * drift) * GROW,
+            q: (whole[..n].iter().sum::<f64>() + bend * drift) * GROW,
+            k: own_bend * GROW,
+        }
+    }
+
+    /// Bound of the polynomial that a row of factors makes of F, less what it aims at.
+    fn residual(&self, factors: &[f64], aim: Aim) -> f64 {
         let mut all = [0.0; TERMS + INVERSE_TERMS];
         let mut part = [[0.0; 4]; POLYNOMIAL];
         for m in 0..INVERSE_TERMS {
@@ -369,36 +403,10 @@ impl Workspace {
                 *sum += c;
             }
         }
+        if let Aim::Row(row) = aim {
+            let left_out = &self.rows.residual[row].c;
+            all.iter_mut().zip(left_out).for_each(|(sum, c)| *sum -= c);
+        }
         all.iter().map(|c| c.abs()).sum()
     }
-}
-
-/// The test itself: eta + q r + K r²/2 ≤ r has a solution, and the map contracts there.
-fn accept(
-    layout: &Layout,
-    constants: &[Constants],
-    ball: f64,
-    earlier: &mut Earlier,
-) -> Result<(), Reason> {
-    let worst = |f: fn(&Constants) -> f64| {
-        let values = constants.iter().map(f);
-        values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
-    };
-    let (eta, q, k) = (worst(|c| c.eta), worst(|c| c.q), worst(|c| c.k));
-    let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 1e-15) - 2.0 * k * eta;
-    if !(q < 1.0 && discriminant > 0.0) {
-        return Err(Reason::Singular);
-    }
-    let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
-    let unique = ((1.0 - q) / k).min(ball) / GROW;
-    if error.is_nan() || error >= unique {
-        return Err(Reason::Singular);
-    }
-    for (slot, c) in layout.block.unknowns.iter().zip(constants) {
-        let rest = (c.eta + c.q * error + 0.5 * c.k * error * error) * GROW;
-        earlier.rest[*slot] = rest;
-        earlier.largest = earlier.largest.max(rest);
-    }
-    earlier.unique = earlier.unique.min(unique);
-    Ok(())
 }

@@ -5,17 +5,22 @@ use super::drive::{Stretch, keys_between};
 use super::form::Form;
 use super::model::{Model, Polynomial, TERMS};
 use super::path::{InputPath, Path};
+use super::stretches::{Bases, Place, Tube, largest};
+use crate::kinematics::certificate::pose::prover::PoseProver;
+use crate::kinematics::certificate::rows::redundant;
 use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
 };
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
 use crate::numbers::interval::Interval;
+use std::sync::Arc;
 
 /// Shortest stretch, as a fraction of the interval between two samples: near a singular pose tubes get as short
 /// as they are far from it, and there is no end to that.
@@ -24,46 +29,9 @@ pub const FLOOR: f64 = 1.0 / 65_536.0;
 /// An input of a sample may differ from the enclosed drive by rounding: this much of a radian or of the size.
 const SAME_INPUT: f64 = 1e-9;
 
-/// One proved stretch.
-#[derive(Clone, Debug)]
-pub struct Tube {
-    /// Seconds.
-    pub start: f64,
-    /// Seconds.
-    pub end: f64,
-    /// Distance of the motion from the path at most, in radians and sizes.
-    pub radius: f64,
-    /// Distance from the path within which it is the only one, likewise.
-    pub unique: f64,
-    /// Distance of every unknown from the path, likewise.
-    rest: Vec<f64>,
-    path: Path,
-}
-
-impl Tube {
-    /// The path's value of unknown `k` at a time of the stretch.
-    pub fn centre(&self, k: usize, time: f64) -> f64 {
-        self.path.at(k, time).middle()
-    }
-
-    /// Rate of the path of unknown `k` at the end.
-    fn rate_at_end(&self, k: usize) -> f64 {
-        let c = &self.path.coordinates[k].c;
-        let slope: f64 = c.iter().enumerate().map(|(j, c)| j as f64 * c).sum();
-        slope / self.path.stretch().half
-    }
-}
-
-/// A pose on the way.
-#[derive(Clone, Debug)]
-struct Place {
-    time: f64,
-    unknowns: Vec<f64>,
-    /// Rates of the unknowns, where they are known: only the first guess of a path needs them.
-    rates: Option<Vec<f64>>,
-    /// Of a sample: its inputs, and how far the exact pose is, in radians and sizes.
-    sample: Option<(Vec<f64>, f64)>,
-}
+/// Where in a stretch the rows of over-determined blocks are chosen, as parts of it: in the middle, and where that choice
+/// fails at either end.
+const CHOICES: [f64; 3] = [0.5, 0.0, 1.0];
 
 /// Proves intervals of one mechanism.
 #[derive(Debug)]
@@ -72,9 +40,10 @@ pub struct Prover<'m> {
     actuation: &'m Actuation,
     blocks: Blocks<'m>,
     solver: PoseSolver<'m>,
-    bases: Option<Vec<Vec<usize>>>,
-    /// A block has rows that its proof leaves out.
-    has_more_rows: bool,
+    /// All rows of every block; `None` if a block has more of them than unknowns.
+    all_rows: Option<Bases>,
+    /// Looks at redundant rows with more digits than tubes have; `None` without such rows.
+    digits: Option<PoseProver<'m>>,
     /// An interval may end where the drive jumps; it is then proved up to the jump.
     may_jump: bool,
 }
@@ -82,13 +51,17 @@ pub struct Prover<'m> {
 impl<'m> Prover<'m> {
     /// Prepares the proofs.
     pub fn new(system: &'m System, actuation: &'m Actuation) -> Self {
+        let is_square = |block: &Block| block.rows() == block.unknowns.len();
         Self {
             system,
             actuation,
             blocks: Blocks::new(system),
             solver: PoseSolver::new(system),
-            bases: None,
-            has_more_rows: system.blocks().iter().any(|b| b.rows() > b.unknowns.len()),
+            all_rows: (system.blocks().iter()).all(is_square).then(|| {
+                let rows = system.blocks().iter().map(|b| (0..b.rows()).collect());
+                Arc::new(rows.collect())
+            }),
+            digits: (redundant(system) > 0).then(|| PoseProver::new(system)),
             may_jump: false,
         }
     }
@@ -100,7 +73,7 @@ impl<'m> Prover<'m> {
     }
 
     /// Whether a sample's exact pose is the one that the tube has at that time.
-    pub fn meets(&mut self, tube: &Tube, sample: &Sample) -> bool {
+    pub fn meets(&self, tube: &Tube, sample: &Sample) -> bool {
         self.place(sample)
             .is_ok_and(|place| self.holds(tube, &place))
     }
@@ -111,10 +84,13 @@ impl<'m> Prover<'m> {
         let [least, largest] = self.system.mechanism().distance_units();
         let radius = tubes.iter().map(|t: &Tube| t.radius).fold(0.0, f64::max);
         let unique = tubes.iter().map(|t| t.unique).fold(f64::INFINITY, f64::min);
+        let closes_to = tubes.iter().map(|t| t.closes_to).fold(0.0, f64::max);
+        let is_bounded = self.digits.is_some() && !tubes.is_empty();
         let certificate = IntervalCertificate {
             tubes: tubes.len(),
             radius: radius * largest * (1.0 + 1e-12),
             unique_radius: unique * least * (1.0 - 1e-12),
+            closes_to: is_bounded.then_some(closes_to * largest * (1.0 + 1e-12)),
             refused,
         };
         (certificate, tubes)
@@ -141,8 +117,9 @@ impl<'m> Prover<'m> {
                 start,
                 end,
             ));
-            let half = self.prove([start, end], path).ok()?;
-            self.same_motion(tube, &half).then_some(half)
+            let half = self.prove([start, end], path, &tube.bases).ok()?;
+            half.has_motion_of(tube, self.system.mechanism())
+                .then_some(half)
         };
         Some([part(tube.start, middle)?, part(middle, tube.end)?])
     }
@@ -214,19 +191,15 @@ impl<'m> Prover<'m> {
     }
 
     /// A certified sample.
-    fn place(&mut self, sample: &Sample) -> Result<Place, Obstacle> {
+    fn place(&self, sample: &Sample) -> Result<Place, Obstacle> {
         let pose = sample.pose.as_ref().ok_or(Obstacle::NoPose)?;
         let error = match pose.certificate {
-            Certificate::Certified { error_bound, .. } => error_bound,
+            Certificate::Certified { error_bound, .. }
+            | Certificate::Consistent { error_bound, .. } => error_bound,
             // Tubes are about angles, which have no bound here.
             Certificate::Locked { .. } => return Err(Obstacle::Test(Reason::GimbalLock)),
             Certificate::Refused { reason } => return Err(Obstacle::Test(reason)),
         };
-        if self.bases.is_none() {
-            let coordinates = [&pose.unknowns[..], &sample.inputs].concat();
-            self.solver.observe(&coordinates);
-            self.bases = Some(self.solver.proof_basis(&coordinates).0.to_vec());
-        }
         Ok(Place {
             time: sample.time,
             unknowns: pose.unknowns.clone(),
@@ -316,36 +289,89 @@ impl<'m> Prover<'m> {
         for place in [here, next] {
             self.admit(&mut inputs, place)?;
         }
-        if self.has_more_rows {
-            // The rows that the proof leaves out are checked in the middle.
-            let time = 0.5 * here.time + 0.5 * next.time;
-            let singular = Obstacle::Test(Reason::Singular);
-            self.pose_between(here, next, time).ok_or(singular)?;
-        }
         let path = inputs.with(self.first_guess(here, next, before));
-        let tube = self
-            .prove([here.time, next.time], path)
-            .map_err(Obstacle::Test)?;
-        if before.is_some_and(|before| !self.same_inputs(before, &tube)) {
+        let tube = self.prove_on_some_rows(here, next, &path);
+        let tube = tube.map_err(Obstacle::Test)?;
+        if before.is_some_and(|before| !tube.has_inputs_of(before, self.system.mechanism())) {
             return Err(Obstacle::Drive);
         }
         let joined = [here, next].iter().all(|place| self.holds(&tube, place))
-            && before.is_none_or(|before| self.same_motion(before, &tube));
+            && before.is_none_or(|before| tube.has_motion_of(before, self.system.mechanism()));
         joined.then_some(tube).ok_or(Obstacle::NotJoined)
     }
 
+    /// Proves the stretch on the rows that suit it: an over-determined block leaves a choice, and what is good at one
+    /// pose may depend on each other at another.
+    fn prove_on_some_rows(
+        &mut self,
+        here: &Place,
+        next: &Place,
+        path: &Path,
+    ) -> Result<Tube, Reason> {
+        let ends = [here.time, next.time];
+        if let Some(rows) = self.all_rows.clone() {
+            return self.prove(ends, path.clone(), &rows);
+        }
+        let mut refusal = None;
+        let mut tried: Vec<Bases> = Vec::new();
+        for share in CHOICES {
+            let time = here.time + share * (next.time - here.time);
+            let Some(place) = self.pose_between(here, next, time) else {
+                continue;
+            };
+            let inputs = self.actuation.inputs_at(time);
+            let rows = Arc::new(self.solver.best_rows(&[place.unknowns, inputs].concat()));
+            if tried.contains(&rows) {
+                continue;
+            }
+            match self.prove(ends, path.clone(), &rows) {
+                Ok(tube) => return Ok(tube),
+                Err(reason) => refusal = refusal.or(Some(reason)),
+            }
+            tried.push(rows);
+        }
+        Err(refusal.unwrap_or(Reason::Singular))
+    }
+
     /// Brings a path to the motion and proves the tube around it.
-    fn prove(&mut self, [start, end]: [f64; 2], mut path: Path) -> Result<Tube, Reason> {
-        let bases = self.bases.as_deref().unwrap_or_default();
+    fn prove(
+        &mut self,
+        [start, end]: [f64; 2],
+        mut path: Path,
+        bases: &Bases,
+    ) -> Result<Tube, Reason> {
         let proved = self.blocks.prove(bases, &mut path, true)?;
+        if self.is_open_at(0.5 * start + 0.5 * end, &path, bases) {
+            return Err(Reason::Open);
+        }
         Ok(Tube {
             start,
             end,
             radius: proved.largest,
             unique: proved.unique,
+            closes_to: proved.closes_to,
             rest: proved.rest,
             path,
+            bases: Arc::clone(bases),
         })
+    }
+
+    /// Whether a redundant row is proved not to hold at a time: what it is open by may be too small for a tube to see.
+    fn is_open_at(&mut self, time: f64, path: &Path, bases: &Bases) -> bool {
+        let Some(digits) = &mut self.digits else {
+            return false;
+        };
+        let unknowns = 0..self.blocks.unknowns;
+        let mut place: Vec<f64> = unknowns.map(|k| path.at(k, time).middle()).collect();
+        place.extend(self.actuation.inputs_at(time));
+        let reason = match digits.prove([&place, &[]], bases, None) {
+            Err(Reason::Formula) => {
+                let mut still = Path::still(self.blocks.unknowns, &place, &[]);
+                self.blocks.prove(bases, &mut still, false).err()
+            }
+            proved => proved.err(),
+        };
+        reason == Some(Reason::Open)
     }
 
     /// Cubic curves of the unknowns through both ends, with the rates there as far as they are known.
@@ -405,29 +431,4 @@ impl<'m> Prover<'m> {
         });
         largest(gap) * (1.0 + 1e-12) + error < tube.unique
     }
-
-    /// Whether the enclosed drive goes on where two tubes meet.
-    fn same_inputs(&self, before: &Tube, tube: &Tube) -> bool {
-        let slots =
-            self.system.mechanism().unknowns.len()..self.system.mechanism().coordinate_count();
-        slots.into_iter().all(|k| {
-            let (a, b) = (before.path.at(k, tube.start), tube.path.at(k, tube.start));
-            a.lo <= b.hi && b.lo <= a.hi
-        })
-    }
-
-    /// Whether two consecutive tubes have the same pose where they meet.
-    fn same_motion(&self, before: &Tube, tube: &Tube) -> bool {
-        let gap = (0..self.system.mechanism().unknowns.len()).map(|k| {
-            let (a, b) = (before.path.at(k, tube.start), tube.path.at(k, tube.start));
-            (a - b).magnitude() / self.system.mechanism().scale_of(k)
-        });
-        let gap = largest(gap) * (1.0 + 1e-12);
-        gap + before.radius < tube.unique || gap + tube.radius < before.unique
-    }
-}
-
-/// The largest; a number that is none wins.
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
 }

@@ -2,12 +2,14 @@
 
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Change, Form};
-use super::model::{Model, TERMS};
+use super::model::{Model, TERMS, size};
 use super::path::Path;
+use crate::kinematics::certificate::rows::ProofRows;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::loop_part::LoopPart;
-use crate::linalg::lanes::LaneMatrix;
+use crate::kinematics::structure::system::System;
+use crate::linalg::lanes::{LaneMatrix, Lanes};
 use crate::model::mechanism::{Closes, Mechanism};
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION};
@@ -21,6 +23,8 @@ pub const JACOBIAN_TERMS: usize = 4;
 pub struct Layout<'m> {
     pub mechanism: &'m Mechanism,
     pub block: &'m Block,
+    /// The rows of its loops.
+    places: ProofRows,
     /// Unknowns: the block's own, then those of earlier blocks.
     pub columns: Vec<usize>,
     /// Number of own unknowns.
@@ -48,8 +52,28 @@ pub struct Rows {
     pub traces: Vec<Model>,
 }
 
+impl Rows {
+    /// Appends what a row of the Jacobian leaves out and what its products round: `products` of every entry.
+    pub fn add_slack(&self, row: usize, products: f64, slack: &mut Vec<Lanes>) {
+        let first = slack.len();
+        slack.extend_from_slice(self.rest.row(row));
+        for matrix in &self.jacobian {
+            for (sums, entries) in slack[first..].iter_mut().zip(matrix.row(row)) {
+                let pairs = sums.iter_mut().zip(entries);
+                pairs.for_each(|(sum, entry)| *sum += products * entry.abs());
+            }
+        }
+    }
+
+    /// What a residual leaves out and what its products round.
+    pub fn open_of(&self, row: usize, products: f64) -> f64 {
+        let residual = &self.residual[row];
+        residual.rest + products * size(&residual.c)
+    }
+}
+
 /// Bounds that hold within the ball around the path.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Bends {
     /// Of the second derivatives along the block's own unknowns, row by row.
     pub own: Vec<f64>,
@@ -63,7 +87,8 @@ pub struct Bends {
 
 impl<'m> Layout<'m> {
     /// Lays out a block whose arguments and equations are `forms`.
-    pub fn new(mechanism: &'m Mechanism, forms: &[Form], block: &'m Block) -> Self {
+    pub fn new(system: &'m System, forms: &[Form], block: &'m Block) -> Self {
+        let mechanism = system.mechanism();
         let first = mechanism.arguments.len();
         let equations = block.equations.iter().map(|index| first + index);
         let used: Vec<usize> = block.arguments.iter().copied().chain(equations).collect();
@@ -104,6 +129,7 @@ impl<'m> Layout<'m> {
         Self {
             mechanism,
             block,
+            places: ProofRows::new(system, block),
             columns,
             own,
             used,
@@ -118,21 +144,30 @@ impl<'m> Layout<'m> {
         self.mechanism.loops[part.index].closes == Closes::Frame
     }
 
-    fn equations(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    /// Scalar equations: form, row, scale.
+    fn equations(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let first = self.mechanism.arguments.len();
-        self.block
+        let equations = self
+            .block
             .equations
             .iter()
-            .map(move |index| (first + index, self.mechanism.weight_of(*index)))
+            .zip(self.places.first_equation..);
+        equations.map(move |(index, row)| (first + index, row, self.mechanism.weight_of(*index)))
+    }
+
+    /// Number of rows, those beyond the block's included.
+    pub fn count(&self) -> usize {
+        self.places.count
     }
 
     /// Residual and Jacobian along the path.
     pub fn rows(&self, forms: &[Form], path: &Path, rows: &mut Rows) -> Result<(), Reason> {
-        let count = self.block.rows();
+        let count = self.count();
         for matrix in rows.jacobian.iter_mut().chain([&mut rows.rest]) {
             matrix.reset(count, self.columns.len());
         }
         rows.residual.clear();
+        rows.residual.resize(count, Model::ZERO);
         rows.traces.clear();
         let mut arguments: Vec<Option<ArgumentModel>> = vec![None; self.mechanism.arguments.len()];
         for &index in &self.block.arguments {
@@ -148,13 +183,13 @@ impl<'m> Layout<'m> {
             .map(|index| forms[*index].derivatives(path))
             .collect();
         let place = |index: usize| self.used.iter().position(|u| *u == index);
-        for part in &self.block.loops {
+        for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
             let steps = &self.mechanism.loops[part.index].chain.steps;
             let moves = |a: usize| !self.moves[a].is_empty();
             let item = LoopModel::new(steps, &arguments, moves, self.mechanism.size);
-            let first = rows.residual.len();
-            let residuals = part.components.iter().map(|c| item.residual(*c));
-            rows.residual.extend(residuals);
+            for (component, row) in places {
+                rows.residual[*row] = item.residual(*component);
+            }
             if self.must_not_turn(part) {
                 rows.traces.push(item.trace());
             }
@@ -164,22 +199,15 @@ impl<'m> Layout<'m> {
                     continue;
                 };
                 let column = item.column(joint, open);
-                for (k, component) in part.components.iter().enumerate() {
-                    let derivative = &column[*component];
-                    self.add(
-                        rows,
-                        first + k,
-                        joint.argument,
-                        derivative,
-                        &derivatives[form],
-                    );
+                for (component, row) in places {
+                    let (derivative, argument) = (&column[*component], joint.argument);
+                    self.add(rows, *row, argument, derivative, &derivatives[form]);
                 }
             }
         }
-        for (index, scale) in self.equations() {
-            let row = rows.residual.len();
+        for (index, row, scale) in self.equations() {
             let weight = Model::constant(scale);
-            rows.residual.push(forms[index].value(path).scaled(scale));
+            rows.residual[row] = forms[index].value(path).scaled(scale);
             if let Some(form) = place(index) {
                 self.add(rows, row, index, &weight, &derivatives[form]);
             }
@@ -230,10 +258,12 @@ impl<'m> Layout<'m> {
         }
         let [own, all] = changes;
         let mut bends = Bends {
+            own: vec![0.0; self.count()],
+            all: vec![0.0; self.count()],
+            turns: Vec::new(),
             ball,
-            ..Bends::default()
         };
-        for part in &self.block.loops {
+        for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
             let steps = &self.mechanism.loops[part.index].chain.steps;
             // The value over the path, and what the ball adds to it.
             let farthest = |a: usize| match &forms[a] {
@@ -246,17 +276,17 @@ impl<'m> Layout<'m> {
             let reaches = Reaches::new(steps, farthest, self.mechanism.size);
             let of_own = reaches.second_derivatives(|a| own[a]);
             let of_all = reaches.second_derivatives(|a| all[a]);
-            for component in &part.components {
-                bends.own.push(of_own[component / 3]);
-                bends.all.push(of_all[component / 3]);
+            for (component, row) in places {
+                bends.own[*row] = of_own[component / 3];
+                bends.all[*row] = of_all[component / 3];
             }
             if self.must_not_turn(part) {
                 bends.turns.push(reaches.turn(|a| all[a].rate));
             }
         }
-        for (index, scale) in self.equations() {
-            bends.own.push(own[index].bend * scale);
-            bends.all.push(all[index].bend * scale);
+        for (index, row, scale) in self.equations() {
+            bends.own[row] = own[index].bend * scale;
+            bends.all[row] = all[index].bend * scale;
         }
         let mut bounds = bends.own.iter().chain(&bends.all);
         if bounds.all(|b| b.is_finite()) {

@@ -6,6 +6,8 @@ use crate::kinematics::loops::forward;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use crate::kinematics::solve::branch::best_rows;
+use crate::kinematics::solve::newton::Corrector;
 use crate::model::printed::InputReading;
 
 impl Recorder<'_> {
@@ -82,7 +84,9 @@ impl Recorder<'_> {
         match chart {
             Some(chart) if certificate == is_singular => {
                 let own = chart.base(coordinates);
-                locked(Certifier::new(chart.system).certify(&own, &rests, bases))
+                let mut corrector = Corrector::new(chart.system);
+                let rows = best_rows(chart.system, &mut corrector, &own);
+                locked(Certifier::new(chart.system).certify(&own, &rests, &rows))
             }
             _ => certificate,
         }
@@ -91,15 +95,13 @@ impl Recorder<'_> {
 
 /// The certificate of a pose whose angles are too nearly locked to have one, from that of the joints' rotations.
 fn locked(certificate: Certificate) -> Certificate {
-    match certificate {
-        Certificate::Certified {
+    match certificate.bounds() {
+        Some([error_bound, unique_radius]) => Certificate::Locked {
             error_bound,
             unique_radius,
-        } => Certificate::Locked {
-            error_bound,
-            unique_radius,
+            closes_to: certificate.closes_to(),
         },
-        _ => Certificate::Refused {
+        None => Certificate::Refused {
             reason: Reason::GimbalLock,
         },
     }

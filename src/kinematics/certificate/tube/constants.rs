@@ -1,0 +1,72 @@
+//! The constants of the Newton-Kantorovich test over a stretch, and the test itself.
+
+use super::rows::Layout;
+use crate::kinematics::results::certificate::Reason;
+use crate::numbers::rounding::GROW;
+
+/// What is proved of the unknowns of earlier blocks.
+#[derive(Clone, Debug)]
+pub struct Earlier {
+    /// Distance from the path, per unknown of the mechanism, in radians and sizes.
+    pub rest: Vec<f64>,
+    /// The largest of them.
+    pub largest: f64,
+    /// Distance within which the motion is the only one.
+    pub unique: f64,
+    /// No redundant row is open by more.
+    pub closes_to: f64,
+}
+
+/// Bounds for one unknown, or for one redundant row.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants {
+    /// Of R F: what its polynomial says.
+    pub residual: f64,
+    /// Of R F: what rounding, digits, cutting off and earlier blocks leave open.
+    pub rest: f64,
+    /// Of R J: how far it is from the identity.
+    pub q: f64,
+    /// Of R F'': how much the equations bend.
+    pub k: f64,
+}
+
+impl Constants {
+    fn eta(&self) -> f64 {
+        self.residual + self.rest
+    }
+
+    /// What is left beside the residual where no unknown is farther from the path than `error`.
+    pub fn explained(&self, error: f64) -> f64 {
+        (self.rest + self.q * error + 0.5 * self.k * error * error) * GROW
+    }
+}
+
+/// The test itself: eta + q r + K r²/2 ≤ r has a solution, and the map contracts there. Returns that solution.
+pub fn accept(
+    layout: &Layout,
+    constants: &[Constants],
+    ball: f64,
+    earlier: &mut Earlier,
+) -> Result<f64, Reason> {
+    let worst = |f: fn(&Constants) -> f64| {
+        let values = constants.iter().map(f);
+        values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
+    };
+    let (eta, q, k) = (worst(Constants::eta), worst(|c| c.q), worst(|c| c.k));
+    let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 1e-15) - 2.0 * k * eta;
+    if !(q < 1.0 && discriminant > 0.0) {
+        return Err(Reason::Singular);
+    }
+    let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
+    let unique = ((1.0 - q) / k).min(ball) / GROW;
+    if error.is_nan() || error >= unique {
+        return Err(Reason::Singular);
+    }
+    for (slot, c) in layout.block.unknowns.iter().zip(constants) {
+        let rest = (c.residual + c.explained(error)) * GROW;
+        earlier.rest[*slot] = rest;
+        earlier.largest = earlier.largest.max(rest);
+    }
+    earlier.unique = earlier.unique.min(unique);
+    Ok(error)
+}

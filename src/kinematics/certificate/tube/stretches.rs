@@ -1,0 +1,79 @@
+//! What is proved of a stretch, and the poses at its ends.
+
+use super::path::Path;
+use crate::model::mechanism::Mechanism;
+use std::sync::Arc;
+
+/// The rows that every block is proved on.
+pub type Bases = Arc<Vec<Vec<usize>>>;
+
+/// One proved stretch.
+#[derive(Clone, Debug)]
+pub struct Tube {
+    /// Seconds.
+    pub start: f64,
+    /// Seconds.
+    pub end: f64,
+    /// Distance of the motion from the path at most, in radians and sizes.
+    pub radius: f64,
+    /// Distance from the path within which it is the only one, likewise.
+    pub unique: f64,
+    /// No redundant row is open by more, likewise.
+    pub(super) closes_to: f64,
+    /// Distance of every unknown from the path, likewise.
+    pub(super) rest: Vec<f64>,
+    pub(super) path: Path,
+    /// The rows that it is proved on.
+    pub(super) bases: Bases,
+}
+
+impl Tube {
+    /// The path's value of unknown `k` at a time of the stretch.
+    pub fn centre(&self, k: usize, time: f64) -> f64 {
+        self.path.at(k, time).middle()
+    }
+
+    /// Rate of the path of unknown `k` at the end.
+    pub(super) fn rate_at_end(&self, k: usize) -> f64 {
+        let c = &self.path.coordinates[k].c;
+        let slope: f64 = c.iter().enumerate().map(|(j, c)| j as f64 * c).sum();
+        slope / self.path.stretch().half
+    }
+
+    /// Whether the enclosed drive goes on where this tube meets the one before.
+    pub(super) fn has_inputs_of(&self, before: &Self, mechanism: &Mechanism) -> bool {
+        let mut slots = mechanism.unknowns.len()..mechanism.coordinate_count();
+        slots.all(|k| {
+            let (a, b) = (before.path.at(k, self.start), self.path.at(k, self.start));
+            a.lo <= b.hi && b.lo <= a.hi
+        })
+    }
+
+    /// Whether it has the pose of the tube before where they meet.
+    pub(super) fn has_motion_of(&self, before: &Self, mechanism: &Mechanism) -> bool {
+        let gap = (0..mechanism.unknowns.len()).map(|k| {
+            let (a, b) = (before.path.at(k, self.start), self.path.at(k, self.start));
+            (a - b).magnitude() / mechanism.scale_of(k)
+        });
+        let gap = largest(gap) * (1.0 + 1e-12);
+        gap + before.radius < self.unique || gap + self.radius < before.unique
+    }
+}
+
+/// A pose on the way.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// Seconds.
+    pub time: f64,
+    /// Values of the unknowns.
+    pub unknowns: Vec<f64>,
+    /// Rates of the unknowns, where they are known: only the first guess of a path needs them.
+    pub rates: Option<Vec<f64>>,
+    /// Of a sample: its inputs, and how far the exact pose is, in radians and sizes.
+    pub sample: Option<(Vec<f64>, f64)>,
+}
+
+/// The largest; a number that is none wins.
+pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
+}
