@@ -1,5 +1,6 @@
 //! The clearance report as cases of a verdict, as a table for people, as JSON and CSV. Nothing is computed here.
 
+use super::rounded::{at_least_three, at_most_three, not_below};
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport};
 use crate::model::mechanism::Mechanism;
@@ -166,10 +167,13 @@ fn bound(mechanism: &Mechanism, p: &PairReport) -> String {
     };
     match p.farthest {
         Some(farthest) => format!(
-            "between the samples from {:.2e} to {farthest:.2e} {unit} apart ({sure})",
-            least.bound
+            "between the samples from {} to {} {unit} apart ({sure})",
+            at_least_three(least.bound),
+            at_most_three(farthest)
         ),
-        None if least.distance > 0.0 => format!("never below {:.6} {unit} ({sure})", least.bound),
+        None if least.distance > 0.0 => {
+            format!("never below {} {unit} ({sure})", not_below(least.bound, 6))
+        }
         // A depth has no bound: it is only known that the bodies overlap.
         None => "a depth has no bound".to_owned(),
     }
@@ -219,15 +223,10 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
     }
     for p in found.judged.iter().take(worst) {
         text.push_str(&row(mechanism, p));
-        if let Some(farthest) = p.farthest {
-            let sure = if p.least.is_certified {
-                "proved"
-            } else {
-                "estimated"
-            };
+        if p.farthest.is_some() {
             text.push_str(&format!(
-                "                  touching: between the samples from {:.2e} to {farthest:.2e} {unit} apart ({sure})\n",
-                p.least.bound
+                "                  touching: {}\n",
+                bound(mechanism, p)
             ));
         }
     }
@@ -300,8 +299,8 @@ fn row(mechanism: &Mechanism, p: &PairReport) -> String {
         p.least.is_certified,
     ) {
         (false, _) => "-".to_owned(),
-        (true, true) => format!("{:.4}", p.least.bound),
-        (true, false) => format!("~{:.4}", p.least.bound),
+        (true, true) => not_below(p.least.bound, 4),
+        (true, false) => format!("~{}", not_below(p.least.bound, 4)),
     };
     format!(
         "    {:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {a} / {b}{}\n",

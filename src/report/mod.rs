@@ -11,6 +11,7 @@ pub mod junit;
 pub mod measures;
 pub mod precision;
 pub mod proof;
+pub mod rounded;
 pub mod sensitivity;
 pub mod sentences;
 pub mod synthesis;

@@ -1,5 +1,6 @@
 //! What is proved of a motion: its poses and the intervals between them, summed up.
 
+use super::rounded::{at_least, at_most};
 use super::sentences;
 use super::verdict::{Case, PROOF, Status};
 use crate::kinematics::certificate::rows::redundant;
@@ -98,14 +99,14 @@ impl<'t> MotionProof<'t> {
         );
         if self.consistent > 0 {
             text.push_str(&format!(
-                "; redundant equations close to {:.1e} {unit} everywhere",
-                self.closes_to
+                "; redundant equations close to {} {unit} everywhere",
+                at_most(self.closes_to)
             ));
         }
         if self.proved() > 0 {
             text.push_str(&format!(
-                "; within {:.1e} {unit} of the proved path, the only motion{}",
-                self.radius,
+                "; within {} {unit} of the proved path, the only motion{}",
+                at_most(self.radius),
                 within(self.unique_radius, unit)
             ));
         }
@@ -159,7 +160,7 @@ impl<'t> MotionProof<'t> {
 /// `" within 2.5 mm"`; nothing where no unknown could differ.
 fn within(radius: f64, unit: &str) -> String {
     match radius.is_finite() {
-        true => format!(" within {} {unit}", sentences::radius(radius)),
+        true => format!(" within {} {unit}", at_least(radius)),
         false => String::new(),
     }
 }
@@ -262,8 +263,8 @@ impl PoseProofs {
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {:.1e} {unit}, the only pose{}; ",
-                p.error_bound,
+                "error at most {} {unit}, the only pose{}; ",
+                at_most(p.error_bound),
                 within(p.unique_radius, unit)
             )
         });
@@ -275,8 +276,8 @@ impl PoseProofs {
         let consistent = match self.consistent {
             0 => String::new(),
             n => format!(
-                "; {n} {CONSISTENT}: redundant equations close to {:.1e} {unit}",
-                self.closes_to
+                "; {n} {CONSISTENT}: redundant equations close to {} {unit}",
+                at_most(self.closes_to)
             ),
         };
         let open = match self.open {

@@ -181,15 +181,6 @@ fn amount(value: f64) -> String {
     }
 }
 
-/// A radius with as many digits as it needs.
-pub fn radius(value: f64) -> String {
-    if value < 0.01 {
-        format!("{value:.1e}")
-    } else {
-        format!("{value:.3}")
-    }
-}
-
 /// `p = -17 mm, phi = 0.2 rad`.
 pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
     let pairs = mechanism.inputs.iter().zip(values);

@@ -1,6 +1,7 @@
 //! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
 
 use super::cells::{aligned, six};
+use super::rounded::at_most;
 use crate::analysis::study::{Family, FamilyError};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{Start, Synthesis, ended};
@@ -186,14 +187,14 @@ fn proof(found: &Found) -> String {
     };
     let unit = &found.family.mechanism().length_unit;
     let open = proof.open.map_or(String::new(), |open| {
-        format!(", back where it began within {open:.1e} {unit}")
+        format!(", back where it began within {} {unit}", at_most(open))
     });
     let mut text = format!(
-        "\n  followed again: {} poses of the drive, {} missing, {} without a certificate, error at most {:.1e} {unit}, {}{open}\n",
+        "\n  followed again: {} poses of the drive, {} missing, {} without a certificate, error at most {} {unit}, {}{open}\n",
         proof.poses,
         proof.missing,
         proof.unproved,
-        proof.error_bound,
+        at_most(proof.error_bound),
         if proof.one_branch {
             "one branch"
         } else {

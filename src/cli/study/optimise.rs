@@ -15,6 +15,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::report::cells::{aligned, six};
+use crate::report::rounded::at_most;
 use crate::scene::edit::with_values;
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
@@ -231,8 +232,8 @@ impl Report<'_> {
         match self.verified {
             Ok(v) => {
                 text.push_str(&format!(
-                    "\nFollowed again from the start values: {} poses, {} without a certificate, error at most {:.1e} {}.\n",
-                    v.poses, v.unproved, v.error_bound, self.opened.family.mechanism().length_unit
+                    "\nFollowed again from the start values: {} poses, {} without a certificate, error at most {} {}.\n",
+                    v.poses, v.unproved, at_most(v.error_bound), self.opened.family.mechanism().length_unit
                 ));
                 let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
                 let measures = self.opened.family.measures.list.iter().zip(&v.measures);
