@@ -15,6 +15,7 @@ const FLOORS: &[&[&str]] = &[
     &["scene/"],
     &["kinematics/results/", "kinematics/structure/"],
     // Ball joints are found in a structure and are part of a system.
+    &["kinematics/ball/run.rs"],
     &["kinematics/ball/joint.rs"],
     &["kinematics/structure/system.rs"],
     &["kinematics/ball/", "kinematics/loops/"],

@@ -15,10 +15,11 @@
 //! Which rotations are a spherical joint is said by the [table of joints](crate::model::joints); a ball is one of them
 //! whose three angles are unknowns of their own, solved in one block.
 
+use super::run::{Run, axes_of, centre};
 use crate::kinematics::structure::block::Structure;
 use crate::math::{Pose, sin_cos};
-use crate::model::chain::{Argument, Motion, Step};
-use crate::model::joints::{EXACT, JointKind, Passage};
+use crate::model::chain::Argument;
+use crate::model::joints::{JointKind, Passage};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -29,66 +30,6 @@ const NEAR: f64 = 0.064_094_216_849;
 /// Below this |cos(b + mu)| the last angle is kept and not read: the first then carries an error of this size in
 /// radians at most, no more than rounding of a long chain.
 const UNREADABLE: f64 = 4e-15;
-
-/// Three rotations in a row with the constant poses between them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Run {
-    /// Axis, argument and sign.
-    turns: [(usize, usize, f64); 3],
-    between: [Pose; 2],
-}
-
-impl Run {
-    /// The run that these steps are, from its first rotation to its last.
-    fn of(steps: &[Step]) -> Option<Self> {
-        let mut turns = Vec::with_capacity(3);
-        let mut between = [Pose::IDENTITY; 2];
-        for step in steps {
-            match *step {
-                Step::Joint {
-                    motion: Motion::Rotation,
-                    axis,
-                    argument,
-                    sign,
-                } => turns.push((axis, argument, sign)),
-                Step::Fixed(pose) => {
-                    let gap = turns.len().checked_sub(1)?;
-                    let before = between.get_mut(gap)?;
-                    *before = *before * pose;
-                }
-                Step::Joint { .. } => return None,
-            }
-        }
-        let turns = turns.try_into().ok()?;
-        Some(Self { turns, between })
-    }
-
-    fn inverse(&self) -> Self {
-        let [first, second, third] = self
-            .turns
-            .map(|(axis, argument, sign)| (axis, argument, -sign));
-        let [one, other] = self.between.map(|pose| pose.inverse());
-        Self {
-            turns: [third, second, first],
-            between: [other, one],
-        }
-    }
-
-    /// Whether both are the same joint.
-    fn is(&self, other: &Self, size: f64) -> bool {
-        let pairs = self.between.iter().zip(&other.between);
-        let mut gaps = pairs.map(|(a, b)| {
-            let turned = (a.rotation - b.rotation).to_cols_array();
-            let moved = (a.translation - b.translation).length() / size;
-            turned.iter().fold(moved, |m, v| m.max(v.abs()))
-        });
-        self.turns == other.turns && gaps.all(|gap| gap <= EXACT)
-    }
-
-    fn arguments(&self) -> [usize; 3] {
-        self.turns.map(|(_, argument, _)| argument)
-    }
-}
 
 /// A ball joint.
 #[derive(Clone, Debug, PartialEq)]
@@ -327,53 +268,11 @@ fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball) -> bool {
     })
 }
 
-/// C and mu of a run.
-struct Axes {
-    frame: DMat3,
-    mu: f64,
-}
-
-/// `None` unless each axis is at right angles to the next.
-fn axes_of(run: &Run) -> Option<Axes> {
-    let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
-    let [first, second] = run.between.map(|pose| pose.rotation);
-    let (u1, u2, u3) = (own[0], first * own[1], first * second * own[2]);
-    if u1.dot(u2).abs() > EXACT || u2.dot(u3).abs() > EXACT {
-        return None;
-    }
-    let third = u1.cross(u2);
-    Some(Axes {
-        frame: DMat3::from_cols(u1, u2, third),
-        mu: u3.dot(u1).atan2(u3.dot(third)),
-    })
-}
-
-/// The point in which the three axes meet, from the frame behind the last; `None` if they do not.
-///
-/// What a constant shifts along the axis before it or behind it moves no axis off the point.
-fn centre(run: &Run, size: f64) -> Option<DVec3> {
-    let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
-    let [first, second] = run.between;
-    let second_axis = first.rotation * own[1];
-    let (along, back) = (
-        first.translation.dot(own[0]),
-        first.translation.dot(second_axis),
-    );
-    let off_first = first.translation - own[0] * along - second_axis * back;
-    // The point of the second axis in which it meets the first, in the frame behind the second rotation.
-    let meets = own[1] * -back;
-    let last_axis = second.rotation * own[2];
-    let way = meets - second.translation;
-    let onward = way.dot(last_axis);
-    let off_last = way - last_axis * onward;
-    let misses = off_first.length().max(off_last.length()) / size;
-    (misses <= EXACT).then(|| own[2] * onward)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::model::chain::{Motion, Step};
     use std::f64::consts::FRAC_PI_2;
 
     /// A joint with constants between its rotations, which may be the identity.
@@ -485,27 +384,5 @@ mod tests {
                 assert!((found[k] - rates[k]).abs() < 1e-8, "{axes:?} {found:?}");
             }
         }
-    }
-
-    #[test]
-    fn axes_that_miss_each_other_or_a_right_angle_are_no_ball() {
-        let shift = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z));
-        let turn = |axis, angle| Pose::from_axis_rotation(axis, angle);
-        let run = |between: [Pose; 2]| Run {
-            turns: [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)],
-            between,
-        };
-        // Along the axes before and behind a constant nothing is moved apart.
-        let met = run([shift(3.0, -2.0, 0.0), shift(0.0, 2.0, 5.0)]);
-        assert_eq!(centre(&met, 1.0), Some(DVec3::new(0.0, 0.0, -5.0)));
-        for [one, other] in [
-            [shift(0.0, 0.0, 1.0), Pose::IDENTITY],
-            [Pose::IDENTITY, shift(1.0, 0.0, 0.0)],
-            [shift(3.0, -2.0, 0.0), shift(0.0, 0.0, 5.0)],
-        ] {
-            assert_eq!(centre(&run([one, other]), 1.0), None);
-        }
-        assert!(axes_of(&run([turn(2, 0.5), Pose::IDENTITY])).is_none());
-        assert!(axes_of(&run([turn(0, 0.5), turn(1, 0.7)])).is_some());
     }
 }
