@@ -45,6 +45,21 @@ fn workspace() -> Workspace {
 }
 
 #[test]
+fn what_stands_beside_all_is_varied_too() {
+    let w = workspace();
+    let varied = |vary: &str| {
+        let text = w
+            .run(&["sensitivity", "crank.toml", "--vary", vary])
+            .exits(0)
+            .text();
+        ["r ", "L ", "half "]
+            .map(|name| text.lines().any(|line| line.trim_start().starts_with(name)))
+    };
+    assert_eq!(varied("all"), [true, true, false]);
+    assert_eq!(varied("all,half,r"), [true, true, true]);
+}
+
+#[test]
 fn sensitivities_of_the_stroke_are_two_and_nothing() {
     let w = workspace();
     let found = json(

@@ -22,6 +22,9 @@ pub struct Opened {
     pub family: Family,
 }
 
+/// Stands for every dimension.
+const ALL: &str = "all";
+
 /// Reads the scene; `all_by_default` decides what is varied where nothing is said.
 pub fn open(
     scene: &SceneArgs,
@@ -33,12 +36,12 @@ pub fn open(
     let mut nominal = load(&source, &overrides).map_err(Box::new)?;
     apply(scene, &mut nominal, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);
-    let all = vary.vary.iter().any(|v| v == "all") || (vary.vary.is_empty() && all_by_default);
-    let names = if all {
-        nominal.dimensions
-    } else {
-        vary.vary.clone()
-    };
+    let all = vary.vary.iter().any(|v| v == ALL) || (vary.vary.is_empty() && all_by_default);
+    let mut names = if all { nominal.dimensions } else { Vec::new() };
+    // What stands beside `all` may be one of them.
+    let named = vary.vary.iter().filter(|name| *name != ALL);
+    let more: Vec<_> = named.filter(|n| !(all && names.contains(n))).collect();
+    names.extend(more.into_iter().cloned());
     for (k, name) in names.iter().enumerate() {
         if names[..k].contains(name) {
             return Err(Failure::usage(
