@@ -50,6 +50,11 @@ impl Pose {
     #[inline]
     pub fn from_axis_rotation(axis: usize, angle: f64) -> Self {
         let (s, c) = sin_cos(angle);
+        Self::from_axis_sin_cos(axis, s, c)
+    }
+
+    /// The same from the sine and the cosine of the angle.
+    pub fn from_axis_sin_cos(axis: usize, s: f64, c: f64) -> Self {
         let rotation = match axis {
             0 => DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, c, s, 0.0, -s, c]),
             1 => DMat3::from_cols_array(&[c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c]),

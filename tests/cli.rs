@@ -110,6 +110,7 @@ fn every_shell_gets_its_completions() {
 fn help_and_version_are_no_errors_and_bad_usage_is() {
     let w = workspace();
     let help = w.run(&["--help"]).exits(0).says_nothing().text();
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         help.contains("Exit codes: 0 done; 1 a check failed or could not prove")
             && help.contains("4 the mechanism could not be closed"),
@@ -543,8 +544,16 @@ fn solve_and_check_end_where_an_input_passes_zero() {
             "x.csv",
         ])
         .exits(0);
-        w.run(&["check", "zero.toml", "--samples", &samples])
-            .exits(0);
+        // The pose at zero is singular, and has no certificate.
+        let check = [
+            "check",
+            "zero.toml",
+            "--samples",
+            &samples,
+            "--certify",
+            "none",
+        ];
+        w.run(&check).exits(0);
     }
 }
 

@@ -145,7 +145,7 @@ fn every_pose_and_interval_gets_the_word_that_is_true() {
         // Closed but for the digits of its dimensions, which no axis says.
         (
             "turned four-bar",
-            four_bar("Rx(0.3) Rx(-0.3)"),
+            four_bar("Rx(0.3) Rx(-0.1) Rx(-0.2)"),
             20,
             consistent,
             true,

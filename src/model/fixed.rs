@@ -62,6 +62,9 @@ impl FixedPose {
     /// Turning by d more changes the matrix by 2√2 sin(d/2) ≤ √2 d. Its four entries are compared with a sine and a cosine
     /// of 20 digits.
     pub fn rotation(axis: usize, angle: Constant) -> Self {
+        if let Some(quarters) = angle.quarter_turns() {
+            return Self::quarter_turns(axis, quarters, angle.error());
+        }
         let pose = Pose::from_axis_rotation(axis, angle.number());
         let own = pose.rotation.col((axis + 1) % 3);
         let (cos, sin) = (own[(axis + 1) % 3], own[(axis + 2) % 3]);
@@ -87,6 +90,26 @@ impl FixedPose {
             pose,
             error,
             pattern: unless_zero(angle, Pattern::of_turn(axis)),
+        }
+    }
+
+    /// About a coordinate axis by whole quarter turns: its entries are whole, too. The angle is known to `error`.
+    fn quarter_turns(axis: usize, quarters: i64, error: f64) -> Self {
+        let (sin, cos) = match quarters.rem_euclid(4) {
+            0 => (0.0, 1.0),
+            1 => (1.0, 0.0),
+            2 => (0.0, -1.0),
+            _ => (-1.0, 0.0),
+        };
+        let pose = Pose::from_axis_sin_cos(axis, sin, cos);
+        let error = PoseError {
+            rotation: 2.0 * SQRT_2 * error,
+            translation: 0.0,
+        };
+        Self {
+            pose,
+            error,
+            pattern: Pattern::of_exact(&pose),
         }
     }
 

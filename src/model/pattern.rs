@@ -11,6 +11,7 @@ use std::ops::Mul;
 enum Entry {
     Zero,
     One,
+    MinusOne,
     Any,
 }
 
@@ -19,6 +20,7 @@ impl Entry {
         match value {
             0.0 => Self::Zero,
             1.0 => Self::One,
+            -1.0 => Self::MinusOne,
             _ => Self::Any,
         }
     }
@@ -26,7 +28,8 @@ impl Entry {
     fn times(self, other: Self) -> Self {
         match (self, other) {
             (Self::Zero, _) | (_, Self::Zero) => Self::Zero,
-            (Self::One, Self::One) => Self::One,
+            (Self::One, Self::One) | (Self::MinusOne, Self::MinusOne) => Self::One,
+            (Self::One, Self::MinusOne) | (Self::MinusOne, Self::One) => Self::MinusOne,
             _ => Self::Any,
         }
     }

@@ -140,6 +140,8 @@ pub fn close(
     let mut descent = Descent::default();
     for (index, block) in structure.blocks.iter().enumerate() {
         *iterations += descent.minimise(mechanism, block, coordinates).0;
+        // Before it is closed: angles of many turns cannot be closed as well.
+        wrap_angles(mechanism, coordinates);
         let before = coordinates.to_vec();
         let correction = corrector.correct_block(system, index, coordinates, Pace::Patient);
         *iterations += correction.iterations;

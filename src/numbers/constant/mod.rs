@@ -92,6 +92,17 @@ impl Constant {
         self.value.lo == 0.0 && self.error == 0.0
     }
 
+    /// The angle as quarter turns, if it is a whole number of them to all its digits.
+    pub fn quarter_turns(self) -> Option<i64> {
+        /// More turns than a scene has; the error stays far below one.
+        const MOST: f64 = 1e9;
+        let quarters = self / (Self::PI / Self::exact(2.0));
+        let whole = quarters.number().round();
+        let off = quarters - Self::exact(whole);
+        let is_whole = off.number().abs() <= off.error() && whole.abs() < MOST;
+        (is_whole && off.error() < 1e-18).then_some(whole as i64)
+    }
+
     /// Its size at most, with its error.
     pub fn largest(self) -> f64 {
         (self.value.hi.abs() + self.error) * GROW

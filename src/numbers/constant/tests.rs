@@ -160,6 +160,21 @@ fn errors_are_handed_on() {
 }
 
 #[test]
+fn quarter_turns_are_those_of_all_digits() {
+    let degree = Constant::PI / Constant::exact(180.0);
+    for quarters in [-5, -1, 0, 2, 7, 4000] {
+        let angle = degree * Constant::exact(90.0 * f64::from(quarters));
+        assert_eq!(angle.quarter_turns(), Some(i64::from(quarters)));
+    }
+    for angle in [
+        decimal("1.5707963267948966"),
+        degree * decimal("90.00000000000000000001"),
+    ] {
+        assert_eq!(angle.quarter_turns(), None, "{angle:?}");
+    }
+}
+
+#[test]
 fn enclosures_hold_the_number_meant() {
     let tenth = Interval::from_constant(decimal("0.1"));
     assert!(tenth.lo < 0.1 && tenth.hi > 0.1 && tenth.hi - tenth.lo < 1e-16);

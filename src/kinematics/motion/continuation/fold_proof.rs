@@ -187,7 +187,7 @@ mod tests {
     /// Whether the place x of an equation in x and phi is proved to be a fold, where phi would be largest or smallest.
     fn is_fold(equation: &str, x: f64, phi: f64, sense: f64) -> bool {
         let text = format!(
-            "[inputs]\nphi = \"{phi} + t\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {x}\n"
+            "duration = 1\n[inputs]\nphi = \"{phi} + t\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {x}\n"
         );
         let name = "test".to_owned();
         let scene = load(&Source { name, text }, &Overrides::default()).unwrap();
