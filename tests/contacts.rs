@@ -14,8 +14,8 @@ use mechanim::kinematics::results::trajectory::EventKind;
 
 use mechanim::kinematics::freedoms::mobility::Mobility;
 
+use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, find_modes};
 use mechanim::kinematics::rates::higher_order::{By, RateColumns};
-use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, find_modes};
 
 use reference::Table;
 use reference::scenes::{scene, turned, value, whole, written};

@@ -7,7 +7,7 @@ mod reference;
 use driven::{Driven, Model, solve, solve_unproved};
 use mechanim::kinematics::loops::forward::{body_poses, trace_points};
 
-use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
+use mechanim::kinematics::assemblies::{DEFAULT_STARTS, find_modes};
 use mechanim::model::drive::{Drive, Ease};
 
 use mechanim::model::mechanism::Mechanism;

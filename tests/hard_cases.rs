@@ -10,8 +10,8 @@ mod reference;
 use driven::{Driven, Model, solve};
 use mechanim::kinematics::results::certificate::Certificate;
 
+use mechanim::kinematics::assemblies::{DEFAULT_STARTS, find_modes};
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind};
-use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, find_modes};
 use mechanim::model::mechanism::{Kind, Mechanism};
 use reference::{Table, hard, slot, turned};
 use std::f64::consts::{FRAC_PI_6, PI};

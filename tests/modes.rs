@@ -7,9 +7,9 @@ mod reference;
 
 use driven::{Driven, Model};
 use mechanim::diag::Source;
+use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::kinematics::loops::forward::{body_poses, closure_error};
 use mechanim::kinematics::solve::assembly::assemble;
-use mechanim::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::math::Pose;
 
@@ -228,12 +228,175 @@ fn all_sixteen_closures_of_the_six_r_arm_are_found() {
     }
 }
 
+/// The placements of a scene's text from the default starts.
+fn written(text: &str) -> (Model, Modes) {
+    let model = reference::scenes::written(text);
+    let modes = modes(&model, DEFAULT_STARTS);
+    assert!(modes.is_exhausted, "{text}");
+    (model, modes)
+}
+
+/// A rod between two ball joints: its spin and the second angles of its balls are names. The output's angle has the two
+/// values of a cos psi + b sin psi = c.
+#[test]
+fn the_textbook_rssr_has_two_assemblies() {
+    let (model, found) = written(
+        "units = { angle = \"deg\" }\n[inputs]\nphi = 40\n[loops]\n\
+         A = \"Rz(phi) Tx(30) Rx(a) Ry(b) Rz(c) Tx(100) Rx(d) Ry(e) Rz(f) inv(Tx(80) Ty(20) Rx(90) Rz(psi) Tx(60))\"\n",
+    );
+    assert_eq!((found.list.len(), found.placements()), (2, 2));
+    // The ball on the rocker is at (80 + 60 cos psi, 20, 60 sin psi), that on the crank in the plane z = 0.
+    let crank = [
+        30.0 * 40_f64.to_radians().cos(),
+        30.0 * 40_f64.to_radians().sin(),
+    ];
+    let [x, y] = [80.0 - crank[0], 20.0 - crank[1]];
+    let cosine = (1e4 - x * x - y * y - 3600.0) / (120.0 * x);
+    for mode in &found.list {
+        let psi = value(&model, mode, "psi");
+        assert!((psi.cos() - cosine).abs() < 1e-11, "{psi}");
+    }
+}
+
+/// A platform on six legs. Lengths are those at which the plate stands level over the base at `home`.
+fn platform(feet: [[f64; 3]; 6], pins: [[f64; 3]; 6], home: [f64; 3], leg: &str) -> String {
+    let shift = |p: [f64; 3]| format!("Tx({}) Ty({}) Tz({})", p[0], p[1], p[2]);
+    let (mut inputs, mut chains, mut loops) = (String::new(), String::new(), String::new());
+    for (k, (foot, pin)) in feet.into_iter().zip(pins).enumerate() {
+        let way = [0, 1, 2].map(|i| home[i] + pin[i] - foot[i]);
+        let length = way.iter().map(|w| w * w).sum::<f64>().sqrt();
+        let own = leg.replace('#', &k.to_string());
+        inputs += &format!("l{k} = {length}\n");
+        chains += &format!("leg{k} = \"{} {own}\"\n", shift(foot));
+        loops += &format!("L{k} = \"leg{k} inv(plate {})\"\n", shift(pin));
+    }
+    format!(
+        "units = {{ angle = \"rad\" }}\n[inputs]\n{inputs}[chains]\n\
+         plate = \"Tx(x) Ty(y) Tz(z) Rz(yaw) Ry(pitch) Rx(roll)\"\n{chains}[loops]\n{loops}\
+         [[bodies]]\nname = \"plate\"\nframe = \"plate\"\nshapes = [{{ sphere = {{ radius = 0.1 }} }}]\n"
+    )
+}
+
+const SPS: &str = "Rx(a#) Ry(b#) Rz(c#) Tz(l#) Rx(d#) Ry(e#) Rz(f#)";
+const UPS: &str = "Rx(a#) Ry(b#) Tz(l#) Rx(d#) Ry(e#) Rz(f#)";
+
+/// Points of a circle at some degrees.
+fn circle(radius: f64, degrees: [f64; 6]) -> [[f64; 3]; 6] {
+    degrees.map(|d| {
+        [
+            radius * d.to_radians().cos(),
+            radius * d.to_radians().sin(),
+            0.0,
+        ]
+    })
+}
+
+/// Where the plate's frame and two more of its points stand, ordered.
+fn plates(model: &Model, found: &Modes) -> Vec<[i64; 9]> {
+    let mut list: Vec<[i64; 9]> = Vec::new();
+    for mode in &found.list {
+        let pose = body_poses(model, &mode.coordinates)[0];
+        let numbers = [pose.translation, pose.rotation.x_axis, pose.rotation.y_axis];
+        let mut numbers = numbers.iter().flat_map(|v| v.to_array());
+        list.push([0; 9].map(|_: i64| (numbers.next().unwrap() * 1e5).round() as i64));
+    }
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+/// Whichever joints the legs have, the plate has the same placements; a home pose that random starts hardly meet, and its
+/// mirror image below the base, are among them.
+#[test]
+fn a_six_three_platform_has_the_same_placements_on_any_legs() {
+    let feet = circle(1.0, [-10.0, 10.0, 110.0, 130.0, 230.0, 250.0]);
+    let pins = circle(0.6, [-60.0, 60.0, 60.0, 180.0, 180.0, 300.0]);
+    let mut all = Vec::new();
+    for leg in [SPS, UPS] {
+        let (model, found) = written(&platform(feet, pins, [0.0, 0.0, 1.0], leg));
+        let plates = plates(&model, &found);
+        assert_eq!((found.bodies.len(), plates.len()), (1, found.placements()));
+        for side in [1, -1] {
+            let home = [0, 0, side * 100_000, 100_000, 0, 0, 0, 100_000, 0];
+            assert!(plates.contains(&home), "{plates:?}");
+        }
+        // A leg with two balls has an idle spin, which is no mode; a turned universal joint is one.
+        let modes = found.list.len();
+        assert_eq!(modes > found.placements(), leg == UPS, "{modes}");
+        all.push(plates);
+    }
+    assert_eq!(all[0], all[1]);
+    assert_eq!(all[0].len(), 8);
+}
+
+/// Four placements of the hand's centre by arm and elbow, and two sets of angles of the wrist: names, unless its parts
+/// are bodies.
+#[test]
+fn a_wrist_gives_two_names_to_each_of_four_assemblies() {
+    let arm = "Rz(t1+still) Tz(0.6) Rx(-90) Rz(t2) Tx(0.5) Rz(t3) Tx(0.05) Rx(90) Tz(0.45)";
+    let text = format!(
+        "units = {{ angle = \"deg\" }}\n[inputs]\nstill = 0\n[chains]\narm = \"{arm}\"\n\
+         hand = \"Tx(0.35) Ty(0.25) Tz(0.55) Rz(30) Ry(50) Rx(20)\"\n[loops]\n\
+         A = \"arm Rz(t4) Ry(t5) Rz(t6) inv(hand)\"\n"
+    );
+    let (_, bare) = written(&text);
+    assert_eq!((bare.placements(), bare.names()), (4, 8));
+    let parts = ["arm Rz(t4)", "arm Rz(t4) Ry(t5)"].map(|frame| {
+        format!(
+            "[[bodies]]\nname = \"{frame}\"\nframe = \"{frame}\"\nshapes = [{{ sphere = {{ radius = 0.1 }} }}]\n"
+        )
+    });
+    let (_, parts) = written(&(text + &parts.concat()));
+    assert_eq!((parts.placements(), parts.names()), (8, 8));
+}
+
+/// Six equal bonds at the tetrahedral angle, as in cyclohexane: two chairs, and the boats, which are a curve.
+#[test]
+fn a_ring_has_two_isolated_assemblies_and_a_curve() {
+    let turn = (1.0_f64 / 3.0).acos();
+    let bonds = (1..=6).map(|k| {
+        let still = if k == 1 { "+still" } else { "" };
+        format!("Rx(t{k}{still}) Tx(1) Rz({turn})")
+    });
+    let bonds: Vec<String> = bonds.collect();
+    let text = format!(
+        "units = {{ angle = \"rad\" }}\n[inputs]\nstill = 0\n[loops]\nA = \"{}\"\n",
+        bonds.join(" ")
+    );
+    let (model, found) = written(&text);
+    let counts = (found.isolated(), found.curves(), found.larger_sets());
+    assert_eq!((counts, found.list.len()), ((2, 1, 0), 3));
+    for mode in found.list.iter().filter(|mode| mode.dimension == 0) {
+        let torsion = value(&model, mode, "t2").abs();
+        assert!((torsion - PI / 3.0).abs() < 1e-9 && !mode.is_singular);
+    }
+    let w = Workspace::new();
+    w.write("ring.toml", text);
+    let text = w.run(&["modes", "ring.toml"]).exits(0).text();
+    assert!(
+        text.contains("2 isolated assemblies and 1 curve of solutions found"),
+        "{text}"
+    );
+}
+
+/// The kinds of starts are told apart, and what they found adds up.
+#[test]
+fn every_placement_was_new_to_one_kind_of_start() {
+    let mechanism = builtin_scene("gearshift", &[("p", "0"), ("phi", "0")]);
+    let found = modes(&mechanism, DEFAULT_STARTS);
+    let new: usize = found.tallies.iter().map(|(_, tally)| tally.new).sum();
+    assert_eq!((new, found.placements()), (16, 16));
+    assert!(found.is_exhausted && found.unseen < 1e-3);
+    let few = modes(&mechanism, 40);
+    assert!(!few.is_exhausted && few.starts() <= 41);
+}
+
 #[test]
 fn the_result_is_the_same_twice_and_grows_with_the_starts() {
     let mechanism = builtin_scene("slider-crank", &[("phi", "0.5")]);
     assert_eq!(modes(&mechanism, 40), modes(&mechanism, 40));
     let only_the_scene = modes(&mechanism, 0);
-    assert_eq!((only_the_scene.starts, only_the_scene.list.len()), (1, 1));
+    assert_eq!((only_the_scene.starts(), only_the_scene.list.len()), (1, 1));
     assert!(only_the_scene.list[0].is_scene);
 }
 
@@ -245,7 +408,7 @@ fn a_mechanism_that_does_not_reach_has_no_assembly() {
             .to_owned(),
     };
     let modes = modes(&mechanism(&source, &[]), 50);
-    assert_eq!((modes.list.len(), modes.closed), (0, 0));
+    assert_eq!((modes.list.len(), modes.closed()), (0, 0));
 }
 
 #[test]
@@ -253,7 +416,7 @@ fn the_verb_prints_a_count_and_the_option_starts_from_one() {
     let w = Workspace::new();
     let arguments = ["modes", "slider-crank", "--input", "phi=0.5"];
     let text = w.run(&arguments).exits(0).text();
-    assert!(text.contains("2 assemblies found"), "{text}");
+    assert!(text.contains("2 placements of the bodies found"), "{text}");
     assert!(text.contains("a count, not a proof"), "{text}");
     assert!(
         text.contains("112.77081") && text.contains("-42.56420"),
@@ -275,7 +438,7 @@ fn the_verb_prints_a_count_and_the_option_starts_from_one() {
     let third = [&["check"], &third[..]].concat();
     w.run(&third)
         .exits(2)
-        .says(&["there is no mode 3", "2 assemblies"]);
+        .says(&["there is no mode 3", "2 modes"]);
     w.run(&[&arguments[..], &["--mode", "1"]].concat()).exits(2);
 }
 

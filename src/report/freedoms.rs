@@ -1,5 +1,6 @@
 //! The mobility report in words and as JSON, for `check` and `solve`.
 
+use super::sentences::counted;
 use crate::kinematics::freedoms::count::{JointCount, LoopSpace};
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::structure::block::Held;
@@ -42,11 +43,6 @@ pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
     );
     let line = |(head, text): (&str, String)| format!("  {head:<16} {text}\n");
     lines.into_iter().map(line).collect()
-}
-
-/// A number of things.
-fn counted(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// The terms of the count.

@@ -1,5 +1,6 @@
 //! Results in words, as tables and as documents: text, CSV, JSON, JUnit. Nothing is printed here.
 
+pub mod assemblies;
 pub mod cells;
 pub mod check;
 pub mod clearance;

@@ -9,6 +9,11 @@ const SEEN_ANGLE: f64 = 5e-7;
 /// Angles this near to gimbal lock are called locked: what is left is rounding of the way there.
 const LOCKED: f64 = 1e-9;
 
+/// A number of things: `1 mode`, `3 modes`.
+pub fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// A stretch without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
 pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
     let at = |i: &Instant| format!("t = {:.9} s ({})", i.time, inputs(mechanism, &i.inputs));

@@ -22,6 +22,7 @@ const FLOORS: &[&[&str]] = &[
     &["kinematics/solve/"],
     &["kinematics/rates/"],
     &["kinematics/freedoms/", "kinematics/certificate/"],
+    &["kinematics/assemblies/"],
     &["kinematics/motion/tracker/"],
     &["kinematics/motion/"],
     &["kinematics/measures/"],

@@ -153,8 +153,8 @@ pub struct ModesArgs {
     /// Time in seconds at which the inputs are taken from the drive.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     pub at: f64,
-    /// Random starts; more of them find more, up to the assemblies there are.
-    #[arg(long, value_name = "N", default_value_t = crate::kinematics::solve::assembly_modes::DEFAULT_STARTS, value_parser = starts)]
+    /// Most starts, random and others. Fewer are made where an estimate says that hardly anything is left to be found.
+    #[arg(long, value_name = "N", default_value_t = crate::kinematics::assemblies::DEFAULT_STARTS, value_parser = starts)]
     pub starts: usize,
     /// Write the list as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]

@@ -2,14 +2,15 @@
 
 use crate::cli::args::motion::ModesArgs;
 use crate::cli::io;
-use crate::cli::open::mode::{count, search};
+use crate::cli::open::mode::search;
 use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::kinematics::solve::assembly_modes::{Mode, Modes};
+use crate::kinematics::assemblies::{Mode, Modes};
+use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Coordinate, Mechanism};
-use crate::report::sentences;
+use crate::report::{assemblies, sentences};
 use serde_json::{Map, Value, json};
 
 /// Runs the verb.
@@ -21,7 +22,7 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
         ));
     }
     let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
-    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    let actuation = &scene.actuation;
     if !(0.0..=actuation.duration).contains(&args.at) {
         return Err(Failure::usage(
             format!(
@@ -37,13 +38,13 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
         io::write_json(
             &args.scene,
             path,
-            &document(mechanism, inputs, args.at, &modes),
+            &document(&system, inputs, args.at, &modes),
         )?;
     }
     io::print_beside(
         term,
         args.json.as_deref(),
-        &text(mechanism, inputs, args.at, &modes),
+        &text(&system, inputs, args.at, &modes),
     )?;
     Ok(if modes.list.is_empty() {
         Outcome::NotClosed
@@ -53,56 +54,44 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
 }
 
 /// The table, and what it is worth.
-fn text(mechanism: &Mechanism, inputs: &[f64], time: f64, modes: &Modes) -> String {
+fn text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> String {
+    let mechanism = system.mechanism();
     let inputs = sentences::inputs(mechanism, inputs);
     let mut text = format!(
         "{}\n{} found at t = {time} s ({inputs})\n",
         mechanism.title,
-        count(modes)
+        assemblies::headline(mechanism, modes)
     );
     if !modes.list.is_empty() {
         text.push_str(&table(mechanism, modes));
     }
-    text.push_str(&format!(
-        "\nThis is a count, not a proof: {} of {} starts closed",
-        modes.closed, modes.starts
-    ));
-    if let Some(rarest) = modes.list.iter().map(|m| m.met).min() {
-        text.push_str(&format!(
-            ", the rarest assembly was met by {rarest}; more --starts may find more"
-        ));
-    }
-    text.push_str(".\n");
-    if modes.list.iter().any(|m| m.is_scene) {
-        text.push_str("* is where the scene's start values lead.\n");
-    }
-    let singular = modes.list.iter().filter(|m| m.is_singular);
-    let singular = singular.count();
-    if singular > 0 {
-        text.push_str(&format!(
-            "{singular} of them are singular: assemblies meet there, or they are points of a continuous set.\n"
-        ));
+    text.push('\n');
+    for line in assemblies::remarks(system, modes) {
+        text.push_str(&line);
+        text.push('\n');
     }
     text
 }
 
-/// Rows of aligned cells: number, signature, singular value, hits, coordinates with their units.
+/// Rows of aligned cells: number, that of the placement where they differ, signature, singular value, hits, coordinates with their units.
 fn table(mechanism: &Mechanism, modes: &Modes) -> String {
-    let mut rows = vec![vec![
-        "mode".to_owned(),
-        "branch".to_owned(),
-        "sigma_min".to_owned(),
-        "met".to_owned(),
-    ]];
+    let has_names = modes.list.len() > modes.placements();
+    let mut headings = vec!["mode", "placement", "branch", "sigma_min", "met"];
+    headings.retain(|heading| has_names || *heading != "placement");
+    let mut rows = vec![headings.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     rows[0].extend(mechanism.unknowns.iter().map(|c| heading(mechanism, c)));
     for (k, mode) in modes.list.iter().enumerate() {
         let mark = if mode.is_scene { "* " } else { "" };
-        let mut row = vec![
-            format!("{mark}{}", k + 1),
+        let set = if mode.dimension > 0 { "~ " } else { "" };
+        let mut row = vec![format!("{mark}{set}{}", k + 1)];
+        if has_names {
+            row.push(mode.placement.to_string());
+        }
+        row.extend([
             mode.branch.clone(),
             format!("{:.3e}", mode.sigma_min),
             mode.met.to_string(),
-        ];
+        ]);
         row.extend(in_file(mechanism, mode).map(|(_, v)| format!("{v:.6}")));
         rows.push(row);
     }
@@ -133,7 +122,8 @@ fn in_file<'a>(
     pairs.map(|(c, v)| (c.name.as_str(), v * mechanism.file_units(c.kind)))
 }
 
-fn document(mechanism: &Mechanism, inputs: &[f64], time: f64, modes: &Modes) -> Value {
+fn document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Value {
+    let mechanism = system.mechanism();
     let inputs: Map<String, Value> = mechanism
         .inputs
         .iter()
@@ -150,24 +140,50 @@ fn document(mechanism: &Mechanism, inputs: &[f64], time: f64, modes: &Modes) -> 
                 .collect();
             json!({
                 "mode": k + 1,
+                "placement": mode.placement,
                 "branch": mode.branch,
                 "sigma_min": mode.sigma_min,
                 "singular": mode.is_singular,
                 "closure_error": mode.closure_error,
+                "dimension": mode.dimension,
                 "met": mode.met,
+                "names": mode.names(),
                 "scene": mode.is_scene,
                 "unknowns": unknowns,
             })
         })
         .collect();
+    let bodies: Vec<&str> = modes
+        .bodies
+        .iter()
+        .map(|body| mechanism.bodies[*body].name.as_str())
+        .collect();
+    let kinds: Map<String, Value> = modes
+        .tallies
+        .iter()
+        .map(|(kind, tally)| {
+            let tally = json!({ "starts": tally.starts, "closed": tally.closed, "new": tally.new });
+            (assemblies::words(*kind).replace("of the ", ""), tally)
+        })
+        .collect();
     json!({
-        "schema": "mechanim-modes/1",
+        "schema": "mechanim-modes/2",
         "title": mechanism.title,
         "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name, "time": "s" },
         "time": time,
         "inputs": inputs,
-        "starts": modes.starts,
-        "closed": modes.closed,
+        "bodies": bodies,
+        "placements": modes.placements(),
+        "isolated": modes.isolated(),
+        "curves": modes.curves(),
+        "larger_sets": modes.larger_sets(),
+        "names": modes.names(),
+        "starts": modes.starts(),
+        "closed": modes.closed(),
+        "kinds": kinds,
+        "unseen": modes.unseen,
+        "unlikely": modes.unlikely,
+        "exhausted": modes.is_exhausted,
         "proof": false,
         "modes": list,
     })

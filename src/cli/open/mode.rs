@@ -3,10 +3,11 @@
 use crate::cli::args::scene::ModeChoice;
 use crate::cli::interrupt::{CANCEL, refuse_interrupted};
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::solve::assembly_modes::{DEFAULT_STARTS, Mode, Modes, find_modes};
+use crate::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::report::sentences::counted;
 use std::sync::atomic::Ordering;
 
 /// Starts that show whether an assembly is nearer to the start values: enough for assemblies that are not rare.
@@ -46,7 +47,7 @@ fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
         Failure::usage(
             format!(
                 "there is no mode {number}: {} found at the start of the drive",
-                count(modes)
+                counted(modes.list.len(), "mode")
             ),
             vec!["`mechanim modes` lists them".to_owned()],
         )
@@ -159,12 +160,4 @@ pub fn search(
     let modes = find_modes(system, &first, starts, &cancelled);
     refuse_interrupted()?;
     Ok(modes)
-}
-
-/// `3 assemblies`.
-pub fn count(modes: &Modes) -> String {
-    match modes.list.len() {
-        1 => "1 assembly".to_owned(),
-        n => format!("{n} assemblies"),
-    }
 }

@@ -12,7 +12,7 @@ use super::generic_rank::{RANK, Ranks};
 use super::twists::{Line, STILL, Twist, Walk, line_of, same_line, with};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::rates::higher_order::observed;
-use crate::kinematics::structure::block::{Block, Held, StructureError, names};
+use crate::kinematics::structure::block::{Block, Held, StructureError, block, names};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::null_space;
@@ -211,6 +211,53 @@ fn released(mechanism: &Mechanism, block: &Block, pose: &[f64], pivots: &[usize]
         rates
     };
     pivots.iter().map(motion).collect()
+}
+
+/// The idle spins of a system, whose lines are known at any closed pose.
+pub struct Spins {
+    /// Blocks with their held unknowns among the others, and the columns of these.
+    blocks: Vec<(Block, Vec<usize>)>,
+}
+
+impl Spins {
+    /// The spins of links that a system holds.
+    pub fn new(system: &System) -> Self {
+        let (mechanism, structure) = (system.mechanism(), system.structure());
+        let widened = |whole: &Block| {
+            let is_own = |held: &&Held| held.moving.iter().any(|u| whole.unknowns.contains(u));
+            let turning = structure.held.iter().filter(|held| held.turning.is_some());
+            let own = turning.filter(is_own).map(|held| held.unknown);
+            let unknowns: Vec<usize> = whole.unknowns.iter().copied().chain(own).collect();
+            let columns = whole.unknowns.len()..unknowns.len();
+            let (loops, equations) = (whole.loops.clone(), whole.equations.clone());
+            let block = block(mechanism, loops, equations, unknowns);
+            (!columns.is_empty()).then(|| (block, columns.collect()))
+        };
+        Self {
+            blocks: structure.blocks.iter().filter_map(widened).collect(),
+        }
+    }
+
+    /// By link: the line about which it spins in the world (its moment over the size), if it does.
+    pub fn lines(&self, mechanism: &Mechanism, pose: &[f64]) -> Vec<Option<Line>> {
+        let links = &mechanism.joints.links;
+        let mut lines = vec![None; links.len()];
+        for (block, columns) in &self.blocks {
+            let site = Site {
+                mechanism,
+                block,
+                pose,
+            };
+            for rates in released(mechanism, block, pose, columns) {
+                let walk = Walk::new(mechanism, pose, &site.with(&rates).physical());
+                for (line, link) in lines.iter_mut().zip(links) {
+                    let twist = walk.whole(&link.world_from_link);
+                    *line = line.or_else(|| line_of(twist));
+                }
+            }
+        }
+        lines
+    }
 }
 
 impl FreeMotion<'_> {

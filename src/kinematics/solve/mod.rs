@@ -1,8 +1,7 @@
-//! Closed poses: assembly from start values, Newton corrections, prediction, branches, and the count of assemblies.
+//! Closed poses: assembly from start values, Newton corrections, prediction, branches.
 
 pub mod along_drive;
 pub mod assembly;
-pub mod assembly_modes;
 pub mod branch;
 pub mod closure;
 mod descent;
@@ -11,4 +10,5 @@ pub mod newton;
 pub mod pose_check;
 pub mod pose_solver;
 pub mod predictor;
+pub mod random_starts;
 pub mod wishes;

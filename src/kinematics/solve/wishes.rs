@@ -7,9 +7,9 @@
 //! nearest to the named values is taken.
 
 use super::assembly::{Assembled, NotClosed, assemble, close, turns_matter};
-use super::assembly_modes::{CLOSED, start_values};
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
+use super::random_starts::{CLOSED, start_values};
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::structure::block::{Block, block};
 use crate::kinematics::structure::system::System;

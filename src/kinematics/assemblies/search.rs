@@ -1,0 +1,320 @@
+//! The search: rounds of starts of several kinds, until an estimate says that nothing is left.
+
+use super::alike::{Alike, Place, same};
+use super::names::{Group, Modes, StartKind, Tally, described};
+use super::sets::{Continuum, lost};
+use super::walk::{WIDEST, neighbours};
+use crate::jobs::{cores, share};
+use crate::kinematics::loops::forward::closure_error;
+use crate::kinematics::solve::assembly::assemble;
+use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::solve::random_starts::{CLOSED, start_values};
+use crate::kinematics::structure::system::System;
+use crate::model::mechanism::Kind;
+use std::collections::VecDeque;
+
+/// Most starts beside the scene's own, unless asked otherwise. Dietmaier's platform with its forty placements needs
+/// several thousand random ones.
+pub const DEFAULT_STARTS: usize = 10_000;
+
+/// The search ends when a random start is less likely than this to lead to a new placement.
+pub const UNSEEN: f64 = 1e-3;
+
+/// Random starts that are made at least: an estimate from fewer is worth little. The rarest assembly of the known
+/// 6R arm is met by one in 25, that of the gearshift with its 18 unknowns by one in 120.
+const LEAST_RANDOM: usize = 500;
+
+/// Where this many random starts lead to something new in at least every other case, the placements are too many to be
+/// listed: those of independent loops multiply.
+const HOPELESS_AFTER: usize = 1000;
+
+/// The estimate of the unseen that is hopeless then.
+const HOPELESS: f64 = 0.5;
+
+/// No more starts are derived while so many wait.
+const MOST_WAITING: usize = 1000;
+
+/// Random starts of a round, and most others.
+const ROUND: usize = 100;
+
+/// One start.
+enum Job {
+    Scene,
+    /// Its number.
+    Random(usize),
+    /// The values.
+    Mirrored(Vec<f64>),
+    /// From a pose, in a block.
+    Continued {
+        pose: Vec<f64>,
+        block: usize,
+        key: u64,
+    },
+}
+
+impl Job {
+    fn kind(&self) -> StartKind {
+        match self {
+            Self::Scene => StartKind::Scene,
+            Self::Random(_) => StartKind::Random,
+            Self::Mirrored(_) => StartKind::Mirrored,
+            Self::Continued { .. } => StartKind::Continued,
+        }
+    }
+}
+
+/// Searches the assemblies at the inputs of `first` (start values of the unknowns, then inputs), from there and from at most
+/// `limit` other starts.
+///
+/// The result depends on nothing but the arguments, in particular not on the number of threads. Ends early, with
+/// what it has, when `cancelled` says so.
+pub fn find_modes(
+    system: &System,
+    first: &[f64],
+    limit: usize,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Modes {
+    let mut search = Search::new(system);
+    let mut jobs = vec![Job::Scene];
+    let (mut left, mut random) = (limit, 0);
+    loop {
+        search.round(first, jobs, cancelled);
+        if search.is_hopeless() {
+            return search.finished(false);
+        }
+        let others = search.derived.len().min(ROUND).min(left);
+        left -= others;
+        jobs = search.derived.drain(..others).collect();
+        let is_exhausted = random >= LEAST_RANDOM && search.unseen() < UNSEEN;
+        if cancelled() || is_exhausted && jobs.is_empty() || left == 0 && jobs.is_empty() {
+            return search.finished(is_exhausted);
+        }
+        if !is_exhausted {
+            let count = ROUND.min(left);
+            left -= count;
+            jobs.extend((1..=count).map(|k| Job::Random(random + k)));
+            random += count;
+        }
+    }
+}
+
+/// What has been found so far.
+struct Search<'s> {
+    system: &'s System,
+    alike: Alike<'s>,
+    groups: Vec<Group>,
+    places: Vec<Place>,
+    /// Of every placement where its bodies stand (nothing if it is a continuous set), and the random starts that met it.
+    placements: Vec<(Vec<f64>, usize)>,
+    sets: Vec<(Continuum, usize)>,
+    tallies: [(StartKind, Tally); 4],
+    /// Starts that follow from what was found.
+    derived: VecDeque<Job>,
+}
+
+impl<'s> Search<'s> {
+    fn new(system: &'s System) -> Self {
+        let kinds = [
+            StartKind::Scene,
+            StartKind::Random,
+            StartKind::Mirrored,
+            StartKind::Continued,
+        ];
+        Self {
+            system,
+            alike: Alike::new(system),
+            groups: Vec::new(),
+            places: Vec::new(),
+            placements: Vec::new(),
+            sets: Vec::new(),
+            tallies: kinds.map(|kind| (kind, Tally::default())),
+            derived: VecDeque::new(),
+        }
+    }
+
+    /// Makes some starts and sorts what they led to, in their order.
+    fn round(&mut self, first: &[f64], jobs: Vec<Job>, cancelled: &(dyn Fn() -> bool + Sync)) {
+        let system = self.system;
+        let work = |(): &mut (), index: usize| {
+            let is_on = !cancelled();
+            is_on.then(|| closures(system, first, &jobs[index], cancelled))
+        };
+        let found = share(jobs.len(), cores(), || (), work);
+        for (index, closures) in found {
+            let kind = jobs[index].kind();
+            let tally = self.tally(kind);
+            tally.starts += 1;
+            tally.closed += usize::from(!closures.is_empty());
+            for pose in closures {
+                self.sort(pose, kind);
+            }
+        }
+    }
+
+    fn tally(&mut self, kind: StartKind) -> &mut Tally {
+        &mut self.tallies[kind as usize].1
+    }
+
+    /// Adds a closed pose to its group.
+    fn sort(&mut self, pose: Vec<f64>, kind: StartKind) {
+        let place = self.alike.place(&pose);
+        let mut known = self.places.iter();
+        let known = known.position(|other| same(&other.links, &place.links));
+        let group = known.or_else(|| self.set_of(&pose, &place));
+        let placement = match group {
+            Some(group) => {
+                let group = &mut self.groups[group];
+                match group.dimension {
+                    0 => group.meet(self.system.mechanism(), pose),
+                    _ => group.met += 1,
+                }
+                group.is_scene |= kind == StartKind::Scene;
+                group.placement
+            }
+            None => self.add(pose, place, kind),
+        };
+        if kind == StartKind::Random {
+            self.placements[placement].1 += 1;
+        }
+    }
+
+    /// The group of the known continuous set on which a pose lies.
+    fn set_of(&self, pose: &[f64], place: &Place) -> Option<usize> {
+        if self.sets.is_empty() {
+            return None;
+        }
+        let dimension = lost(self.system, pose);
+        let mut sets = self.sets.iter();
+        let own =
+            |(set, _): &&(Continuum, usize)| dimension > 0 && set.holds(&place.links, dimension);
+        sets.find(own).map(|(_, group)| *group)
+    }
+
+    /// A new group; its placement.
+    fn add(&mut self, pose: Vec<f64>, place: Place, kind: StartKind) -> usize {
+        let set = Continuum::new(self.system, &self.alike, &pose);
+        let mut placements = self.placements.iter();
+        let known = match set {
+            Some(_) => None,
+            None => placements.position(|(bodies, _)| same(bodies, &place.bodies)),
+        };
+        let placement = known.unwrap_or(self.placements.len());
+        if known.is_none() {
+            self.tally(kind).new += 1;
+            if set.is_none() && self.derived.len() < MOST_WAITING {
+                self.derive(&pose);
+            }
+            // Nothing else is the same as a set.
+            let bodies = match set {
+                Some(_) => vec![f64::NAN],
+                None => place.bodies.clone(),
+            };
+            self.placements.push((bodies, 0));
+        }
+        let dimension = set.as_ref().map_or(0, |set| set.dimension);
+        self.sets.extend(set.map(|set| (set, self.groups.len())));
+        self.groups.push(Group {
+            coordinates: pose,
+            met: 1,
+            is_scene: kind == StartKind::Scene,
+            placement,
+            dimension,
+        });
+        self.places.push(place);
+        placement
+    }
+
+    /// Starts that follow from a new placement.
+    fn derive(&mut self, pose: &[f64]) {
+        let mechanism = self.system.mechanism();
+        let structure = self.system.structure();
+        for (index, block) in structure.blocks.iter().enumerate() {
+            if block.unknowns.is_empty() {
+                continue;
+            }
+            for kinds in [&[Kind::Angle][..], &[Kind::Angle, Kind::Length]] {
+                let mut values = pose.to_vec();
+                let of_kind = |slot: &&usize| kinds.contains(&mechanism.unknowns[**slot].kind);
+                for slot in block.unknowns.iter().filter(of_kind) {
+                    values[*slot] = -values[*slot];
+                }
+                self.derived.push_back(Job::Mirrored(values));
+            }
+            // An over-determined block has no curve when some equations are released.
+            let is_square = block.rows() == block.unknowns.len();
+            if is_square && block.rows() > 1 && block.rows() <= WIDEST {
+                let key = self.placements.len() as u64;
+                let pose = pose.to_vec();
+                self.derived.push_back(Job::Continued {
+                    pose,
+                    block: index,
+                    key,
+                });
+            }
+        }
+    }
+
+    /// Good and Turing's estimate of how likely one more random start is to lead to a new placement: the share of starts
+    /// whose placement was met once. That a start does not close is an outcome like any other.
+    fn unseen(&self) -> f64 {
+        let once = self.placements.iter().filter(|(_, met)| *met == 1).count();
+        let random = self.tallies[StartKind::Random as usize].1.starts;
+        once as f64 / (random as f64).max(1.0)
+    }
+
+    /// Whether there are too many placements to be listed.
+    fn is_hopeless(&self) -> bool {
+        let random = self.tallies[StartKind::Random as usize].1.starts;
+        random >= HOPELESS_AFTER && self.unseen() > HOPELESS
+    }
+
+    fn finished(self, is_exhausted: bool) -> Modes {
+        let unseen = match self.tallies[StartKind::Random as usize].1.starts {
+            0 => 1.0,
+            _ => self.unseen(),
+        };
+        let alike = |a: &[f64], b: &[f64]| {
+            let [a, b] = [a, b].map(|pose| self.alike.place(pose).links);
+            same(&a, &b)
+        };
+        Modes {
+            unlikely: self.placements.iter().filter(|(_, met)| *met == 0).count(),
+            tallies: self.tallies.to_vec(),
+            unseen,
+            is_exhausted,
+            is_hopeless: self.is_hopeless(),
+            bodies: self.alike.bodies().to_vec(),
+            list: described(self.system, self.groups, alike),
+        }
+    }
+}
+
+/// The closed poses to which a start leads.
+fn closures(
+    system: &System,
+    first: &[f64],
+    job: &Job,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Vec<Vec<f64>> {
+    let mechanism = system.mechanism();
+    let starts = match job {
+        Job::Scene => vec![first.to_vec()],
+        Job::Random(number) => vec![start_values(mechanism, first, *number)],
+        Job::Mirrored(values) => vec![values.clone()],
+        Job::Continued { pose, block, key } => {
+            neighbours(mechanism, &system.blocks()[*block], pose, *key, cancelled)
+        }
+    };
+    let closed = starts.into_iter().filter_map(|mut values| {
+        for held in &system.structure().held {
+            values[held.unknown] = first[held.unknown];
+        }
+        // Buffers of its own: what another start has left in them must not show in the last digits.
+        let mut corrector = Corrector::new(system);
+        let pose = assemble(system, &mut corrector, &values, false).ok()?;
+        Some(pose.coordinates)
+    });
+    closed
+        .filter(|pose| closure_error(mechanism, pose) <= CLOSED)
+        .collect()
+}

@@ -1,0 +1,142 @@
+//! Continuous sets of solutions: a singular closure that can be moved on without opening a loop is one of their points.
+//!
+//! A curve is followed both ways, once, and all other closures that lie on it are the same set. Sets of more dimensions are
+//! told apart by their number of dimensions only.
+
+use super::alike::{Alike, apart};
+use super::walk::Path;
+use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
+use crate::linalg::svd::{conditioning, null_space};
+
+/// Below this smallest singular value a mode is called singular: a double solution is met to half its digits only.
+pub const SINGULAR: f64 = 1e-6;
+
+/// Length of a step along a set in scaled unknowns.
+const STEP: f64 = 0.05;
+
+/// Steps in either direction: about thirty turns of a joint.
+const MOST_STEPS: usize = 4000;
+
+/// A singular closure that can be moved by so many steps is no isolated one: beside a double solution of 1e-6 the residual
+/// of a step is a thousand times what a point of the curve may have.
+const FIRST_STEPS: usize = 3;
+
+/// Points of a curve are no farther from its followed points than this many of their distances.
+const BESIDE: f64 = 1.5;
+
+/// A step moves some link by at least this part of it, in radians or sizes; less is a change of names.
+const SEEN: f64 = 1e-3;
+
+/// A continuous set of solutions.
+pub struct Continuum {
+    /// Dimensions, one as a rule.
+    pub dimension: usize,
+    /// Where the links stand along it.
+    points: Vec<Vec<f64>>,
+    /// How far apart neighbouring points are at most.
+    spacing: f64,
+}
+
+impl Continuum {
+    /// The set of a closed pose; `None` if the pose is isolated.
+    pub fn new(system: &System, alike: &Alike<'_>, pose: &[f64]) -> Option<Self> {
+        let mut blocks = system.blocks().iter().enumerate();
+        blocks.find_map(|(index, block)| {
+            let tangents = tangents(system, block, pose);
+            (!tangents.is_empty()).then_some(())?;
+            follow(system, alike, index, pose, &tangents)
+        })
+    }
+
+    /// Whether a pose whose links stand at `links` is one of its points; it is known to be singular in `dimension` ways.
+    pub fn holds(&self, links: &[f64], dimension: usize) -> bool {
+        let near = |point: &Vec<f64>| {
+            point.len() == links.len() && apart(point, links) <= BESIDE * self.spacing
+        };
+        self.dimension > 1 && dimension == self.dimension || self.points.iter().any(near)
+    }
+}
+
+/// In how many ways all blocks together are singular at a closed pose.
+pub fn lost(system: &System, pose: &[f64]) -> usize {
+    let blocks = system.blocks().iter();
+    blocks
+        .map(|block| tangents(system, block, pose).len())
+        .sum()
+}
+
+/// Directions of the scaled unknowns that open no loop to first order.
+fn tangents(system: &System, block: &Block, pose: &[f64]) -> Vec<Vec<f64>> {
+    let (rows, columns) = (block.rows(), block.unknowns.len());
+    if columns == 0 {
+        return Vec::new();
+    }
+    let mut workspace = BlockWorkspace::default();
+    workspace.evaluate(system.mechanism(), block, pose, Want::Jacobian);
+    let conditioning = conditioning(&workspace.jacobian, rows, columns);
+    if conditioning.sigma_min >= SINGULAR {
+        return Vec::new();
+    }
+    let rank = conditioning.rank.min(columns - 1);
+    null_space(&workspace.jacobian, rows, columns, rank)
+}
+
+/// Follows the solutions of a block both ways along the first tangent; later blocks go along.
+fn follow(
+    system: &System,
+    alike: &Alike<'_>,
+    index: usize,
+    pose: &[f64],
+    tangents: &[Vec<f64>],
+) -> Option<Continuum> {
+    let (mechanism, block) = (system.mechanism(), &system.blocks()[index]);
+    let mut corrector = Corrector::new(system);
+    let first = alike.place(pose).links;
+    let (mut points, mut spacing, mut longest) = (vec![first.clone()], 0.0_f64, 0);
+    'ways: for sense in [1.0, -1.0] {
+        let turned = tangents
+            .iter()
+            .map(|t| t.iter().map(|x| sense * x).collect());
+        let mut path = Path::of_solutions(mechanism, block, pose, turned.collect());
+        let mut last = first.clone();
+        let most = if tangents.len() > 1 {
+            FIRST_STEPS
+        } else {
+            MOST_STEPS
+        };
+        for step in 1..=most {
+            if !path.step(STEP) || !closes(system, &mut corrector, &mut path.coordinates) {
+                break;
+            }
+            let links = alike.place(&path.coordinates).links;
+            let gap = apart(&links, &last);
+            if links.len() != last.len() || gap < SEEN * STEP {
+                break;
+            }
+            spacing = spacing.max(gap);
+            longest = longest.max(step);
+            let is_back = step > FIRST_STEPS && apart(&links, &first) <= spacing;
+            last.clone_from(&links);
+            points.push(links);
+            if is_back {
+                break 'ways;
+            }
+        }
+    }
+    (longest >= FIRST_STEPS).then_some(Continuum {
+        dimension: tangents.len(),
+        points,
+        spacing,
+    })
+}
+
+/// Closes all blocks beside a pose that is closed in the followed one.
+fn closes(system: &System, corrector: &mut Corrector, coordinates: &mut [f64]) -> bool {
+    // Singular blocks converge as far as their rank goes, and stay where they are.
+    corrector
+        .correct(system, coordinates, Pace::Patient)
+        .converged
+}

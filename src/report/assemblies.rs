@@ -1,0 +1,153 @@
+//! What a search for assemblies has found, in words.
+
+use super::sentences::counted;
+use crate::kinematics::assemblies::{Mode, Modes, StartKind, UNSEEN};
+use crate::kinematics::structure::block::names;
+use crate::kinematics::structure::system::System;
+use crate::model::mechanism::Mechanism;
+
+/// `40 placements of `plate``, and what of them is not isolated.
+pub fn headline(mechanism: &Mechanism, modes: &Modes) -> String {
+    let placements = modes.placements();
+    let what = match modes.bodies[..] {
+        [] => assemblies(placements, ""),
+        [one] => {
+            let name = &mechanism.bodies[one].name;
+            format!("{} of `{name}`", counted(placements, "placement"))
+        }
+        _ => format!("{} of the bodies", counted(placements, "placement")),
+    };
+    let sets = [
+        (modes.curves(), "curve"),
+        (modes.larger_sets(), "larger set"),
+    ];
+    let sets: Vec<String> = sets
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, noun)| format!("{} of solutions", counted(*count, noun)))
+        .collect();
+    match sets.is_empty() {
+        true => what,
+        false => {
+            let kind = match modes.bodies.is_empty() {
+                true => assemblies(modes.isolated(), "isolated "),
+                false => counted(modes.isolated(), "isolated placement"),
+            };
+            format!("{kind} and {}", sets.join(" and "))
+        }
+    }
+}
+
+/// `1 assembly`, `3 isolated assemblies`.
+fn assemblies(count: usize, which: &str) -> String {
+    match count {
+        1 => format!("1 {which}assembly"),
+        n => format!("{n} {which}assemblies"),
+    }
+}
+
+/// What the rows mean, and what the count is worth.
+pub fn remarks(system: &System, modes: &Modes) -> Vec<String> {
+    let mut lines = vec![
+        format!(
+            "This is a count, not a proof: {} of {} starts closed ({}).",
+            modes.closed(),
+            modes.starts(),
+            kinds(modes)
+        ),
+        worth(modes),
+    ];
+    if modes.list.iter().any(|m| m.is_scene) {
+        lines.push("* is where the scene's start values lead.".to_owned());
+    }
+    if modes.list.len() > modes.placements() {
+        lines.push(format!(
+            "{} modes: links that carry no body stand in several ways while the bodies stand alike.",
+            modes.list.len()
+        ));
+    }
+    lines.extend(second_angles(system, modes));
+    if modes.list.iter().any(|m| m.dimension > 0) {
+        lines.push("~ is one point of a continuous set of solutions.".to_owned());
+    }
+    let meeting = |m: &&Mode| m.is_singular && m.dimension == 0;
+    let meeting = modes.list.iter().filter(meeting).count();
+    if meeting > 0 {
+        lines.push(format!(
+            "{} singular: assemblies meet there.",
+            match meeting {
+                1 => "1 mode is".to_owned(),
+                n => format!("{n} modes are"),
+            }
+        ));
+    }
+    lines
+}
+
+/// What the starts of every kind led to.
+fn kinds(modes: &Modes) -> String {
+    let made = modes.tallies.iter().filter(|(_, tally)| tally.starts > 0);
+    let parts = made.map(|(kind, tally)| {
+        let new = counted(tally.new, "new placement");
+        format!("{} {}: {new}", tally.starts, words(*kind))
+    });
+    parts.collect::<Vec<_>>().join(", ")
+}
+
+/// A kind of starts, as in `500 random`.
+pub const fn words(kind: StartKind) -> &'static str {
+    match kind {
+        StartKind::Scene => "of the scene",
+        StartKind::Random => "random",
+        StartKind::Mirrored => "mirrored",
+        StartKind::Continued => "continued",
+    }
+}
+
+/// How much may be left.
+fn worth(modes: &Modes) -> String {
+    let chance = match modes.unseen {
+        0.0 => "0".to_owned(),
+        chance => format!("{chance:.1e}"),
+    };
+    let left = format!(
+        "one more random start leads to a new placement with an estimated chance of {chance} (Good-Turing)"
+    );
+    let mut text = match modes.is_exhausted {
+        false if modes.is_hopeless => format!("There are far more placements: {left}."),
+        true => format!("The search ended since {left}, below {UNSEEN:.0e}."),
+        false => {
+            format!("The search ended with its starts; more --starts may find more, since {left}.")
+        }
+    };
+    if modes.unlikely > 0 && modes.is_exhausted {
+        text.push_str(&format!(
+            " No random start led to {} of them, so there may be others of that kind.",
+            modes.unlikely
+        ));
+    }
+    text
+}
+
+/// That ball joints have two sets of angles.
+fn second_angles(system: &System, modes: &Modes) -> Option<String> {
+    let mechanism = system.mechanism();
+    let mut balls: Vec<usize> = Vec::new();
+    for mode in &modes.list {
+        balls.extend(&mode.renamed_balls);
+    }
+    balls.sort_unstable();
+    balls.dedup();
+    let wrists = balls.iter().map(|ball| {
+        let slots = system.balls()[*ball].slots.into_iter();
+        names(mechanism, slots).join(", ")
+    });
+    let wrists: Vec<String> = wrists.collect();
+    (!wrists.is_empty()).then(|| {
+        format!(
+            "Wrist angles ({}) have two sets of values for every placement: {} names in all, of which those with the smallest angles are listed.",
+            wrists.join("; "),
+            modes.names()
+        )
+    })
+}
