@@ -74,7 +74,7 @@ pub fn remarks(system: &System, modes: &Modes) -> Vec<String> {
     let meeting = modes.list.iter().filter(meeting).count();
     if meeting > 0 {
         lines.push(format!(
-            "{} singular: assemblies meet there.",
+            "{} singular: assemblies meet there, unless a set of solutions passes that could not be followed.",
             match meeting {
                 1 => "1 mode is".to_owned(),
                 n => format!("{n} modes are"),

@@ -167,7 +167,7 @@ fn document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Value 
         })
         .collect();
     json!({
-        "schema": "mechanim-modes/2",
+        "schema": "mechanim-modes/1",
         "title": mechanism.title,
         "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name, "time": "s" },
         "time": time,
