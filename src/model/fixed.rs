@@ -63,7 +63,7 @@ impl FixedPose {
     /// of 20 digits.
     pub fn rotation(axis: usize, angle: Constant) -> Self {
         if let Some(quarters) = angle.quarter_turns() {
-            return Self::quarter_turns(axis, quarters, angle.error());
+            return Self::quarter_turns(axis, quarters);
         }
         let pose = Pose::from_axis_rotation(axis, angle.number());
         let own = pose.rotation.col((axis + 1) % 3);
@@ -93,8 +93,8 @@ impl FixedPose {
         }
     }
 
-    /// About a coordinate axis by whole quarter turns: its entries are whole, too. The angle is known to `error`.
-    fn quarter_turns(axis: usize, quarters: i64, error: f64) -> Self {
+    /// About a coordinate axis by whole quarter turns: its entries are whole, too, and exact.
+    fn quarter_turns(axis: usize, quarters: i64) -> Self {
         let (sin, cos) = match quarters.rem_euclid(4) {
             0 => (0.0, 1.0),
             1 => (1.0, 0.0),
@@ -102,15 +102,7 @@ impl FixedPose {
             _ => (-1.0, 0.0),
         };
         let pose = Pose::from_axis_sin_cos(axis, sin, cos);
-        let error = PoseError {
-            rotation: 2.0 * SQRT_2 * error,
-            translation: 0.0,
-        };
-        Self {
-            pose,
-            error,
-            pattern: Pattern::of_exact(&pose),
-        }
+        Self::exact(pose)
     }
 
     /// The rotation that takes the z axis to a direction of the scene, not zero. Which one is free, so that the stored

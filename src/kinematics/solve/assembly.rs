@@ -140,28 +140,39 @@ pub fn close(
     let mut descent = Descent::default();
     for (index, block) in structure.blocks.iter().enumerate() {
         *iterations += descent.minimise(mechanism, block, coordinates).0;
-        // Before it is closed: angles of many turns cannot be closed as well.
-        wrap_angles(mechanism, coordinates);
         let before = coordinates.to_vec();
-        let correction = corrector.correct_block(system, index, coordinates, Pace::Patient);
-        *iterations += correction.iterations;
-        if !correction.converged {
+        let mut correct = |coordinates: &mut [f64]| {
+            let correction = corrector.correct_block(system, index, coordinates, Pace::Patient);
+            *iterations += correction.iterations;
+            correction.converged
+        };
+        let mut is_closed = correct(coordinates);
+        // Angles of many turns cannot be closed as well as those that are left of them.
+        if is_closed && wrap_angles(mechanism, coordinates) {
+            is_closed = correct(coordinates);
+        }
+        if !is_closed {
             coordinates.copy_from_slice(&before);
             return Err(gap(mechanism, block, coordinates));
         }
     }
-    wrap_angles(mechanism, coordinates);
     Ok(())
 }
 
 /// Angles from a long search may have made whole turns; they are brought to -π..π where nothing but plain
 /// rotations by whole multiples uses them.
-fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
+///
+/// Whether there were any.
+fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) -> bool {
+    let mut any = false;
     for (slot, (unknown, value)) in mechanism.unknowns.iter().zip(coordinates).enumerate() {
         if unknown.kind == Kind::Angle && value.abs() > PI && !turns_matter(mechanism, slot) {
-            *value -= TAU * (*value / TAU).round();
+            let turns = (*value / TAU).round();
+            *value -= TAU * turns;
+            any |= turns != 0.0;
         }
     }
+    any
 }
 
 /// Whether a whole turn of the coordinate changes anything: it drives a translation, a gear or an equation.
