@@ -47,27 +47,12 @@ pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
         state ^= state << 17;
         (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
-    let coordinates: Vec<Kind> = mechanism
-        .unknowns
-        .iter()
-        .chain(&mechanism.inputs)
-        .map(|c| c.kind)
-        .collect();
-    (0..PROBES)
-        .map(|_| {
-            let scale = |kind: &Kind| {
-                if *kind == Kind::Length {
-                    mechanism.size
-                } else {
-                    1.0
-                }
-            };
-            coordinates
-                .iter()
-                .map(|kind| scale(kind) * random())
-                .collect()
-        })
-        .collect()
+    let mut scaled = |slot: usize| match mechanism.kind_of(slot) {
+        Kind::Length => mechanism.scale_of(slot) * random(),
+        Kind::Angle | Kind::Number => random(),
+    };
+    let mut pose = |_| (0..mechanism.coordinate_count()).map(&mut scaled).collect();
+    (0..PROBES).map(&mut pose).collect()
 }
 
 /// Places on the drive where closed poses are looked for, as parts of its duration, and how far the inputs are shifted
@@ -83,14 +68,10 @@ pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
         let mut start =
             poses.first().unwrap_or(&actuation.guess)[..mechanism.unknowns.len()].to_vec();
         let inputs = actuation.inputs_at(part * actuation.duration);
-        let shifted = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
-            let scale = if input.kind == Kind::Length {
-                mechanism.size
-            } else {
-                1.0
-            };
-            value + shift * scale
-        });
+        let slots = mechanism.unknowns.len()..;
+        let shifted = slots
+            .zip(inputs)
+            .map(|(slot, value)| value + shift * mechanism.scale_of(slot));
         start.extend(shifted);
         if !start.iter().all(|v| v.is_finite()) {
             continue;

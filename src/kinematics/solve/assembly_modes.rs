@@ -184,7 +184,7 @@ pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f
         let random = random(start as u64, slot as u64);
         match unknown.kind {
             Kind::Angle => PI * random,
-            Kind::Length => REACH * mechanism.size * random,
+            Kind::Length => REACH * mechanism.scale_of(slot) * random,
             Kind::Number => REACH * random,
         }
     });
@@ -208,14 +208,16 @@ fn random(key: u64, counter: u64) -> f64 {
 fn fingerprint(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     let arguments = mechanism.argument_values(coordinates);
     let mut numbers = Vec::new();
-    let mut note = |pose: &Pose| {
+    let mut note = |pose: &Pose, size: f64| {
         numbers.extend(pose.rotation.to_cols_array());
-        numbers.extend((pose.translation / mechanism.size).to_array());
+        numbers.extend((pose.translation / size).to_array());
     };
     for (item, passages) in mechanism.loops.iter().zip(&mechanism.joints.along_loops) {
-        links(&item.chain, passages, &arguments, &mut note);
+        let mut of_loop = |pose: &Pose| note(pose, item.size);
+        links(&item.chain, passages, &arguments, &mut of_loop);
     }
-    body_poses(mechanism, coordinates).iter().for_each(note);
+    let bodies = body_poses(mechanism, coordinates);
+    bodies.iter().for_each(|pose| note(pose, mechanism.size));
     for slot in outside_chains(mechanism) {
         match mechanism.unknowns[slot].kind {
             Kind::Angle => numbers.extend(<[f64; 2]>::from(sin_cos(coordinates[slot]))),
