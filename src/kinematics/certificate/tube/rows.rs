@@ -40,7 +40,7 @@ pub struct Layout<'m> {
 }
 
 /// A block over a stretch.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Rows {
     /// Residuals.
     pub residual: Vec<Model>,
@@ -248,15 +248,16 @@ impl<'m> Layout<'m> {
         } else {
             Vec::new()
         };
-        let mut changes = self.changes.clone();
-        for (changes, rates) in changes.iter_mut().zip(&self.rates) {
-            for form in &self.used {
-                if let Form::Formula(_) = forms[*form] {
-                    changes[*form] = forms[*form].change(&place, rates);
-                }
+        let [mut own, mut all] = self.changes.clone();
+        for form in &self.used {
+            if let Form::Formula(_) = forms[*form] {
+                all[*form] = forms[*form].change(&place, &self.rates[1]);
+                own[*form] = match self.own == self.columns.len() {
+                    true => all[*form],
+                    false => forms[*form].change(&place, &self.rates[0]),
+                };
             }
         }
-        let [own, all] = changes;
         let mut bends = Bends {
             own: vec![0.0; self.count()],
             all: vec![0.0; self.count()],
