@@ -5,7 +5,7 @@ use super::lanes::{LaneMatrix, Lanes, clear_column, scale};
 use wide::f64x4;
 
 /// Pivots whose ratio is below this call for the factorisation that sees ranks: six of sixteen digits would be lost.
-const SMALLEST_RATIO: f64 = 1e-6;
+pub const SMALLEST_RATIO: f64 = 1e-6;
 
 /// What an elimination tells besides the inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,8 @@ pub struct Pivots {
 }
 
 impl Pivots {
-    const NONE: Self = Self {
+    /// Before the first pivot.
+    pub const NONE: Self = Self {
         sign: 1,
         smallest: f64::INFINITY,
         largest: 0.0,
@@ -26,7 +27,7 @@ impl Pivots {
 
     /// Takes in a pivot and whether rows were exchanged for it; false where it is none or too small.
     #[inline]
-    fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {
+    pub fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {
         let size = pivot.abs();
         (self.smallest, self.largest) = (self.smallest.min(size), self.largest.max(size));
         if exchanged != (pivot < 0.0) {
