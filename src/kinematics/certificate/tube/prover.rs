@@ -367,7 +367,7 @@ impl<'m> Prover<'m> {
         place.extend(self.actuation.inputs_at(time));
         let reason = match digits.prove([&place, &[]], bases, None) {
             Err(Reason::Formula) => {
-                let mut still = Path::still(self.blocks.unknowns, &place, &[]);
+                let mut still = Path::standing(self.blocks.unknowns, &place, &[]);
                 self.blocks.prove(bases, &mut still, false).err()
             }
             proved => proved.err(),

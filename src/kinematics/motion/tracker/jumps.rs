@@ -30,7 +30,8 @@ impl PathTracker<'_> {
             let smooth = FASTER * step * (before.abs() + after.abs());
             let change = (a - b).abs();
             // Rates that are no numbers say nothing.
-            change > JUMP * a.abs().max(b.abs()).max(least(slot)) && (smooth.is_nan() || change > smooth)
+            change > JUMP * a.abs().max(b.abs()).max(least(slot))
+                && (smooth.is_nan() || change > smooth)
         });
         jumps.any(|jump| jump).then_some((time, inputs))
     }
