@@ -25,6 +25,11 @@ impl Pivots {
         largest: 0.0,
     };
 
+    /// Of a matrix that is not square: it has no determinant.
+    pub fn unsigned(self) -> Self {
+        Self { sign: 0, ..self }
+    }
+
     /// Takes in a pivot and whether rows were exchanged for it; false where it is none or too small.
     #[inline]
     pub fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {

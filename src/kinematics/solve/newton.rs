@@ -330,7 +330,7 @@ impl BlockBuffers {
                 let pivots = self
                     .sparse
                     .pseudo_invert(jacobian, shape, &mut self.inverse);
-                pivots.map(|pivots| Pivots { sign: 0, ..pivots })
+                pivots.map(Pivots::unsigned)
             }
         };
         self.eliminated = pivots.is_some();
