@@ -154,7 +154,7 @@ pub fn close(
     for (index, block) in structure.blocks.iter().enumerate() {
         *iterations += descent.minimise(mechanism, block, coordinates).0;
         // Before it is closed: angles of many turns cannot be closed as well.
-        wrap_angles(mechanism, coordinates);
+        wrap_angles(system, coordinates);
         let before = coordinates.to_vec();
         let correction = corrector.correct_block(system, index, coordinates, Pace::Patient);
         *iterations += correction.iterations;
