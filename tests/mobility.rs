@@ -657,6 +657,12 @@ fn scaled(mechanism: &Model, scale: f64) -> Model {
     use mechanim::model::mechanism::Kind;
     let mut other = mechanism.clone();
     other.size *= scale;
+    other.loops.iter_mut().for_each(|l| l.size *= scale);
+    for slot in 0..mechanism.coordinate_count() {
+        if mechanism.kind_of(slot) == Kind::Length {
+            other.scales[slot] *= scale;
+        }
+    }
     (other.bodies, other.traces, other.outputs) = (Vec::new(), Vec::new(), Vec::new());
     for step in other.loops.iter_mut().flat_map(|l| &mut l.chain.steps) {
         match step {

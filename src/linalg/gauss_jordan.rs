@@ -5,7 +5,7 @@ use super::lanes::{LaneMatrix, Lanes, clear_column, scale};
 use wide::f64x4;
 
 /// Pivots whose ratio is below this call for the factorisation that sees ranks: six of sixteen digits would be lost.
-const SMALLEST_RATIO: f64 = 1e-6;
+pub const SMALLEST_RATIO: f64 = 1e-6;
 
 /// What an elimination tells besides the inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,15 +18,21 @@ pub struct Pivots {
 }
 
 impl Pivots {
-    const NONE: Self = Self {
+    /// Before the first pivot.
+    pub const NONE: Self = Self {
         sign: 1,
         smallest: f64::INFINITY,
         largest: 0.0,
     };
 
+    /// Of a matrix that is not square: it has no determinant.
+    pub fn unsigned(self) -> Self {
+        Self { sign: 0, ..self }
+    }
+
     /// Takes in a pivot and whether rows were exchanged for it; false where it is none or too small.
     #[inline]
-    fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {
+    pub fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {
         let size = pivot.abs();
         (self.smallest, self.largest) = (self.smallest.min(size), self.largest.max(size));
         if exchanged != (pivot < 0.0) {

@@ -4,4 +4,5 @@ pub mod gauss_jordan;
 pub mod lanes;
 pub mod pivoted_qr;
 pub mod singular_values;
+pub mod sparse_lu;
 pub mod svd;

@@ -18,8 +18,11 @@ pub const SMALLEST_ERROR: f64 = 5e-7;
 /// Relative error of the largest singular value, and with it of the condition number.
 pub const LARGEST_ERROR: f64 = 1e-3;
 
-/// Iterations after which the exact decomposition is cheaper.
+/// Iterations after which the exact decomposition of a small matrix is cheaper.
 const MOST_ITERATIONS: usize = 24;
+
+/// Of a large one it takes many times its size times what an iteration takes: as many are made as this part of its size.
+const SHARE_OF_SIZE: usize = 2;
 
 /// How much of a fixed vector is mixed into the start of the largest value.
 const MIXED: f64 = 0.01;
@@ -92,7 +95,7 @@ impl PowerIteration {
         if self.size != n {
             self.start(n);
         }
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MOST_ITERATIONS.max(n / SHARE_OF_SIZE) {
             self.multiply(a);
             let value = dot(&self.vector, &self.image);
             let square = dot(&self.image, &self.image);

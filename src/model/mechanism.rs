@@ -60,6 +60,8 @@ pub struct Loop {
     pub chain: Chain,
     /// What it must be.
     pub closes: Closes,
+    /// Its own unit of length: what its translation is measured in.
+    pub size: f64,
 }
 
 /// Two cylinders in contact that may cross at any angle, but touch in a point only where they do cross.
@@ -174,10 +176,10 @@ pub struct Mechanism {
     pub outputs: Vec<Output>,
     /// What its chains are as joints and links.
     pub joints: Joints,
-    /// Characteristic length: what residuals and unknown lengths are measured against.
+    /// Characteristic length of the whole: no loop's own is larger.
     pub size: f64,
-    /// What plain numbers among the unknowns amount to, by unknown; empty where each counts as one.
-    pub magnitudes: Vec<f64>,
+    /// What a coordinate amounts to: a length the unit of the loops it stands in, a number its magnitude, an angle one.
+    pub scales: Vec<f64>,
 }
 
 impl Mechanism {
@@ -201,21 +203,24 @@ impl Mechanism {
             .collect()
     }
 
-    /// Scale of unknown `index`: the mechanism's size for a length, its magnitude for a number, one otherwise.
-    pub fn scale_of(&self, index: usize) -> f64 {
-        match self.unknowns[index].kind {
-            Kind::Length => self.size,
-            Kind::Angle => 1.0,
-            Kind::Number => self.magnitudes.get(index).copied().unwrap_or(1.0),
-        }
+    /// Scale of a coordinate (unknowns, then inputs): its loops' unit for a length, its magnitude for a number, else one.
+    pub fn scale_of(&self, slot: usize) -> f64 {
+        self.scales.get(slot).copied().unwrap_or(1.0)
     }
 
-    /// Least and largest scale of an unknown, an angle's being the size: what a distance of poses in radians and sizes is
+    /// What a coordinate (unknowns, then inputs) measures.
+    pub fn kind_of(&self, slot: usize) -> Kind {
+        let input = slot.wrapping_sub(self.unknowns.len());
+        let known = self.unknowns.get(slot).or_else(|| self.inputs.get(input));
+        known.map_or(Kind::Number, |c| c.kind)
+    }
+
+    /// Least and largest scale of an unknown, an angle's being the size: what a distance of poses in scaled unknowns is
     /// at least, and at most, as a difference of unknowns.
     pub fn distance_units(&self) -> [f64; 2] {
         let unit = |index: usize| match self.unknowns[index].kind {
-            Kind::Length | Kind::Angle => self.size,
-            Kind::Number => self.scale_of(index),
+            Kind::Angle => self.size,
+            Kind::Length | Kind::Number => self.scale_of(index),
         };
         let units = (0..self.unknowns.len()).map(unit);
         let range = units.map(|unit| [unit, unit]);

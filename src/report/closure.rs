@@ -52,7 +52,12 @@ pub fn error(mechanism: &Mechanism, trajectory: &Trajectory, allowed: f64) -> Ca
 /// A closure error with what is allowed.
 pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String {
     let (size, unit) = (mechanism.size, &mechanism.length_unit);
-    format!("{worst:.2e} (allowed {allowed:.0e}, relative to {size} {unit})")
+    let is_one = mechanism.loops.iter().all(|item| item.size == size);
+    let measure = match is_one {
+        true => format!("{size} {unit}"),
+        false => format!("the size of each loop, at most {size} {unit}"),
+    };
+    format!("{worst:.2e} (allowed {allowed:.0e}, relative to {measure})")
 }
 
 /// Whether a loop or an equation is closed at an offered pose.

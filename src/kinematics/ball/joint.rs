@@ -202,7 +202,7 @@ pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
                 continue;
             }
             let run = Run::of(&item.chain.steps[passage.steps.clone()]);
-            list.extend(run.and_then(|run| ball_of(mechanism, structure, run, passage)));
+            list.extend(run.and_then(|run| ball_of(mechanism, structure, run, passage, item.size)));
         }
     }
     list
@@ -214,6 +214,7 @@ fn ball_of(
     structure: &Structure,
     run: Run,
     passage: &Passage,
+    size: f64,
 ) -> Option<Ball> {
     let mut slots = [0; 3];
     let (mut factors, mut offsets) = ([0.0; 3], [0.0; 3]);
@@ -243,15 +244,15 @@ fn ball_of(
         frame: axes.frame,
         constant: run.between[0].rotation * run.between[1].rotation,
         mu: axes.mu,
-        centre: centre(&run, mechanism.size)?,
+        centre: centre(&run, size)?,
         run,
     };
-    (is_whole && is_spelled_alike(mechanism, &ball)).then_some(ball)
+    (is_whole && is_spelled_alike(mechanism, &ball, size)).then_some(ball)
 }
 
 /// Whether all loops have the joint with the same constants between its rotations: small rotations that stand behind it
 /// in one loop can then stand behind it in all.
-fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball) -> bool {
+fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball, size: f64) -> bool {
     let loops = mechanism.loops.iter().zip(&mechanism.joints.along_loops);
     let mut own = loops.flat_map(|(item, passages)| {
         let own = passages.iter().filter(|p| p.joint == ball.joint);
@@ -263,7 +264,7 @@ fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball) -> bool {
                 true => run.inverse(),
                 false => run,
             };
-            run.is(&ball.run, mechanism.size)
+            run.is(&ball.run, size)
         })
     })
 }

@@ -40,6 +40,7 @@ use crate::kinematics::structure::system::System;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::U;
 use pose::prover::PoseProver;
+use tube::Standing;
 
 /// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
 /// involved.
@@ -48,6 +49,8 @@ pub struct Certifier<'m> {
     system: &'m System,
     prover: PoseProver<'m>,
     has_redundant_rows: bool,
+    /// The proof where there are formulas, once it is needed.
+    standing: Option<Standing<'m>>,
 }
 
 impl<'m> Certifier<'m> {
@@ -57,6 +60,7 @@ impl<'m> Certifier<'m> {
             system,
             prover: PoseProver::new(system),
             has_redundant_rows: rows::redundant(system) > 0,
+            standing: None,
         }
     }
 
@@ -120,8 +124,10 @@ impl<'m> Certifier<'m> {
     }
 
     /// The proof where arguments or equations are no affine forms.
-    fn certify_formulas(&self, place: [&[f64]; 2], bases: &[Vec<usize>]) -> Certificate {
-        match tube::pose(self.system, place, bases) {
+    fn certify_formulas(&mut self, place: [&[f64]; 2], bases: &[Vec<usize>]) -> Certificate {
+        let system = self.system;
+        let standing = self.standing.get_or_insert_with(|| Standing::new(system));
+        match standing.prove(place, bases) {
             Ok((error, radius, closes_to)) => self.certificate(error, radius, closes_to),
             Err(reason) => Certificate::Refused { reason },
         }

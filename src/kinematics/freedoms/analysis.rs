@@ -169,7 +169,10 @@ fn live_equations(
                 let (gap, unit) = if k < 3 {
                     (constant[k], "rad")
                 } else {
-                    (constant[k] * mechanism.size, mechanism.length_unit.as_str())
+                    (
+                        constant[k] * mechanism.loops[index].size,
+                        mechanism.length_unit.as_str(),
+                    )
                 };
                 let name = mechanism.loops[index].name.clone();
                 return Err(StructureError::Impossible {

@@ -8,9 +8,9 @@
 
 use super::generic_rank::{RANK, random_poses, rank_of_rows};
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain, Motion};
+use crate::model::chain::{ArgumentValue, Motion};
 use crate::model::joints::{Joint, Joints};
-use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
+use crate::model::mechanism::{Closes, Loop, Mechanism};
 use crate::model::walk::walk;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -142,7 +142,7 @@ fn adds(mechanism: &Mechanism, span: &mut Span, joint: &Joint, pose: &[f64]) -> 
 fn gradient_of(mechanism: &Mechanism, argument: usize, pose: &[f64]) -> Vec<(usize, f64)> {
     let rates = mechanism.arguments[argument].gradient(pose).into_iter();
     let rates: Vec<(usize, f64)> = rates
-        .map(|(slot, rate)| (slot, rate * unit_of(mechanism, slot)))
+        .map(|(slot, rate)| (slot, rate * mechanism.scale_of(slot)))
         .collect();
     let largest = rates.iter().fold(0.0_f64, |m, (_, v)| m.max(v.abs()));
     let unit = largest.max(f64::MIN_POSITIVE);
@@ -206,15 +206,6 @@ fn independent(mechanism: &Mechanism, arguments: &[usize], pose: &[f64]) -> usiz
     rows.filter(|row| span.add(row)).count()
 }
 
-/// What a coordinate is counted in.
-fn unit_of(mechanism: &Mechanism, slot: usize) -> f64 {
-    let mut coordinates = mechanism.unknowns.iter().chain(&mechanism.inputs);
-    match coordinates.nth(slot).map(|c| c.kind) {
-        Some(Kind::Length) => mechanism.size,
-        _ => 1.0,
-    }
-}
-
 /// Dimensions of a loop's motions.
 struct Space {
     /// As its joints would make them, each by itself.
@@ -232,20 +223,15 @@ fn spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
         for pose in poses {
             let arguments = mechanism.argument_values(pose);
             let mut columns = vec![[0.0; 6]; pose.len()];
-            each_twist(
-                mechanism,
-                &item.chain,
-                &arguments,
-                |argument, unit, twist| {
-                    joints.extend(twist);
-                    turns.extend(&twist[..3]);
-                    for (slot, rate) in mechanism.arguments[argument].gradient(pose) {
-                        let rate = rate * unit_of(mechanism, slot) / unit;
-                        let column = columns[slot].iter_mut().zip(twist);
-                        column.for_each(|(c, t)| *c += rate * t);
-                    }
-                },
-            );
+            each_twist(item, &arguments, |argument, unit, twist| {
+                joints.extend(twist);
+                turns.extend(&twist[..3]);
+                for (slot, rate) in mechanism.arguments[argument].gradient(pose) {
+                    let rate = rate * mechanism.scale_of(slot) / unit;
+                    let column = columns[slot].iter_mut().zip(twist);
+                    column.for_each(|(c, t)| *c += rate * t);
+                }
+            });
             coordinates.extend(columns.into_iter().flatten());
         }
         // Where a point closes the loop, its three coordinates are all that counts.
@@ -265,16 +251,15 @@ fn spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
 }
 
 /// Calls `each` with every motion's argument, its unit (radian, size) and its twist for a rate of one unit: angular
-/// velocity, and velocity at the origin over the size.
+/// velocity, and velocity at the origin over the loop's size.
 fn each_twist(
-    mechanism: &Mechanism,
-    chain: &Chain,
+    item: &Loop,
     arguments: &[ArgumentValue],
     mut each: impl FnMut(usize, f64, [f64; 6]),
 ) {
-    let size = mechanism.size;
+    let size = item.size;
     let mut end = Pose::IDENTITY;
-    walk(&chain.steps, &mut end, arguments, |here, joint| {
+    walk(&item.chain.steps, &mut end, arguments, |here, joint| {
         let axis = here.rotation.col(joint.axis) * joint.sign;
         let (unit, turn, speed) = match joint.motion {
             Motion::Rotation => (1.0, axis, here.translation.cross(axis) / size),

@@ -2,12 +2,13 @@
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::{assemble, shake};
-use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::solve::newton::{Corrector, Pace};
 use crate::kinematics::solve::wishes::assemble_as_meant;
 use crate::kinematics::structure::block::{Block, StructureError, names};
 use crate::kinematics::structure::ordering::{Group, Incidence, of_group};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
+use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 
@@ -47,63 +48,53 @@ pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
         state ^= state << 17;
         (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
-    let coordinates: Vec<Kind> = mechanism
-        .unknowns
-        .iter()
-        .chain(&mechanism.inputs)
-        .map(|c| c.kind)
-        .collect();
-    (0..PROBES)
-        .map(|_| {
-            let scale = |kind: &Kind| {
-                if *kind == Kind::Length {
-                    mechanism.size
-                } else {
-                    1.0
-                }
-            };
-            coordinates
-                .iter()
-                .map(|kind| scale(kind) * random())
-                .collect()
-        })
-        .collect()
+    let mut scaled = |slot: usize| match mechanism.kind_of(slot) {
+        Kind::Length => mechanism.scale_of(slot) * random(),
+        Kind::Angle | Kind::Number => random(),
+    };
+    let mut pose = |_| (0..mechanism.coordinate_count()).map(&mut scaled).collect();
+    (0..PROBES).map(&mut pose).collect()
 }
 
 /// Places on the drive where closed poses are looked for, as parts of its duration, and how far the inputs are shifted
 /// there (radians, sizes): a drive at rest, or one that starts at a singular pose, must not decide on ranks.
 const PLACES: [(f64, f64); 4] = [(0.0, 0.0), (0.0, 1e-2), (0.37, -7e-3), (0.73, 5e-3)];
 
+/// How often the way to a place is quartered: nets of many cells follow their inputs by small steps only.
+const SHORTER: usize = 8;
+
 /// Closed poses (unknowns, then inputs) here and there on the drive, the start of the drive first if it has one.
 pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
     let mechanism = system.mechanism();
     let mut corrector = Corrector::new(system);
     let mut poses: Vec<Vec<f64>> = Vec::new();
+    let is_large = system.blocks().iter().any(|b| b.unknowns.len() >= LEAST);
     for (part, shift) in PLACES {
         let mut start =
             poses.first().unwrap_or(&actuation.guess)[..mechanism.unknowns.len()].to_vec();
         let inputs = actuation.inputs_at(part * actuation.duration);
-        let shifted = mechanism.inputs.iter().zip(inputs).map(|(input, value)| {
-            let scale = if input.kind == Kind::Length {
-                mechanism.size
-            } else {
-                1.0
-            };
-            value + shift * scale
-        });
+        let slots = mechanism.unknowns.len()..;
+        let shifted = slots
+            .zip(inputs)
+            .map(|(slot, value)| value + shift * mechanism.scale_of(slot));
         start.extend(shifted);
         if !start.iter().all(|v| v.is_finite()) {
             continue;
         }
         // A search is worth its time once.
         let search = part == 0.0 && shift == 0.0;
-        let found = match search {
-            true => assemble_as_meant(system, &mut corrector, &start, &actuation.named),
-            false => assemble(system, &mut corrector, &start, false),
+        let found = match poses.first() {
+            _ if search => {
+                let found = assemble_as_meant(system, &mut corrector, &start, &actuation.named);
+                found.ok().map(|found| found.coordinates)
+            }
+            Some(first) if is_large => towards(system, &mut corrector, first, &start),
+            _ => {
+                let found = assemble(system, &mut corrector, &start, false);
+                found.ok().map(|found| found.coordinates)
+            }
         };
-        if let Ok(found) = found {
-            poses.push(found.coordinates);
-        }
+        poses.extend(found);
     }
     poses
 }
@@ -125,6 +116,48 @@ pub fn poses_around(system: &System, pose: &[f64]) -> Vec<Vec<f64>> {
     closed.collect()
 }
 
+/// The closed pose as far as Newton's method leads at once from a closed one to other inputs.
+fn towards(
+    system: &System,
+    corrector: &mut Corrector,
+    first: &[f64],
+    goal: &[f64],
+) -> Option<Vec<f64>> {
+    let unknowns = system.mechanism().unknowns.len();
+    let mut share = 1.0;
+    (0..SHORTER).find_map(|_| {
+        let mut pose = first.to_vec();
+        let inputs = pose.iter_mut().zip(goal).skip(unknowns);
+        inputs.for_each(|(from, to)| *from += share * (to - *from));
+        share *= 0.25;
+        let found = corrector.correct(system, &mut pose, Pace::Brisk);
+        found.converged.then_some(pose)
+    })
+}
+
+/// Measures ranks.
+#[derive(Default)]
+struct Gauge {
+    qr: PivotedQr,
+    sparse: SparseLu,
+}
+
+impl Gauge {
+    /// Rank of a column-major matrix, and its smallest pivot.
+    fn measure(&mut self, a: &[f64], rows: usize, columns: usize) -> (usize, f64) {
+        // What the sparse elimination takes is far from singular.
+        let regular = match rows == columns {
+            true => self.sparse.factor_columns(a, rows),
+            false => self.sparse.factor_tall(a, [rows, columns]),
+        };
+        if let Some(pivots) = regular {
+            return (columns, pivots.smallest);
+        }
+        self.qr.factor(a, rows, columns, RANK);
+        (self.qr.rank(), self.qr.smallest_pivot())
+    }
+}
+
 /// Ranks of blocks, the largest of several poses.
 pub struct Ranks<'a> {
     mechanism: &'a Mechanism,
@@ -141,13 +174,12 @@ impl<'a> Ranks<'a> {
     /// Largest rank of the block's Jacobian over the poses.
     pub fn of(&self, block: &Block) -> usize {
         let mut workspace = BlockWorkspace::default();
-        let mut qr = PivotedQr::default();
+        let mut gauge = Gauge::default();
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let mut largest = 0;
         for pose in self.poses {
             workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
-            qr.factor(&workspace.jacobian, rows, columns, RANK);
-            largest = largest.max(qr.rank());
+            largest = largest.max(gauge.measure(&workspace.jacobian, rows, columns).0);
             if largest == rows.min(columns) {
                 break;
             }
@@ -158,19 +190,15 @@ impl<'a> Ranks<'a> {
     /// The poses at which the block has its largest rank, the most regular one first.
     pub fn regular(&self, block: &Block) -> Vec<&'a [f64]> {
         let mut workspace = BlockWorkspace::default();
-        let mut qr = PivotedQr::default();
+        let mut gauge = Gauge::default();
+        let (rows, columns) = (block.rows(), block.unknowns.len());
         let largest = self.of(block);
         let mut list: Vec<(f64, &'a [f64])> = Vec::new();
         for pose in self.poses {
             workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
-            qr.factor(
-                &workspace.jacobian,
-                block.rows(),
-                block.unknowns.len(),
-                RANK,
-            );
-            if qr.rank() == largest {
-                list.push((qr.smallest_pivot(), pose));
+            let (rank, pivot) = gauge.measure(&workspace.jacobian, rows, columns);
+            if rank == largest {
+                list.push((pivot, pose));
             }
         }
         list.sort_by(|a, b| b.0.total_cmp(&a.0));

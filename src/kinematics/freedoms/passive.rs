@@ -249,7 +249,8 @@ impl Spins {
                 pose,
             };
             for rates in released(mechanism, block, pose, columns) {
-                let walk = Walk::new(mechanism, pose, &site.with(&rates).physical());
+                let physical = site.with(&rates).physical();
+                let walk = Walk::new(mechanism, pose, &physical, mechanism.size);
                 for (line, link) in lines.iter_mut().zip(links) {
                     let twist = walk.whole(&link.world_from_link);
                     *line = line.or_else(|| line_of(twist));
@@ -263,7 +264,7 @@ impl Spins {
 impl FreeMotion<'_> {
     /// `None` if it is not idle, else the lines about which links turn.
     fn idle_lines(&self) -> Option<Lines> {
-        let walk = Walk::new(self.mechanism, self.pose, &self.physical());
+        let walk = Walk::new(self.mechanism, self.pose, &self.physical(), self.size());
         let common = |twists: Vec<Twist>| -> Option<Option<Line>> {
             twists.into_iter().try_fold(None, with)
         };
@@ -290,11 +291,19 @@ impl FreeMotion<'_> {
         seen.iter().enumerate().all(|(k, series)| {
             let output = k.checked_sub(lengths).map(|k| &self.mechanism.outputs[k]);
             let is_length = output.is_none_or(|o| o.kind == Kind::Length);
-            let scale = if is_length { self.mechanism.size } else { 1.0 };
+            let scale = if is_length { self.size() } else { 1.0 };
             let rate = series.derivative(1).abs() / scale;
             // An output without a value shows nothing.
             rate.is_nan() || rate <= STILL
         })
+    }
+
+    /// What lengths of the block are measured in: what moves by a part of it moves, however large other loops are.
+    fn size(&self) -> f64 {
+        let loops = self.block.loops.iter();
+        let sizes = loops.map(|part| self.mechanism.loops[part.index].size);
+        let largest = sizes.reduce(f64::max);
+        largest.unwrap_or(self.mechanism.size)
     }
 
     /// Rates of all coordinates in their own units.
@@ -308,7 +317,7 @@ impl FreeMotion<'_> {
 
     /// Whether every joint that takes part turns about a line of one of the motions.
     fn turns_about(&self, motions: &[Lines]) -> bool {
-        let walk = Walk::new(self.mechanism, self.pose, &self.physical());
+        let walk = Walk::new(self.mechanism, self.pose, &self.physical(), self.size());
         let mut some = false;
         for (k, part) in self.block.loops.iter().enumerate() {
             for twist in walk.joints(&self.mechanism.loops[part.index].chain) {

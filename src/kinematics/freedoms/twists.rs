@@ -47,8 +47,8 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// The motion with the given rates of all coordinates, in their own units.
-    pub fn new(mechanism: &Mechanism, pose: &[f64], rates: &[f64]) -> Self {
+    /// The motion with the given rates of all coordinates, in their own units; speeds are told over `size`.
+    pub fn new(mechanism: &Mechanism, pose: &[f64], rates: &[f64], size: f64) -> Self {
         let rate_of = |argument: &Argument| {
             let gradient = argument.gradient(pose).into_iter();
             gradient.map(|(slot, g)| g * rates[slot]).sum()
@@ -56,7 +56,7 @@ impl Walk {
         Self {
             arguments: mechanism.argument_values(pose),
             rates: mechanism.arguments.iter().map(rate_of).collect(),
-            size: mechanism.size,
+            size,
         }
     }
 

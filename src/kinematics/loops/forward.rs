@@ -19,7 +19,7 @@ pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
     (angle, product.translation.length())
 }
 
-/// The largest gap over all loops and equations, relative to the mechanism's size; NaN if anything is not a number.
+/// The largest gap over all loops and equations, relative to the loop's size; NaN if anything is not a number.
 pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     let arguments = mechanism.argument_values(coordinates);
     let mut largest = 0.0_f64;
@@ -31,7 +31,7 @@ pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     for item in &mechanism.loops {
         let (angle, distance) = loop_gap(item, &arguments);
         note(angle);
-        note(distance / mechanism.size);
+        note(distance / item.size);
     }
     for (index, equation) in mechanism.equations.iter().enumerate() {
         let scale = mechanism.weight_of(index);

@@ -141,7 +141,7 @@ impl BlockWorkspace {
     fn evaluate_loop(&mut self, site: Site, item: &PlannedLoop, with_columns: bool) {
         let product = self.walk(site.plan, item);
         let turn = rotation_log(&product.rotation);
-        let six = residual_of(turn, product.translation, site.mechanism.size);
+        let six = residual_of(turn, product.translation, item.size);
         for (k, component) in item.components.iter().enumerate() {
             self.residual[item.row + k] = six[*component];
         }
@@ -171,7 +171,7 @@ impl BlockWorkspace {
     /// Distributes the joints' columns over the coordinates of their arguments.
     fn add_columns(&mut self, site: Site, item: &PlannedLoop, turn: DVec3, translation: DVec3) {
         let log_from_spin = left_jacobian_inverse(turn);
-        let per_size = 1.0 / site.mechanism.size;
+        let per_size = 1.0 / item.size;
         let planned = &site.plan.groups[item.groups.clone()];
         let joints = &self.joints[item.groups.clone()];
         self.columns.clear();
@@ -283,7 +283,7 @@ fn column_at<'a>(
     }
 }
 
-/// The six numbers: rotation vector, then translation over the mechanism's size.
+/// The six numbers: rotation vector, then translation over the loop's size.
 pub fn residual_of(turn: DVec3, translation: DVec3, size: f64) -> [f64; 6] {
     let t = translation / size;
     [turn.x, turn.y, turn.z, t.x, t.y, t.z]

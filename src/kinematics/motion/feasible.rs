@@ -59,7 +59,7 @@ fn sweep(system: &System, actuation: &Actuation, input: usize, middle: f64) -> V
     let mechanism = system.mechanism();
     let reach = match mechanism.inputs[input].kind {
         Kind::Angle => PI,
-        Kind::Length => REACH * mechanism.size,
+        Kind::Length => REACH * mechanism.scale_of(mechanism.unknowns.len() + input),
         Kind::Number => REACH,
     };
     let mut from = actuation.inputs_at(0.0);

@@ -21,18 +21,15 @@ pub fn is_cyclic(mechanism: &Mechanism, actuation: &Actuation) -> bool {
         actuation.inputs_at(0.0),
         actuation.inputs_at(actuation.duration),
     );
-    mechanism
-        .inputs
-        .iter()
-        .zip(start.iter().zip(&end))
-        .all(|(input, (a, b))| {
-            let difference = match input.kind {
-                Kind::Angle => (b - a) - TAU * ((b - a) / TAU).round(),
-                Kind::Length => (b - a) / mechanism.size,
-                Kind::Number => b - a,
-            };
-            difference.abs() <= SAME_INPUT
-        })
+    let slots = mechanism.unknowns.len()..;
+    slots.zip(start.iter().zip(&end)).all(|(slot, (a, b))| {
+        let difference = match mechanism.kind_of(slot) {
+            Kind::Angle => (b - a) - TAU * ((b - a) / TAU).round(),
+            Kind::Length => (b - a) / mechanism.scale_of(slot),
+            Kind::Number => b - a,
+        };
+        difference.abs() <= SAME_INPUT
+    })
 }
 
 /// Times of frames at `fps` from 0 on: the end of the drive is a frame of its own unless the drive is cyclic.

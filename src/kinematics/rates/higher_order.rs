@@ -75,9 +75,9 @@ fn residual_coefficient(
     let series: Vec<TaylorSeries> = series.iter().map(|s| s.truncated(k)).collect();
     let arguments = arguments(mechanism, &block.arguments, &series);
     for part in &block.loops {
-        let steps = &mechanism.loops[part.index].chain.steps;
-        let end = Frame::at_end_of(steps, &arguments);
-        let six = residual_part(end.map(|c| c.coefficients()[k]), mechanism.size);
+        let item = &mechanism.loops[part.index];
+        let end = Frame::at_end_of(&item.chain.steps, &arguments);
+        let six = residual_part(end.map(|c| c.coefficients()[k]), item.size);
         residual.extend(part.components.iter().map(|c| six[*c]));
     }
     for index in &block.equations {

@@ -121,9 +121,9 @@ impl<'m> Variation<'m> {
         let mut bend = std::mem::take(&mut self.bend);
         bend.clear();
         for part in &block.loops {
-            let steps = &mechanism.loops[part.index].chain.steps;
-            let end = Frame::at_end_of(steps, &self.turns);
-            let six = residual_part(end.map(|c| c.mixed), mechanism.size);
+            let item = &mechanism.loops[part.index];
+            let end = Frame::at_end_of(&item.chain.steps, &self.turns);
+            let six = residual_part(end.map(|c| c.mixed), item.size);
             bend.extend(part.components.iter().map(|c| six[*c]));
         }
         for equation in &block.equations {

@@ -29,8 +29,17 @@ pub struct NotClosed {
     pub angle: f64,
     /// Smallest remaining distance found, in the scene's unit (or the value of an equation).
     pub distance: f64,
+    /// What the distance is measured in: the loop's own size.
+    pub unit: f64,
     /// Unknowns, then inputs, of the best pose found.
     pub coordinates: Vec<f64>,
+}
+
+impl NotClosed {
+    /// How far from closing, in radians and sizes.
+    pub fn amount(&self) -> f64 {
+        self.angle.max(self.distance / self.unit)
+    }
 }
 
 /// A closed pose and how it was found.
@@ -57,6 +66,10 @@ pub fn assemble(
     for attempt in 0..=if persist { EXTRA_STARTS } else { 0 } {
         let mut coordinates = start.to_vec();
         perturb(mechanism, attempt, &mut coordinates);
+        // What is held is held at its start value, wherever the others start.
+        for held in &system.structure().held {
+            coordinates[held.unknown] = start[held.unknown];
+        }
         match close(system, corrector, &mut coordinates, &mut iterations) {
             Ok(()) => {
                 return Ok(Assembled {
@@ -66,8 +79,7 @@ pub fn assemble(
                 });
             }
             Err(gap) => {
-                let size = |g: &NotClosed| g.angle.max(g.distance / mechanism.size);
-                if best.as_ref().is_none_or(|b| size(&gap) < size(b)) {
+                if best.as_ref().is_none_or(|b| gap.amount() < b.amount()) {
                     best = Some(gap);
                 }
             }
@@ -77,6 +89,7 @@ pub fn assemble(
         name: String::new(),
         angle: 0.0,
         distance: 0.0,
+        unit: mechanism.size,
         coordinates: start.to_vec(),
     }))
 }
@@ -148,7 +161,7 @@ pub fn close(
         };
         let mut is_closed = correct(coordinates);
         // Angles of many turns cannot be closed as well as those that are left of them.
-        if is_closed && wrap_angles(mechanism, coordinates) {
+        if is_closed && wrap_angles(system, coordinates) {
             is_closed = correct(coordinates);
         }
         if !is_closed {
@@ -163,10 +176,13 @@ pub fn close(
 /// rotations by whole multiples uses them.
 ///
 /// Whether there were any.
-fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) -> bool {
+fn wrap_angles(system: &System, coordinates: &mut [f64]) -> bool {
+    let mechanism = system.mechanism();
+    let is_held = |slot| system.structure().held.iter().any(|h| h.unknown == slot);
     let mut any = false;
     for (slot, (unknown, value)) in mechanism.unknowns.iter().zip(coordinates).enumerate() {
-        if unknown.kind == Kind::Angle && value.abs() > PI && !turns_matter(mechanism, slot) {
+        let wraps = unknown.kind == Kind::Angle && value.abs() > PI;
+        if wraps && !is_held(slot) && !turns_matter(mechanism, slot) {
             let turns = (*value / TAU).round();
             *value -= TAU * turns;
             any |= turns != 0.0;
@@ -208,18 +224,20 @@ fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
         name: String::new(),
         angle: 0.0,
         distance: 0.0,
+        unit: mechanism.size,
         coordinates: coordinates.to_vec(),
     };
     let mut largest = -1.0;
     for part in &block.loops {
         let item = &mechanism.loops[part.index];
         let (angle, distance) = crate::kinematics::loops::forward::loop_gap(item, &values);
-        if angle.max(distance / mechanism.size) > largest {
-            largest = angle.max(distance / mechanism.size);
+        if angle.max(distance / item.size) > largest {
+            largest = angle.max(distance / item.size);
             worst = NotClosed {
                 name: item.name.clone(),
                 angle,
                 distance,
+                unit: item.size,
                 ..worst
             };
         }
@@ -227,13 +245,15 @@ fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
         let value = equation.expression.value(coordinates).abs();
-        let scaled = value * mechanism.weight_of(*index);
+        let weight = mechanism.weight_of(*index);
+        let scaled = value * weight;
         if scaled > largest || scaled.is_nan() {
             largest = scaled;
             worst = NotClosed {
                 name: equation.name.clone(),
                 angle: 0.0,
                 distance: value,
+                unit: 1.0 / weight,
                 ..worst
             };
         }

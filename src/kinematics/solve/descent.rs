@@ -3,6 +3,7 @@
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
 use crate::linalg::pivoted_qr::PivotedQr;
+use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::model::mechanism::Mechanism;
 
 /// Most iterations per block and start.
@@ -31,6 +32,7 @@ pub struct Descent {
     workspace: BlockWorkspace,
     trial: BlockWorkspace,
     qr: PivotedQr,
+    sparse: SparseLu,
     matrix: Vec<f64>,
     right_side: Vec<f64>,
     step: Vec<f64>,
@@ -46,6 +48,7 @@ impl Default for Descent {
             workspace: BlockWorkspace::default(),
             trial: BlockWorkspace::default(),
             qr: PivotedQr::default(),
+            sparse: SparseLu::default(),
             matrix: Vec::new(),
             right_side: Vec::new(),
             step: Vec::new(),
@@ -118,6 +121,35 @@ impl Descent {
     /// Least squares of [J; √λ I] x = [-r; 0].
     fn damped_step(&mut self, block: &Block, damping: f64) {
         let (rows, columns) = (block.rows(), block.unknowns.len());
+        if columns < LEAST || !self.sparse_step(rows, columns, damping) {
+            self.dense_step(rows, columns, damping);
+        }
+        let longest = self.step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+        if longest > MAX_STEP {
+            self.step.iter_mut().for_each(|s| *s *= MAX_STEP / longest);
+        }
+    }
+
+    /// By the sparse system [I J; Jᵀ -λI] [s; x] = [-r; 0]; false where it is not sparse.
+    fn sparse_step(&mut self, rows: usize, columns: usize, damping: f64) -> bool {
+        let weights = &self.weights;
+        let jacobian = &self.workspace.jacobian;
+        self.sparse
+            .begin_least_squares(jacobian, [rows, columns], |i| weights[i], damping);
+        if self.sparse.eliminate(0.0).is_none() {
+            return false;
+        }
+        let residual = self.workspace.residual.iter().zip(&self.weights);
+        self.right_side.clear();
+        self.right_side.extend(residual.map(|(r, w)| -r * w));
+        self.right_side.resize(rows + columns, 0.0);
+        let solution = self.sparse.solve(&self.right_side);
+        self.step.clear();
+        self.step.extend_from_slice(&solution[rows..]);
+        self.step.iter().all(|v| v.is_finite())
+    }
+
+    fn dense_step(&mut self, rows: usize, columns: usize, damping: f64) {
         let tall = rows + columns;
         self.matrix.clear();
         self.matrix.resize(tall * columns, 0.0);
@@ -141,10 +173,6 @@ impl Descent {
         self.step.resize(columns, 0.0);
         self.qr.factor(&self.matrix, tall, columns, 0.0);
         self.qr.solve(&mut self.right_side, &mut self.step);
-        let longest = self.step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
-        if longest > MAX_STEP {
-            self.step.iter_mut().for_each(|s| *s *= MAX_STEP / longest);
-        }
     }
 
     fn moved(&self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {

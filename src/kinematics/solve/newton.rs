@@ -7,12 +7,13 @@ use super::closure::is_closed;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::{Elimination, Pivots};
 use crate::linalg::lanes::{
     LaneMatrix, Lanes, add_scaled, combine, dot, groups, square_of_difference,
 };
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::singular_values::Extremes;
+use crate::linalg::sparse_lu::SparseLu;
 use crate::linalg::svd::{Conditioning, RANK_TOLERANCE, conditioning};
 use crate::model::mechanism::Mechanism;
 
@@ -75,6 +76,7 @@ pub(crate) struct BlockBuffers {
     pub(crate) workspace: BlockWorkspace,
     qr: PivotedQr,
     elimination: Elimination,
+    sparse: SparseLu,
     stage: Stage,
     /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.
     at: Vec<f64>,
@@ -83,7 +85,7 @@ pub(crate) struct BlockBuffers {
     has_inverse: bool,
     /// The factors are those of a pose beside.
     beside: bool,
-    /// The inverse comes from the elimination.
+    /// The inverse comes from an elimination.
     eliminated: bool,
     /// The Jacobian that was factored.
     factored: Vec<f64>,
@@ -321,8 +323,15 @@ impl BlockBuffers {
         self.factored.clone_from(jacobian);
         self.beside = false;
         let pivots = match rows == columns {
-            true => self.elimination.invert(jacobian, rows, &mut self.inverse),
-            false => None,
+            true => (self.sparse.invert(jacobian, rows, &mut self.inverse))
+                .or_else(|| self.elimination.invert(jacobian, rows, &mut self.inverse)),
+            false => {
+                let shape = [rows, columns];
+                let pivots = self
+                    .sparse
+                    .pseudo_invert(jacobian, shape, &mut self.inverse);
+                pivots.map(Pivots::unsigned)
+            }
         };
         self.eliminated = pivots.is_some();
         if let Some(pivots) = pivots {

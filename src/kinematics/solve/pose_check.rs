@@ -44,12 +44,12 @@ pub enum OfferedGap {
 const PRINTED_DIGITS: f64 = 5e-3;
 
 /// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
-/// mechanism's size.
+/// loop's size.
 pub fn judge(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<Offered> {
     let arguments = mechanism.argument_values(coordinates);
     let loops = mechanism.loops.iter().map(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
-        let relative = distance / mechanism.size;
+        let relative = distance / item.size;
         let verdict = if angle <= tolerance && relative <= tolerance {
             Verdict::Closed
         } else if (PI - angle).abs() <= PRINTED_DIGITS && relative <= PRINTED_DIGITS {

@@ -75,7 +75,7 @@ impl Predictor {
         }
         for (block, buffers) in structure.blocks.iter().zip(&mut corrector.blocks) {
             buffers.linearise(mechanism, block, coordinates);
-            self.block_series(mechanism.size, block, buffers, count, order);
+            self.block_series(block, buffers, count, order);
         }
         let mut prediction = Prediction {
             length: 0.0,
@@ -99,7 +99,6 @@ impl Predictor {
     /// Coefficients of the block's unknowns, given those of all coordinates from outside.
     fn block_series(
         &mut self,
-        size: f64,
         block: &Block,
         buffers: &mut BlockBuffers,
         count: usize,
@@ -117,7 +116,7 @@ impl Predictor {
             buffers.workspace.drift_along(&block.plan, outside);
             if k > 0 {
                 let drift = buffers.workspace.drift.as_flattened_mut();
-                self.add_bends(&block.plan, drift, size, k);
+                self.add_bends(&block.plan, drift, k);
             }
             buffers.solve_drift();
             // Coefficients of higher orders are too small to gain.
@@ -133,7 +132,7 @@ impl Predictor {
     }
 
     /// Adds to the drift what the joints' own motion says about the coefficient of order `k + 1`.
-    fn add_bends(&mut self, plan: &BlockPlan, drift: &mut [f64], size: f64, k: usize) {
+    fn add_bends(&mut self, plan: &BlockPlan, drift: &mut [f64], k: usize) {
         let share = 1.0 / (k + 1) as f64;
         for item in &plan.loops {
             let (mut link, mut sum) = ([0.0; 6], Twists::default());
@@ -149,7 +148,7 @@ impl Predictor {
                 sum.add_scaled(&series.bend, f64x4::ONE);
             }
             let (turn, shift) = (sum.angular.total() * share, sum.linear.total() * share);
-            let six = residual_of(turn, shift, size);
+            let six = residual_of(turn, shift, item.size);
             for (row, component) in drift[item.row..].iter_mut().zip(&item.components) {
                 *row += six[*component];
             }

@@ -20,7 +20,7 @@ pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f
         let random = random(start as u64, slot as u64);
         match unknown.kind {
             Kind::Angle => PI * random,
-            Kind::Length => REACH * mechanism.size * random,
+            Kind::Length => REACH * mechanism.scale_of(slot) * random,
             Kind::Number => REACH * random,
         }
     });

@@ -106,6 +106,8 @@ pub struct PlannedLoop {
     pub components: Vec<usize>,
     /// Row of the first of them.
     pub row: usize,
+    /// What its translation is measured in.
+    pub size: f64,
 }
 
 /// A scalar equation of the block.
@@ -304,6 +306,7 @@ impl BlockPlan {
             end: fixed,
             components: part.components.clone(),
             row,
+            size: mechanism.loops[part.index].size,
         });
     }
 

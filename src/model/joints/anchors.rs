@@ -11,7 +11,7 @@ struct Anchor {
     here: LinkFrame,
 }
 
-impl LinkGraph<'_> {
+impl LinkGraph {
     /// Lays the loops where their motions stand already: those that meet most of what is known come first, and one
     /// that meets nothing begins in the world.
     pub fn add_loops(&mut self, loops: &[Loop]) {
@@ -30,6 +30,7 @@ impl LinkGraph<'_> {
 
     fn add_loop(&mut self, index: usize, item: &Loop) {
         let before = self.cycles();
+        self.size = item.size;
         let steps = &item.chain.steps;
         let (base, path) = self.follow(LinkFrame::WORLD, &item.base.steps);
         self.paths.bases[index] = path;

@@ -81,8 +81,9 @@ pub struct Paths {
 }
 
 /// The graph while it grows.
-pub struct LinkGraph<'m> {
-    mechanism: &'m Mechanism,
+pub struct LinkGraph {
+    /// What lengths of the chain that is followed are measured in.
+    pub(super) size: f64,
     pub(super) motions: Motions,
     /// Steps from the world to every link.
     routes: Vec<Vec<Step>>,
@@ -117,11 +118,11 @@ pub struct Finished {
     pub closes: Vec<bool>,
 }
 
-impl<'m> LinkGraph<'m> {
+impl LinkGraph {
     /// The frame alone.
-    pub fn new(mechanism: &'m Mechanism) -> Self {
+    pub fn new(mechanism: &Mechanism) -> Self {
         Self {
-            mechanism,
+            size: mechanism.size,
             motions: Motions::new(&mechanism.arguments),
             routes: vec![Vec::new()],
             merged_links: vec![None],
@@ -297,7 +298,7 @@ impl<'m> LinkGraph<'m> {
     fn commutes(&self, motion: Motion, apart: &Pose) -> bool {
         let tilted = (apart.rotation.z_axis - DVec3::Z).length();
         let aside = match motion {
-            Motion::Rotation => apart.translation.truncate().length() / self.mechanism.size,
+            Motion::Rotation => apart.translation.truncate().length() / self.size,
             Motion::Translation => 0.0,
         };
         tilted <= EXACT && aside <= EXACT
@@ -305,7 +306,7 @@ impl<'m> LinkGraph<'m> {
 
     fn is_identity(&self, pose: &Pose) -> bool {
         let turned = (pose.rotation - DMat3::IDENTITY).to_cols_array();
-        let moved = pose.translation.length() / self.mechanism.size;
+        let moved = pose.translation.length() / self.size;
         turned.iter().fold(moved, |m, v| m.max(v.abs())) <= EXACT
     }
 

@@ -19,7 +19,8 @@ pub struct Run {
 /// What decides whether motions are one joint.
 pub struct Rows<'a> {
     graph: &'a Finished,
-    size: f64,
+    /// What lengths at every edge are measured in: the largest of its loops' units.
+    sizes: Vec<f64>,
     /// Whether a link may lie within a joint.
     is_inner: Vec<bool>,
     /// Coordinates of every edge.
@@ -30,6 +31,21 @@ pub struct Rows<'a> {
     uses: Vec<usize>,
     /// Coordinates from this one on are inputs.
     first_input: usize,
+}
+
+/// For every edge the largest unit of the loops that pass it; the mechanism's where none does.
+fn sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
+    let mut sizes = vec![0.0_f64; graph.edges.len()];
+    for (item, path) in mechanism.loops.iter().zip(&graph.paths.loops) {
+        for stride in path.iter().flatten() {
+            let size = &mut sizes[stride.crossing.edge];
+            *size = size.max(item.size);
+        }
+    }
+    let known = sizes.into_iter();
+    known
+        .map(|size| if size > 0.0 { size } else { mechanism.size })
+        .collect()
 }
 
 impl<'a> Rows<'a> {
@@ -53,7 +69,7 @@ impl<'a> Rows<'a> {
         seen.for_each(|link| is_inner[*link] = false);
         Self {
             graph,
-            size: mechanism.size,
+            sizes: sizes(mechanism, graph),
             is_inner,
             is_affine: graph.edges.iter().map(is_affine).collect(),
             coordinates,
@@ -210,7 +226,7 @@ impl<'a> Rows<'a> {
             ([Rotation, Rotation, Rotation], [one, other])
                 if one.meets()
                     && other.meets()
-                    && (one.behind - other.before).abs() <= EXACT * self.size =>
+                    && (one.behind - other.before).abs() <= EXACT * one.size.max(other.size) =>
             {
                 Some(JointKind::Spherical)
             }
@@ -248,10 +264,12 @@ impl<'a> Rows<'a> {
         // Feet of the common normal along both axes; of parallel axes there is none.
         let square = sine * sine;
         let along = |axis: DVec3| way.cross(axis).dot(normal) / square;
+        let size = pair.iter().fold(0.0_f64, |m, c| m.max(self.sizes[c.edge]));
         Some(Corner {
+            size,
             sine,
             cosine: u.dot(v),
-            apart: way.dot(normal).abs() / (sine * self.size),
+            apart: way.dot(normal).abs() / (sine * size),
             before: along(v),
             behind: along(u),
             first: behind.rotation.transpose() * u,
@@ -262,6 +280,8 @@ impl<'a> Rows<'a> {
 
 /// Two axes on a link.
 struct Corner {
+    /// What lengths here are measured in.
+    size: f64,
     sine: f64,
     cosine: f64,
     /// Their distance over the size, if they are not parallel.

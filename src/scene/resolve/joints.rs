@@ -73,6 +73,7 @@ impl<'a> Joints<'a> {
             base: folded(base.iter().map(|k| steps[*k])),
             chain: folded(core.iter().map(|k| steps[*k])),
             closes,
+            size: 1.0,
         })
     }
 

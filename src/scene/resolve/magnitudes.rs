@@ -8,7 +8,7 @@ use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Equation, Kind, Mechanism};
 
 /// Instants of the drive at which equations are looked at, as shares of its duration.
-const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
+pub const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
 /// Powers of two that are tried as changes.
 const POWERS: std::ops::Range<i32> = -100..100;
@@ -23,17 +23,15 @@ pub fn estimate(mechanism: &mut Mechanism, actuation: &Actuation) {
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
-    let of_unknown = |slot: usize| match mechanism.unknowns[slot].kind {
-        Kind::Number => unknown(mechanism, &poses, slot),
-        Kind::Angle | Kind::Length => 1.0,
-    };
-    mechanism.magnitudes = (0..mechanism.unknowns.len()).map(of_unknown).collect();
-    let scales: Vec<f64> = (0..mechanism.unknowns.len())
-        .map(|slot| mechanism.scale_of(slot))
-        .collect();
+    for slot in 0..mechanism.unknowns.len() {
+        if mechanism.kind_of(slot) == Kind::Number {
+            mechanism.scales[slot] = unknown(mechanism, &poses, slot);
+        }
+    }
+    let scales = &mechanism.scales[..mechanism.unknowns.len()];
     let unit = mechanism.size;
     for equation in &mut mechanism.equations {
-        let found = equation_size(equation, &poses, &scales);
+        let found = equation_size(equation, &poses, scales);
         let known = unit.powf(equation.length_exponent);
         equation.magnitude = sound(found / known).unwrap_or(1.0);
     }
@@ -63,7 +61,7 @@ fn unknown(mechanism: &Mechanism, poses: &[Vec<f64>], slot: usize) -> f64 {
 }
 
 /// How far the terms of an equation reach: its value, or what would be missing without one of its coordinates.
-fn terms(equation: &Equation, pose: &[f64]) -> f64 {
+pub fn terms(equation: &Equation, pose: &[f64]) -> f64 {
     let mut reach = finite(equation.expression.value(pose));
     for slot in equation.expression.slots() {
         reach = reach.max(moved(equation, pose, slot, -pose[slot]));
@@ -72,13 +70,13 @@ fn terms(equation: &Equation, pose: &[f64]) -> f64 {
 }
 
 /// Change of an equation's value when one coordinate changes.
-fn moved(equation: &Equation, pose: &[f64], slot: usize, by: f64) -> f64 {
+pub fn moved(equation: &Equation, pose: &[f64], slot: usize, by: f64) -> f64 {
     let mut changed = pose.to_vec();
     changed[slot] += by;
     finite(equation.expression.value(&changed) - equation.expression.value(pose))
 }
 
-fn finite(value: f64) -> f64 {
+pub fn finite(value: f64) -> f64 {
     if value.is_finite() { value.abs() } else { 0.0 }
 }
 

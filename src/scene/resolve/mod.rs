@@ -16,6 +16,7 @@ mod outputs;
 mod parsed;
 mod parsing;
 mod plots;
+mod scales;
 mod study;
 mod symbolic;
 mod varied;
@@ -131,7 +132,7 @@ pub fn resolve(
         outputs,
         joints: Joints::default(),
         size: 1.0,
-        magnitudes: Vec::new(),
+        scales: Vec::new(),
     };
     let actuation = Actuation {
         drives: coordinates.drives,
@@ -142,6 +143,7 @@ pub fn resolve(
     mechanism.size = overrides
         .size
         .unwrap_or_else(|| size(&mechanism, &actuation, &names));
+    scales::estimate(&mut mechanism, &actuation);
     magnitudes::estimate(&mut mechanism, &actuation);
     mechanism.joints = Joints::new(&mechanism);
     loops::warn(&mechanism, &parsed, diagnostics);

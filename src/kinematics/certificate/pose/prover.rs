@@ -63,11 +63,7 @@ impl<'m> PoseProver<'m> {
             if system.has_formula {
                 return Err(Reason::Formula);
             }
-            system.evaluate(
-                self.system.mechanism(),
-                [coordinates, rests],
-                &self.arguments,
-            )?;
+            system.evaluate([coordinates, rests], &self.arguments)?;
             let inverse = corrector.and_then(|c| c.inverse(index)).filter(|inverse| {
                 inverse.rows().len() == basis.len() && system.rows.len() == basis.len()
             });

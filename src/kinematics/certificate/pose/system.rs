@@ -83,6 +83,8 @@ struct LoopRows {
     of_block: usize,
     /// A point closes it, so that it may be turned by anything.
     may_turn: bool,
+    /// What its translation is measured in.
+    size: f64,
 }
 
 /// What is proved of a block, laid out once, and its rows at the last pose.
@@ -132,6 +134,7 @@ impl BlockSystem {
                 rows: of_loop,
                 of_block: part.components.len(),
                 may_turn: mechanism.loops[part.index].closes == Closes::Point,
+                size: mechanism.loops[part.index].size,
             });
             system.at_pose.push(LoopAtPose::default());
         }
@@ -193,7 +196,6 @@ impl BlockSystem {
     /// Fills the rows at coordinates and their rests. `arguments` are those of the whole mechanism.
     pub fn evaluate(
         &mut self,
-        mechanism: &Mechanism,
         [coordinates, rests]: [&[f64]; 2],
         arguments: &[ArgumentDouble],
     ) -> Result<(), Reason> {
@@ -204,7 +206,7 @@ impl BlockSystem {
         self.arguments
             .extend(of_block.map(|form| arguments[form.index]));
         for index in 0..self.loops.len() {
-            self.loop_rows(index, mechanism.size)?;
+            self.loop_rows(index)?;
         }
         self.equation_rows([coordinates, rests]);
         if self.rows.len() > self.unknowns.len() {
@@ -236,16 +238,17 @@ impl BlockSystem {
     }
 
     /// Fills the rows of a loop.
-    fn loop_rows(&mut self, index: usize, size: f64) -> Result<(), Reason> {
+    fn loop_rows(&mut self, index: usize) -> Result<(), Reason> {
         let LoopRows {
             plan,
             rows,
             may_turn,
+            size,
             ..
         } = &self.loops[index];
         let forms = &self.forms;
         let item = &mut self.at_pose[index];
-        item.evaluate(plan, &self.arguments, |a| forms[a].rate * BALL, size);
+        item.evaluate(plan, &self.arguments, |a| forms[a].rate * BALL, *size);
         if !may_turn && (item.trace.is_nan() || item.trace <= LEAST_TRACE) {
             return Err(Reason::HalfTurn);
         }

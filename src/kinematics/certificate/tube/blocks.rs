@@ -10,7 +10,7 @@ use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
 
 /// The blocks of a mechanism, laid out for proofs.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Blocks<'m> {
     pub(super) forms: Vec<Form<'m>>,
     pub(super) layouts: Vec<Layout<'m>>,

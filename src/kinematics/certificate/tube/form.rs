@@ -54,6 +54,9 @@ impl<'m> Form<'m> {
     pub fn value(&self, path: &Path) -> Model {
         match self {
             Self::Formula(expression) => {
+                if let Some(still) = path.still() {
+                    return Model::standing(expression.value(still));
+                }
                 let [middle, everywhere] = path.series();
                 Model::of(expression.value(middle), &expression.value(everywhere))
             }
@@ -72,6 +75,11 @@ impl<'m> Form<'m> {
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
             Self::Formula(expression) => {
+                if let Some(still) = path.still() {
+                    let gradient = expression.gradient(still);
+                    let slots = expression.slots().into_iter();
+                    return slots.map(|slot| Model::standing(gradient[slot])).collect();
+                }
                 let [middle, everywhere] = path.series();
                 let [near, far] = [middle, everywhere].map(|slots| expression.gradient(slots));
                 let slots = expression.slots();

@@ -42,16 +42,28 @@ pub fn certify_motion(
     pairs.map(|pair| prover.interval(pair).0).collect()
 }
 
-/// Proves a single pose, at coordinates and what comes to the inputs, whose formulas have no affine form: error bound,
-/// radius of uniqueness and what redundant rows may be open by, in radians and sizes.
-pub(crate) fn pose(
-    system: &System,
-    [coordinates, rests]: [&[f64]; 2],
-    bases: &[Vec<usize>],
-) -> Result<(f64, f64, f64), Reason> {
-    let mechanism = system.mechanism();
-    let mut blocks = Blocks::new(system);
-    let mut path = Path::still(mechanism.unknowns.len(), coordinates, rests);
-    let proved = blocks.prove(bases, &mut path, false)?;
-    Ok((proved.largest, proved.unique, proved.closes_to))
+/// Proves single poses whose formulas have no affine form; laid out once.
+#[derive(Clone, Debug)]
+pub(crate) struct Standing<'m> {
+    blocks: Blocks<'m>,
+}
+
+impl<'m> Standing<'m> {
+    pub(crate) fn new(system: &'m System) -> Self {
+        Self {
+            blocks: Blocks::new(system),
+        }
+    }
+
+    /// Proves the pose at coordinates and what comes to the inputs: error bound, radius of uniqueness and what
+    /// redundant rows may be open by, in radians and sizes.
+    pub(crate) fn prove(
+        &mut self,
+        [coordinates, rests]: [&[f64]; 2],
+        bases: &[Vec<usize>],
+    ) -> Result<(f64, f64, f64), Reason> {
+        let mut path = Path::standing(self.blocks.unknowns, coordinates, rests);
+        let proved = self.blocks.prove(bases, &mut path, false)?;
+        Ok((proved.largest, proved.unique, proved.closes_to))
+    }
 }

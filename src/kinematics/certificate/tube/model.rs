@@ -93,6 +93,15 @@ impl Model {
         model
     }
 
+    /// A number in an interval, which does not change.
+    pub fn standing(value: Interval) -> Self {
+        let middle = value.middle();
+        Self {
+            rest: value.distance(middle) * GROW,
+            ..Self::constant(middle)
+        }
+    }
+
     /// From the series about the middle and the one about every place at once.
     pub fn of(middle: Enclosure, everywhere: &Enclosure) -> Self {
         let series = middle.with_remainder_of(everywhere);

@@ -17,6 +17,8 @@ pub struct Path {
     inputs: [Vec<Enclosure>; 2],
     /// The same of all coordinates, once a formula asks for it.
     series: OnceCell<[Vec<Enclosure>; 2]>,
+    /// All coordinates of a pose that stands still; none along a motion.
+    still: Vec<Interval>,
 }
 
 /// The inputs of a mechanism over a stretch.
@@ -77,20 +79,23 @@ impl InputPath {
             coordinates: curves.chain(inputs).collect(),
             inputs: self.inputs,
             series: OnceCell::new(),
+            still: Vec::new(),
         }
     }
 }
 
 impl Path {
     /// A pose that stands still, whose inputs are `coordinates + rests`.
-    pub fn still(unknowns: usize, coordinates: &[f64], rests: &[f64]) -> Self {
+    pub fn standing(unknowns: usize, coordinates: &[f64], rests: &[f64]) -> Self {
         let rest = |k: usize| rests.get(k).copied().unwrap_or(0.0);
         let slots = coordinates.iter().enumerate();
-        let inputs: Vec<Enclosure> = slots
-            .clone()
-            .skip(unknowns)
-            .map(|(k, q)| Enclosure::constant(Interval::sum_of(*q, rest(k))))
-            .collect();
+        let still = slots.clone().map(|(k, q)| match k < unknowns {
+            true => Interval::point(*q),
+            false => Interval::sum_of(*q, rest(k)),
+        });
+        let still: Vec<Interval> = still.collect();
+        let inputs = still[unknowns..].iter();
+        let inputs: Vec<Enclosure> = inputs.map(|i| Enclosure::constant(*i)).collect();
         let models = slots.map(|(k, q)| Model {
             rest: rest(k).abs(),
             ..Model::constant(*q)
@@ -100,6 +105,7 @@ impl Path {
             coordinates: models.collect(),
             inputs: [inputs.clone(), inputs],
             series: OnceCell::new(),
+            still,
         }
     }
 
@@ -108,11 +114,17 @@ impl Path {
         &self.stretch
     }
 
+    /// All coordinates, if this is a pose that stands still: nothing of higher order than zero is then asked for.
+    pub fn still(&self) -> Option<&[Interval]> {
+        (!self.still.is_empty()).then_some(&self.still)
+    }
+
     /// Moves the curve of an unknown.
     pub fn add(&mut self, unknown: usize, step: impl Iterator<Item = f64>) {
         let c = &mut self.coordinates[unknown].c;
         c.iter_mut().zip(step).for_each(|(c, step)| *c += step);
         self.series = OnceCell::new();
+        self.still.clear();
     }
 
     /// The curves of the unknowns over a part of the stretch.

@@ -42,7 +42,7 @@ const BALL_STEP: f64 = 16.0;
 const SMALLEST_BALL: f64 = 1e-6;
 
 /// Buffers of the test.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub rows: Rows,
     elimination: Elimination,
@@ -59,6 +59,8 @@ pub struct Workspace {
     /// What F leaves out and what its products round.
     open: Vec<f64>,
     n: usize,
+    /// Coefficients of J that are not all zero, the constant one among them.
+    terms: usize,
     /// Groups of a row of J.
     stride: usize,
 }
@@ -150,6 +152,9 @@ impl Workspace {
                 self.stacked.extend_from_slice(matrix.row(*row));
             }
         }
+        let moves = |m: &&LaneMatrix| m.groups().iter().any(|g| *g != [0.0; 4]);
+        let last = self.rows.jacobian[1..].iter().rposition(|m| moves(&m));
+        self.terms = last.map_or(1, |k| k + 2);
         self.residuals.clear();
         self.slack.clear();
         self.open.clear();
@@ -248,6 +253,11 @@ impl Workspace {
         let all = INVERSE_TERMS * n;
         for (i, row) in factors.chunks_exact_mut(all).enumerate() {
             row[..n].copy_from_slice(&self.inverse.row(i).as_flattened()[..n]);
+        }
+        if self.terms == 1 {
+            // What does not move has one inverse.
+            self.factors = factors;
+            return;
         }
         let mut product = vec![[0.0; 4]; self.stride];
         let times = |row: &[f64], k: usize, product: &mut Vec<Lanes>| {
@@ -350,7 +360,11 @@ impl Workspace {
         let mut product = vec![[0.0; 4]; self.stride];
         combine(&mut product, &sizes, &self.slack);
         let mut whole = product.clone();
-        for k in 0..JACOBIAN_TERMS + INVERSE_TERMS - 1 {
+        let all = match self.terms {
+            1 => 1,
+            _ => JACOBIAN_TERMS + INVERSE_TERMS - 1,
+        };
+        for k in 0..all {
             // Coefficients m of the factors meet those k - m of J.
             let least = (k + 1).saturating_sub(JACOBIAN_TERMS);
             let most = k.min(INVERSE_TERMS - 1);

@@ -238,8 +238,9 @@ impl<'m> Prover<'m> {
 
     /// What differences of input `k` are measured in, at a value.
     fn unit(&self, k: usize, value: f64) -> f64 {
-        match self.system.mechanism().inputs[k].kind {
-            Kind::Length => self.system.mechanism().size,
+        let mechanism = self.system.mechanism();
+        match mechanism.inputs[k].kind {
+            Kind::Length => mechanism.scale_of(mechanism.unknowns.len() + k),
             _ => value.abs().max(1.0),
         }
     }
@@ -366,7 +367,7 @@ impl<'m> Prover<'m> {
         place.extend(self.actuation.inputs_at(time));
         let reason = match digits.prove([&place, &[]], bases, None) {
             Err(Reason::Formula) => {
-                let mut still = Path::still(self.blocks.unknowns, &place, &[]);
+                let mut still = Path::standing(self.blocks.unknowns, &place, &[]);
                 self.blocks.prove(bases, &mut still, false).err()
             }
             proved => proved.err(),

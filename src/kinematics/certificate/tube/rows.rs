@@ -40,7 +40,7 @@ pub struct Layout<'m> {
 }
 
 /// A block over a stretch.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Rows {
     /// Residuals.
     pub residual: Vec<Model>,
@@ -184,9 +184,9 @@ impl<'m> Layout<'m> {
             .collect();
         let place = |index: usize| self.used.iter().position(|u| *u == index);
         for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
-            let steps = &self.mechanism.loops[part.index].chain.steps;
+            let closed = &self.mechanism.loops[part.index];
             let moves = |a: usize| !self.moves[a].is_empty();
-            let item = LoopModel::new(steps, &arguments, moves, self.mechanism.size);
+            let item = LoopModel::new(&closed.chain.steps, &arguments, moves, closed.size);
             for (component, row) in places {
                 rows.residual[*row] = item.residual(*component);
             }
@@ -248,15 +248,16 @@ impl<'m> Layout<'m> {
         } else {
             Vec::new()
         };
-        let mut changes = self.changes.clone();
-        for (changes, rates) in changes.iter_mut().zip(&self.rates) {
-            for form in &self.used {
-                if let Form::Formula(_) = forms[*form] {
-                    changes[*form] = forms[*form].change(&place, rates);
-                }
+        let [mut own, mut all] = self.changes.clone();
+        for form in &self.used {
+            if let Form::Formula(_) = forms[*form] {
+                all[*form] = forms[*form].change(&place, &self.rates[1]);
+                own[*form] = match self.own == self.columns.len() {
+                    true => all[*form],
+                    false => forms[*form].change(&place, &self.rates[0]),
+                };
             }
         }
-        let [own, all] = changes;
         let mut bends = Bends {
             own: vec![0.0; self.count()],
             all: vec![0.0; self.count()],
@@ -264,7 +265,7 @@ impl<'m> Layout<'m> {
             ball,
         };
         for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
-            let steps = &self.mechanism.loops[part.index].chain.steps;
+            let item = &self.mechanism.loops[part.index];
             // The value over the path, and what the ball adds to it.
             let farthest = |a: usize| match &forms[a] {
                 Form::Affine(affine) => {
@@ -273,7 +274,7 @@ impl<'m> Layout<'m> {
                 }
                 form @ Form::Formula(_) => form.range(&place).magnitude(),
             };
-            let reaches = Reaches::new(steps, farthest, self.mechanism.size);
+            let reaches = Reaches::new(&item.chain.steps, farthest, item.size);
             let of_own = reaches.second_derivatives(|a| own[a]);
             let of_all = reaches.second_derivatives(|a| all[a]);
             for (component, row) in places {

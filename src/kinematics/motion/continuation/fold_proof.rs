@@ -78,9 +78,7 @@ impl Exchanged {
             &mut mechanism.unknowns[unknown],
             &mut mechanism.inputs[input],
         );
-        if let Some(magnitude) = mechanism.magnitudes.get_mut(unknown) {
-            *magnitude = 1.0;
-        }
+        mechanism.scales.swap(slots[0], slots[1]);
         for argument in &mut mechanism.arguments {
             match argument {
                 Argument::Affine(affine) => {
@@ -115,7 +113,7 @@ impl Exchanged {
         let mut inputs = fold.at.coordinates[n..].to_vec();
         std::mem::swap(&mut guess[self.unknown], &mut inputs[self.input]);
         let scale = match mechanism.inputs[self.input].kind {
-            Kind::Length => mechanism.size,
+            Kind::Length => mechanism.scale_of(n + self.input),
             Kind::Angle | Kind::Number => 1.0,
         };
         let [mut from, mut to] = [inputs.clone(), inputs];

@@ -52,10 +52,8 @@ impl Gaps {
         if self.list.last().is_none_or(|g| g.until.is_some()) {
             self.open(tracker, None);
         }
-        let size = tracker.system().mechanism().size;
-        let amount = |lack: &NotClosed| lack.angle.max(lack.distance / size);
         let known = self.widest.as_ref();
-        if known.is_none_or(|(_, known)| amount(known) < amount(&best)) {
+        if known.is_none_or(|(_, known)| known.amount() < best.amount()) {
             self.widest = Some((time, best));
         }
     }

@@ -2,6 +2,7 @@
 
 use super::path_tracker::{PathPoint, PathTracker, SMALLEST_STEP, Unwatched};
 use crate::model::actuation::Actuation;
+use crate::model::mechanism::Kind;
 
 /// Change of an input, relative to its size, that two times a few smallest steps apart cannot make in a smooth drive.
 const JUMP: f64 = 1e-6;
@@ -16,16 +17,21 @@ impl PathTracker<'_> {
         let time = point.time + step;
         let inputs = self.inputs(time).ok()?;
         let before = &point.coordinates[self.unknowns()..];
-        let least = JUMP * self.system().mechanism().size;
+        let mechanism = self.system().mechanism();
+        let least = |slot: usize| match mechanism.kind_of(slot) {
+            Kind::Length => JUMP * mechanism.scale_of(slot),
+            Kind::Angle | Kind::Number => JUMP * mechanism.size,
+        };
         let actuation = self.actuation();
         let rates = actuation.rates_at(point.time);
         let rates = rates.into_iter().zip(actuation.rates_at(time));
-        let pairs = before.iter().zip(&inputs);
-        let mut jumps = pairs.zip(rates).map(|((a, b), (before, after))| {
+        let pairs = (self.unknowns()..).zip(before.iter().zip(&inputs));
+        let mut jumps = pairs.zip(rates).map(|((slot, (a, b)), (before, after))| {
             let smooth = FASTER * step * (before.abs() + after.abs());
             let change = (a - b).abs();
             // Rates that are no numbers say nothing.
-            change > JUMP * a.abs().max(b.abs()).max(least) && (smooth.is_nan() || change > smooth)
+            change > JUMP * a.abs().max(b.abs()).max(least(slot))
+                && (smooth.is_nan() || change > smooth)
         });
         jumps.any(|jump| jump).then_some((time, inputs))
     }

@@ -176,11 +176,11 @@ impl PathTracker<'_> {
     /// Largest difference of inputs in radians, sizes, and shares of numbers.
     fn inputs_apart(&self, a: &[f64], b: &[f64]) -> f64 {
         let mechanism = self.system().mechanism();
-        let pairs = a.iter().zip(b).zip(&mechanism.inputs);
-        let scaled = pairs.map(|((a, b), input)| {
-            let unit = match input.kind {
+        let slots = mechanism.unknowns.len()..;
+        let scaled = slots.zip(a.iter().zip(b)).map(|(slot, (a, b))| {
+            let unit = match mechanism.kind_of(slot) {
                 Kind::Angle => 1.0,
-                Kind::Length => mechanism.size,
+                Kind::Length => mechanism.scale_of(slot),
                 Kind::Number => a.abs().max(b.abs()).max(f64::MIN_POSITIVE),
             };
             (a - b).abs() / unit

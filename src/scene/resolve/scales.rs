@@ -1,0 +1,141 @@
+//! Units of length: every loop is measured by its own, so that a tiny one beside a huge one is solved and judged as if it
+//! stood alone.
+//!
+//! Loops and equations that share a length are measured alike, since what one of them adds up stands in the other.
+
+use super::magnitudes::{INSTANTS, finite, moved, terms};
+use crate::model::actuation::Actuation;
+use crate::model::chain::{Motion, Step};
+use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
+use std::f64::consts::TAU;
+
+/// Units are the size of the mechanism, this part of it, and so on: loops of like size share one, so that their singular
+/// values can be compared, and a small change of a dimension changes none.
+const STEP: f64 = 1.0 / 1024.0;
+
+/// An offset that is not this many times its own error is rounding of folded constants.
+const CLEAR: f64 = 1e3;
+
+/// Gives every loop, coordinate and equation of `mechanism`, whose size is known, its unit.
+pub fn estimate(mechanism: &mut Mechanism, actuation: &Actuation) {
+    let poses: Vec<Vec<f64>> = INSTANTS
+        .iter()
+        .map(|share| actuation.start_at(share * actuation.duration))
+        .collect();
+    let of_loops = mechanism.loops.iter();
+    let of_loops =
+        of_loops.map(|item| (of_loop(mechanism, item, &poses), slots_of(mechanism, item)));
+    let of_equations = mechanism.equations.iter();
+    let of_equations =
+        of_equations.map(|e| (of_equation(mechanism, e, &poses), e.expression.slots()));
+    let mut members: Vec<(f64, Vec<usize>)> = of_loops.chain(of_equations).collect();
+    for (_, slots) in &mut members {
+        slots.retain(|slot| mechanism.kind_of(*slot) == Kind::Length);
+    }
+    share(&mut members, mechanism.coordinate_count());
+    let size = mechanism.size;
+    let units: Vec<f64> = members
+        .iter()
+        .map(|(reach, _)| unit(size, *reach))
+        .collect();
+    mechanism.scales = (0..mechanism.coordinate_count())
+        .map(|slot| match mechanism.kind_of(slot) {
+            Kind::Length => size,
+            Kind::Angle | Kind::Number => 1.0,
+        })
+        .collect();
+    for ((_, slots), unit) in members.iter().zip(&units) {
+        slots
+            .iter()
+            .for_each(|slot| mechanism.scales[*slot] = *unit);
+    }
+    let (of_loops, of_equations) = units.split_at(mechanism.loops.len());
+    for (item, unit) in mechanism.loops.iter_mut().zip(of_loops) {
+        item.size = *unit;
+    }
+    for (equation, unit) in mechanism.equations.iter_mut().zip(of_equations) {
+        equation.magnitude = (unit / size).powf(equation.length_exponent);
+    }
+}
+
+/// Members that share a length get the largest of their reaches.
+fn share(members: &mut [(f64, Vec<usize>)], coordinates: usize) {
+    let mut longest = vec![0.0_f64; coordinates];
+    // Every pass carries the largest reach at least one member further.
+    let mut changed = true;
+    while changed {
+        changed = false;
+        for (reach, slots) in members.iter_mut() {
+            let known = slots.iter().fold(*reach, |m, slot| m.max(longest[*slot]));
+            changed |= known > *reach || slots.iter().any(|slot| longest[*slot] < known);
+            *reach = known;
+            slots.iter().for_each(|slot| longest[*slot] = known);
+        }
+    }
+}
+
+/// The least unit that is no smaller than `reach`; the size where nothing is known.
+fn unit(size: f64, reach: f64) -> f64 {
+    let mut unit = size;
+    while reach > 0.0 && unit * STEP >= reach {
+        unit *= STEP;
+    }
+    unit
+}
+
+fn slots_of(mechanism: &Mechanism, item: &Loop) -> Vec<usize> {
+    let arguments = item.chain.arguments().into_iter();
+    arguments
+        .flat_map(|a| mechanism.arguments[a].coordinates())
+        .collect()
+}
+
+/// The longest offset of a loop: fixed ones, and translations at the start values and by a turn of their angles.
+fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
+    let mut scratch = Vec::new();
+    let mut longest = 0.0_f64;
+    for step in &item.chain.steps {
+        match step {
+            Step::Fixed(pose) => {
+                let offset = pose.translation.length();
+                if offset > CLEAR * pose.error.translation {
+                    longest = longest.max(offset);
+                }
+            }
+            Step::Joint {
+                motion: Motion::Translation,
+                argument,
+                ..
+            } => {
+                let argument = &mechanism.arguments[*argument];
+                for pose in poses {
+                    longest = longest.max(finite(argument.value(pose, &mut scratch)));
+                    for (slot, rate) in argument.gradient(pose) {
+                        if mechanism.kind_of(slot) != Kind::Length {
+                            longest = longest.max(finite(rate * TAU));
+                        }
+                    }
+                }
+            }
+            Step::Joint { .. } => {}
+        }
+    }
+    longest
+}
+
+/// The length that the terms of an equation amount to.
+fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &[Vec<f64>]) -> f64 {
+    if equation.length_exponent <= 0.0 {
+        return 0.0;
+    }
+    let mut reach = 0.0_f64;
+    for pose in poses {
+        reach = reach.max(terms(equation, pose));
+        for slot in equation.expression.slots() {
+            if mechanism.kind_of(slot) != Kind::Length {
+                reach = reach.max(moved(equation, pose, slot, 1.0));
+            }
+        }
+    }
+    reach.powf(1.0 / equation.length_exponent)
+}
