@@ -1,6 +1,6 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
-use super::core::{Element, elements};
+use super::core::{Core, Element, elements};
 use super::mesh;
 use super::mesh_tree::Enclosure;
 use super::pair::{Proximity, distance};
