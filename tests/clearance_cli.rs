@@ -245,7 +245,7 @@ fn meshes_are_checked_and_odd_ones_are_named() {
         (
             "mesh.toml",
             "open",
-            "has no inside: 3 edges have one side only",
+            "has no inside: 4 edges have one side only",
             1,
         ),
         ("mesh.toml", "inside out", "is inside out", 0),
