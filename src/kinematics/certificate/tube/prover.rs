@@ -75,8 +75,7 @@ impl<'m> Prover<'m> {
         self
     }
 
-    /// Whether a sample's exact pose is the one that the tube has at that time: its inputs are the tube's, which they are not
-    /// right after a jump, and its unknowns.
+    /// Whether a sample's exact pose is the tube's at that time: its inputs, which right after a jump are not, and its unknowns.
     pub fn meets(&mut self, tube: &Tube, sample: &Sample) -> bool {
         let slot = self.system.mechanism().unknowns.len();
         let is_same = |(k, value): (usize, &f64)| {
@@ -84,9 +83,7 @@ impl<'m> Prover<'m> {
             off <= SAME_INPUT * self.unit(k, *value)
         };
         sample.inputs.iter().enumerate().all(is_same)
-            && self
-                .place(sample)
-                .is_ok_and(|place| self.holds(tube, &place))
+            && matches!(self.place(sample), Ok(place) if self.holds(tube, &place))
     }
 
     /// Proves the interval between the two samples of `pair`; the tubes are those up to its end or its refusal.
