@@ -238,13 +238,22 @@ fn meshes_are_checked_and_odd_ones_are_named() {
         "stl = { file = \"ball.stl\" }",
     );
     w.write("mesh.toml", scene.clone());
-    for (fault, said) in [
-        ("none", ""),
-        ("open", "is open"),
-        ("inside out", "is inside out"),
+    let surface = scene.replace("ball.stl\"", "ball.stl\", surface = true");
+    w.write("surface.toml", surface);
+    for (scene, fault, said, code) in [
+        ("mesh.toml", "none", "", 0),
+        (
+            "mesh.toml",
+            "open",
+            "has no inside: 4 edges have one side only",
+            1,
+        ),
+        ("mesh.toml", "inside out", "is inside out", 0),
+        ("surface.toml", "open", "", 0),
     ] {
         w.write("ball.stl", ball(fault));
-        let run = w.run(&["check", "mesh.toml", "--json", "r.json"]).exits(0);
+        let options = ["check", scene, "--json", "r.json", "--certify", "none"];
+        let run = w.run(&options).exits(code);
         if !said.is_empty() {
             run.says(&[said]);
         }

@@ -67,6 +67,7 @@ fn solids() -> Vec<Solid> {
             tube: 0.3,
         },
         Solid::Triangles(Arc::new(TriangleSoup {
+            is_surface: false,
             source: "cube".to_owned(),
             vertices: cube.positions,
             triangles: cube.triangles,

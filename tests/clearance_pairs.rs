@@ -424,6 +424,7 @@ fn cube(half: f64, inside_out: bool) -> TriangleSoup {
         triangles.iter_mut().for_each(|t| t.swap(0, 1));
     }
     TriangleSoup {
+        is_surface: false,
         source: "cube".to_owned(),
         vertices: (0..8).map(corner).collect(),
         triangles,

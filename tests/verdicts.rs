@@ -234,7 +234,7 @@ fn every_fault_is_said_in_all_four_ways() {
         text.to_owned()
             + "ignore = [{ pair = [\"crank\", \"slider\"], reason = \"nobody looks\" }]\n"
     };
-    let kinked = |text: &str| text.replace("\"0.2 + t\"", "\"0.2 + abs(t - 0.377)\"");
+    let kinked = |text: &str| text.replace("\"0.2 + t\"", "\"0.2 + sqrt((t - 0.377)^2)\"");
     let no_value = |text: &str| {
         text.replace("take = \"range\"", "take = \"max\"")
             .replace("of = \"h\"", "of = \"h*(phi - 0.2)/(phi - 0.2)\"")

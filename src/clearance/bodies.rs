@@ -1,7 +1,8 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
-use super::core::{Element, elements};
+use super::core::{Core, Element, elements};
 use super::mesh;
+use super::mesh_tree::Enclosure;
 use super::pair::{Proximity, distance};
 use super::point::point_to;
 use crate::math::Pose;
@@ -44,6 +45,12 @@ impl Hull {
             ball: (center, far.fold(0.0, f64::max)),
             elements,
         })
+    }
+
+    /// Whether a mesh of it should have an inside and has none.
+    pub fn is_open(&self) -> bool {
+        let is_open = |e: &Element| matches!(&e.core, Core::Mesh(tree, _) if tree.enclosure == Enclosure::Open);
+        self.elements.iter().any(is_open)
     }
 
     /// Lower bound of the distance from another hull placed by `here_from_other`.

@@ -4,7 +4,7 @@ use super::bodies::Hull;
 use super::contact::AT_LEAST;
 pub use super::contact::BETWEEN_SAMPLES;
 use super::core::Core;
-use super::mesh_tree::Enclosure;
+use super::mesh_tree::{Enclosure, MeshTree};
 use super::motion::Motion;
 use super::neighbours::{Neighbours, neighbours};
 use super::sweep::{Least, PairSweep};
@@ -85,8 +85,10 @@ pub struct ClearanceReport {
     pub times: Vec<f64>,
     /// Stretches of time that could not be checked.
     pub gaps: Vec<[f64; 2]>,
-    /// What is odd: exclusions that are not needed, meshes without an inside.
+    /// What is odd: exclusions that are not needed, meshes that are inside out or have no inside.
     pub warnings: Vec<String>,
+    /// Judged bodies with a mesh that should have an inside and has none, and what is wrong: no check passes with one.
+    pub without_inside: Vec<(usize, String)>,
     /// Asked nearness of distance and bound, relative.
     pub tolerance: f64,
 }
@@ -94,7 +96,7 @@ pub struct ClearanceReport {
 impl ClearanceReport {
     /// Every judged pair keeps its minimum, as far as is known.
     pub fn is_kept(&self) -> bool {
-        self.judged.iter().all(|p| p.judgement.is_kept())
+        self.without_inside.is_empty() && self.judged.iter().all(|p| p.judgement.is_kept())
     }
 
     /// That a check has looked at nothing, and why.
@@ -156,6 +158,7 @@ pub fn check(
             .collect(),
         gaps: Vec::new(),
         warnings: mesh_warnings(mechanism, &hulls),
+        without_inside: Vec::new(),
         tolerance,
     };
     let mut done = 0;
@@ -185,6 +188,9 @@ pub fn check(
     }
     progress(all, all);
     report.warnings.extend(report.nothing_judged());
+    report.without_inside = without_inside(mechanism, &hulls, &report.judged);
+    let reasons = report.without_inside.iter().map(|(_, text)| text.clone());
+    report.warnings.extend(reasons);
     report.gaps = motion.gaps;
     let rank = |p: &PairReport| match p.judgement {
         Judgement::Failed => 0,
@@ -389,23 +395,54 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
     })
 }
 
+/// Every mesh of a body.
+fn meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
+    hull.elements
+        .iter()
+        .filter_map(|element| match &element.core {
+            Core::Mesh(tree, _) => Some(tree.as_ref()),
+            _ => None,
+        })
+}
+
+/// What is odd about a body's meshes.
 fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
     let mut list = Vec::new();
     for (body, hull) in mechanism.bodies.iter().zip(hulls) {
-        for element in hull.iter().flat_map(|h| &h.elements) {
-            let Core::Mesh(tree, _) = &element.core else {
+        let odd = hull.iter().flat_map(meshes);
+        for tree in odd.filter(|tree| tree.enclosure == Enclosure::InsideOut) {
+            list.push(format!(
+                "the mesh of `{}` ({}) is inside out: its inside is taken as the enclosed space all the same",
+                body.name, tree.source
+            ));
+        }
+    }
+    list
+}
+
+/// Meshes of judged bodies that should have an inside and have none: the body and what is wrong.
+fn without_inside(
+    mechanism: &Mechanism,
+    hulls: &[Option<Hull>],
+    judged: &[PairReport],
+) -> Vec<(usize, String)> {
+    let mut list = Vec::new();
+    for (k, hull) in hulls.iter().enumerate() {
+        let open = hull.iter().flat_map(meshes);
+        for tree in open.filter(|tree| tree.enclosure == Enclosure::Open) {
+            if !judged.iter().any(|p| p.pair.contains(&k)) {
                 continue;
-            };
-            let (name, file) = (&body.name, &tree.source);
-            match tree.enclosure {
-                Enclosure::Solid => {}
-                Enclosure::InsideOut => list.push(format!(
-                    "the mesh of `{name}` ({file}) is inside out: its inside is taken as the enclosed space all the same"
-                )),
-                Enclosure::Open => list.push(format!(
-                    "the mesh of `{name}` ({file}) is open: only its surface counts, what lies inside is not noticed"
-                )),
             }
+            let (name, source) = (&mechanism.bodies[k].name, &tree.source);
+            let why = match tree.open_edges {
+                0 => "its triangles enclose nothing".to_owned(),
+                1 => "an edge has one side only".to_owned(),
+                edges => format!("{edges} edges have one side only"),
+            };
+            let text = format!(
+                "the mesh of `{name}` ({source}) has no inside: {why}; what lies in it is not noticed: mend the file, or say `surface = true` if it is a surface"
+            );
+            list.push((k, text));
         }
     }
     list

@@ -115,24 +115,34 @@ pub fn is_any(elements: [&Element; 2]) -> bool {
     elements.iter().any(|e| matches!(e.core, Core::Mesh(..)))
 }
 
-/// Whether one of two elements, at least one of them a mesh and their surfaces apart, lies inside the other.
+/// Whether one of two elements, at least one of them a mesh and their surfaces apart, lies inside the other; of a mesh, one
+/// of its shells.
 pub fn one_inside(a: &Core, b: &Core) -> bool {
-    let holds = |outer: &Core, inner: &Core| {
-        let point = match inner {
-            Core::Point(p) => *p,
-            Core::Segment(ends) => ends[0],
-            Core::Circle(c) => c.center + c.directions()[0] * c.radius,
-            Core::Box(b) => b.from_box.translation,
-            Core::Frustum(f) => f.from,
-            Core::Triangle(t) => t[0],
-            // Where surfaces are apart, a half-space's depth says all.
-            Core::HalfSpace(_) => return false,
-            Core::Mesh(tree, pose) => pose.transform_point(tree.any_point()),
-        };
-        match outer {
-            Core::Mesh(tree, pose) => tree.encloses(pose.inverse().transform_point(point)),
-            _ => point_to(outer, point).is_some_and(|hit| hit.distance <= 0.0),
-        }
+    let holds = |outer: &Core, point: DVec3| match outer {
+        Core::Mesh(tree, pose) => tree.encloses(pose.inverse().transform_point(point)),
+        // Where surfaces are apart, a half-space's depth says all.
+        Core::HalfSpace(_) => false,
+        _ => point_to(outer, point).is_some_and(|hit| hit.distance <= 0.0),
     };
-    holds(a, b) || holds(b, a)
+    let holds_some = |outer: &Core, inner: &Core| match inner {
+        Core::Mesh(tree, pose) => {
+            let mut points = tree.points.iter().map(|p| pose.transform_point(*p));
+            points.any(|point| holds(outer, point))
+        }
+        solid => any_point(solid).is_some_and(|point| holds(outer, point)),
+    };
+    holds_some(a, b) || holds_some(b, a)
+}
+
+/// A point of a solid in one piece; none of what has no end.
+fn any_point(core: &Core) -> Option<DVec3> {
+    Some(match core {
+        Core::Point(p) => *p,
+        Core::Segment(ends) => ends[0],
+        Core::Circle(c) => c.center + c.directions()[0] * c.radius,
+        Core::Box(b) => b.from_box.translation,
+        Core::Frustum(f) => f.from,
+        Core::Triangle(t) => t[0],
+        Core::HalfSpace(_) | Core::Mesh(..) => return None,
+    })
 }

@@ -1,9 +1,9 @@
 //! A tree of balls over the triangles of a file, which are taken as they are.
 
-use crate::geometry::Mesh;
+pub use super::shells::Enclosure;
+use super::shells::{Shells, turns_around};
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
-use std::f64::consts::PI;
 
 /// Most triangles in a leaf.
 const LEAF: usize = 4;
@@ -23,17 +23,6 @@ pub(super) enum Content {
     Fork(usize),
 }
 
-/// How a file's triangles enclose space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Enclosure {
-    /// Closed, outside out.
-    Solid,
-    /// Closed, but the triangles are numbered as seen from inside.
-    InsideOut,
-    /// It has edges with one side only.
-    Open,
-}
-
 /// The triangles of a file, ready for queries, in the frame of the file.
 #[derive(Clone, Debug)]
 pub struct MeshTree {
@@ -41,6 +30,10 @@ pub struct MeshTree {
     pub source: String,
     /// Whether there is an inside.
     pub enclosure: Enclosure,
+    /// Edges with one side only.
+    pub open_edges: usize,
+    /// A corner of every connected part.
+    pub points: Vec<DVec3>,
     pub(super) triangles: Vec<[DVec3; 3]>,
     pub(super) nodes: Vec<Node>,
 }
@@ -48,22 +41,13 @@ pub struct MeshTree {
 impl MeshTree {
     /// Builds the tree: n log n.
     pub fn new(soup: &TriangleSoup) -> Self {
-        let corner = |k: u32| soup.vertices.get(k as usize).copied().unwrap_or_default();
-        let triangles = soup.triangles.iter().map(|t| t.map(corner)).collect();
-        let mesh = Mesh {
-            positions: soup.vertices.clone(),
-            normals: Vec::new(),
-            triangles: soup.triangles.clone(),
-        };
-        let enclosure = match (mesh.is_closed(), mesh.hides_its_inside()) {
-            (true, true) => Enclosure::Solid,
-            (true, false) => Enclosure::InsideOut,
-            (false, _) => Enclosure::Open,
-        };
+        let shells = Shells::new(soup);
         let mut tree = Self {
             source: soup.source.clone(),
-            enclosure,
-            triangles,
+            enclosure: shells.enclosure,
+            open_edges: shells.open_edges,
+            points: shells.points,
+            triangles: shells.triangles,
             nodes: Vec::new(),
         };
         tree.grow(0, tree.triangles.len());
@@ -114,11 +98,6 @@ impl MeshTree {
         self.triangles.is_empty()
     }
 
-    /// A point of the surface.
-    pub fn any_point(&self) -> DVec3 {
-        self.triangles.first().map_or(DVec3::ZERO, |t| t[0])
-    }
-
     /// A vertex with the least n · p.
     pub fn lowest(&self, n: DVec3) -> DVec3 {
         let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
@@ -128,14 +107,10 @@ impl MeshTree {
 
     /// Whether a point is inside, by the solid angle of all triangles; an open mesh has no inside.
     pub fn encloses(&self, point: DVec3) -> bool {
-        if self.enclosure == Enclosure::Open {
-            return false;
-        }
-        let angle = |t: &[DVec3; 3]| {
-            let [a, b, c] = t.map(|p| (p - point).normalize_or_zero());
-            let volume = a.dot(b.cross(c));
-            2.0 * libm::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a))
-        };
-        self.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * PI
+        let is_hollow = matches!(self.enclosure, Enclosure::Solid | Enclosure::InsideOut);
+        let (center, radius) = self.bounds();
+        is_hollow
+            && point.distance(center) <= radius
+            && turns_around(&self.triangles, point).abs() > 0.5
     }
 }

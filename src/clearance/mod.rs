@@ -21,5 +21,6 @@ pub mod pair;
 mod point;
 mod relative;
 mod search;
+mod shells;
 pub mod sweep;
 mod track;

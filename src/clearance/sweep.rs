@@ -248,7 +248,8 @@ impl<'a> PairSweep<'a> {
             shapes: [first.shape, second.shape],
             inside,
             bound,
-            is_certified,
+            // What lies in an open mesh is not noticed.
+            is_certified: is_certified && !self.hulls.iter().any(|hull| hull.is_open()),
             is_refined,
         };
         if self.bodies[0] > self.bodies[1] {

@@ -3,7 +3,7 @@
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
 use std::collections::HashMap;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 /// Most triangles read from one file: more cannot be told apart in a picture and would fill the memory.
@@ -14,6 +14,9 @@ const MAX_STL_BYTES: u64 = 540_000_000;
 const BINARY_HEADER: usize = 84;
 /// Bytes of a triangle in a binary file.
 const BINARY_TRIANGLE: usize = 50;
+
+/// The three corners of a triangle.
+type Corners = [[f64; 3]; 3];
 
 /// Why an STL file could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -92,19 +95,118 @@ fn parse(bytes: Vec<u8>, path: String) -> Result<TriangleSoup, StlError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(StlError::Empty { path });
     }
-    let text_like = bytes.trim_ascii_start().starts_with(b"solid");
+    let first = bytes.trim_ascii_start().get(..5);
+    let text_like = first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let announced = announced(&bytes);
     let fits = announced.is_some_and(|count| binary_size(count) == Some(bytes.len()));
-    let source = if text_like && !fits {
-        as_text(&bytes)
-    } else {
-        check_binary(&bytes, announced, &path)?;
-        let mut bytes = bytes;
-        // The title is cleared, so that the reader does not take it for the text form.
-        bytes[..BINARY_HEADER - 4].fill(0);
-        bytes
+    if text_like && !fits {
+        let text = String::from_utf8_lossy(&bytes);
+        return collect(Text::new(&text), path);
+    }
+    let count = check_binary(&bytes, announced, &path)?;
+    let triangles = bytes[BINARY_HEADER..].chunks_exact(BINARY_TRIANGLE);
+    collect(triangles.take(count).map(|t| Ok(of_binary(t))), path)
+}
+
+/// Corners of a triangle of a binary file, behind its normal.
+fn of_binary(bytes: &[u8]) -> Corners {
+    let number = |k: usize| {
+        let at = 12 + 4 * k;
+        f64::from(f32::from_le_bytes([
+            bytes[at],
+            bytes[at + 1],
+            bytes[at + 2],
+            bytes[at + 3],
+        ]))
     };
-    collect(&source, path)
+    [0, 3, 6].map(|k| [number(k), number(k + 1), number(k + 2)])
+}
+
+/// The triangles of the text form.
+struct Text<'t> {
+    lines: std::iter::Enumerate<std::str::Lines<'t>>,
+    words: std::str::SplitWhitespace<'t>,
+    line: usize,
+}
+
+impl<'t> Text<'t> {
+    fn new(text: &'t str) -> Self {
+        Self {
+            lines: text.lines().enumerate(),
+            words: "".split_whitespace(),
+            line: 0,
+        }
+    }
+
+    /// The next word; the titles of solids are left out.
+    fn word(&mut self) -> Option<&'t str> {
+        loop {
+            if let Some(word) = self.words.next() {
+                return Some(word);
+            }
+            let (line, text) = self.lines.next()?;
+            self.line = line + 1;
+            let mut words = text.split_whitespace();
+            let first = words.next().map(str::to_ascii_lowercase);
+            let is_title = matches!(first.as_deref(), Some("solid" | "endsolid"));
+            self.words = if is_title { "" } else { text }.split_whitespace();
+        }
+    }
+
+    fn expect(&mut self, words: &[&str]) -> Result<(), String> {
+        for expected in words {
+            match self.word() {
+                Some(word) if word.eq_ignore_ascii_case(expected) => {}
+                Some(word) => {
+                    let line = self.line;
+                    return Err(format!(
+                        "line {line} has `{word}` where `{expected}` stands"
+                    ));
+                }
+                None => return Err(format!("it ends where `{expected}` stands")),
+            }
+        }
+        Ok(())
+    }
+
+    fn numbers(&mut self) -> Result<[f64; 3], String> {
+        let mut numbers = [0.0; 3];
+        for number in &mut numbers {
+            let word = self.word().ok_or("it ends where a number stands")?;
+            let line = self.line;
+            *number = word
+                .parse()
+                .map_err(|_| format!("line {line} has `{word}` where a number stands"))?;
+        }
+        Ok(numbers)
+    }
+
+    fn triangle(&mut self) -> Result<Corners, String> {
+        self.expect(&["normal"])?;
+        self.numbers()?;
+        self.expect(&["outer", "loop"])?;
+        let mut corners = Corners::default();
+        for corner in &mut corners {
+            self.expect(&["vertex"])?;
+            *corner = self.numbers()?;
+        }
+        self.expect(&["endloop", "endfacet"])?;
+        Ok(corners)
+    }
+}
+
+impl Iterator for Text<'_> {
+    type Item = Result<Corners, String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match self.word()? {
+            word if word.eq_ignore_ascii_case("facet") => Some(self.triangle()),
+            word => Some(Err(format!(
+                "line {} has `{word}` where `facet` stands",
+                self.line
+            ))),
+        }
+    }
 }
 
 fn announced(bytes: &[u8]) -> Option<usize> {
@@ -118,7 +220,8 @@ fn binary_size(count: usize) -> Option<usize> {
         .checked_add(BINARY_HEADER)
 }
 
-fn check_binary(bytes: &[u8], announced: Option<usize>, path: &str) -> Result<(), StlError> {
+/// The number of triangles of a binary file.
+fn check_binary(bytes: &[u8], announced: Option<usize>, path: &str) -> Result<usize, StlError> {
     let path = path.to_owned();
     let Some(announced) = announced else {
         let detail = "too short for the header of the binary form, and no text form".to_owned();
@@ -133,32 +236,26 @@ fn check_binary(bytes: &[u8], announced: Option<usize>, path: &str) -> Result<()
             found,
         }),
         _ if announced > MAX_STL_TRIANGLES => Err(StlError::TooLarge { path }),
-        _ => Ok(()),
+        _ => Ok(announced),
     }
 }
 
-/// The text form with the first line that the reader asks for; a solid without a name is common.
-fn as_text(bytes: &[u8]) -> Vec<u8> {
-    let body = bytes.trim_ascii_start();
-    let line_end = body.iter().position(|b| *b == b'\n').unwrap_or(body.len());
-    [b"solid part", &body[line_end..]].concat()
-}
-
-fn collect(source: &[u8], path: String) -> Result<TriangleSoup, StlError> {
-    let syntax = |error: std::io::Error| StlError::Syntax {
-        path: path.clone(),
-        detail: error.to_string(),
-    };
-    let mut cursor = Cursor::new(source);
-    let reader = stl_io::create_stl_reader(&mut cursor).map_err(syntax)?;
+fn collect(
+    triangles: impl Iterator<Item = Result<Corners, String>>,
+    path: String,
+) -> Result<TriangleSoup, StlError> {
     let mut soup = TriangleSoup {
         source: path.clone(),
         vertices: Vec::new(),
         triangles: Vec::new(),
+        is_surface: false,
     };
-    let mut index_of: HashMap<[u32; 3], u32> = HashMap::new();
-    for triangle in reader {
-        let corners = triangle.map_err(syntax)?.vertices.map(|vertex| vertex.0);
+    let mut index_of: HashMap<[u64; 3], u32> = HashMap::new();
+    for triangle in triangles {
+        let corners = triangle.map_err(|detail| StlError::Syntax {
+            path: path.clone(),
+            detail,
+        })?;
         if soup.triangles.len() == MAX_STL_TRIANGLES {
             return Err(StlError::TooLarge { path });
         }
@@ -171,7 +268,7 @@ fn collect(source: &[u8], path: String) -> Result<TriangleSoup, StlError> {
             *index_of
                 .entry(corner.map(|c| (c + 0.0).to_bits()))
                 .or_insert_with(|| {
-                    soup.vertices.push(DVec3::from(corner.map(f64::from)));
+                    soup.vertices.push(DVec3::from(corner));
                     (soup.vertices.len() - 1) as u32
                 })
         }));
@@ -222,6 +319,18 @@ mod tests {
             assert_eq!(soup.triangles, [[0, 1, 2]]);
             assert_eq!(soup.vertices[2], DVec3::new(0.0, 2.0, 0.0));
         }
+    }
+
+    #[test]
+    fn numbers_are_taken_as_they_stand() {
+        let text = TEXT.replace("vertex 1 0 0", "vertex 0.1234567890123 0 1e-30");
+        let soup = read(format!("solid\n{text}").as_bytes()).unwrap();
+        assert_eq!(
+            soup.vertices[1],
+            DVec3::new(0.123_456_789_012_3, 0.0, 1e-30)
+        );
+        let soup = read(format!("SOLID a\n{}", TEXT.to_uppercase()).as_bytes()).unwrap();
+        assert_eq!(soup.triangles, [[0, 1, 2]]);
     }
 
     #[test]

@@ -347,6 +347,7 @@ fn bare_triangles_get_smooth_and_sharp_normals() {
         1e-3,
     );
     let soup = TriangleSoup {
+        is_surface: false,
         source: String::new(),
         vertices: ball.positions.clone(),
         triangles: ball

@@ -2,6 +2,7 @@
 
 use super::expression::Expression;
 use crate::numbers::constant::Constant;
+use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::TaylorSeries;
 
@@ -97,6 +98,23 @@ impl Drive {
         };
         series.set(0, self.value(time));
         series
+    }
+
+    /// Times strictly between `from` and `to` where it is not smooth, ascending: its keys, kinks and jumps of its formula.
+    pub fn breaks(&self, from: f64, to: f64) -> Vec<f64> {
+        match self {
+            Self::Keys { times, .. } => {
+                let inside = times.iter().copied();
+                inside.filter(|t| from < *t && *t < to).collect()
+            }
+            Self::Formula(expression) => expression.breaks(from, to),
+        }
+    }
+
+    /// Whether it may change its course at a key among these times.
+    pub fn has_key_in(&self, these: Interval) -> bool {
+        let is_here = |t: &f64| these.lo <= *t && *t <= these.hi;
+        !self.is_constant() && matches!(self, Self::Keys { times, .. } if times.iter().any(is_here))
     }
 
     /// Time of the last key; `None` for formulas.

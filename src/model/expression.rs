@@ -34,15 +34,20 @@ pub enum Op {
 impl Op {
     /// The same operation where its operands stand `by` places further on.
     pub fn shifted(self, by: usize) -> Self {
+        self.mapped(|k| k + by)
+    }
+
+    /// The same operation of other operands.
+    fn mapped(self, to: impl Fn(usize) -> usize) -> Self {
         match self {
             Self::Constant(_) | Self::Slot(_) => self,
-            Self::Negate(a) => Self::Negate(a + by),
-            Self::Add(a, b) => Self::Add(a + by, b + by),
-            Self::Subtract(a, b) => Self::Subtract(a + by, b + by),
-            Self::Multiply(a, b) => Self::Multiply(a + by, b + by),
-            Self::Divide(a, b) => Self::Divide(a + by, b + by),
-            Self::Power(a, b) => Self::Power(a + by, b + by),
-            Self::Call(f, a, b) => Self::Call(f, a + by, b + by),
+            Self::Negate(a) => Self::Negate(to(a)),
+            Self::Add(a, b) => Self::Add(to(a), to(b)),
+            Self::Subtract(a, b) => Self::Subtract(to(a), to(b)),
+            Self::Multiply(a, b) => Self::Multiply(to(a), to(b)),
+            Self::Divide(a, b) => Self::Divide(to(a), to(b)),
+            Self::Power(a, b) => Self::Power(to(a), to(b)),
+            Self::Call(f, a, b) => Self::Call(f, to(a), to(b)),
         }
     }
 }
@@ -311,6 +316,7 @@ fn combine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
 }
 
 mod fault;
+pub mod pieces;
 
 #[cfg(test)]
 mod tests;

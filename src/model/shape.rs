@@ -92,6 +92,8 @@ pub struct TriangleSoup {
     pub vertices: Vec<DVec3>,
     /// Corner indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// The scene says that they are a surface, which has no inside.
+    pub is_surface: bool,
 }
 
 /// A solid, where it sits in its body, and how it looks.

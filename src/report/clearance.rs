@@ -116,7 +116,8 @@ fn reason(p: &PairReport) -> Option<&str> {
     }
 }
 
-/// One case a pair, one for every stretch of time that was not checked, and one if no pair was judged. An estimate is
+/// One case a pair, one for every stretch of time that was not checked and every mesh without an inside, and one
+/// if no pair was judged. An estimate is
 /// enough where no proof is asked for.
 pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, is_proof_asked: bool) -> Vec<Case> {
     let pairs = report.judged.iter().chain(&report.excluded);
@@ -126,6 +127,10 @@ pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, is_proof_asked: bo
     list.extend(report.gaps.iter().map(|[from, to]| {
         let name = format!("t = {from:.6} s to {to:.6} s");
         let text = "not checked: the motion could not be followed there";
+        Case::new(CLEARANCE, &name, Status::NotProved, text)
+    }));
+    list.extend(report.without_inside.iter().map(|(body, text)| {
+        let name = format!("mesh of {}", mechanism.bodies[*body].name);
         Case::new(CLEARANCE, &name, Status::NotProved, text)
     }));
     if report.gaps.is_empty() {

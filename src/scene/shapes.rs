@@ -66,6 +66,7 @@ pub enum SolidFile {
     Stl {
         file: Spanned<String>,
         scale: Option<FormulaText>,
+        surface: bool,
     },
 }
 
@@ -118,10 +119,11 @@ pub fn shape(r: &mut TableReader) -> Option<ShapeFile> {
             })
         }),
         r.table("stl", |s| {
-            let scale = s.formula("scale");
+            let (scale, surface) = (s.formula("scale"), s.boolean("surface"));
             Some(SolidFile::Stl {
                 file: required(s, "file", |s, k| s.string(k))?,
                 scale,
+                surface: surface.unwrap_or(false),
             })
         }),
     ]

@@ -1,13 +1,15 @@
 //! Mechanisms with what drives them, as most tests use them: read, changed here and there, solved at some times.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use mechanim::clearance::check::ClearanceReport;
+use glam::DVec3;
+use mechanim::clearance::bodies::Hull;
+use mechanim::clearance::check::{ClearanceReport, Judgement};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
 use mechanim::kinematics::rates::higher_order::{self, RateColumns};
 use mechanim::kinematics::results::certificate::IntervalCertificate;
-use mechanim::kinematics::results::trajectory::Trajectory;
+use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::kinematics::structure::system::System;
 use mechanim::model::actuation::Actuation;
@@ -146,9 +148,54 @@ pub fn measures(model: &Model, trajectory: &Trajectory) -> Vec<Option<f64>> {
     mechanim::kinematics::measures::measure(&system, actuation, measures, trajectory)
 }
 
-/// The clearances that a scene asks for.
+/// The clearances that a scene asks for, in a report that keeps its word.
 pub fn check(scene: &Scene, trajectory: &Trajectory, tolerance: f64) -> ClearanceReport {
     let system = scene.system().unwrap();
     let (actuation, rules) = (&scene.actuation, scene.clearance.as_ref().unwrap());
-    mechanim::clearance::check::check(&system, actuation, rules, trajectory, tolerance, &|_, _| {})
+    let clearance = mechanim::clearance::check::check;
+    let report = clearance(&system, actuation, rules, trajectory, tolerance, &|_, _| {});
+    keeps_its_word(scene, trajectory, &report);
+    report
+}
+
+/// What passes is proved, is never nearer than its minimum at any sample, and has a bound that says so; no bound is above a
+/// distance that was found.
+fn keeps_its_word(scene: &Scene, trajectory: &Trajectory, report: &ClearanceReport) {
+    for p in &report.judged {
+        let (least, said) = (&p.least, format!("{p:?}"));
+        let found = p.distances.iter().copied().fold(least.distance, f64::min);
+        // Rounding of the poses, in sizes of the pair.
+        let rounding = 1e-8 * extent(scene, trajectory, p.pair);
+        if p.judgement == Judgement::Passed {
+            assert!(least.is_certified && report.gaps.is_empty(), "{said}");
+            if p.farthest.is_none() {
+                assert!(least.bound >= p.minimum - rounding, "{said}");
+                assert!(found >= p.minimum - rounding, "{said}");
+            }
+        }
+        if least.is_certified && found > 0.0 {
+            assert!(least.bound <= found + rounding, "{said}");
+        }
+        assert!(
+            least.distance <= found + rounding || p.farthest.is_some(),
+            "{said}"
+        );
+    }
+}
+
+/// How far any point of two bodies is from the other's frame at most; of what has no end, from its origin.
+fn extent(scene: &Scene, trajectory: &Trajectory, pair: [usize; 2]) -> f64 {
+    let reach = |k: usize| {
+        let hull = Hull::new(&scene.mechanism.bodies[k]);
+        let ball = hull.map_or((DVec3::ZERO, 0.0), |hull| hull.ball);
+        let reach = ball.0.length() + ball.1;
+        if reach.is_finite() { reach } else { 0.0 }
+    };
+    let origin = |pose: &ClosedPose, k: usize| pose.bodies[k].translation;
+    let apart = trajectory
+        .poses()
+        .map(|pose| origin(pose, pair[0]).distance(origin(pose, pair[1])));
+    // Chains may be longer than their ends are apart.
+    let size = scene.mechanism.size.min(1e3);
+    size + reach(pair[0]) + reach(pair[1]) + apart.fold(0.0, f64::max)
 }

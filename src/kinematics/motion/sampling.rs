@@ -61,20 +61,24 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
         .collect()
 }
 
-/// The given times with both ends of the drive and every key of an input, ascending: what has to be solved for a statement
-/// about the whole motion.
+/// The given times with both ends of the drive and every time where an input has a key, a kink or a jump, ascending: what has
+/// to be solved for a statement about the whole motion.
 pub fn knots(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
     let last = actuation.duration;
-    let keys = |drive: &Drive| match drive {
-        Drive::Keys { times, .. } => times.clone(),
-        Drive::Formula(_) => Vec::new(),
-    };
-    let keys = actuation.drives.iter().flat_map(keys);
-    let own = keys.chain([0.0, last]).filter(|t| (0.0..=last).contains(t));
-    let mut all: Vec<f64> = own.chain(times.iter().copied()).collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup_by(|b, a| *b - *a <= SAME_TIME * last);
-    all
+    let breaks = |drive: &Drive| drive.breaks(0.0, last);
+    let own = actuation.drives.iter().flat_map(breaks);
+    let own = own.chain([0.0, last]).map(|t| (t, true));
+    let mut all: Vec<(f64, bool)> = own.chain(times.iter().map(|t| (*t, false))).collect();
+    all.sort_by(|(p, _), (q, _)| p.total_cmp(q));
+    // The pieces of a drive part at its own times and nowhere beside.
+    all.dedup_by(|(b, is_own), (a, was_own)| {
+        let is_same = *b - *a <= SAME_TIME * last;
+        if is_same && *is_own && !*was_own {
+            (*a, *was_own) = (*b, true);
+        }
+        is_same
+    });
+    all.into_iter().map(|(time, _)| time).collect()
 }
 
 /// The samples of a trajectory at the given times, ascending: what was solved beside them left out again.

@@ -331,12 +331,19 @@ fn resolve_solid(
                 size: size?,
             })
         }
-        SolidFile::Stl { file, scale } => {
+        SolidFile::Stl {
+            file,
+            scale,
+            surface,
+        } => {
             let scale = scale
                 .as_ref()
                 .map_or(Some(1.0), |s| constants.positive("scale", s, d))?;
             match read_stl(&folder.join(&file.value)) {
-                Ok(soup) => Some(Solid::Triangles(Arc::new(scaled(soup, scale)))),
+                Ok(soup) => Some(Solid::Triangles(Arc::new(TriangleSoup {
+                    is_surface: *surface,
+                    ..scaled(soup, scale)
+                }))),
                 Err(error) => {
                     d.push(Diagnostic::error(error.to_string()).at(file.span.clone()));
                     None

@@ -2,6 +2,7 @@
 
 use super::model::{Enclosure, TERMS};
 use crate::model::drive::Drive;
+use crate::model::expression::pieces::about;
 use crate::numbers::interval::Interval;
 
 /// A stretch of time, from -1 to 1 in `s`.
@@ -12,6 +13,8 @@ pub struct Stretch {
     /// Half the length, rounded up so that both ends are inside.
     pub half: f64,
     all: Interval,
+    /// Where its piece of a drive begins and ends, to rounding.
+    ends: [f64; 2],
 }
 
 impl Stretch {
@@ -23,6 +26,7 @@ impl Stretch {
             middle,
             half,
             all: Interval::new(start, end),
+            ends: [start, end],
         }
     }
 
@@ -31,29 +35,67 @@ impl Stretch {
         (Interval::point(time) - Interval::point(self.middle)) / Interval::point(self.half)
     }
 
-    /// An input over the stretch, which holds no keyframe inside, as a series about s = 0, or about every place at once.
-    pub fn input(&self, drive: &Drive, everywhere: bool) -> Enclosure {
-        let start = if everywhere {
-            self.all
-        } else {
-            Interval::point(self.middle)
-        };
-        let time = Enclosure::linear(start, Interval::point(self.half), TERMS - 1);
-        drive.value_beside(time, self.middle)
+    /// The same with a little more where a drive jumps at its ends: a tube goes on beyond the jump as far as its time is
+    /// unknown. `None` where it is open which of two drives jumps first.
+    pub fn over_jumps(self, drives: &[Drive]) -> Option<Self> {
+        let ends = self.ends;
+        let mut jumping: [Option<&Drive>; 2] = [None; 2];
+        for drive in drives {
+            let jumps = match drive {
+                Drive::Formula(formula) if formula.has_pieces() => {
+                    formula.piece(self.all, ends).jumps
+                }
+                _ => continue,
+            };
+            for (known, _) in jumping.iter_mut().zip(jumps).filter(|(_, jump)| *jump) {
+                if known.is_some_and(|other| other != drive) {
+                    return None;
+                }
+                *known = Some(drive);
+            }
+        }
+        let mut over = ends;
+        for (k, end) in ends
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| jumping[*k].is_some())
+        {
+            let about = about(*end);
+            if drives.iter().any(|drive| drive.has_key_in(about)) {
+                return None;
+            }
+            over[k] = [about.lo, about.hi][k];
+        }
+        let [start, end] = over;
+        Some(Self {
+            ends,
+            ..Self::new(start, end)
+        })
+    }
+
+    /// An input over the stretch, which holds no break inside, as a series about s = 0, and about every place at once.
+    pub fn input(&self, drive: &Drive) -> [Enclosure; 2] {
+        let clock = |start| Enclosure::linear(start, Interval::point(self.half), TERMS - 1);
+        let clocks = [Interval::point(self.middle), self.all].map(clock);
+        match drive {
+            Drive::Formula(formula) if formula.has_pieces() => {
+                let piece = formula.piece(self.all, self.ends);
+                clocks.map(|time| formula.on_piece(&piece, time))
+            }
+            _ => clocks.map(|time| drive.value_beside(time, self.middle)),
+        }
     }
 }
 
-/// Keyframes strictly between two times, ascending: there the drive has no single series.
+/// Times strictly between two others where a drive has no single series, ascending: not those that are the same but for
+/// rounding.
 pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
-    let mut keys: Vec<f64> = Vec::new();
-    for drive in drives {
-        if let Drive::Keys { times, .. } = drive {
-            let from = times.partition_point(|t| *t <= start);
-            keys.extend(times[from..].iter().take_while(|t| **t < end));
-        }
-    }
+    let breaks = |drive: &Drive| drive.breaks(start, end);
+    let mut keys: Vec<f64> = drives.iter().flat_map(breaks).collect();
+    let [first, last] = [start, end].map(about);
+    keys.retain(|t| first.hi < *t && *t < last.lo);
     keys.sort_unstable_by(f64::total_cmp);
-    keys.dedup();
+    keys.dedup_by(|b, a| *b <= about(*a).hi);
     keys
 }
 
@@ -129,7 +171,7 @@ mod tests {
     fn enclosures_hold_what_f64_finds_at_every_place() {
         for drive in drives() {
             let stretch = Stretch::new(0.62, 0.64);
-            let (middle, everywhere) = (stretch.input(&drive, false), stretch.input(&drive, true));
+            let [middle, everywhere] = stretch.input(&drive);
             for share in [-1.0, -0.4, 0.0, 0.3, 1.0] {
                 let time = (stretch.middle + share * stretch.half).clamp(0.62, 0.64);
                 let numbers = drive.series(time, TERMS - 1);

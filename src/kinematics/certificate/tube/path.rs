@@ -29,15 +29,18 @@ pub struct InputPath {
 }
 
 impl InputPath {
-    /// The drives over a stretch without keyframes inside.
+    /// The drives over a stretch without breaks inside.
     pub fn new(actuation: &Actuation, stretch: Stretch) -> Self {
-        let over = |everywhere| {
-            let drives = actuation.drives.iter();
-            drives.map(|d| stretch.input(d, everywhere)).collect()
+        let over = stretch.over_jumps(&actuation.drives);
+        let input = |drive| match &over {
+            Some(over) => over.input(drive),
+            None => [Enclosure::undefined(); 2],
         };
+        let inputs = actuation.drives.iter().map(input);
+        let (middle, everywhere) = inputs.map(|[near, far]| (near, far)).unzip();
         Self {
-            stretch,
-            inputs: [over(false), over(true)],
+            stretch: over.unwrap_or(stretch),
+            inputs: [middle, everywhere],
         }
     }
 

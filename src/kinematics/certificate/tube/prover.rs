@@ -33,6 +33,9 @@ const SAME_INPUT: f64 = 1e-9;
 /// fails at either end.
 const CHOICES: [f64; 3] = [0.5, 0.0, 1.0];
 
+/// Steps in which the motion is followed to the pose right before a jump.
+const STEPS_TO_JUMP: u32 = 8;
+
 /// Proves intervals of one mechanism.
 #[derive(Debug)]
 pub struct Prover<'m> {
@@ -72,10 +75,15 @@ impl<'m> Prover<'m> {
         self
     }
 
-    /// Whether a sample's exact pose is the one that the tube has at that time.
-    pub fn meets(&self, tube: &Tube, sample: &Sample) -> bool {
-        self.place(sample)
-            .is_ok_and(|place| self.holds(tube, &place))
+    /// Whether a sample's exact pose is the tube's at that time: its inputs, which right after a jump are not, and its unknowns.
+    pub fn meets(&mut self, tube: &Tube, sample: &Sample) -> bool {
+        let slot = self.system.mechanism().unknowns.len();
+        let is_same = |(k, value): (usize, &f64)| {
+            let off = tube.path.at(slot + k, sample.time).distance(*value);
+            off <= SAME_INPUT * self.unit(k, *value)
+        };
+        sample.inputs.iter().enumerate().all(is_same)
+            && matches!(self.place(sample), Ok(place) if self.holds(tube, &place))
     }
 
     /// Proves the interval between the two samples of `pair`; the tubes are those up to its end or its refusal.
@@ -222,15 +230,21 @@ impl<'m> Prover<'m> {
         if !values.enumerate().any(jumps) {
             return last;
         }
-        let limits = (0..self.actuation.drives.len()).map(limit);
-        let mut unknowns: Vec<f64> = here.unknowns.iter().copied().chain(limits).collect();
-        if !self.solver.closed(&mut unknowns, Pace::Brisk) {
-            return last;
+        let mut coordinates = here.unknowns.clone();
+        for step in 1..=STEPS_TO_JUMP {
+            let share = f64::from(step) / f64::from(STEPS_TO_JUMP);
+            let time = from + share * (last.time - from);
+            coordinates.truncate(here.unknowns.len());
+            let drives = 0..self.actuation.drives.len();
+            coordinates.extend(drives.map(|k| inputs.at(k, time).middle()));
+            if !self.solver.closed(&mut coordinates, Pace::Brisk) {
+                return last;
+            }
         }
-        unknowns.truncate(here.unknowns.len());
+        coordinates.truncate(here.unknowns.len());
         Place {
             time: last.time,
-            unknowns,
+            unknowns: coordinates,
             rates: None,
             sample: None,
         }
@@ -245,7 +259,7 @@ impl<'m> Prover<'m> {
         }
     }
 
-    /// The interval's end and the keyframes before it, the first one last.
+    /// The interval's end and the breaks of the drive before it, the first one last.
     fn by_keyframes(&mut self, start: &Place, end: Place) -> Result<Vec<Place>, Refusal> {
         let mut ahead = Vec::new();
         for time in keys_between(&self.actuation.drives, start.time, end.time) {

@@ -1,0 +1,332 @@
+//! Formulas of time with kinks and jumps (abs, min, max, floor, mod): where their smooth pieces part, and enclosures of
+//! one piece.
+//!
+//! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
+//! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
+
+use super::{Expression, Function, Op, apply};
+use crate::numbers::interval::Interval;
+use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::series::Series;
+
+/// The time of a jump is known to this part of itself, or of a second: far more than rounding moves it, far less than
+/// stretches last. It depends on the time alone, so that the pieces on both sides know the same jumps.
+const SLIVER: f64 = 1e-12;
+
+/// Breaks are searched by halving down to this part of the time, or of a second, where plain numbers tell their place.
+const NARROWEST: f64 = 1e-13;
+
+/// A break that is not known better than this many narrowest parts is none at a single time.
+const MOST_NARROW: f64 = 8.0;
+
+/// Most parts of time that are looked at together: more breaks are not searched.
+const MOST_PARTS: usize = 10_000;
+
+/// What a function is on a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    /// As it is written.
+    Plain,
+    /// One of its operands, negated or not, and some number of an interval.
+    Operand(usize, bool, Interval),
+    /// The whole number that `floor` gives, of a quotient in `mod`.
+    Whole(f64),
+}
+
+/// A formula of time over a stretch without jumps inside.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    sides: Vec<Side>,
+    /// It jumps at the start, at the end.
+    pub jumps: [bool; 2],
+}
+
+/// Values of all operations over a stretch, without its ends, and about its ends with their rates.
+struct Ranges {
+    all: Vec<Series<Interval, 1>>,
+    core: Vec<Series<Interval, 1>>,
+    ends: [Vec<Series<Interval, 2>>; 2],
+}
+
+/// The times about one, seconds, at which a jump may be that is looked for there.
+pub fn about(time: f64) -> Interval {
+    let by = SLIVER * time.abs().max(1.0);
+    Interval::new(time - by, time + by)
+}
+
+impl Expression {
+    /// Whether it has functions with kinks or jumps.
+    pub fn has_pieces(&self) -> bool {
+        self.ops().iter().any(|op| is_broken(*op))
+    }
+
+    /// The formula of time over `all`, as what it is between two `ends`, seconds.
+    pub fn piece(&self, all: Interval, ends: [f64; 2]) -> Piece {
+        let abouts = ends.map(about);
+        let core = match abouts[0].hi <= abouts[1].lo {
+            true => Interval::new(abouts[0].hi, abouts[1].lo),
+            false => Interval::point(0.5 * ends[0] + 0.5 * ends[1]),
+        };
+        let clocks = [all, core].map(Series::constant);
+        let end_clocks = abouts.map(|about| Series::linear(about, Interval::ONE, 1));
+        let canonical = self.canonical();
+        let mut r = Ranges {
+            all: Vec::new(),
+            core: Vec::new(),
+            ends: [Vec::new(), Vec::new()],
+        };
+        let mut jumps: [Option<Op>; 2] = [None; 2];
+        let mut sides = Vec::with_capacity(self.ops().len());
+        for (k, op) in self.ops().iter().enumerate() {
+            let mut side = kink(*op, |a| range(&r.all, a));
+            if let Some((whole, here)) = r.whole(*op) {
+                let own = canonical[k];
+                // Of two jumps about the same time it is not known which one comes first.
+                let is_alone = |(jump, here): (&Option<Op>, bool)| {
+                    !here || jump.is_none_or(|other| other == own)
+                };
+                if jumps.iter().zip(here).all(is_alone) {
+                    side = Side::Whole(whole);
+                    for (jump, _) in jumps.iter_mut().zip(here).filter(|(_, here)| *here) {
+                        *jump = Some(own);
+                    }
+                }
+            }
+            r.all.push(on_side(*op, side, &r.all, clocks[0]));
+            r.core.push(on_side(*op, side, &r.core, clocks[1]));
+            // What kinks there has no rate.
+            let plain = match side {
+                Side::Operand(..) => Side::Plain,
+                other => other,
+            };
+            for (values, clock) in r.ends.iter_mut().zip(end_clocks) {
+                let value = on_side(*op, plain, values, clock);
+                values.push(value);
+            }
+            sides.push(side);
+        }
+        Piece {
+            sides,
+            jumps: jumps.map(|jump| jump.is_some()),
+        }
+    }
+
+    /// The formula on a piece of it.
+    pub fn on_piece<const N: usize>(
+        &self,
+        piece: &Piece,
+        time: Series<Interval, N>,
+    ) -> Series<Interval, N> {
+        let mut values = Vec::with_capacity(self.ops().len());
+        for (op, side) in self.ops().iter().zip(&piece.sides) {
+            let value = on_side(*op, *side, &values, time);
+            values.push(value);
+        }
+        values.pop().unwrap_or(Series::number(0.0))
+    }
+
+    /// Times between `from` and `to` where a kink or a jump is, to rounding, ascending. Where the formula has no value, or
+    /// touches a kink without passing it, those between which that is so. Nothing is missed but what is too many.
+    pub fn breaks(&self, from: f64, to: f64) -> Vec<f64> {
+        if !self.has_pieces() {
+            return Vec::new();
+        }
+        let narrowest = NARROWEST * from.abs().max(to.abs()).max(1.0);
+        let mut parts = vec![[from, to]];
+        loop {
+            parts.retain(|[a, b]| self.is_open(Interval::new(*a, *b)));
+            let width = parts.first().map_or(0.0, |[a, b]| b - a);
+            if width <= narrowest || 2 * parts.len() > MOST_PARTS {
+                break;
+            }
+            let halves = |[a, b]: [f64; 2]| {
+                let middle = 0.5 * a + 0.5 * b;
+                [[a, middle], [middle, b]]
+            };
+            parts = parts.into_iter().flat_map(halves).collect();
+        }
+        let places = joined(&parts).into_iter().flat_map(|[a, b]| {
+            let is_one = b - a <= MOST_NARROW * narrowest;
+            if is_one {
+                vec![self.change(a, b)]
+            } else {
+                vec![a, b]
+            }
+        });
+        places.filter(|t| from < *t && *t < to).collect()
+    }
+
+    /// Whether some function may be on either side of a kink or a jump.
+    fn is_open(&self, time: Interval) -> bool {
+        let mut values: Vec<Series<Interval, 1>> = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            let side = match (steps(*op, &values), kink(*op, |a| range(&values, a))) {
+                (Some(x), _) if x.lo.floor() == x.hi.floor() => Side::Whole(x.lo.floor()),
+                (Some(_), _) => return true,
+                (None, Side::Operand(_, _, off)) if off != Interval::ZERO => return true,
+                (None, Side::Plain) if is_broken(*op) => return true,
+                (None, side) => side,
+            };
+            values.push(on_side(*op, side, &values, Series::constant(time)));
+        }
+        false
+    }
+
+    /// The first number at which all functions are on the sides that they are on at `to`.
+    fn change(&self, from: f64, to: f64) -> f64 {
+        let (mut low, mut high) = (from, to);
+        let far = self.state(to);
+        if self.state(from) == far {
+            return to;
+        }
+        loop {
+            let middle = 0.5 * low + 0.5 * high;
+            if middle <= low || middle >= high {
+                return high;
+            }
+            match self.state(middle) == far {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+    }
+
+    /// On which sides the functions are.
+    fn state(&self, time: f64) -> Vec<f64> {
+        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        let mut state = Vec::new();
+        for op in self.ops() {
+            if let Op::Call(function, a, b) = *op {
+                let (x, y) = (values[a], values[b]);
+                match function {
+                    Function::Abs => state.push(f64::from(x < 0.0)),
+                    Function::Min | Function::Max => state.push(f64::from(x < y)),
+                    Function::Floor => state.push(x.floor()),
+                    Function::Mod => state.push((x / y).floor()),
+                    _ => {}
+                }
+            }
+            values.push(apply(*op, &values, &[time]));
+        }
+        state
+    }
+
+    /// The operations with equal ones told by the first of them.
+    fn canonical(&self) -> Vec<Op> {
+        let mut list: Vec<Op> = Vec::with_capacity(self.ops().len());
+        let mut first: Vec<usize> = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            let own = op.mapped(|k| first[k]);
+            let known = list.iter().position(|other| *other == own);
+            first.push(known.unwrap_or(list.len()));
+            list.push(own);
+        }
+        list
+    }
+}
+
+impl Ranges {
+    /// The whole number that a jumping function gives between the ends, and at which of them it jumps; `None` for other
+    /// functions, and where that is open.
+    fn whole(&self, op: Op) -> Option<(f64, [bool; 2])> {
+        let core = steps(op, &self.core)?;
+        let whole = core.lo.floor();
+        if core.hi.floor() != whole {
+            return None;
+        }
+        let mut here = [false; 2];
+        for (here, values) in here.iter_mut().zip(&self.ends) {
+            let series = match op {
+                Op::Call(Function::Mod, a, b) => values[a] / values[b],
+                Op::Call(_, a, _) => values[a],
+                _ => return None,
+            };
+            let [value, rate] = *series.coefficients();
+            if value.lo.floor() == whole && value.hi.floor() == whole {
+                continue;
+            }
+            // It passes one whole number, and once.
+            let is_once = value.hi.floor() - value.lo.floor() == 1.0;
+            let is_next = value.lo.floor() == whole || value.hi.floor() == whole;
+            if !is_once || !is_next || !rate.is_finite() || rate.holds_zero() {
+                return None;
+            }
+            *here = true;
+        }
+        Some((whole, here))
+    }
+}
+
+fn is_broken(op: Op) -> bool {
+    use Function::{Abs, Floor, Max, Min, Mod};
+    matches!(op, Op::Call(Abs | Min | Max | Floor | Mod, ..))
+}
+
+/// What a jumping function takes the floor of.
+fn steps(op: Op, values: &[Series<Interval, 1>]) -> Option<Interval> {
+    match op {
+        Op::Call(Function::Floor, a, _) => Some(range(values, a)),
+        Op::Call(Function::Mod, a, b) => Some(range(values, a) / range(values, b)),
+        _ => None,
+    }
+}
+
+fn range(values: &[Series<Interval, 1>], k: usize) -> Interval {
+    values[k].coefficients()[0]
+}
+
+/// The side of a function with a kink that the values of its operands are on, mostly.
+fn kink(op: Op, range: impl Fn(usize) -> Interval) -> Side {
+    let Op::Call(function, a, b) = op else {
+        return Side::Plain;
+    };
+    let x = match function {
+        Function::Abs => range(a),
+        Function::Min | Function::Max => range(a) - range(b),
+        _ => return Side::Plain,
+    };
+    if !x.is_finite() {
+        return Side::Plain;
+    }
+    let (below, above) = ((-x.lo).max(0.0), x.hi.max(0.0));
+    let is_above = above >= below;
+    let off = above.min(below);
+    match function {
+        Function::Abs => Side::Operand(a, !is_above, Interval::new(0.0, 2.0 * off)),
+        Function::Min => Side::Operand(
+            if is_above { b } else { a },
+            false,
+            Interval::new(-off, 0.0),
+        ),
+        _ => Side::Operand(if is_above { a } else { b }, false, Interval::new(0.0, off)),
+    }
+}
+
+fn on_side<const N: usize>(
+    op: Op,
+    side: Side,
+    values: &[Series<Interval, N>],
+    time: Series<Interval, N>,
+) -> Series<Interval, N> {
+    match (op, side) {
+        (_, Side::Operand(k, is_negated, off)) => {
+            let value = if is_negated { -values[k] } else { values[k] };
+            value + Series::constant(off)
+        }
+        (Op::Call(Function::Mod, a, b), Side::Whole(n)) => values[a] - values[b].scale(n),
+        (_, Side::Whole(n)) => Series::number(n),
+        _ => apply(op, values, &[time]),
+    }
+}
+
+/// Parts side by side as one.
+fn joined(parts: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut list: Vec<[f64; 2]> = Vec::new();
+    for part in parts {
+        match list.last_mut() {
+            Some(last) if last[1] == part[0] => last[1] = part[1],
+            _ => list.push(*part),
+        }
+    }
+    list
+}
