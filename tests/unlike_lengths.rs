@@ -7,8 +7,6 @@ use driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::freedoms::mobility::Mobility;
 use mechanim::kinematics::results::certificate::Certificate;
-use mechanim::kinematics::solve::assembly::assemble;
-use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::scene::{Overrides, load};
 
@@ -108,30 +106,4 @@ fn a_tiny_loop_that_cannot_close_is_open_by_its_own_measure() {
         let trajectory = solve(&model, &even_times(&model, 21)).unwrap();
         assert!(trajectory.missing() > 0, "1e{power}");
     }
-}
-
-#[test]
-fn what_is_held_is_at_its_start_value_wherever_the_others_start() {
-    let text = "units = { length = \"mm\", angle = \"rad\" }\nduration = 4\n[inputs]\nphi = \"2*pi*t/4\"\n\
-        [loops]\nA = \"Rz(phi) Tx(20) Rx(a) Ry(b) Rz(c) Tx(100) Rx(d) Ry(e) Rz(f) Ty(-60) Rx(g) T(-30, -50, -70)\"\n\
-        [guess]\nb = 0.3\n";
-    let model = read(text);
-    let system = model.system().unwrap();
-    let held: Vec<usize> = system.structure().held.iter().map(|h| h.unknown).collect();
-    assert_eq!(held.len(), 1);
-    let mut perturbed = 0;
-    for k in 0..200 {
-        let mut start = model.actuation.start_at(0.0);
-        for (slot, value) in start[..model.unknowns.len()].iter_mut().enumerate() {
-            *value += 6.0 * (1.0 + (k * 31 + slot * 17) as f64).sin();
-        }
-        let Ok(found) = assemble(&system, &mut Corrector::new(&system), &start, true) else {
-            continue;
-        };
-        perturbed += usize::from(found.start > 0);
-        for slot in &held {
-            assert_eq!(found.coordinates[*slot], start[*slot], "start {k}");
-        }
-    }
-    assert!(perturbed > 0);
 }
