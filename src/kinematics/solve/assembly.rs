@@ -172,10 +172,13 @@ pub fn close(
     Ok(())
 }
 
+/// Angles up to this (radians) close to the tolerance whatever their rounding.
+const LOOSE_ANGLE: f64 = 1e3;
+
 /// Angles from a long search may have made whole turns; they are brought to -π..π where nothing but plain
 /// rotations by whole multiples uses them.
 ///
-/// Whether there were any.
+/// Whether any was so large that its rounding may have loosened the closure.
 fn wrap_angles(system: &System, coordinates: &mut [f64]) -> bool {
     let mechanism = system.mechanism();
     let is_held = |slot| system.structure().held.iter().any(|h| h.unknown == slot);
@@ -183,9 +186,8 @@ fn wrap_angles(system: &System, coordinates: &mut [f64]) -> bool {
     for (slot, (unknown, value)) in mechanism.unknowns.iter().zip(coordinates).enumerate() {
         let wraps = unknown.kind == Kind::Angle && value.abs() > PI;
         if wraps && !is_held(slot) && !turns_matter(mechanism, slot) {
-            let turns = (*value / TAU).round();
-            *value -= TAU * turns;
-            any |= turns != 0.0;
+            any |= value.abs() > LOOSE_ANGLE;
+            *value -= TAU * (*value / TAU).round();
         }
     }
     any
