@@ -245,7 +245,8 @@ fn every_fault_is_said_in_all_four_ways() {
     let at_the_singular_pose: &[&str] = &["--samples", "3"];
     let none: &[&str] = &[];
     // What is wrong, the scene, options, exit code, failures, errors.
-    let cases: [(&str, String, &[&str], i32, usize, usize); 20] = [
+    type Case<'a> = (&'a str, String, &'a [&'a str], i32, usize, usize);
+    let cases: [Case; 20] = [
         ("nothing", CRANK.to_owned(), none, 0, 0, 0),
         (
             "nothing, with a proof",
