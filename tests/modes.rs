@@ -473,7 +473,7 @@ fn a_rocker_guessed_at_its_angle_is_there() {
             let away = to[0].hypot(to[1]);
             let along = (coupler * coupler - rocker * rocker + away * away) / (2.0 * away);
             let aside = side * (coupler * coupler - along * along).sqrt();
-            if !(aside.abs() > 0.1) {
+            if aside.is_nan() || aside.abs() <= 0.1 {
                 continue;
             }
             let [x, y] = [to[0] / away, to[1] / away];
