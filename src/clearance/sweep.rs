@@ -1,5 +1,5 @@
 //! Two bodies over a motion: their distances at its poses, and what counts as near enough. What lies between the poses is
-//! found by [`branch_and_bound`](super::branch_and_bound).
+//! found by `branch_and_bound`.
 
 use super::bodies::{BodyProximity, Hull, LeftOut, enclosed};
 use super::core::{Core, Element};
