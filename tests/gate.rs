@@ -282,16 +282,19 @@ fn what_jumps_into_a_mesh_is_noticed() {
         ("\"50 - 20*floor(1.3*t/2)\"", false),
     ] {
         let truth = (!is_inside && height.contains("30")).then_some(19.0);
-        let text = lift(BALL, height, cube, 0.1);
-        let mut row = row(height, text, truth, 0.1);
-        if height.contains("1.9*t/3") {
-            // Never nearer than 30 - 10 - 1: 20 floor(1.27) is 20.
-            (row.truth, row.gate) = (Some(19.0), Gate::Open);
+        // Bodies that may touch may still not be in each other.
+        for minimum in [0.1, 0.0] {
+            let text = lift(BALL, height, cube, minimum);
+            let mut row = row(height, text, truth, minimum);
+            if height.contains("1.9*t/3") {
+                // Never nearer than 30 - 10 - 1: 20 floor(1.27) is 20.
+                (row.truth, row.gate) = (Some(19.0), Gate::Open);
+            }
+            if height.contains("1.3*t/2") {
+                (row.truth, row.gate) = (Some(19.0), Gate::Open);
+            }
+            rows.push(row);
         }
-        if height.contains("1.3*t/2") {
-            (row.truth, row.gate) = (Some(19.0), Gate::Open);
-        }
-        rows.push(row);
     }
     let cube = stl(&[(DVec3::ZERO, DVec3::splat(10.0))]);
     judge_all(rows, &[("cube.stl", cube)]);
@@ -318,13 +321,43 @@ fn every_shell_of_a_mesh_counts() {
     for wall in solids {
         for part in ["last", "first", "middle", "outside"] {
             let shape = format!("stl = {{ file = \"{part}.stl\" }}");
-            let text = lift(&shape, "\"0.5*t\"", wall, 0.1);
             // From 20 to the far part, which begins at 57, moves sideways by up to 0.5 and starts at 0.
             let truth = (part == "outside").then_some(37.0);
-            rows.push(row(format!("{part} in {wall}"), text, truth, 0.1));
+            for minimum in [0.1, 0.0] {
+                let text = lift(&shape, "\"0.5*t\"", wall, minimum);
+                rows.push(row(format!("{part} in {wall}"), text, truth, minimum));
+            }
         }
     }
     judge_all(rows, &files);
+}
+
+/// Meshes that are cut, at rest, on the way, right through, or only at one instant: they have no depth, and none passes
+/// for that, though nothing but an overlap is forbidden.
+#[test]
+fn cut_meshes_pass_nowhere() {
+    let cube = "stl = { file = \"cube.stl\" }";
+    let rod = "capsule = { from = [0, 0, -40], to = [0, 0, 40], radius = 1 }";
+    let plate = "box = { size = [60, 60, 1] }";
+    let mut rows = Vec::new();
+    for (shape, height) in [
+        (BALL, "10"),
+        (BALL, "10 + 0*t"),
+        (BALL, "10.5 + 0.2*t"),
+        (BALL, "30 - 20*sin(1.5*t)"),
+        (BALL, "10.9995 + 2000*(t - 1.003)^2"),
+        (rod, "3*t"),
+        (plate, "1"),
+        (plate, "9.4 + 5*t"),
+        (cube, "7"),
+        (cube, "2*t"),
+        (cube, "19.999 + 3*t"),
+    ] {
+        let text = lift(shape, &formula(height), cube, 0.0);
+        rows.push(row(format!("{shape} at {height}"), text, None, 0.0));
+    }
+    let cube = stl(&[(DVec3::ZERO, DVec3::splat(10.0))]);
+    judge_in(&COARSE, &rows, &[("cube.stl", cube)]);
 }
 
 /// Boxes of triangles that run along each other at a constant distance.

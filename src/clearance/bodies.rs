@@ -47,6 +47,13 @@ impl Hull {
         })
     }
 
+    /// Whether a mesh is among its elements.
+    pub fn has_mesh(&self) -> bool {
+        self.elements
+            .iter()
+            .any(|e| matches!(e.core, Core::Mesh(..)))
+    }
+
     /// Whether a mesh of it should have an inside and has none.
     pub fn is_open(&self) -> bool {
         let is_open = |e: &Element| matches!(&e.core, Core::Mesh(tree, _) if tree.enclosure == Enclosure::Open);

@@ -72,7 +72,7 @@ impl PairSweep<'_> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, Some(distances))?;
         let mut search = Search {
-            open: roots(motion, distances),
+            open: self.roots(motion, distances),
             ..Search::default()
         };
         for goal in [Goal::Minimum, Goal::Tolerance] {
@@ -83,13 +83,23 @@ impl PairSweep<'_> {
         let all = || search.settled.iter();
         let lowest = all().map(|(_, look)| look.lowest);
         let near = best.found.proximity.distance;
-        let bound = lowest.fold(near, f64::min);
+        let bound = match self.is_cut(&best) && near >= 0.0 {
+            // A mesh has no depth.
+            true => self.deepest(),
+            false => lowest.fold(near, f64::min),
+        };
         let is_proved = all().all(|(piece, _)| motion.stretches[piece.stretch].is_certified);
         // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
         let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
         let is_refined = bound >= self.target(&best);
         let bound = bound - self.pose_slack(motion);
         Some(self.least(motion, &best, bound, [is_certified, is_refined]))
+    }
+
+    /// Whether the bodies are known to be in each other, or a mesh meets the other one.
+    fn is_cut(&self, best: &Best) -> bool {
+        let distance = best.found.proximity.distance;
+        distance < 0.0 || best.is_enclosed || self.meets(best.found.elements, distance)
     }
 
     /// What the bound of a piece must reach.
@@ -102,6 +112,29 @@ impl PairSweep<'_> {
         }
     }
 
+    /// All stretches of the motion, each as one piece, the one with the lowest distances at its ends last.
+    fn roots(&self, motion: &Motion, distances: &[f64]) -> Vec<Piece> {
+        let has_mesh = self.hulls.iter().any(|hull| hull.has_mesh());
+        // A mesh that is met at a sample may be in the other body as deep as may be.
+        let value = |place: Option<usize>| match place.map(|place| distances[place]) {
+            Some(distance) if distance > 0.0 || !has_mesh => distance,
+            _ => f64::NEG_INFINITY,
+        };
+        let whole = |root: usize| {
+            let ends = motion.stretches[root].ends;
+            Piece {
+                stretch: root,
+                middle: 0.0,
+                half: 1.0,
+                ends: value(ends[0]).min(value(ends[1])),
+                near: None,
+            }
+        };
+        let mut open: Vec<Piece> = (0..motion.roots).map(whole).collect();
+        open.sort_by(|p, q| q.ends.total_cmp(&p.ends));
+        open
+    }
+
     /// Looks at the open pieces, and at their halves, until each reaches the goal or cannot be halved.
     fn settle(&self, motion: &mut Motion, search: &mut Search, goal: Goal, best: &mut Best) {
         while let Some(piece) = search.open.pop() {
@@ -109,8 +142,7 @@ impl PairSweep<'_> {
             let goals = [self.value_of(motion, goal, best), self.target(best)];
             let look = self.look(motion, &piece, goals);
             self.measure(motion, &piece, &look, best);
-            let overlaps = best.found.proximity.distance < 0.0;
-            let most = if overlaps {
+            let most = if self.is_cut(best) {
                 LOOKS_IN_OVERLAP
             } else {
                 MAX_LOOKS
@@ -137,7 +169,11 @@ impl PairSweep<'_> {
         let pose = self.relative(motion, instant);
         let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
         if let Some(found) = found.filter(|f| f.proximity.distance < near) {
-            *best = Best { found, instant };
+            *best = Best {
+                found,
+                instant,
+                ..*best
+            };
         }
     }
 
@@ -189,8 +225,10 @@ impl PairSweep<'_> {
                 }
                 _ => meeting.below(),
             };
-            // No number is no bound.
-            lowest = if below.is_nan() {
+            // No number is no bound, and where a mesh is met nothing is known of the depth.
+            lowest = if self.meets([i, j], meeting.found.distance) {
+                lowest.min(self.deepest())
+            } else if below.is_nan() {
                 f64::NEG_INFINITY
             } else {
                 lowest.min(below)
@@ -232,24 +270,6 @@ impl Search {
         }
         self.settled = kept;
     }
-}
-
-/// All stretches of the motion, each as one piece, the one with the lowest distances at its ends last.
-fn roots(motion: &Motion, distances: &[f64]) -> Vec<Piece> {
-    let value = |place: Option<usize>| place.map_or(f64::NEG_INFINITY, |place| distances[place]);
-    let whole = |root: usize| {
-        let ends = motion.stretches[root].ends;
-        Piece {
-            stretch: root,
-            middle: 0.0,
-            half: 1.0,
-            ends: value(ends[0]).min(value(ends[1])),
-            near: None,
-        }
-    };
-    let mut open: Vec<Piece> = (0..motion.roots).map(whole).collect();
-    open.sort_by(|p, q| q.ends.total_cmp(&p.ends));
-    open
 }
 
 /// The two halves of a piece; of a stretch with narrower bounds where that is what is missing.

@@ -3,8 +3,7 @@
 use super::bodies::Hull;
 use super::contact::AT_LEAST;
 pub use super::contact::BETWEEN_SAMPLES;
-use super::core::Core;
-use super::mesh_tree::{Enclosure, MeshTree};
+use super::mesh_faults::{mesh_warnings, without_inside};
 use super::motion::Motion;
 use super::neighbours::{Neighbours, neighbours};
 use super::sweep::{Least, PairSweep};
@@ -12,7 +11,6 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
-use crate::model::mechanism::Mechanism;
 use std::time::Instant;
 
 /// Most instants at which an excluded pair is looked at: it is reported, not judged.
@@ -72,6 +70,8 @@ pub struct PairReport {
     pub farthest: Option<f64>,
     /// Seconds that looking at it took.
     pub seconds: f64,
+    /// By how much its bound may stay below the minimum of a pair that passes: rounding of the poses.
+    pub slack: f64,
 }
 
 /// What was found.
@@ -188,7 +188,8 @@ pub fn check(
     }
     progress(all, all);
     report.warnings.extend(report.nothing_judged());
-    report.without_inside = without_inside(mechanism, &hulls, &report.judged);
+    let is_judged = |body: usize| report.judged.iter().any(|p| p.pair.contains(&body));
+    report.without_inside = without_inside(mechanism, &hulls, is_judged);
     let reasons = report.without_inside.iter().map(|(_, text)| text.clone());
     report.warnings.extend(reasons);
     report.gaps = motion.gaps;
@@ -279,7 +280,6 @@ impl<'a> AskedPair<'a> {
         let [a, b] = self
             .bodies
             .map(|k| &motion.system.mechanism().bodies[k].name);
-        let unit = &motion.system.mechanism().length_unit;
         let needless = format!("`{a}` and `{b}` need no `ignore`: ");
         let touching: &[[usize; 2]] = match near {
             Some(Neighbours::Rigid) => return Some(needless + "they are one rigid part"),
@@ -294,9 +294,7 @@ impl<'a> AskedPair<'a> {
             None => return Some(needless + "only shapes at their joint touch"),
         }
         let found = judge(motion, &rest, self.minimum())?;
-        let bound = found.least.bound;
-        (found.judgement == Judgement::Passed)
-            .then(|| format!("{needless}they never come nearer than {bound:.6} {unit}"))
+        (found.judgement == Judgement::Passed).then(|| needless + "without it they pass")
     }
 }
 
@@ -317,6 +315,7 @@ fn look_at_excluded(
         distances: Vec::new(),
         farthest: None,
         seconds: 0.0,
+        slack: sweep.slack(),
     })
 }
 
@@ -340,6 +339,7 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
             judgement: Judgement::Failed,
             distances,
             seconds: 0.0,
+            slack: sweep.slack(),
         });
     }
     let contact = sweep.contact_over(motion);
@@ -364,6 +364,7 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
         judgement,
         distances,
         seconds: 0.0,
+        slack: sweep.slack(),
     })
 }
 
@@ -377,7 +378,7 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
     }
     // Exactly the minimum cannot be proved, only to within rounding.
     let enough = minimum - sweep.slack();
-    let judgement = if least.distance < enough {
+    let judgement = if least.distance < enough || least.is_enclosed {
         Judgement::Failed
     } else if least.bound >= enough {
         Judgement::kept(least.is_certified)
@@ -392,58 +393,6 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
         distances,
         farthest: None,
         seconds: 0.0,
+        slack: sweep.slack(),
     })
-}
-
-/// Every mesh of a body.
-fn meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
-    hull.elements
-        .iter()
-        .filter_map(|element| match &element.core {
-            Core::Mesh(tree, _) => Some(tree.as_ref()),
-            _ => None,
-        })
-}
-
-/// What is odd about a body's meshes.
-fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
-    let mut list = Vec::new();
-    for (body, hull) in mechanism.bodies.iter().zip(hulls) {
-        let odd = hull.iter().flat_map(meshes);
-        for tree in odd.filter(|tree| tree.enclosure == Enclosure::InsideOut) {
-            list.push(format!(
-                "the mesh of `{}` ({}) is inside out: its inside is taken as the enclosed space all the same",
-                body.name, tree.source
-            ));
-        }
-    }
-    list
-}
-
-/// Meshes of judged bodies that should have an inside and have none: the body and what is wrong.
-fn without_inside(
-    mechanism: &Mechanism,
-    hulls: &[Option<Hull>],
-    judged: &[PairReport],
-) -> Vec<(usize, String)> {
-    let mut list = Vec::new();
-    for (k, hull) in hulls.iter().enumerate() {
-        let open = hull.iter().flat_map(meshes);
-        for tree in open.filter(|tree| tree.enclosure == Enclosure::Open) {
-            if !judged.iter().any(|p| p.pair.contains(&k)) {
-                continue;
-            }
-            let (name, source) = (&mechanism.bodies[k].name, &tree.source);
-            let why = match tree.open_edges {
-                0 => "its triangles enclose nothing".to_owned(),
-                1 => "an edge has one side only".to_owned(),
-                edges => format!("{edges} edges have one side only"),
-            };
-            let text = format!(
-                "the mesh of `{name}` ({source}) has no inside: {why}; what lies in it is not noticed: mend the file, or say `surface = true` if it is a surface"
-            );
-            list.push((k, text));
-        }
-    }
-    list
 }

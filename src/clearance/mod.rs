@@ -14,6 +14,7 @@ mod gap;
 mod half_space;
 pub mod meeting;
 pub mod mesh;
+mod mesh_faults;
 pub mod mesh_tree;
 pub mod motion;
 pub mod neighbours;

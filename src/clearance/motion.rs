@@ -6,7 +6,6 @@
 
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::loops::forward::body_poses;
-use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -71,9 +70,9 @@ const UNPROVED: f64 = 1e-10;
 
 /// How far any unknown of the samples may be from the exact pose.
 fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
-    let errors = trajectory.poses().map(|pose| match pose.certificate {
-        Certificate::Certified { error_bound, .. } => error_bound,
-        _ => UNPROVED * size,
+    let errors = trajectory.poses().map(|pose| {
+        let bounds = pose.certificate.bounds();
+        bounds.map_or(UNPROVED * size, |[error, _]| error)
     });
     errors.fold(0.0, f64::max)
 }

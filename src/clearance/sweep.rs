@@ -3,6 +3,7 @@
 
 use super::bodies::{BodyProximity, Hull, LeftOut, enclosed};
 use super::core::{Core, Element};
+use super::mesh;
 use super::motion::Motion;
 use super::pair::is_inside;
 use super::relative::RelativeChain;
@@ -34,6 +35,8 @@ pub struct Least {
     pub shapes: [usize; 2],
     /// One lies wholly in the other: the first, the second.
     pub inside: [bool; 2],
+    /// One lies in the other, a mesh among them: how deep is not known, and the distance is zero.
+    pub is_enclosed: bool,
     /// The distance never is below this.
     pub bound: f64,
     /// The bound is proved, not estimated.
@@ -64,6 +67,8 @@ pub struct PairSweep<'a> {
 pub(super) struct Best {
     pub(super) found: BodyProximity,
     pub(super) instant: usize,
+    /// A mesh encloses the other body, or is enclosed: the distance is zero then.
+    pub(super) is_enclosed: bool,
 }
 
 impl<'a> PairSweep<'a> {
@@ -130,6 +135,17 @@ impl<'a> PairSweep<'a> {
         JUDGED * self.extent
     }
 
+    /// Whether two elements meet of which one is a mesh: it has no depth, so that nothing is known but that they do.
+    pub(super) fn meets(&self, [i, j]: [usize; 2], distance: f64) -> bool {
+        let elements = [&self.hulls[0].elements[i], &self.hulls[1].elements[j]];
+        distance <= 0.0 && mesh::is_any(elements)
+    }
+
+    /// No distance is lower, however deep bodies are in each other.
+    pub(super) fn deepest(&self) -> f64 {
+        -self.extent
+    }
+
     /// The least distance that passes.
     pub(super) fn minimum(&self) -> f64 {
         self.minimum
@@ -191,7 +207,11 @@ impl<'a> PairSweep<'a> {
                 list.push(distance);
             }
             if least.is_none_or(|least| distance < least) {
-                best = Some(Best { found, instant });
+                best = Some(Best {
+                    found,
+                    instant,
+                    is_enclosed: false,
+                });
             }
         }
         // Surfaces that never touch stay inside or outside of each other, as far as the motion goes on: one pose tells.
@@ -210,6 +230,7 @@ impl<'a> PairSweep<'a> {
                 best.found.elements = elements;
                 best.found.proximity.distance = 0.0;
                 best.instant = instant;
+                best.is_enclosed = true;
             }
         }
         best
@@ -247,6 +268,7 @@ impl<'a> PairSweep<'a> {
             points,
             shapes: [first.shape, second.shape],
             inside,
+            is_enclosed: best.is_enclosed,
             bound,
             // What lies in an open mesh is not noticed.
             is_certified: is_certified && !self.hulls.iter().any(|hull| hull.is_open()),

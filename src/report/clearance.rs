@@ -68,6 +68,7 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport, result: Status) 
                 object.insert("bound".to_owned(), json!(p.least.bound));
                 object.insert("certified".to_owned(), json!(p.least.is_certified));
                 object.insert("refined".to_owned(), json!(p.least.is_refined));
+                object.insert("slack".to_owned(), json!(p.slack));
                 if let Some(farthest) = p.farthest {
                     object.insert("farthest".to_owned(), json!(farthest));
                 }
@@ -95,7 +96,9 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     let unit = &mechanism.length_unit;
     let [first, second] = shapes(mechanism, p);
     let least = &p.least;
-    let what = if least.distance < 0.0 {
+    let what = if least.is_enclosed {
+        "lie one in the other".to_owned()
+    } else if least.distance < 0.0 {
         format!("overlap by {:.6} {unit}", -least.distance)
     } else {
         format!("come within {:.6} {unit}", least.distance)

@@ -1,0 +1,59 @@
+//! What is odd about the meshes of a check, and what is wrong with them.
+
+use super::bodies::Hull;
+use super::core::Core;
+use super::mesh_tree::{Enclosure, MeshTree};
+use crate::model::mechanism::Mechanism;
+
+/// Every mesh of a body.
+fn meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
+    hull.elements
+        .iter()
+        .filter_map(|element| match &element.core {
+            Core::Mesh(tree, _) => Some(tree.as_ref()),
+            _ => None,
+        })
+}
+
+/// What is odd about a body's meshes.
+pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
+    let mut list = Vec::new();
+    for (body, hull) in mechanism.bodies.iter().zip(hulls) {
+        let odd = hull.iter().flat_map(meshes);
+        for tree in odd.filter(|tree| tree.enclosure == Enclosure::InsideOut) {
+            list.push(format!(
+                "the mesh of `{}` ({}) is inside out: its inside is taken as the enclosed space all the same",
+                body.name, tree.source
+            ));
+        }
+    }
+    list
+}
+
+/// Meshes of judged bodies that should have an inside and have none: the body and what is wrong.
+pub(super) fn without_inside(
+    mechanism: &Mechanism,
+    hulls: &[Option<Hull>],
+    is_judged: impl Fn(usize) -> bool,
+) -> Vec<(usize, String)> {
+    let mut list = Vec::new();
+    for (k, hull) in hulls.iter().enumerate() {
+        let open = hull.iter().flat_map(meshes);
+        for tree in open.filter(|tree| tree.enclosure == Enclosure::Open) {
+            if !is_judged(k) {
+                continue;
+            }
+            let (name, source) = (&mechanism.bodies[k].name, &tree.source);
+            let why = match tree.open_edges {
+                0 => "its triangles enclose nothing".to_owned(),
+                1 => "an edge has one side only".to_owned(),
+                edges => format!("{edges} edges have one side only"),
+            };
+            let text = format!(
+                "the mesh of `{name}` ({source}) has no inside: {why}; what lies in it is not noticed: mend the file, or say `surface = true` if it is a surface"
+            );
+            list.push((k, text));
+        }
+    }
+    list
+}
