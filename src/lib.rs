@@ -18,6 +18,7 @@ pub mod linalg;
 pub mod math;
 pub mod model;
 pub mod numbers;
+pub mod pictures;
 pub mod plot;
 pub mod render;
 pub mod report;

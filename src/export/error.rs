@@ -44,6 +44,12 @@ pub enum ExportError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The format holds shapes, not pictures.
+    #[error("{format} holds no pixels")]
+    NoPixels {
+        /// Name of the format.
+        format: &'static str,
+    },
     /// The format cannot hold pictures of this size.
     #[error(
         "a {format} picture of {width}x{height} pixels is not possible: each side must be 1 to {limit}"

@@ -3,11 +3,9 @@
 //! The protocol, for a caller that can draw any frame by its index:
 //!
 //! 1. [`Format::from_path`] tells the kind of file.
-//! 2. For a GIF, draw the frames [`gif::sample_indices`] names ([`pump::draw_samples`] does so on all cores) and
-//!    build the palette from them. They are kept and not drawn again.
-//! 3. Open the sink: [`gif::GifSink`], [`apng::ApngSink`], [`png::SequenceSink`], [`png::StillSink`] or
-//!    [`raw::RawSink`].
-//! 4. [`pump::pump`] draws, codes and writes all frames, in order and in bounded memory; only its success
+//! 2. [`film::FilmSettings::open`] opens its sink. For a GIF it draws some frames on all cores and builds the palette
+//!    from them; they are kept and not drawn again.
+//! 3. [`film::FilmSettings::write`] draws, codes and writes all frames, in order and in bounded memory; only its success
 //!    leaves anything on disk.
 
 use image::RgbaImage;
@@ -16,6 +14,7 @@ pub mod apng;
 mod costs;
 mod delta;
 pub mod error;
+pub mod film;
 pub mod format;
 pub mod gif;
 mod gif_blocks;

@@ -32,6 +32,7 @@ const FLOORS: &[&[&str]] = &[
     &["render/", "export/", "import/"],
     &["plot/", "staging/", "compare/"],
     &["report/"],
+    &["pictures/"],
     &["charts/", "snapshot/"],
     &["cli/"],
     &["lib.rs", "main.rs"],

@@ -37,15 +37,8 @@ pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
         background: args.background,
     };
     let destination = sinks::open(&args.file, &format)?;
-    let film = Film {
-        args: &args.file,
-        format: &format,
-        size: frames.size,
-        count: paths.len(),
-        fps: args.fps,
-        flat_colours: Vec::new(),
-        alpha: frames.opaque.is_none() && frames.are_translucent()?,
-    };
+    let alpha = frames.opaque.is_none() && frames.are_translucent()?;
+    let film = Film::new(&args.file, &format, frames.size, paths.len(), args.fps).with_alpha(alpha);
     let cores = crate::jobs::cores();
     let count = args.file.threads.unwrap_or(cores);
     let mut workers: Vec<_> = (0..count)

@@ -5,21 +5,14 @@ use crate::cli::interrupt::CANCEL;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
-use crate::export::apng::{ApngSettings, ApngSink};
-use crate::export::format::FramePattern;
-use crate::export::gif::{GifSettings, GifSink, Quality, sample_indices};
-use crate::export::palette::Palette;
-use crate::export::png::{Effort, PngSettings, SequenceSink, StillSink};
-use crate::export::pump::{PumpError, Samples, draw_samples, pump};
-use crate::export::raw::{Chroma, RawKind, RawSink};
-use crate::export::timing::{FrameTimes, Schedule};
-use crate::export::{ExportSummary, Format, FrameSink, Output, Stream, Target};
+use crate::export::film::{Destination, FilmSettings, Prepared};
+use crate::export::gif::Quality;
+use crate::export::png::Effort;
+use crate::export::pump::PumpError;
+use crate::export::raw::Chroma;
+use crate::export::{ExportSummary, Format, Output, Stream, Target};
 use image::RgbaImage;
 use std::path::Path;
-use std::sync::Arc;
-
-/// One of the 256 entries of a GIF's palette stands for "unchanged".
-const PALETTE_COLOURS: usize = 255;
 
 /// The format that the options and the file name ask for.
 ///
@@ -74,14 +67,6 @@ pub fn to_stdout(args: &FileArgs) -> bool {
     args.out == Path::new("-")
 }
 
-/// Where the bytes go; opened before anything is drawn, so that a bad path is found at once.
-pub enum Destination {
-    /// One file.
-    File(Box<dyn Output>),
-    /// A file a frame.
-    Sequence(FramePattern),
-}
-
 /// Opens the output.
 pub fn open(args: &FileArgs, format: &Format) -> Result<Destination, Failure> {
     Ok(match format {
@@ -98,28 +83,57 @@ pub fn open_file(args: &FileArgs) -> Result<Box<dyn Output>, Failure> {
     Ok(Box::new(Target::create(&args.out)?))
 }
 
-/// Frames to be written.
+/// Frames to be written as the command line says.
 pub struct Film<'a> {
-    /// How.
+    /// Where to and how.
     pub args: &'a FileArgs,
     /// Into what.
-    pub format: &'a Format,
-    /// Size of every frame in pixels.
-    pub size: [u32; 2],
-    /// Number of frames.
-    pub count: usize,
-    /// Frames a second.
-    pub fps: f64,
-    /// Colours that a palette must hold exactly.
-    pub flat_colours: Vec<[u8; 3]>,
-    /// Whether frames may be translucent.
-    pub alpha: bool,
+    pub settings: FilmSettings<'a>,
 }
 
-/// A sink, and the frames drawn already for its palette.
-pub type Prepared = (Box<dyn FrameSink>, Samples);
+impl<'a> Film<'a> {
+    /// `count` opaque frames of pixels `size`, `fps` of them a second.
+    pub fn new(
+        args: &'a FileArgs,
+        format: &'a Format,
+        size: [u32; 2],
+        count: usize,
+        fps: f64,
+    ) -> Self {
+        let settings = FilmSettings {
+            format,
+            size,
+            count,
+            fps,
+            flat_colours: Vec::new(),
+            alpha: false,
+            quality: args.quality.and_then(Quality::new).unwrap_or(Quality::BEST),
+            effort: args.compression.map(|compression| match compression {
+                Compression::Fast => Effort::Fast,
+                Compression::Balanced => Effort::Balanced,
+                Compression::Small => Effort::Small,
+            }),
+            chroma: match args.chroma {
+                Some(ChromaArg::C420) => Chroma::Quarter,
+                Some(ChromaArg::C444) | None => Chroma::Full,
+            },
+            repeat: args.repeat != Some(Repeat::Once),
+        };
+        Self { args, settings }
+    }
 
-impl Film<'_> {
+    /// Colours that a palette must hold exactly.
+    pub fn with_flat_colours(mut self, colours: Vec<[u8; 3]>) -> Self {
+        self.settings.flat_colours = colours;
+        self
+    }
+
+    /// Frames that may be translucent.
+    pub fn with_alpha(mut self, alpha: bool) -> Self {
+        self.settings.alpha = alpha;
+        self
+    }
+
     /// Opens the sink; for a GIF some frames are drawn to find the palette.
     pub fn sink<W, E>(
         &self,
@@ -132,40 +146,21 @@ impl Film<'_> {
         E: std::error::Error + Send + 'static,
         Failure: From<E>,
     {
-        let file = match destination {
-            Destination::File(file) => file,
-            Destination::Sequence(pattern) => {
-                let settings = self.png(Effort::Fast);
-                return Ok((Box::new(SequenceSink::new(pattern, settings)?), Vec::new()));
-            }
-        };
-        let (size, fps) = (self.size, self.fps);
-        let sink: Box<dyn FrameSink> = match self.format {
-            Format::Gif => return self.gif(file, workers, term),
-            Format::Apng => Box::new(ApngSink::new(file, self.apng())?),
-            Format::Png | Format::PngSequence(_) => {
-                Box::new(StillSink::new(file, self.png(Effort::Balanced))?)
-            }
-            Format::Y4m => {
-                let chroma = match self.args.chroma {
-                    Some(ChromaArg::C420) => Chroma::Quarter,
-                    Some(ChromaArg::C444) | None => Chroma::Full,
-                };
-                Box::new(RawSink::new(file, RawKind::Y4m { fps, chroma }, size)?)
-            }
-            Format::Rgba => Box::new(RawSink::new(file, RawKind::Rgba { fps }, size)?),
-            Format::Glb | Format::Stl | Format::Obj => {
-                let message = format!("{} holds no pixels", self.format.name());
-                return Err(Failure::usage(message, Vec::new()));
-            }
-        };
-        Ok((sink, Vec::new()))
+        let prepared = self.settings.open(destination, workers, &CANCEL);
+        let prepared = prepared.map_err(failure)?;
+        if let Some(clamp) = prepared.clamp {
+            term.warning(&format!(
+                "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s; an .apng keeps its rate",
+                clamp.written_seconds, clamp.asked_seconds
+            ));
+        }
+        Ok(prepared)
     }
 
     /// Draws and writes all frames.
     pub fn write<W, E>(
         &self,
-        (sink, samples): Prepared,
+        prepared: Prepared,
         workers: Vec<W>,
         term: &Term,
     ) -> Result<ExportSummary, Failure>
@@ -176,7 +171,7 @@ impl Film<'_> {
     {
         let progress = Progress::new(self.args.progress, term.quiet());
         let show = |done, all| progress.show(done, all);
-        let result = pump(workers, self.count, samples, sink, &show, &CANCEL);
+        let result = self.settings.write(prepared, workers, &show, &CANCEL);
         progress.end();
         result.map_err(failure)
     }
@@ -194,94 +189,12 @@ impl Film<'_> {
             seconds if seconds > 0.0 => format!(", {seconds:.2} s"),
             _ => String::new(),
         };
-        let [width, height] = self.size;
+        let [width, height] = self.settings.size;
         let megabytes = summary.bytes as f64 / 1e6;
         term.note(&format!(
             "{}: {frames} of {width}x{height}{time}, {megabytes:.2} MB{more}",
             self.args.out.display(),
         ));
-    }
-
-    fn gif<W, E>(
-        &self,
-        file: Box<dyn Output>,
-        workers: &mut [W],
-        term: &Term,
-    ) -> Result<Prepared, Failure>
-    where
-        W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
-        E: std::error::Error + Send + 'static,
-        Failure: From<E>,
-    {
-        let indices = sample_indices(self.count);
-        let samples = draw_samples(workers, &indices, self.size, &CANCEL).map_err(failure)?;
-        let palette = Palette::from_samples(
-            samples.iter().map(|(_, image)| image),
-            &self.flat_colours,
-            PALETTE_COLOURS,
-        );
-        let settings = GifSettings {
-            size: self.size,
-            schedule: self.schedule(term)?,
-            repeat: self.repeats(),
-            quality: self
-                .args
-                .quality
-                .and_then(Quality::new)
-                .unwrap_or(Quality::BEST),
-        };
-        let sink = GifSink::new(file, settings, Arc::new(palette))?;
-        Ok((Box::new(sink), samples))
-    }
-
-    /// When the frames are shown; viewers of GIFs do not go beyond 50 a second.
-    fn schedule(&self, term: &Term) -> Result<Schedule, Failure> {
-        let schedule = Schedule::new(self.times(), 0.0)?;
-        if let Some(clamp) = schedule.clamp() {
-            term.warning(&format!(
-                "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s; an .apng keeps its rate",
-                clamp.written_seconds, clamp.asked_seconds
-            ));
-        }
-        Ok(schedule)
-    }
-
-    fn times(&self) -> FrameTimes {
-        FrameTimes::Uniform {
-            fps: self.fps,
-            count: self.count,
-        }
-    }
-
-    fn apng(&self) -> ApngSettings {
-        ApngSettings {
-            size: self.size,
-            times: self.times(),
-            repeat: self.repeats(),
-            effort: self.effort(Effort::Balanced),
-            alpha: self.alpha,
-        }
-    }
-
-    fn png(&self, usual: Effort) -> PngSettings {
-        PngSettings {
-            size: self.size,
-            effort: self.effort(usual),
-            alpha: self.alpha,
-        }
-    }
-
-    fn effort(&self, usual: Effort) -> Effort {
-        match self.args.compression {
-            None => usual,
-            Some(Compression::Fast) => Effort::Fast,
-            Some(Compression::Balanced) => Effort::Balanced,
-            Some(Compression::Small) => Effort::Small,
-        }
-    }
-
-    fn repeats(&self) -> bool {
-        self.args.repeat != Some(Repeat::Once)
     }
 }
 

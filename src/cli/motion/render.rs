@@ -2,14 +2,13 @@
 
 use super::solve::up_to;
 use super::{event_messages, models, plot};
-use crate::cli::args::motion::{RenderArgs, ShowArg};
+use crate::cli::args::motion::{RenderArgs, RendererArg, ShowArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::Film;
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::pictures::clearance as clearance_picture;
-use crate::cli::pictures::frames::Pictures;
 use crate::cli::term::Term;
 use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
@@ -20,6 +19,9 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{film, iterates};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Ghosts;
+use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::render::adapter::AdapterChoice;
+use crate::render::open::RendererChoice;
 use crate::render::text::missing_glyphs;
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
@@ -165,21 +167,18 @@ fn draw(
     clock: &mut Clock,
     term: &Term,
 ) -> Result<(), Failure> {
-    let mut workers = pictures.workers(args, term)?;
+    let mut workers = pictures.workers(&drawn_by(args))?;
+    if args.renderer == RendererArg::Gpu {
+        term.note(&format!("drawing on {}", workers.name));
+    }
     clock.lap("renderer");
     let destination = sinks::open(&args.file, format)?;
-    let film = Film {
-        args: &args.file,
-        format,
-        size: args.size,
-        count: plan.count,
-        fps: plan.fps,
-        flat_colours: pictures.staging.flat_colours(),
-        alpha: pictures.scene.view.transparent,
-    };
-    let prepared = film.sink(destination, &mut workers, term)?;
+    let film = Film::new(&args.file, format, args.size, plan.count, plan.fps)
+        .with_flat_colours(pictures.staging.flat_colours())
+        .with_alpha(pictures.scene.view.transparent);
+    let prepared = film.sink(destination, &mut workers.list, term)?;
     clock.lap("palette");
-    let summary = film.write(prepared, workers, term)?;
+    let summary = film.write(prepared, workers.list, term)?;
     clock.lap("draw and encode");
     let worst = trajectory.closure_error();
     film.tell(
@@ -188,6 +187,29 @@ fn draw(
         term,
     );
     Ok(())
+}
+
+/// What draws: the adapter asked for with `--adapter` or MECHANIM_ADAPTER, else the one that suits the renderer.
+fn drawn_by(args: &RenderArgs) -> DrawnBy {
+    let renderer = match args.renderer {
+        RendererArg::Auto => RendererChoice::Auto,
+        RendererArg::Gpu => RendererChoice::Gpu,
+        RendererArg::Cpu => RendererChoice::Cpu,
+    };
+    let from_environment = || {
+        let name = std::env::var("MECHANIM_ADAPTER").ok();
+        name.filter(|name| !name.is_empty())
+    };
+    let adapter = match args.adapter.clone().or_else(from_environment) {
+        Some(name) if name == "software" => AdapterChoice::Software,
+        Some(name) => AdapterChoice::Name(name),
+        None => renderer.default_adapter(),
+    };
+    DrawnBy {
+        renderer,
+        adapter,
+        threads: args.file.threads.unwrap_or_else(crate::jobs::cores),
+    }
 }
 
 /// Which samples become pictures, and when they are shown.

@@ -1,7 +1,6 @@
 //! Pictures put together for the verbs.
 
 pub mod clearance;
-pub mod frames;
 pub mod paths;
 pub mod sensitivity_bars;
 pub mod tolerance_cloud;

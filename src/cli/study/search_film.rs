@@ -134,15 +134,9 @@ pub fn write(
     let format = sinks::format(args)?;
     let threads = crate::jobs::cores();
     let mut workers: Vec<_> = (0..threads).map(|_| draw).collect();
-    let film = Film {
-        args,
-        format: &format,
-        size: OPTIONS.size,
-        count: shots.len() + LAST,
-        fps: FPS,
-        flat_colours: vec![first.scene.view.background],
-        alpha: false,
-    };
+    let count = shots.len() + LAST;
+    let film = Film::new(args, &format, OPTIONS.size, count, FPS)
+        .with_flat_colours(vec![first.scene.view.background]);
     let destination = sinks::open(args, &format)?;
     let prepared = film.sink(destination, &mut workers, term)?;
     let summary = film.write(prepared, workers, term)?;

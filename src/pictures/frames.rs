@@ -1,8 +1,5 @@
-//! The workers of `mechanim render`: panes of a picture drawn, laid side by side, captions and plots added.
+//! Workers that draw any sample of a motion: panes drawn and laid side by side, captions and plots added.
 
-use crate::cli::args::motion::{RenderArgs, RendererArg};
-use crate::cli::term::Term;
-use crate::cli::term::outcome::Failure;
 use crate::plot::companion::Companion;
 use crate::plot::raster::Painter;
 use crate::render::adapter::AdapterChoice;
@@ -32,11 +29,41 @@ pub struct Pictures<'a> {
 /// Draws a picture by its index.
 pub type Worker<'a> = Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a>;
 
+/// What draws the pictures.
+#[derive(Clone, Debug)]
+pub struct DrawnBy {
+    /// Kind of renderer.
+    pub renderer: RendererChoice,
+    /// Which adapter, where it is one.
+    pub adapter: AdapterChoice,
+    /// Most workers at a time.
+    pub threads: usize,
+}
+
+impl Default for DrawnBy {
+    fn default() -> Self {
+        let renderer = RendererChoice::Auto;
+        Self {
+            renderer,
+            adapter: renderer.default_adapter(),
+            threads: crate::jobs::cores(),
+        }
+    }
+}
+
+/// Workers, and the name of what draws.
+pub struct Workers<'a> {
+    /// All of them draw alike.
+    pub list: Vec<Worker<'a>>,
+    /// Name of the renderer or its adapter.
+    pub name: String,
+}
+
 impl<'a> Pictures<'a> {
-    /// One worker a thread, or one for an adapter.
-    pub fn workers(self, args: &RenderArgs, term: &Term) -> Result<Vec<Worker<'a>>, Failure> {
-        let cores = crate::jobs::cores();
-        let count = args.file.threads.unwrap_or(cores);
+    /// One worker a thread, or up to three for an adapter.
+    ///
+    /// Errors: no adapter of the kind asked for; a size that cannot be drawn.
+    pub fn workers(self, by: &DrawnBy) -> Result<Workers<'a>, RenderError> {
         let parts = self.panes.iter().map(|(corner, pane)| (*corner, pane));
         let mut views: Vec<_> = parts.collect();
         if views.is_empty() {
@@ -45,20 +72,19 @@ impl<'a> Pictures<'a> {
         let view = &self.scene.view;
         let mut workers: Vec<Vec<View<'a>>> = Vec::new();
         for (corner, staging) in views {
-            let layers = open_layers(args, staging, view.transparent, count)?;
+            let layers = open_layers(by, staging, view.transparent)?;
             workers.resize_with(layers.len(), Vec::new);
             for (worker, layers) in workers.iter_mut().zip(layers) {
                 worker.push(View::new(corner, staging, layers, view.background));
             }
         }
         let first = workers.first().and_then(|views| views.first());
-        if let (RendererArg::Gpu, Some(view)) = (args.renderer, first) {
-            term.note(&format!("drawing on {}", view.layers[0].name()));
-        }
-        Ok(workers
-            .into_iter()
-            .map(|views| self.worker(views))
-            .collect())
+        let name = first.map_or_else(String::new, |view| view.layers[0].name().to_owned());
+        let list = workers.into_iter().map(|views| self.worker(views));
+        Ok(Workers {
+            list: list.collect(),
+            name,
+        })
     }
 
     fn worker(self, mut views: Vec<View<'a>>) -> Worker<'a> {
@@ -154,16 +180,10 @@ impl<'a> View<'a> {
 
 /// For every worker its renderers of one view.
 fn open_layers(
-    args: &RenderArgs,
+    by: &DrawnBy,
     staging: &Staging,
     transparent: bool,
-    count: usize,
-) -> Result<Vec<Vec<Box<dyn Renderer>>>, Failure> {
-    let choice = match args.renderer {
-        RendererArg::Auto => RendererChoice::Auto,
-        RendererArg::Gpu => RendererChoice::Gpu,
-        RendererArg::Cpu => RendererChoice::Cpu,
-    };
+) -> Result<Vec<Vec<Box<dyn Renderer>>>, RenderError> {
     let stages = if transparent {
         let grounds = [matte::WHITE, matte::BLACK];
         grounds.map(|ground| staging.stage_on(ground)).to_vec()
@@ -172,25 +192,11 @@ fn open_layers(
     };
     let mut workers: Vec<Vec<Box<dyn Renderer>>> = Vec::new();
     for stage in stages {
-        let renderers = open(choice, adapter(args, choice), stage, count)?;
+        let renderers = open(by.renderer, by.adapter.clone(), stage, by.threads)?;
         workers.resize_with(renderers.len(), Vec::new);
         for (worker, renderer) in workers.iter_mut().zip(renderers) {
             worker.push(renderer);
         }
     }
     Ok(workers)
-}
-
-/// The adapter asked for with `--adapter` or MECHANIM_ADAPTER, else the one that suits the renderer.
-fn adapter(args: &RenderArgs, choice: RendererChoice) -> AdapterChoice {
-    let from_environment = || {
-        std::env::var("MECHANIM_ADAPTER")
-            .ok()
-            .filter(|name| !name.is_empty())
-    };
-    match args.adapter.clone().or_else(from_environment) {
-        Some(name) if name == "software" => AdapterChoice::Software,
-        Some(name) => AdapterChoice::Name(name),
-        None => choice.default_adapter(),
-    }
 }

@@ -1,0 +1,195 @@
+//! Frames into a picture file of any kind: the sink that a format needs, and all frames through it.
+
+use super::apng::{ApngSettings, ApngSink};
+use super::error::ExportError;
+use super::format::FramePattern;
+use super::gif::{GifSettings, GifSink, Quality, sample_indices};
+use super::palette::Palette;
+use super::png::{Effort, PngSettings, SequenceSink, StillSink};
+use super::pump::{PumpError, Samples, draw_samples, pump};
+use super::raw::{Chroma, RawKind, RawSink};
+use super::timing::{Clamp, FrameTimes, Schedule};
+use super::{ExportSummary, Format, FrameSink, Output, Target};
+use image::RgbaImage;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// One of the 256 entries of a GIF's palette stands for "unchanged".
+const PALETTE_COLOURS: usize = 255;
+
+/// Where the bytes go; opened before anything is drawn, so that a bad path is found at once.
+pub enum Destination {
+    /// One file.
+    File(Box<dyn Output>),
+    /// A file a frame.
+    Sequence(FramePattern),
+}
+
+impl Destination {
+    /// A file or a sequence of files at `path`.
+    ///
+    /// Errors: a folder that does not exist or cannot be written to.
+    pub fn at(path: &Path, format: &Format) -> Result<Self, ExportError> {
+        Ok(match format {
+            Format::PngSequence(pattern) => Self::Sequence(pattern.clone()),
+            _ => Self::File(Box::new(Target::create(path)?)),
+        })
+    }
+}
+
+/// Frames to be written, and how.
+#[derive(Clone, Debug)]
+pub struct FilmSettings<'a> {
+    /// Into what.
+    pub format: &'a Format,
+    /// Size of every frame in pixels.
+    pub size: [u32; 2],
+    /// Number of frames.
+    pub count: usize,
+    /// Frames a second.
+    pub fps: f64,
+    /// Colours that a palette must hold exactly.
+    pub flat_colours: Vec<[u8; 3]>,
+    /// Whether frames may be translucent.
+    pub alpha: bool,
+    /// Fidelity of a GIF against its size.
+    pub quality: Quality,
+    /// Compression of PNG and APNG; `None` is balanced, and fast for sequences.
+    pub effort: Option<Effort>,
+    /// Colour of a y4m video.
+    pub chroma: Chroma,
+    /// A GIF or APNG repeats forever; else it plays once.
+    pub repeat: bool,
+}
+
+/// An open sink, and the frames drawn already for its palette.
+pub struct Prepared {
+    sink: Box<dyn FrameSink>,
+    samples: Samples,
+    /// Set where a GIF cannot show the frames as fast as asked.
+    pub clamp: Option<Clamp>,
+}
+
+impl Prepared {
+    fn plain(sink: Box<dyn FrameSink>) -> Self {
+        Self {
+            sink,
+            samples: Vec::new(),
+            clamp: None,
+        }
+    }
+}
+
+impl FilmSettings<'_> {
+    /// Opens the sink; for a GIF some frames are drawn to find the palette.
+    ///
+    /// Errors: a format without pixels, a failed write, a worker's own error, the cancel flag.
+    pub fn open<W, E>(
+        &self,
+        destination: Destination,
+        workers: &mut [W],
+        cancel: &AtomicBool,
+    ) -> Result<Prepared, PumpError<E>>
+    where
+        W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+        E: std::error::Error + Send + 'static,
+    {
+        let file = match destination {
+            Destination::File(file) => file,
+            Destination::Sequence(pattern) => {
+                let sink = SequenceSink::new(pattern, self.png(Effort::Fast))?;
+                return Ok(Prepared::plain(Box::new(sink)));
+            }
+        };
+        let (size, fps, chroma) = (self.size, self.fps, self.chroma);
+        let sink: Box<dyn FrameSink> = match self.format {
+            Format::Gif => return self.gif(file, workers, cancel),
+            Format::Apng => Box::new(ApngSink::new(file, self.apng())?),
+            Format::Png | Format::PngSequence(_) => {
+                Box::new(StillSink::new(file, self.png(Effort::Balanced))?)
+            }
+            Format::Y4m => Box::new(RawSink::new(file, RawKind::Y4m { fps, chroma }, size)?),
+            Format::Rgba => Box::new(RawSink::new(file, RawKind::Rgba { fps }, size)?),
+            Format::Glb | Format::Stl | Format::Obj => {
+                return Err(PumpError::Export(ExportError::NoPixels {
+                    format: self.format.name(),
+                }));
+            }
+        };
+        Ok(Prepared::plain(sink))
+    }
+
+    /// Draws and writes all frames; `show` hears how many of how many are done.
+    ///
+    /// Errors: a failed write, a worker's own error, the cancel flag; no file is left then.
+    pub fn write<W, E>(
+        &self,
+        prepared: Prepared,
+        workers: Vec<W>,
+        show: &dyn Fn(usize, usize),
+        cancel: &AtomicBool,
+    ) -> Result<ExportSummary, PumpError<E>>
+    where
+        W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+        E: std::error::Error + Send + 'static,
+    {
+        let Prepared { sink, samples, .. } = prepared;
+        pump(workers, self.count, samples, sink, show, cancel)
+    }
+
+    fn gif<W, E>(
+        &self,
+        file: Box<dyn Output>,
+        workers: &mut [W],
+        cancel: &AtomicBool,
+    ) -> Result<Prepared, PumpError<E>>
+    where
+        W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+        E: std::error::Error + Send + 'static,
+    {
+        let indices = sample_indices(self.count);
+        let samples = draw_samples(workers, &indices, self.size, cancel)?;
+        let drawn = samples.iter().map(|(_, image)| image);
+        let palette = Palette::from_samples(drawn, &self.flat_colours, PALETTE_COLOURS);
+        let schedule = Schedule::new(self.times(), 0.0)?;
+        let clamp = schedule.clamp();
+        let settings = GifSettings {
+            size: self.size,
+            schedule,
+            repeat: self.repeat,
+            quality: self.quality,
+        };
+        let sink = GifSink::new(file, settings, Arc::new(palette))?;
+        Ok(Prepared {
+            sink: Box::new(sink),
+            samples,
+            clamp,
+        })
+    }
+
+    fn times(&self) -> FrameTimes {
+        FrameTimes::Uniform {
+            fps: self.fps,
+            count: self.count,
+        }
+    }
+
+    fn apng(&self) -> ApngSettings {
+        ApngSettings {
+            size: self.size,
+            times: self.times(),
+            repeat: self.repeat,
+            effort: self.effort.unwrap_or(Effort::Balanced),
+            alpha: self.alpha,
+        }
+    }
+
+    fn png(&self, usual: Effort) -> PngSettings {
+        PngSettings {
+            size: self.size,
+            effort: self.effort.unwrap_or(usual),
+            alpha: self.alpha,
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Pictures of a solved scene, put together from views, captions and plots.
+
+pub mod frames;
