@@ -15,6 +15,7 @@ pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
+pub mod source;
 pub mod studies;
 pub mod values;
 pub mod views;

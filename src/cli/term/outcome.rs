@@ -6,6 +6,7 @@ use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
 use crate::render::RenderError;
 use crate::report::verdict::Status;
+use crate::scene::source::SourceError;
 
 /// Done.
 pub const DONE: i32 = 0;
@@ -105,6 +106,12 @@ pub enum Failure {
     /// A fault of the program.
     #[error("internal error: {0}")]
     Internal(String),
+}
+
+impl From<SourceError> for Failure {
+    fn from(error: SourceError) -> Self {
+        Self::usage(error.message, error.hints)
+    }
 }
 
 impl Failure {

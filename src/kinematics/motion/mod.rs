@@ -3,5 +3,6 @@
 pub mod continuation;
 pub mod feasible;
 pub mod limits;
+pub mod proved;
 pub mod sampling;
 pub mod tracker;

@@ -1,0 +1,93 @@
+//! The text of a scene: a built-in one by its name, a file by its path, or any reader.
+
+use super::builtin;
+use crate::diag::{Source, nearest};
+use std::io::Read;
+use std::path::Path;
+
+/// Largest scene that is read: a hundred times the largest hand-written one.
+pub const MAX_SCENE_BYTES: u64 = 4 << 20;
+
+/// Why there is no text.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct SourceError {
+    /// What is wrong.
+    pub message: String,
+    /// How to mend it.
+    pub hints: Vec<String>,
+}
+
+impl SourceError {
+    fn unreadable(name: &str, why: &dyn std::fmt::Display) -> Self {
+        Self {
+            message: format!("cannot read {name}: {why}"),
+            hints: Vec::new(),
+        }
+    }
+}
+
+/// The text of the built-in scene `name`, or of the file at that path.
+///
+/// Errors: there is neither; a file that cannot be read, is too large, or is no UTF-8.
+pub fn find(name: &str) -> Result<Source, SourceError> {
+    match builtin::find(name) {
+        Some(source) => Ok(source),
+        None => open(name),
+    }
+}
+
+/// The text of a file. Errors: likewise.
+fn open(name: &str) -> Result<Source, SourceError> {
+    match std::fs::File::open(name) {
+        Ok(file) => read(file, name),
+        Err(error) => Err(missing(name, &error)),
+    }
+}
+
+/// The text that `reader` gives, called `name` in messages.
+///
+/// Errors: a failed read, more than [`MAX_SCENE_BYTES`], no UTF-8.
+pub fn read(reader: impl Read, name: &str) -> Result<Source, SourceError> {
+    let mut bytes = Vec::new();
+    reader
+        .take(MAX_SCENE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| SourceError::unreadable(name, &error))?;
+    if bytes.len() as u64 > MAX_SCENE_BYTES {
+        let why = format!("a scene has at most {MAX_SCENE_BYTES} bytes");
+        return Err(SourceError::unreadable(name, &why));
+    }
+    let text = String::from_utf8(bytes);
+    let text = text.map_err(|_| SourceError::unreadable(name, &"the file is not UTF-8 text"))?;
+    Ok(Source {
+        name: name.to_owned(),
+        text,
+    })
+}
+
+fn missing(name: &str, error: &std::io::Error) -> SourceError {
+    let looks_like_path = name.contains(std::path::is_separator) || name.ends_with(".toml");
+    if looks_like_path {
+        return SourceError::unreadable(name, error);
+    }
+    let names = builtin::ALL.map(|scene| scene.name);
+    let mut hints = Vec::new();
+    if let Some(near) = nearest(name, names) {
+        hints.push(format!("did you mean `{near}`?"));
+    }
+    let all = names.join(", ");
+    hints.push(format!(
+        "built-in scenes: {all}; or give the path of a .toml file"
+    ));
+    SourceError {
+        message: format!("there is no scene `{name}`"),
+        hints,
+    }
+}
+
+/// The folder that relative file names in a scene start from.
+pub fn folder_of(name: &str) -> std::path::PathBuf {
+    let parent = Path::new(name).parent();
+    parent.map(Path::to_path_buf).unwrap_or_default()
+}
