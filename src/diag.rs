@@ -180,6 +180,16 @@ pub struct Source {
     pub text: String,
 }
 
+impl Source {
+    /// Line and column of a byte, both from 1; columns count characters.
+    pub fn line_and_column(&self, byte: usize) -> [usize; 2] {
+        let before = self.text.get(..byte).unwrap_or(&self.text);
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        let lines = before.bytes().filter(|b| *b == b'\n').count();
+        [lines + 1, before[line..].chars().count() + 1]
+    }
+}
+
 /// A scene that cannot be used, with everything found wrong in it.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{} is not a usable scene", source_text.name)]
@@ -200,6 +210,16 @@ mod tests {
         assert_eq!(nearest("gearshfit", known), Some("gearshift"));
         assert_eq!(nearest("slidercrank", known), Some("slider-crank"));
         assert_eq!(nearest("quux", known), None);
+    }
+
+    #[test]
+    fn places_count_lines_and_characters() {
+        let text = "a\nü b".to_owned();
+        let name = String::new();
+        let source = Source { name, text };
+        assert_eq!(source.line_and_column(0), [1, 1]);
+        assert_eq!(source.line_and_column(5), [2, 3]);
+        assert_eq!(source.line_and_column(99), [2, 4]);
     }
 
     #[test]

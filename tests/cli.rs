@@ -240,7 +240,7 @@ fn overrides_with_mistakes_are_refused_by_name() {
         (["--guess", "aplha=2"], ["`aplha`", "did you mean `alpha`?"]),
         (
             ["--param", "length=2*"],
-            ["from the command line", "found the end"],
+            ["which is not from the file", "found the end"],
         ),
         (
             ["--param", "length=1/0"],

@@ -38,7 +38,7 @@ pub fn find(name: &str) -> Result<Source, SourceError> {
 }
 
 /// The text of a file. Errors: likewise.
-fn open(name: &str) -> Result<Source, SourceError> {
+pub fn open(name: &str) -> Result<Source, SourceError> {
     match std::fs::File::open(name) {
         Ok(file) => read(file, name),
         Err(error) => Err(missing(name, &error)),
@@ -71,15 +71,21 @@ fn missing(name: &str, error: &std::io::Error) -> SourceError {
     if looks_like_path {
         return SourceError::unreadable(name, error);
     }
+    let mut error = no_builtin(name);
+    if let Some(hint) = error.hints.last_mut() {
+        hint.push_str("; or give the path of a .toml file");
+    }
+    error
+}
+
+/// That there is no built-in scene of that name, and which there are.
+pub fn no_builtin(name: &str) -> SourceError {
     let names = builtin::ALL.map(|scene| scene.name);
     let mut hints = Vec::new();
     if let Some(near) = nearest(name, names) {
         hints.push(format!("did you mean `{near}`?"));
     }
-    let all = names.join(", ");
-    hints.push(format!(
-        "built-in scenes: {all}; or give the path of a .toml file"
-    ));
+    hints.push(format!("built-in scenes: {}", names.join(", ")));
     SourceError {
         message: format!("there is no scene `{name}`"),
         hints,

@@ -2,6 +2,7 @@
 //! how large files get, that each says what it holds.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod face;
 mod graph;
 mod lock;
 mod paths;

@@ -34,6 +34,7 @@ const FLOORS: &[&[&str]] = &[
     &["report/"],
     &["pictures/"],
     &["charts/", "snapshot/"],
+    &["api/"],
     &["cli/"],
     &["lib.rs", "main.rs"],
 ];

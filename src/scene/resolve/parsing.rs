@@ -60,7 +60,7 @@ pub fn note<T>(
             }
             if text.is_outside() {
                 diagnostic.message = format!(
-                    "in `{}` from the command line: {}",
+                    "in `{}`, which is not from the file: {}",
                     text.text, diagnostic.message
                 );
             }

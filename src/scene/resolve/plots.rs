@@ -264,7 +264,7 @@ fn part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
 fn at(diagnostic: Diagnostic, text: &FormulaText) -> Diagnostic {
     if text.is_outside() {
         let message = format!(
-            "in `{}` from the command line: {}",
+            "in `{}`, which is not from the file: {}",
             text.text, diagnostic.message
         );
         return Diagnostic {

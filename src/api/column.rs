@@ -1,0 +1,69 @@
+//! Values of a motion by name: inputs, unknowns, coordinates of traced points, outputs.
+
+use super::error::Error;
+use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use crate::model::mechanism::{Kind, Mechanism};
+
+/// Where a named value stands in a sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Column {
+    Input(usize),
+    Unknown(usize),
+    Trace(usize, usize),
+    Output(usize),
+}
+
+/// Endings of a traced point's name.
+const AXES: [&str; 3] = [".x", ".y", ".z"];
+
+impl Column {
+    /// Errors: nothing in the mechanism has that name.
+    pub(super) fn find(mechanism: &Mechanism, name: &str) -> Result<Self, Error> {
+        let all = columns(mechanism);
+        match all.iter().find(|(other, _, _)| other == name) {
+            Some((_, column, _)) => Ok(*column),
+            None => {
+                let names = all.iter().map(|(name, _, _)| name.as_str());
+                Err(Error::unknown_name("value", name, names))
+            }
+        }
+    }
+
+    /// What it measures.
+    fn kind(self, mechanism: &Mechanism) -> Kind {
+        match self {
+            Self::Input(k) => mechanism.inputs[k].kind,
+            Self::Unknown(k) => mechanism.unknowns[k].kind,
+            Self::Trace(..) => Kind::Length,
+            Self::Output(k) => mechanism.outputs[k].kind,
+        }
+    }
+
+    /// The value in the scene's units.
+    pub(super) fn value(self, mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> f64 {
+        let inside = match self {
+            Self::Input(k) => sample.inputs[k],
+            Self::Unknown(k) => pose.unknowns[k],
+            Self::Trace(k, axis) => pose.traces[k][axis],
+            Self::Output(k) => pose.outputs[k],
+        };
+        inside * mechanism.file_units(self.kind(mechanism))
+    }
+}
+
+/// All named values of a sample with what they measure, in the order of a table's columns.
+pub(super) fn columns(mechanism: &Mechanism) -> Vec<(String, Column, Kind)> {
+    let inputs = mechanism.inputs.iter().enumerate();
+    let inputs = inputs.map(|(k, c)| (c.name.clone(), Column::Input(k)));
+    let unknowns = mechanism.unknowns.iter().enumerate();
+    let unknowns = unknowns.map(|(k, c)| (c.name.clone(), Column::Unknown(k)));
+    let traces = mechanism.traces.iter().enumerate().flat_map(|(k, trace)| {
+        let axes = AXES.iter().enumerate();
+        axes.map(move |(axis, end)| (trace.name.clone() + end, Column::Trace(k, axis)))
+    });
+    let outputs = mechanism.outputs.iter().enumerate();
+    let outputs = outputs.map(|(k, o)| (o.name.clone(), Column::Output(k)));
+    let all = inputs.chain(unknowns).chain(traces).chain(outputs);
+    all.map(|(name, column)| (name, column, column.kind(mechanism)))
+        .collect()
+}

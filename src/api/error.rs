@@ -1,0 +1,150 @@
+//! What can go wrong, as one type.
+
+use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest};
+use crate::export::ExportError;
+use crate::export::pump::PumpError;
+use crate::kinematics::structure::block::StructureError;
+use crate::render::RenderError;
+use crate::scene::source::SourceError;
+use std::fmt;
+
+/// Kinds of errors, as far as a program may want to tell them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// There is no such scene, or its file cannot be read.
+    Source,
+    /// The scene has mistakes; the message lists all of them with their places.
+    Scene,
+    /// The mechanism is ill-posed: it lacks equations, or contradicts itself.
+    Mechanism,
+    /// A name, time or number that does not fit the scene.
+    Argument,
+    /// A picture or a file could not be made.
+    File,
+}
+
+/// Why something could not be done: a kind, a message, and hints how to mend it.
+///
+/// ```
+/// let error = mechanim::Scene::builtin("gearshfit").unwrap_err();
+/// assert_eq!(error.kind(), mechanim::ErrorKind::Source);
+/// assert!(error.hints()[0].contains("gearshift"));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Error {
+    kind: ErrorKind,
+    message: String,
+    hints: Vec<String>,
+}
+
+impl Error {
+    pub(super) fn new(kind: ErrorKind, message: impl Into<String>, hints: Vec<String>) -> Self {
+        Self {
+            kind,
+            message: message.into(),
+            hints,
+        }
+    }
+
+    /// A name that nothing in the scene has.
+    pub(super) fn unknown_name<'a>(
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let mut hints = Vec::new();
+        if let Some(near) = nearest(name, known.iter().copied()) {
+            hints.push(format!("did you mean `{near}`?"));
+        }
+        hints.push(match known.is_empty() {
+            true => format!("it has no {what} at all"),
+            false => format!("it has: {}", known.join(", ")),
+        });
+        let message = format!("the scene has no {what} `{name}`");
+        Self::new(ErrorKind::Argument, message, hints)
+    }
+
+    /// Its kind.
+    ///
+    /// ```
+    /// let scene = mechanim::Scene::builtin("four-bar").unwrap();
+    /// let error = scene.solve(mechanim::Samples::At(vec![-1.0])).unwrap_err();
+    /// assert_eq!(error.kind(), mechanim::ErrorKind::Argument);
+    /// ```
+    pub fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    /// How to mend it, if anything is known; the best first.
+    ///
+    /// ```
+    /// let error = mechanim::Scene::open("nowhere.toml").unwrap_err();
+    /// assert!(error.hints().is_empty() && error.to_string().contains("nowhere.toml"));
+    /// ```
+    pub fn hints(&self) -> &[String] {
+        &self.hints
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<SourceError> for Error {
+    fn from(error: SourceError) -> Self {
+        Self::new(ErrorKind::Source, error.message, error.hints)
+    }
+}
+
+impl From<SceneError> for Error {
+    fn from(error: SceneError) -> Self {
+        let source = &error.source_text;
+        let sorted = error.diagnostics.sorted();
+        let wrong = sorted.iter().filter(|d| d.severity == Severity::Error);
+        let lines: Vec<String> = wrong.clone().map(|d| line(source, d)).collect();
+        let hints = wrong.flat_map(|d| d.hints.iter().cloned()).collect();
+        Self::new(ErrorKind::Scene, lines.join("\n"), hints)
+    }
+}
+
+impl From<StructureError> for Error {
+    fn from(error: StructureError) -> Self {
+        Self::new(ErrorKind::Mechanism, error.to_string(), Vec::new())
+    }
+}
+
+impl From<ExportError> for Error {
+    fn from(error: ExportError) -> Self {
+        Self::new(ErrorKind::File, error.to_string(), Vec::new())
+    }
+}
+
+impl From<RenderError> for Error {
+    fn from(error: RenderError) -> Self {
+        Self::new(ErrorKind::File, error.to_string(), Vec::new())
+    }
+}
+
+impl From<PumpError<RenderError>> for Error {
+    fn from(error: PumpError<RenderError>) -> Self {
+        Self::new(ErrorKind::File, error.to_string(), Vec::new())
+    }
+}
+
+/// A message with its place, `file:line:column: message`.
+pub(super) fn line(source: &Source, diagnostic: &Diagnostic) -> String {
+    // What was put in place of the file's own values has no place in the text.
+    let inside = |span: &&Span| span.start < source.text.len();
+    let place = diagnostic.span.as_ref().filter(inside).map(|span| {
+        let [line, column] = source.line_and_column(span.start);
+        format!("{line}:{column}: ")
+    });
+    let place = place.unwrap_or_else(|| " ".to_owned());
+    format!("{}:{place}{}", source.name, diagnostic.message)
+}

@@ -1,0 +1,253 @@
+//! Pictures of a motion, one by one or in a file.
+
+use super::error::{Error, ErrorKind};
+use super::motion::Motion;
+use crate::export::film::{Destination, FilmSettings};
+use crate::export::gif::Quality;
+use crate::export::raw::Chroma;
+use crate::export::{ExportSummary, Format};
+use crate::model::theme::Theme;
+use crate::model::view_change::ViewChange;
+use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::render::open::RendererChoice;
+use crate::staging::marks::Marks;
+use crate::staging::{PictureOptions, Staging, panes};
+use image::RgbaImage;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// Frames a second for samples at free times.
+const USUAL_RATE: f64 = 20.0;
+
+/// Samples a pixel.
+const SMOOTHNESS: u32 = 4;
+
+/// Pictures of a motion: what they look like, and how they are written. Made by [`Motion::film`].
+#[derive(Clone)]
+pub struct Film<'m> {
+    motion: &'m Motion,
+    size: [u32; 2],
+    rate: f64,
+    quality: Quality,
+    theme: Option<Theme>,
+    drawn_by: DrawnBy,
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FilmFile {
+    /// Number of frames.
+    pub frames: usize,
+    /// Number of bytes.
+    pub bytes: u64,
+    /// How long the file plays, in seconds; zero where the format has no time.
+    pub seconds: f64,
+}
+
+impl<'m> Film<'m> {
+    pub(super) fn new(motion: &'m Motion) -> Self {
+        let duration = motion.loaded.scene.actuation.duration;
+        let rate = motion.len() as f64 / duration;
+        Self {
+            motion,
+            size: [640, 480],
+            rate: if rate.is_finite() && rate > 0.0 {
+                rate
+            } else {
+                USUAL_RATE
+            },
+            quality: Quality::BEST,
+            theme: None,
+            drawn_by: DrawnBy::default(),
+        }
+    }
+
+    /// Width and height in pixels, 640 by 480 unless said otherwise.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(4))?;
+    /// assert_eq!(motion.film().size(160, 90).picture(0)?.dimensions(), (160, 90));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn size(mut self, width: u32, height: u32) -> Self {
+        self.size = [width, height];
+        self
+    }
+
+    /// Frames a second; unless said otherwise the film plays as long as the motion lasts.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("a.gif");
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(5))?;
+    /// let file = motion.film().size(80, 60).rate(10.0).write(&path)?;
+    /// assert_eq!((file.frames, file.seconds), (5, 0.5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn rate(mut self, frames_a_second: f64) -> Self {
+        self.rate = frames_a_second;
+        self
+    }
+
+    /// Quality of a GIF, 1 to 100 (unless said otherwise): lower values allow small colour errors for smaller files.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("a.gif");
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(5))?;
+    /// let best = motion.film().size(160, 120).write(&path)?;
+    /// let small = motion.film().size(160, 120).quality(30).write(&path)?;
+    /// assert!(small.bytes < best.bytes);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn quality(mut self, quality: u8) -> Self {
+        self.quality = Quality::new(quality.clamp(1, 100)).unwrap_or(Quality::BEST);
+        self
+    }
+
+    /// Light bodies before a dark background.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(4))?;
+    /// let corner = motion.film().size(80, 60).dark().picture(0)?.get_pixel(79, 0).0;
+    /// assert!(corner[0] < 100);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn dark(mut self) -> Self {
+        self.theme = Some(Theme::Dark);
+        self
+    }
+
+    /// Draws with the built-in renderer, whose pictures are the same bytes on every machine. Unless said otherwise a
+    /// hardware graphics adapter draws where there is one.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(4))?;
+    /// let film = motion.film().size(80, 60).built_in_renderer();
+    /// assert_eq!(film.picture(1)?, film.picture(1)?);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn built_in_renderer(mut self) -> Self {
+        self.drawn_by.renderer = RendererChoice::Cpu;
+        self.drawn_by.adapter = RendererChoice::Cpu.default_adapter();
+        self
+    }
+
+    /// The picture of sample `index`. Where there is no pose the picture says so.
+    ///
+    /// Errors: no such sample; a size that cannot be drawn.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("seven-r")?.solve(Samples::Even(4))?;
+    /// let picture = motion.film().size(64, 48).picture(3)?;
+    /// assert!(picture.pixels().any(|p| *p != picture[(0, 0)]));
+    /// assert!(motion.film().picture(4).is_err());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn picture(&self, index: usize) -> Result<RgbaImage, Error> {
+        if index >= self.motion.len() {
+            let why = format!("the motion has samples 0 to {}", self.motion.len() - 1);
+            return Err(Error::new(ErrorKind::Argument, why, Vec::new()));
+        }
+        let one = DrawnBy {
+            threads: 1,
+            ..self.drawn_by.clone()
+        };
+        self.staged(|pictures| {
+            let mut image = RgbaImage::new(self.size[0], self.size[1]);
+            for worker in pictures.workers(&one)?.list.iter_mut().take(1) {
+                worker(index, &mut image)?;
+            }
+            Ok(image)
+        })
+    }
+
+    /// Writes all samples into a file: .gif, .apng, .y4m, .rgba, a folder or a pattern such as `frame-%04d.png`; a .png
+    /// takes the first. The file is replaced only when it is complete.
+    ///
+    /// Errors: an unknown extension; a failed write; a size that cannot be drawn.
+    ///
+    /// ```no_run
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("gearshift")?.solve(Samples::Frames)?;
+    /// motion.film().size(800, 600).dark().write("gearshift.gif")?;
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<FilmFile, Error> {
+        let path = path.as_ref();
+        let format = Format::from_path(path)?;
+        if format.is_model() {
+            let why = format!("{} holds shapes, not pictures", format.name());
+            return Err(Error::new(ErrorKind::File, why, Vec::new()));
+        }
+        let destination = Destination::at(path, &format)?;
+        let count = if format.is_still() {
+            1
+        } else {
+            self.motion.len()
+        };
+        self.staged(|pictures| {
+            let settings = FilmSettings {
+                format: &format,
+                size: self.size,
+                count,
+                fps: self.rate,
+                flat_colours: pictures.staging.flat_colours(),
+                alpha: pictures.scene.view.transparent,
+                quality: self.quality,
+                effort: None,
+                chroma: Chroma::Full,
+                repeat: true,
+            };
+            let never = AtomicBool::new(false);
+            let mut workers = pictures.workers(&self.drawn_by)?.list;
+            let prepared = settings.open(destination, &mut workers, &never)?;
+            let summary = settings.write(prepared, workers, &|_, _| {}, &never)?;
+            let ExportSummary {
+                frames,
+                bytes,
+                seconds,
+            } = summary;
+            Ok(FilmFile {
+                frames,
+                bytes,
+                seconds,
+            })
+        })
+    }
+
+    /// Stages the motion and hands its pictures to `draw`.
+    fn staged<T>(&self, draw: impl FnOnce(Pictures) -> Result<T, Error>) -> Result<T, Error> {
+        let mut scene = self.motion.loaded.scene.clone();
+        let change = ViewChange {
+            theme: self.theme,
+            ..ViewChange::default()
+        };
+        change.apply(&mut scene.view);
+        let options = PictureOptions {
+            size: self.size,
+            samples: SMOOTHNESS,
+        };
+        let trajectory = &self.motion.trajectory;
+        let views = match scene.view.four {
+            true => panes::scenes(&scene),
+            false => Vec::new(),
+        };
+        let panes = panes::stagings(&views, trajectory, options, &Marks::default());
+        let staging = Staging::new(&scene, trajectory, options);
+        draw(Pictures {
+            scene: &scene,
+            staging: &staging,
+            panes: &panes,
+            first: 0,
+            panel: None,
+        })
+    }
+}

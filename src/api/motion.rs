@@ -1,0 +1,298 @@
+//! A solved motion: its samples, what happened between them, its values as columns.
+
+use super::column::Column;
+use super::error::{Error, ErrorKind};
+use super::film::Film;
+use super::pose::Pose;
+use super::scene::Loaded;
+use crate::export::{Output, Stream};
+use crate::kinematics::certificate::rows::redundant;
+use crate::kinematics::measures::measure;
+use crate::kinematics::motion::proved::{Proofs, solve_proved};
+use crate::kinematics::motion::sampling::{MAX_SAMPLES, even_times, frame_times, only};
+use crate::kinematics::results::trajectory::{EventKind, Trajectory};
+use crate::report::sentences::{gap_sentence, sentence};
+use crate::report::table::{Columns, write_csv, write_json};
+use std::fmt;
+use std::sync::Arc;
+
+/// At which times a motion is sampled.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Samples {
+    /// The frames of the scene's own rate.
+    #[default]
+    Frames,
+    /// So many, evenly over the motion; a cyclic motion is not sampled at its end again.
+    Even(usize),
+    /// These, in seconds, ascending. The motion is followed from its start to them.
+    At(Vec<f64>),
+}
+
+impl Samples {
+    /// Times to be kept, and times to be solved.
+    ///
+    /// Errors: none, too many, out of order, outside the motion.
+    pub(super) fn times(&self, loaded: &Loaded) -> Result<[Vec<f64>; 2], Error> {
+        let (mechanism, actuation) = (&loaded.scene.mechanism, &loaded.scene.actuation);
+        let frames = || frame_times(mechanism, actuation, loaded.scene.view.fps);
+        let kept = match self {
+            Self::Frames => frames(),
+            Self::Even(count) => even_times(mechanism, actuation, (*count).min(MAX_SAMPLES + 1)),
+            Self::At(times) => times.clone(),
+        };
+        let refused = |why: String| Err(Error::new(ErrorKind::Argument, why, Vec::new()));
+        let (Some(first), Some(last)) = (kept.first(), kept.last()) else {
+            return refused("no sample is asked for".to_owned());
+        };
+        if kept.len() > MAX_SAMPLES {
+            return refused(format!("at most {MAX_SAMPLES} samples"));
+        }
+        let duration = actuation.duration;
+        let is_inside = *first >= 0.0 && *last <= duration && kept.is_sorted();
+        if !is_inside || kept.iter().any(|t| !t.is_finite()) {
+            return refused(format!(
+                "times of samples ascend from 0 to {duration} s at most"
+            ));
+        }
+        let mut solved = kept.clone();
+        if matches!(self, Self::At(_)) {
+            solved.extend(frames().into_iter().filter(|t| t < last));
+            solved.sort_by(f64::total_cmp);
+            solved.dedup();
+        }
+        Ok([kept, solved])
+    }
+}
+
+/// The motion of a scene over its drive: a value, which stays valid whatever becomes of the scene.
+pub struct Motion {
+    pub(super) loaded: Arc<Loaded>,
+    pub(super) trajectory: Trajectory,
+}
+
+impl fmt::Debug for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let title = &self.loaded.scene.mechanism.title;
+        write!(f, "Motion({title}, {} samples)", self.len())
+    }
+}
+
+impl Motion {
+    pub(super) fn solve(loaded: Arc<Loaded>, samples: &Samples) -> Result<Self, Error> {
+        let [kept, solved] = samples.times(&loaded)?;
+        let actuation = &loaded.scene.actuation;
+        let never = || false;
+        let all = solve_proved(&loaded.system, actuation, &solved, Proofs::Poses, &never);
+        let trajectory = match kept.len() == solved.len() {
+            true => all,
+            false => only(actuation, &all, &kept),
+        };
+        Ok(Self { loaded, trajectory })
+    }
+
+    /// Number of samples.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(12))?;
+    /// assert_eq!(motion.len(), 12);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn len(&self) -> usize {
+        self.trajectory.samples.len()
+    }
+
+    /// Whether there are no samples; a motion that was solved has some.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// assert!(!Scene::builtin("four-bar")?.solve(Samples::Frames)?.is_empty());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn is_empty(&self) -> bool {
+        self.trajectory.samples.is_empty()
+    }
+
+    /// Whether there is a pose at every sample and, as far as is known, between them.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// assert!(Scene::builtin("seven-r")?.solve(Samples::Even(30))?.is_whole());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn is_whole(&self) -> bool {
+        self.trajectory.is_whole()
+    }
+
+    /// The poses there are, in the order of time.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("bennett")?.solve(Samples::Even(8))?;
+    /// assert!(motion.poses().all(|pose| pose.closure_error() < 1e-12));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn poses(&self) -> impl Iterator<Item = Pose<'_>> {
+        (0..self.len()).filter_map(|index| self.pose(index))
+    }
+
+    /// The pose of sample `index`; `None` where the mechanism cannot be closed, and behind the last sample.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::At(vec![0.25]))?;
+    /// assert_eq!(motion.pose(0).map(|pose| pose.time()), Some(0.25));
+    /// assert!(motion.pose(1).is_none());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn pose(&self, index: usize) -> Option<Pose<'_>> {
+        let sample = self.trajectory.samples.get(index)?;
+        let pose = sample.pose.as_ref()?;
+        Some(Pose::new(&self.loaded, sample, pose))
+    }
+
+    /// Times of the samples in seconds.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::At(vec![0.0, 0.5]))?;
+    /// assert_eq!(motion.times(), [0.0, 0.5]);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn times(&self) -> Vec<f64> {
+        self.trajectory.samples.iter().map(|s| s.time).collect()
+    }
+
+    /// A named value at every sample, in the scene's units; NaN where there is no pose.
+    ///
+    /// Errors: nothing in the scene has that name.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("slider-crank")?.solve(Samples::Even(90))?;
+    /// let h = motion.values("h")?;
+    /// let [low, high] = [h.iter().copied().fold(f64::MAX, f64::min), h.iter().copied().fold(0.0, f64::max)];
+    /// assert!((high - low - 80.0).abs() < 1e-9);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn values(&self, name: &str) -> Result<Vec<f64>, Error> {
+        let mechanism = &self.loaded.scene.mechanism;
+        let column = Column::find(mechanism, name)?;
+        let samples = self.trajectory.samples.iter();
+        let values = samples.map(|sample| match &sample.pose {
+            Some(pose) => column.value(mechanism, sample, pose),
+            None => f64::NAN,
+        });
+        Ok(values.collect())
+    }
+
+    /// The scene's measures of this motion, by name, in its units; `None` where one has no value.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("feeder")?.solve(Samples::Frames)?;
+    /// assert!(motion.measures().iter().all(|(_, value)| value.is_some()));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn measures(&self) -> Vec<(String, Option<f64>)> {
+        let scene = &self.loaded.scene;
+        let (system, trajectory) = (&self.loaded.system, &self.trajectory);
+        let values = measure(system, &scene.actuation, &scene.measures, trajectory);
+        let named = scene.measures.list.iter().zip(values);
+        let units =
+            |measure: &crate::model::measure::Measure| scene.mechanism.file_units(measure.kind);
+        named
+            .map(|(measure, value)| (measure.name.clone(), value.map(|v| v * units(measure))))
+            .collect()
+    }
+
+    /// What happened between the samples, one sentence each: ends of the motion, singular poses, dead points.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let scene = Scene::builtin("slider-crank")?.with_parameter("L", 30)?;
+    /// let motion = scene.solve(Samples::Even(40))?;
+    /// assert!(!motion.is_whole() && motion.events()[0].contains("no pose"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn events(&self) -> Vec<String> {
+        let mechanism = &self.loaded.scene.mechanism;
+        let gaps = self.trajectory.gaps.iter();
+        let gaps = gaps.map(|gap| gap_sentence(mechanism, gap));
+        // What a gap says is not said again as an event.
+        let ends = |kind: &EventKind| {
+            matches!(
+                kind,
+                EventKind::MotionEnds(_) | EventKind::MotionResumes { same_branch: true }
+            )
+        };
+        let events = self.trajectory.events.iter();
+        let events = events.filter(|event| !ends(&event.kind));
+        gaps.chain(events.map(|event| sentence(mechanism, event)))
+            .collect()
+    }
+
+    /// Largest gap of any loop over all poses, relative to the mechanism's size, from an independent product.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// assert!(Scene::builtin("bricard")?.solve(Samples::Even(10))?.closure_error() < 1e-12);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn closure_error(&self) -> f64 {
+        self.trajectory.closure_error()
+    }
+
+    /// The table that `mechanim solve` writes, as CSV.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let table = Scene::builtin("four-bar")?.solve(Samples::Even(3))?.to_csv();
+    /// assert!(table.starts_with("time,") && table.lines().count() == 4);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn to_csv(&self) -> String {
+        let mechanism = &self.loaded.scene.mechanism;
+        self.written(|output| write_csv(mechanism, &self.trajectory, self.columns(), output))
+    }
+
+    /// The same as JSON, with events, gaps and units.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let table = Scene::builtin("four-bar")?.solve(Samples::Even(3))?.to_json();
+    /// assert!(table.contains("mechanim-trajectory/1"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn to_json(&self) -> String {
+        let mechanism = &self.loaded.scene.mechanism;
+        self.written(|output| write_json(mechanism, &self.trajectory, self.columns(), output))
+    }
+
+    fn columns(&self) -> Columns {
+        Columns {
+            redundant: redundant(&self.loaded.system) > 0,
+            ..Columns::default()
+        }
+    }
+
+    fn written<E>(&self, write: impl FnOnce(&mut dyn Output) -> Result<(), E>) -> String {
+        let mut text = Vec::new();
+        // Memory takes everything.
+        let _ = write(&mut Stream::new("memory", &mut text));
+        String::from_utf8(text).unwrap_or_default()
+    }
+
+    /// Pictures of this motion.
+    ///
+    /// ```no_run
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("gearshift")?.solve(Samples::Frames)?;
+    /// motion.film().size(640, 480).write("anim.gif")?;
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn film(&self) -> Film<'_> {
+        Film::new(self)
+    }
+}

@@ -1,0 +1,190 @@
+//! One closed pose with everything that is known of it.
+
+use super::column::Column;
+use super::error::Error;
+use super::scene::Loaded;
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+
+/// A closed pose of a motion: values, places of bodies, residual, rank, condition, branch, certificate.
+#[derive(Clone, Copy)]
+pub struct Pose<'m> {
+    loaded: &'m Loaded,
+    sample: &'m Sample,
+    pose: &'m ClosedPose,
+}
+
+/// Where a body is: `world_from_body`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Placement {
+    /// Rotation matrix by rows: world axes from body axes.
+    pub rotation: [[f64; 3]; 3],
+    /// Origin of the body's frame in the world, in the scene's length unit.
+    pub translation: [f64; 3],
+}
+
+impl<'m> Pose<'m> {
+    pub(super) fn new(loaded: &'m Loaded, sample: &'m Sample, pose: &'m ClosedPose) -> Self {
+        Self {
+            loaded,
+            sample,
+            pose,
+        }
+    }
+
+    /// Its time in seconds.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(4))?;
+    /// assert_eq!(motion.poses().next().map(|pose| pose.time()), Some(0.0));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn time(&self) -> f64 {
+        self.sample.time
+    }
+
+    /// An input, unknown, traced coordinate (`name.x`) or output, in the scene's units.
+    ///
+    /// Errors: nothing in the scene has that name.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("slider-crank")?.solve(Samples::Even(4))?;
+    /// for pose in motion.poses() {
+    ///     assert!(pose.value("h")? > 39.0);
+    /// }
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn value(&self, name: &str) -> Result<f64, Error> {
+        let mechanism = &self.loaded.scene.mechanism;
+        let column = Column::find(mechanism, name)?;
+        Ok(column.value(mechanism, self.sample, self.pose))
+    }
+
+    /// Rate of an unknown per second, from the drive's rate; NaN for an angle that is gimbal-locked.
+    ///
+    /// Errors: no unknown has that name.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("slider-crank")?.solve(Samples::At(vec![0.0]))?;
+    /// assert!(motion.poses().all(|pose| pose.rate("h").is_ok_and(f64::is_finite)));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn rate(&self, name: &str) -> Result<f64, Error> {
+        let mechanism = &self.loaded.scene.mechanism;
+        let unknowns = &mechanism.unknowns;
+        let Some(index) = unknowns.iter().position(|c| c.name == name) else {
+            let names = unknowns.iter().map(|c| c.name.as_str());
+            return Err(Error::unknown_name("unknown", name, names));
+        };
+        Ok(self.pose.rates[index] * mechanism.file_units(unknowns[index].kind))
+    }
+
+    /// Where a body is.
+    ///
+    /// Errors: no body has that name.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("bennett")?.solve(Samples::At(vec![0.0]))?;
+    /// let pose = motion.pose(0).ok_or("no pose")?;
+    /// let scene = Scene::builtin("bennett")?;
+    /// let [x, y, z] = pose.placement(scene.bodies()[0])?.rotation;
+    /// let determinant = x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0])
+    ///     + x[2] * (y[0] * z[1] - y[1] * z[0]);
+    /// assert!((determinant - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn placement(&self, body: &str) -> Result<Placement, Error> {
+        let bodies = &self.loaded.scene.mechanism.bodies;
+        let Some(index) = bodies.iter().position(|b| b.name == body) else {
+            let names = bodies.iter().map(|b| b.name.as_str());
+            return Err(Error::unknown_name("body", body, names));
+        };
+        let world_from_body = &self.pose.bodies[index];
+        let rows = world_from_body.rotation.transpose();
+        Ok(Placement {
+            rotation: rows.to_cols_array_2d(),
+            translation: world_from_body.translation.to_array(),
+        })
+    }
+
+    /// Largest gap of any loop relative to the mechanism's size, from an independent product.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("seven-r")?.solve(Samples::At(vec![1.0]))?;
+    /// assert!(motion.poses().all(|pose| pose.closure_error() < 1e-13));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn closure_error(&self) -> f64 {
+        self.pose.closure_error
+    }
+
+    /// Smallest singular value of the Jacobian, in scaled unknowns and residuals: zero at a singular pose.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(10))?;
+    /// assert!(motion.poses().all(|pose| pose.sigma_min() > 0.0));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn sigma_min(&self) -> f64 {
+        self.pose.sigma_min
+    }
+
+    /// Largest ratio of singular values of a block of equations.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(10))?;
+    /// assert!(motion.poses().all(|pose| pose.condition() >= 1.0));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn condition(&self) -> f64 {
+        self.pose.condition
+    }
+
+    /// Rank of the Jacobian; the number of unknowns at a regular pose.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let scene = Scene::builtin("seven-r")?;
+    /// let motion = scene.solve(Samples::At(vec![0.0]))?;
+    /// assert!(motion.poses().all(|pose| pose.rank() == scene.unknowns().len()));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn rank(&self) -> usize {
+        self.pose.rank
+    }
+
+    /// The assembly mode: one sign per block of equations. It changes only through singular poses.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(10))?;
+    /// let branches: Vec<&str> = motion.poses().map(|pose| pose.branch()).collect();
+    /// assert!(branches.windows(2).all(|pair| pair[0] == pair[1]));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn branch(&self) -> &'m str {
+        &self.pose.branch
+    }
+
+    /// What is proved: how near the exact pose is, and within what distance it is the only one; or why nothing is.
+    ///
+    /// ```
+    /// # use mechanim::{Certificate, Samples, Scene};
+    /// let motion = Scene::builtin("seven-r")?.solve(Samples::Even(10))?;
+    /// for pose in motion.poses() {
+    ///     assert!(matches!(pose.certificate(), Certificate::Certified { error_bound, .. } if error_bound < 1e-9));
+    /// }
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn certificate(&self) -> Certificate {
+        self.pose.certificate
+    }
+}
