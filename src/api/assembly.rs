@@ -1,7 +1,7 @@
 //! Assemblies at one pose of the inputs.
 
 use super::error::{Error, ErrorKind};
-use super::scene::Loaded;
+use super::loaded::Loaded;
 use crate::kinematics::assemblies::{DEFAULT_STARTS, find_modes};
 
 /// One of the ways in which a mechanism can be put together at the same inputs.

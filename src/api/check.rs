@@ -1,8 +1,8 @@
 //! Everything that a scene asks for, answered at once.
 
 use super::error::Error;
+use super::loaded::Loaded;
 use super::motion::Samples;
-use super::scene::Loaded;
 use crate::clearance::check::{ClearanceReport, PairReport, check};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{knots, only};

@@ -1,11 +1,12 @@
 //! Pictures of a motion, one by one or in a file.
 
 use super::error::{Error, ErrorKind};
-use super::motion::Motion;
+use super::loaded::Loaded;
 use crate::export::film::{Destination, FilmSettings};
 use crate::export::gif::Quality;
 use crate::export::raw::Chroma;
 use crate::export::{ExportSummary, Format};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
 use crate::pictures::frames::{DrawnBy, Pictures};
@@ -22,10 +23,11 @@ const USUAL_RATE: f64 = 20.0;
 /// Samples a pixel.
 const SMOOTHNESS: u32 = 4;
 
-/// Pictures of a motion: what they look like, and how they are written. Made by [`Motion::film`].
+/// Pictures of a motion: what they look like, and how they are written. Made by [`Motion::film`](crate::Motion::film).
 #[derive(Clone)]
 pub struct Film<'m> {
-    motion: &'m Motion,
+    loaded: &'m Loaded,
+    trajectory: &'m Trajectory,
     size: [u32; 2],
     rate: f64,
     quality: Quality,
@@ -46,11 +48,12 @@ pub struct FilmFile {
 }
 
 impl<'m> Film<'m> {
-    pub(super) fn new(motion: &'m Motion) -> Self {
-        let duration = motion.loaded.scene.actuation.duration;
-        let rate = motion.len() as f64 / duration;
+    pub(super) fn new(loaded: &'m Loaded, trajectory: &'m Trajectory) -> Self {
+        let duration = loaded.scene.actuation.duration;
+        let rate = trajectory.samples.len() as f64 / duration;
         Self {
-            motion,
+            loaded,
+            trajectory,
             size: [640, 480],
             rate: if rate.is_finite() && rate > 0.0 {
                 rate
@@ -152,8 +155,9 @@ impl<'m> Film<'m> {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn picture(&self, index: usize) -> Result<RgbaImage, Error> {
-        if index >= self.motion.len() {
-            let why = format!("the motion has samples 0 to {}", self.motion.len() - 1);
+        let samples = self.trajectory.samples.len();
+        if index >= samples {
+            let why = format!("there is no sample {index}: the motion has {samples}, from 0");
             return Err(Error::new(ErrorKind::Argument, why, Vec::new()));
         }
         let one = DrawnBy {
@@ -191,7 +195,7 @@ impl<'m> Film<'m> {
         let count = if format.is_still() {
             1
         } else {
-            self.motion.len()
+            self.trajectory.samples.len()
         };
         self.staged(|pictures| {
             let settings = FilmSettings {
@@ -225,7 +229,7 @@ impl<'m> Film<'m> {
 
     /// Stages the motion and hands its pictures to `draw`.
     fn staged<T>(&self, draw: impl FnOnce(Pictures) -> Result<T, Error>) -> Result<T, Error> {
-        let mut scene = self.motion.loaded.scene.clone();
+        let mut scene = self.loaded.scene.clone();
         let change = ViewChange {
             theme: self.theme,
             ..ViewChange::default()
@@ -235,7 +239,7 @@ impl<'m> Film<'m> {
             size: self.size,
             samples: SMOOTHNESS,
         };
-        let trajectory = &self.motion.trajectory;
+        let trajectory = self.trajectory;
         let views = match scene.view.four {
             true => panes::scenes(&scene),
             false => Vec::new(),

@@ -5,6 +5,7 @@ mod check;
 mod column;
 mod error;
 mod film;
+mod loaded;
 mod motion;
 mod pose;
 mod scene;

@@ -3,8 +3,8 @@
 use super::column::Column;
 use super::error::{Error, ErrorKind};
 use super::film::Film;
+use super::loaded::Loaded;
 use super::pose::Pose;
-use super::scene::Loaded;
 use crate::export::{Output, Stream};
 use crate::kinematics::certificate::rows::redundant;
 use crate::kinematics::measures::measure;
@@ -67,8 +67,8 @@ impl Samples {
 
 /// The motion of a scene over its drive: a value, which stays valid whatever becomes of the scene.
 pub struct Motion {
-    pub(super) loaded: Arc<Loaded>,
-    pub(super) trajectory: Trajectory,
+    loaded: Arc<Loaded>,
+    trajectory: Trajectory,
 }
 
 impl fmt::Debug for Motion {
@@ -293,6 +293,6 @@ impl Motion {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn film(&self) -> Film<'_> {
-        Film::new(self)
+        Film::new(&self.loaded, &self.trajectory)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::error::Error;
-use super::scene::Loaded;
+use super::loaded::Loaded;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 

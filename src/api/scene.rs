@@ -4,6 +4,7 @@ use super::assembly::Assembly;
 use super::check::{Check, CheckOptions};
 use super::column::columns;
 use super::error::{Error, line};
+use super::loaded::Loaded;
 use super::motion::{Motion, Samples};
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
@@ -32,19 +33,13 @@ use std::sync::Arc;
 pub struct Scene {
     text: Source,
     overrides: Overrides,
-    pub(super) loaded: Arc<Loaded>,
+    loaded: Arc<Loaded>,
 }
 
 impl fmt::Debug for Scene {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Scene({})", self.text.name)
     }
-}
-
-/// A scene as read, and its mechanism as analysed.
-pub(super) struct Loaded {
-    pub(super) scene: crate::scene::Scene,
-    pub(super) system: System,
 }
 
 /// A named value of a pose: an input, an unknown, a coordinate of a traced point, or an output.

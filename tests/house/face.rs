@@ -35,7 +35,7 @@ fn without_example(file: &Source) -> Vec<String> {
 
 #[test]
 fn the_face_is_small() {
-    let lines = face().iter().map(|file| {
+    let lines = face().into_iter().map(|file| {
         let lines = file.text.lines();
         lines.filter(|line| is_public(line)).count()
     });
