@@ -140,7 +140,7 @@ impl<'a> Table<'a> {
             })
         });
         json!({
-            "schema": format!("mechanim-sensitivity-{SCHEMA}"),
+            "schema": format!("mechanim-sensitivity/{SCHEMA}"),
             "title": self.family.mechanism().title,
             "measures": measures,
             "dimensions": rows.collect::<Vec<_>>(),

@@ -306,7 +306,7 @@ pub fn rows(found: &[Found]) -> String {
 /// All scenes for programs.
 pub fn document(found: &[Found]) -> Value {
     let scenes: Vec<Value> = found.iter().map(scene_document).collect();
-    json!({ "schema": format!("mechanim-synthesise-{SCHEMA}"), "scenes": scenes })
+    json!({ "schema": format!("mechanim-synthesise/{SCHEMA}"), "scenes": scenes })
 }
 
 fn scene_document(found: &Found) -> Value {

@@ -281,7 +281,7 @@ impl Report<'_> {
             })
         });
         json!({
-            "schema": format!("mechanim-optimise-{SCHEMA}"),
+            "schema": format!("mechanim-optimise/{SCHEMA}"),
             "title": self.opened.family.mechanism().title,
             "objective": name,
             "from": self.optimum.first_value * unit,

@@ -64,7 +64,7 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
     if let Some(path) = &args.json {
         let rows: Vec<Value> = ranked.iter().map(|p| pair_document(opened, p)).collect();
         let document = json!({
-            "schema": format!("mechanim-pairs-{SCHEMA}"),
+            "schema": format!("mechanim-pairs/{SCHEMA}"),
             "title": opened.family.mechanism().title,
             "pairs": rows,
         });

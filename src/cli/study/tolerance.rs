@@ -216,7 +216,7 @@ impl Report<'_> {
             );
         }
         json!({
-            "schema": format!("mechanim-tolerance-{SCHEMA}"),
+            "schema": format!("mechanim-tolerance/{SCHEMA}"),
             "title": self.opened.family.mechanism().title,
             "dimensions": study.variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
             "samples": self.pieces.made,
