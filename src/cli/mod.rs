@@ -12,7 +12,7 @@ pub mod pictures;
 pub mod study;
 mod term;
 
-use about::{completions, info, scenes};
+use about::{completions, info, manual, scenes, schema};
 use args::{Cli, Command};
 use clap::Parser;
 use files::{diff, encode, snapshot};
@@ -52,6 +52,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Scenes { name } => scenes::run(name.as_deref()),
         Command::Info { json } => info::run(json),
         Command::Completions { shell } => completions::run(shell),
+        Command::Schema { file } => schema::run(file),
+        Command::Manual { folder } => manual::run(&folder),
     };
     match result {
         Ok(outcome) => outcome.code(),

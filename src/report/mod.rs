@@ -13,6 +13,7 @@ pub mod measures;
 pub mod precision;
 pub mod proof;
 pub mod rounded;
+pub mod schema;
 pub mod sensitivity;
 pub mod sentences;
 pub mod synthesis;

@@ -3,9 +3,10 @@
 
 use super::clearance::{self, ClearanceFile};
 use super::contacts::{ContactFile, surfaces};
+use super::keys::tables::{CONTACT, INPUT, MEASURE, SCENE, TRACK};
 use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
 use super::plots::{PlotFile, plot};
-use super::reader::{NamedFormula, Spanned, TableReader, read_table, required};
+use super::reader::{Found, NamedFormula, Spanned, TableReader, read_table, required};
 use super::shapes::{ShapeFile, shape};
 use super::studies::{StudyFile, study};
 use super::values::{FormulaText, formula_of};
@@ -169,14 +170,15 @@ pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
         };
     }
     let table = document.get_ref();
-    read_table(
+    let found = Found {
         table,
-        &source.text,
-        0..source.text.len(),
-        "the scene".to_owned(),
-        diagnostics,
-        |r| scene(r, &source.text),
-    )
+        text: &source.text,
+        span: 0..source.text.len(),
+    };
+    let place = "the scene".to_owned();
+    read_table(found, &SCENE, place, diagnostics, |r| {
+        scene(r, &source.text)
+    })
 }
 
 fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
@@ -216,14 +218,11 @@ fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String
     let mut list = Vec::new();
     for (name, value, span) in r.named("inputs") {
         let input = match value {
-            DeValue::Table(table) => read_table(
-                table,
-                text,
-                span,
-                format!("input `{}`", name.value),
-                r.diagnostics,
-                input_table,
-            ),
+            DeValue::Table(table) => {
+                let place = format!("input `{}`", name.value);
+                let found = Found { table, text, span };
+                read_table(found, &INPUT, place, r.diagnostics, input_table)
+            }
             other => {
                 let formula = formula_of(other, span.clone(), text).map(InputFile::Formula);
                 if formula.is_none() {
@@ -246,7 +245,10 @@ fn contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> 
     for (name, value, span) in r.named("contacts") {
         let place = format!("contact `{}`", name.value);
         let surfaces = match value.as_table() {
-            Some(table) => read_table(table, text, span, place, r.diagnostics, surfaces),
+            Some(table) => {
+                let found = Found { table, text, span };
+                read_table(found, &CONTACT, place, r.diagnostics, surfaces)
+            }
             None => {
                 let message = format!("{place} must be a table with `first` and `second`");
                 r.diagnostics.push(Diagnostic::error(message).at(span));
@@ -268,7 +270,8 @@ fn tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
             continue;
         };
         let read = |r: &mut TableReader<'t, '_>| track(r, name);
-        list.push(read_table(table, text, span, place, r.diagnostics, read));
+        let found = Found { table, text, span };
+        list.push(read_table(found, &TRACK, place, r.diagnostics, read));
     }
     list
 }
@@ -279,7 +282,8 @@ fn measures<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<MeasureFile> 
         let place = format!("measure `{}`", name.value);
         if let Some(table) = value.as_table() {
             let read = |r: &mut TableReader<'t, '_>| measure(r, name);
-            list.push(read_table(table, text, span, place, r.diagnostics, read));
+            let found = Found { table, text, span };
+            list.push(read_table(found, &MEASURE, place, r.diagnostics, read));
         } else if let Some(formula) = formula_of(value, span.clone(), text) {
             list.push(measure_formula((name, formula)));
         } else {

@@ -8,6 +8,7 @@ pub mod contacts;
 pub mod edit;
 pub mod file;
 pub mod formula;
+pub mod keys;
 mod loaded;
 pub mod measures;
 mod overrides;

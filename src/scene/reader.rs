@@ -1,5 +1,6 @@
 //! Typed reading of TOML tables: every value with its place, every mistake noted, reading goes on.
 
+use super::keys::Keys;
 use super::values::{FormulaText, formula_of, formulas_of, kind_of, parse_colour};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use toml::de::{DeTable, DeValue};
@@ -16,12 +17,12 @@ pub struct Spanned<T> {
 /// A name and its formula.
 pub type NamedFormula = (Spanned<String>, FormulaText);
 
-/// One table being read; knows which keys were asked for, so that the others can be refused.
+/// One table being read; keys that it may not have are refused.
 pub struct TableReader<'t, 'd> {
     table: &'t DeTable<'t>,
     text: &'t str,
     place: String,
-    asked: Vec<&'static str>,
+    keys: &'static Keys,
     /// Where mistakes go.
     pub diagnostics: &'d mut Diagnostics,
     /// The table's place.
@@ -29,26 +30,9 @@ pub struct TableReader<'t, 'd> {
 }
 
 impl<'t, 'd> TableReader<'t, 'd> {
-    /// Reads `table` of the file `text`; `place` names it in messages.
-    pub fn new(
-        table: &'t DeTable<'t>,
-        text: &'t str,
-        span: Span,
-        place: impl Into<String>,
-        diagnostics: &'d mut Diagnostics,
-    ) -> Self {
-        Self {
-            table,
-            text,
-            place: place.into(),
-            asked: Vec::new(),
-            diagnostics,
-            span,
-        }
-    }
-
+    /// A key that is in no list of keys is absent: what is not documented cannot be read.
     fn get(&mut self, key: &'static str) -> Option<(&'t DeValue<'t>, Span)> {
-        self.asked.push(key);
+        self.keys.find(key)?;
         let (_, value) = self
             .table
             .iter()
@@ -283,14 +267,10 @@ impl<'t, 'd> TableReader<'t, 'd> {
             self.wrong(key, "a table", value, span);
             return None;
         };
-        Some(read_table(
-            table,
-            self.text,
-            span,
-            format!("[{key}]"),
-            self.diagnostics,
-            read,
-        ))
+        let keys = self.keys.inner(key);
+        let (text, place) = (self.text, format!("[{key}]"));
+        let found = Found { table, text, span };
+        Some(read_table(found, keys, place, self.diagnostics, read))
     }
 
     /// Reads a list of tables with `read`.
@@ -310,15 +290,11 @@ impl<'t, 'd> TableReader<'t, 'd> {
         for item in items.iter() {
             match item.get_ref().as_table() {
                 Some(table) => {
+                    let keys = self.keys.inner(key);
+                    let (text, span) = (self.text, item.span());
+                    let found = Found { table, text, span };
                     let place = format!("[[{key}]]");
-                    list.push(read_table(
-                        table,
-                        self.text,
-                        item.span(),
-                        place,
-                        self.diagnostics,
-                        &mut read,
-                    ));
+                    list.push(read_table(found, keys, place, self.diagnostics, &mut read));
                 }
                 None => self.wrong(key, "a list of tables", item.get_ref(), item.span()),
             }
@@ -339,36 +315,54 @@ impl<'t, 'd> TableReader<'t, 'd> {
         self.table.iter().any(|(key, value)| {
             let (key, value) = (key.get_ref().as_ref(), value.get_ref());
             let is_section = value.is_table() || value.is_array();
-            (is_section && !self.asked.contains(&key)) || (!is_section && sections.contains(&key))
+            (is_section && self.keys.find(key).is_none())
+                || (!is_section && sections.contains(&key))
         })
     }
 
-    /// Refuses every key that was not asked for.
+    /// Refuses every key that the table may not have.
     fn finish(self) {
+        let known: Vec<&str> = self.keys.names().collect();
         for (key, _) in self.table.iter() {
             let name = key.get_ref().as_ref();
-            if !self.asked.contains(&name) {
+            if self.keys.find(name).is_none() {
                 self.diagnostics.push(
                     Diagnostic::error(format!("unknown key `{name}` in {}", self.place))
                         .at(key.span())
-                        .suggest(name, self.asked.iter().copied())
-                        .hint(format!("known: {}", self.asked.join(", "))),
+                        .suggest(name, self.keys.names())
+                        .hint(format!("known: {}", known.join(", "))),
                 );
             }
         }
     }
 }
 
-/// Reads a table that is at hand (the value of a named entry, say).
+/// A table that is at hand, and where.
+pub struct Found<'t> {
+    /// The table.
+    pub table: &'t DeTable<'t>,
+    /// The text of the whole file.
+    pub text: &'t str,
+    /// Its place in it.
+    pub span: Span,
+}
+
+/// Reads a table that may have these keys; `place` names it in messages.
 pub fn read_table<'t, T>(
-    table: &'t DeTable<'t>,
-    text: &'t str,
-    span: Span,
+    found: Found<'t>,
+    keys: &'static Keys,
     place: String,
     diagnostics: &mut Diagnostics,
     read: impl FnOnce(&mut TableReader<'t, '_>) -> T,
 ) -> T {
-    let mut reader = TableReader::new(table, text, span, place, diagnostics);
+    let mut reader = TableReader {
+        table: found.table,
+        text: found.text,
+        place,
+        keys,
+        diagnostics,
+        span: found.span,
+    };
     let value = read(&mut reader);
     reader.finish();
     value

@@ -1,6 +1,7 @@
 //! The `[study]` section as typed: variables, and the measure that is to be made small.
 
-use super::reader::{Spanned, TableReader, read_table};
+use super::keys::tables::{LIMIT, VARIABLE};
+use super::reader::{Found, Spanned, TableReader, read_table};
 use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
@@ -35,7 +36,8 @@ pub fn study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
         let variable = match value.as_table() {
             Some(table) => {
                 let place = format!("variable `{}`", name.value);
-                read_table(table, text, span, place, r.diagnostics, |v| VariableFile {
+                let found = Found { table, text, span };
+                read_table(found, &VARIABLE, place, r.diagnostics, |v| VariableFile {
                     range: v.vector("range"),
                     tolerance: v.formula("tolerance"),
                 })
@@ -60,7 +62,8 @@ pub fn study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
             continue;
         };
         let place = format!("limit of `{}`", name.value);
-        let ends = read_table(table, text, span, place, r.diagnostics, |v| {
+        let found = Found { table, text, span };
+        let ends = read_table(found, &LIMIT, place, r.diagnostics, |v| {
             [v.formula("min"), v.formula("max")]
         });
         limits.push((name, ends));

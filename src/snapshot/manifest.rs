@@ -1,10 +1,11 @@
 //! The list of golden pictures, `snapshots.toml`: which scene, which instant, which view, how much may differ.
 
+use super::keys::LIST;
 use crate::compare::film::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::view::{Ghosts, ViewProjection};
 use crate::model::view_change::ViewChange;
-use crate::scene::reader::{Spanned, TableReader, read_table};
+use crate::scene::reader::{Found, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, choice};
 use crate::scene::values::FormulaText;
@@ -93,14 +94,14 @@ fn pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
     }
     let whole = table.span();
     let place = "the list".to_owned();
-    let list = read_table(
-        table.get_ref(),
-        &source.text,
-        whole,
-        place,
-        diagnostics,
-        |r| r.tables("picture", picture),
-    );
+    let found = Found {
+        table: table.get_ref(),
+        text: &source.text,
+        span: whole,
+    };
+    let list = read_table(found, &LIST, place, diagnostics, |r| {
+        r.tables("picture", picture)
+    });
     let mut pictures: Vec<(Picture, Span)> = list.into_iter().flatten().collect();
     if pictures.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(

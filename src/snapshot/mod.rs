@@ -1,6 +1,7 @@
 //! Golden pictures: a list of pictures of scenes, and the files that they must equal.
 
 pub mod golden;
+pub mod keys;
 pub mod manifest;
 pub mod picture;
 

@@ -64,7 +64,7 @@ const WALLS: [Wall; 18] = [
         rooms: &["report/", "export/", "cli/"],
     },
     Wall {
-        words: &["clap::", "clap_complete::"],
+        words: &["clap::", "clap_complete::", "clap_mangen::"],
         rooms: &["cli/"],
     },
     Wall {

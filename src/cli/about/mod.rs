@@ -2,4 +2,6 @@
 
 pub mod completions;
 pub mod info;
+pub mod manual;
 pub mod scenes;
+pub mod schema;

@@ -9,9 +9,10 @@ pub mod values;
 pub mod view;
 
 use charts::{AccuracyArgs, PlotArgs};
-use clap::{Parser, Subcommand};
+use clap::{Parser, Subcommand, ValueEnum};
 use files::{DiffArgs, EncodeArgs, SnapshotArgs};
 use motion::{CheckArgs, ModesArgs, RenderArgs, SolveArgs};
+use std::path::PathBuf;
 use study::{OptimiseArgs, SensitivityArgs, SynthesiseArgs, ToleranceArgs};
 use values::ColourChoice;
 
@@ -32,6 +33,14 @@ pub struct Cli {
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed or could not prove what it was asked to, or a motion was given up undecided; \
 2 bad usage or bad scene; 3 no usable graphics adapter; 4 the mechanism could not be closed over the whole motion; 70 internal error; 130 interrupted.";
+
+/// `mechanim schema`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum SchemaArg {
+    Scene,
+    Snapshots,
+}
 
 /// The verbs.
 #[derive(Debug, Subcommand)]
@@ -77,5 +86,16 @@ pub enum Command {
     Completions {
         /// bash, zsh, fish, elvish or powershell.
         shell: clap_complete::Shell,
+    },
+    /// Print the JSON Schema of a kind of file, for editors that complete and check it.
+    Schema {
+        /// Which file.
+        #[arg(value_enum)]
+        file: SchemaArg,
+    },
+    /// Write manual pages, one for every verb, into a folder.
+    Manual {
+        /// The folder, which must exist.
+        folder: PathBuf,
     },
 }

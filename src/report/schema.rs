@@ -1,0 +1,95 @@
+//! A JSON Schema (draft 2020-12) of what a table of keys allows, as editors understand it.
+
+use crate::scene::keys::{Holds, Key, Keys};
+use serde_json::{Map, Value, json};
+
+/// The schema of a file whose top level is `keys`; every table below it is a definition.
+pub fn schema(keys: &'static Keys, title: &str) -> Value {
+    let mut definitions = Map::new();
+    let mut whole = of_table(keys, &mut definitions);
+    whole["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    whole["title"] = json!(title);
+    whole["$defs"] = Value::Object(definitions);
+    whole
+}
+
+fn of_table(keys: &'static Keys, definitions: &mut Map<String, Value>) -> Value {
+    let mut properties = Map::new();
+    for key in keys.list {
+        properties.insert(key.name.to_owned(), of_key(key, definitions));
+    }
+    let required = keys.list.iter().filter(|key| key.is_required);
+    let required: Vec<&str> = required.map(|key| key.name).collect();
+    let mut schema = json!({
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    });
+    if !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    if !keys.one_of.is_empty() {
+        let alternatives = keys.one_of.iter().map(|name| json!({ "required": [name] }));
+        schema["oneOf"] = alternatives.collect();
+    }
+    schema
+}
+
+fn of_key(key: &Key, definitions: &mut Map<String, Value>) -> Value {
+    let mut schema = of_value(key.holds, definitions);
+    schema["description"] = json!(key.says);
+    schema
+}
+
+fn of_value(holds: Holds, definitions: &mut Map<String, Value>) -> Value {
+    let formula = || json!({ "type": ["number", "string"] });
+    match holds {
+        Holds::Text => json!({ "type": "string" }),
+        Holds::Word(words) => json!({ "enum": words }),
+        Holds::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Holds::Flag => json!({ "type": "boolean" }),
+        Holds::Formula => formula(),
+        Holds::Formulas(count) => list(formula(), count),
+        Holds::Rows(count) => list(list(formula(), count), 0),
+        Holds::Colour => json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" }),
+        Holds::Table(keys) => reference(keys, definitions),
+        Holds::Tables(keys) => list(reference(keys, definitions), 0),
+        // A name with a dot is a table of names in TOML.
+        Holds::Named(values) => {
+            let mut value = any(values, definitions);
+            if values.iter().all(|holds| matches!(holds, Holds::Formula)) {
+                let dotted = json!({ "type": "object", "additionalProperties": value });
+                value = json!({ "anyOf": [value, dotted] });
+            }
+            json!({ "type": "object", "additionalProperties": value })
+        }
+        Holds::Any(values) => any(values, definitions),
+    }
+}
+
+fn any(values: &[Holds], definitions: &mut Map<String, Value>) -> Value {
+    let mut all = values.iter().map(|holds| of_value(*holds, definitions));
+    match (all.len(), all.next()) {
+        (1, Some(one)) => one,
+        (_, first) => json!({ "anyOf": first.into_iter().chain(all).collect::<Vec<_>>() }),
+    }
+}
+
+/// A list of so many items; zero stands for any number.
+fn list(items: Value, count: usize) -> Value {
+    match count {
+        0 => json!({ "type": "array", "items": items }),
+        _ => json!({ "type": "array", "items": items, "minItems": count, "maxItems": count }),
+    }
+}
+
+fn reference(keys: &'static Keys, definitions: &mut Map<String, Value>) -> Value {
+    let name = keys.name.replace(' ', "_");
+    if !definitions.contains_key(&name) {
+        // Stands in while the table is walked, so that none is walked twice.
+        definitions.insert(name.clone(), Value::Null);
+        let schema = of_table(keys, definitions);
+        definitions.insert(name.clone(), schema);
+    }
+    json!({ "$ref": format!("#/$defs/{name}") })
+}

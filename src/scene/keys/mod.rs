@@ -1,0 +1,118 @@
+//! Which keys a table of a file may have, and what each of them holds: the one list that the reader, its "did you mean",
+//! the schema for editors and the documents share.
+
+pub mod tables;
+
+/// The keys of one table.
+#[derive(Debug)]
+pub struct Keys {
+    /// What the table is called in messages and in the schema.
+    pub name: &'static str,
+    /// In the order of the documents.
+    pub list: &'static [Key],
+    /// Keys of which a table has exactly one; empty if it may have any.
+    pub one_of: &'static [&'static str],
+}
+
+/// One key.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// As typed.
+    pub name: &'static str,
+    /// What it holds.
+    pub holds: Holds,
+    /// The table is no good without it.
+    pub is_required: bool,
+    /// What it means, in a few words.
+    pub says: &'static str,
+}
+
+/// What a key holds.
+#[derive(Clone, Copy, Debug)]
+pub enum Holds {
+    /// A text.
+    Text,
+    /// One of these words.
+    Word(&'static [&'static str]),
+    /// Texts.
+    Texts,
+    /// `true` or `false`.
+    Flag,
+    /// A number, or a formula in quotes.
+    Formula,
+    /// A list of so many of them; zero stands for any number.
+    Formulas(usize),
+    /// A list of lists of so many.
+    Rows(usize),
+    /// `#rrggbb`.
+    Colour,
+    /// A table.
+    Table(&'static Keys),
+    /// A list of tables.
+    Tables(&'static Keys),
+    /// A table whose keys are names of the user's choice, each with one of these.
+    Named(&'static [Holds]),
+    /// One of these.
+    Any(&'static [Holds]),
+}
+
+impl Key {
+    /// A key that may be absent.
+    pub const fn new(name: &'static str, holds: Holds, says: &'static str) -> Self {
+        Self {
+            name,
+            holds,
+            is_required: false,
+            says,
+        }
+    }
+
+    /// The same, without which the table is no good.
+    pub const fn required(self) -> Self {
+        Self {
+            is_required: true,
+            ..self
+        }
+    }
+}
+
+impl Keys {
+    /// A table with any of these keys.
+    pub const fn new(name: &'static str, list: &'static [Key]) -> Self {
+        Self {
+            name,
+            list,
+            one_of: &[],
+        }
+    }
+
+    /// A table with exactly one of `one_of` among its keys.
+    pub const fn with_one_of(
+        name: &'static str,
+        list: &'static [Key],
+        one_of: &'static [&'static str],
+    ) -> Self {
+        Self { name, list, one_of }
+    }
+
+    /// The key of that name.
+    pub fn find(&self, name: &str) -> Option<&'static Key> {
+        self.list.iter().find(|key| key.name == name)
+    }
+
+    /// All names.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.list.iter().map(|key| key.name)
+    }
+
+    /// The keys of the table, or of each table of the list, that `name` holds; none if it holds something else.
+    pub fn inner(&self, name: &str) -> &'static Keys {
+        match self.find(name).map(|key| key.holds) {
+            Some(Holds::Table(keys) | Holds::Tables(keys)) => keys,
+            _ => &NONE,
+        }
+    }
+}
+
+/// A table without keys.
+pub static NONE: Keys = Keys::new("nothing", &[]);
