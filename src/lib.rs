@@ -36,6 +36,11 @@
 
 mod api;
 
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub use api::{
     Assembly, Check, CheckOptions, Error, ErrorKind, Film, FilmFile, Motion, PairClearance,
     Placement, Pose, Quantity, Samples, Scene,
