@@ -14,11 +14,10 @@ pub struct FileArgs {
     /// Format, where the file name does not tell; `-` alone is a GIF.
     #[arg(long, value_enum)]
     pub format: Option<PictureFormat>,
-    /// Quality of a GIF, 1 to 100 (the default): below 100 pixels may miss their colour a little where that makes
-    /// the file smaller.
+    /// Quality of a GIF, 1 to 100 (the default): lower values allow small colour errors for smaller files.
     #[arg(long, value_name = "N", value_parser = super::values::quality)]
     pub quality: Option<u8>,
-    /// How hard PNG and APNG are packed: stills and APNG are balanced, sequences fast unless said otherwise.
+    /// PNG compression level [default: balanced; fast for sequences].
     #[arg(long, value_enum)]
     pub compression: Option<Compression>,
     /// Colour of a y4m video: at every pixel (444, the default), or one for two by two pixels as most players want (420).

@@ -49,7 +49,7 @@ pub enum Command {
     Render(RenderArgs),
     /// Solve the motion and write every coordinate with its proof (CSV or JSON).
     Solve(SolveArgs),
-    /// Check that all loops close over the motion, or judge a pose that is offered.
+    /// Check loop closure, proofs, measures and clearances over the whole motion, or judge a given pose.
     Check(CheckArgs),
     /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
     Modes(ModesArgs),
@@ -65,11 +65,11 @@ pub enum Command {
     Snapshot(SnapshotArgs),
     /// Derivatives of the study's measures by every dimension, ranked.
     Sensitivity(SensitivityArgs),
-    /// What tolerances of the dimensions do to the study's measures: linear rules and random pieces.
+    /// Tolerance analysis of the study's measures: worst case, root-sum-square and Monte Carlo.
     Tolerance(ToleranceArgs),
-    /// Change dimensions so that the study's objective becomes least.
+    /// Minimise the study's objective over its design variables.
     Optimise(OptimiseArgs),
-    /// Find dimensions from many starts, prove the best, and compare scenes of one task.
+    /// Search dimensions from many starts, prove the best, and compare scenes of one task.
     Synthesise(SynthesiseArgs),
     /// List the built-in scenes, or print one.
     Scenes {

@@ -44,7 +44,7 @@ pub fn reduce(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced
     })
 }
 
-/// Index of the extreme value; a number that is none wins.
+/// Index of the extreme value; NaN counts as the most extreme.
 fn extreme(values: &[f64], beats: impl Fn(f64, f64) -> bool) -> usize {
     let mut best = 0;
     for (index, value) in values.iter().enumerate() {

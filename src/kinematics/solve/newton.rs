@@ -83,7 +83,7 @@ pub(crate) struct BlockBuffers {
     /// Inverse (of a tall matrix the pseudo-inverse) with one row an equation, so that a solution is a sum of rows.
     inverse: LaneMatrix,
     has_inverse: bool,
-    /// The factors are those of a pose beside.
+    /// The factorisation belongs to a neighbouring pose and is reused.
     beside: bool,
     /// The inverse comes from an elimination.
     eliminated: bool,

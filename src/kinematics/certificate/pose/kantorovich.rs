@@ -414,7 +414,7 @@ fn add_sizes<const G: usize>(sums: &mut [f64x4; G], groups: &[f64x4; G], factor:
     }
 }
 
-/// The larger, and a number that is none wins.
+/// Maximum; NaN propagates.
 fn worse(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
 }

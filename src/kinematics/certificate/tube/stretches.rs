@@ -73,7 +73,7 @@ pub struct Place {
     pub sample: Option<(Vec<f64>, f64)>,
 }
 
-/// The largest; a number that is none wins.
+/// Maximum; NaN propagates.
 pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
 }
