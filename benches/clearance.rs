@@ -16,9 +16,11 @@ use mechanim::clearance::pair::distance;
 use mechanim::diag::Source;
 
 use mechanim::math::Pose;
-use mechanim::model::shape::{Shape, Solid};
+use mechanim::model::shape::{Shape, Solid, TriangleSoup};
 use mechanim::scene::{Overrides, load};
+use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Queries of each kind.
@@ -44,16 +46,71 @@ fn pose(k: usize) -> Pose {
     Pose::from_translation(DVec3::new(3.0 * t.sin(), 2.0 * (1.3 * t).cos(), 2.6)) * turn
 }
 
-fn micros(a: &Element, b: &Element) -> f64 {
-    let placed: Vec<Element> = (0..QUERIES).map(|k| b.moved(&pose(k))).collect();
+fn micros(a: &Element, b: &Element, queries: usize) -> f64 {
+    let placed: Vec<Element> = (0..queries).map(|k| b.moved(&pose(k))).collect();
     let round = |_| {
         let start = Instant::now();
         for other in &placed {
             black_box(distance(black_box(a), other));
         }
-        start.elapsed().as_secs_f64() * 1e6 / QUERIES as f64
+        start.elapsed().as_secs_f64() * 1e6 / queries as f64
     };
     (0..ROUNDS).map(round).fold(f64::INFINITY, f64::min)
+}
+
+/// A sphere of triangles, `rings` from pole to pole and twice as many around.
+fn sphere_mesh(rings: u32, radius: f64) -> Solid {
+    let around = 2 * rings;
+    let vertex = |i: u32, j: u32| {
+        let (polar, turn) = (
+            PI * f64::from(i) / f64::from(rings),
+            TAU * f64::from(j) / f64::from(around),
+        );
+        let across = radius * polar.sin();
+        DVec3::new(
+            across * turn.cos(),
+            across * turn.sin(),
+            radius * polar.cos(),
+        )
+    };
+    let poles = [DVec3::Z * radius, DVec3::NEG_Z * radius];
+    let between = (1..rings).flat_map(|i| (0..around).map(move |j| vertex(i, j)));
+    let vertices: Vec<DVec3> = poles.into_iter().chain(between).collect();
+    let at = |i: u32, j: u32| match i {
+        0 => 0,
+        i if i == rings => 1,
+        _ => 2 + (i - 1) * around + j % around,
+    };
+    let mut triangles = Vec::new();
+    for i in 0..rings {
+        for j in 0..around {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            if i + 1 < rings {
+                triangles.push([a, b, c]);
+            }
+            if i > 0 {
+                triangles.push([a, c, d]);
+            }
+        }
+    }
+    Solid::Triangles(Arc::new(TriangleSoup {
+        source: String::new(),
+        vertices,
+        triangles,
+        is_surface: false,
+    }))
+}
+
+/// Meshes against solids and against each other, at fewer poses; `benches/peers/clearance.py` has the same pairs.
+fn mesh_pairs(solids: [(&str, &Element); 3]) {
+    for rings in [16, 50, 158] {
+        let mesh = element(sphere_mesh(rings, 1.0));
+        let count = 4 * rings * (rings - 1);
+        for (name, solid) in solids.into_iter().chain([("mesh", &mesh)]) {
+            let name = format!("{name}-mesh {count}");
+            println!("{name:<20} {:>8.3} us a query", micros(solid, &mesh, 500));
+        }
+    }
 }
 
 /// Two elements and their distance.
@@ -233,8 +290,13 @@ fn main() {
         ("box-box", &cuboid, &cuboid),
         ("cylinder-cylinder", &cylinder, &cylinder),
     ] {
-        println!("{name:<20} {:>8.3} us a query", micros(a, b));
+        println!("{name:<20} {:>8.3} us a query", micros(a, b, QUERIES));
     }
+    mesh_pairs([
+        ("capsule", &capsule),
+        ("box", &cuboid),
+        ("cylinder", &cylinder),
+    ]);
     known_pairs();
     for scene in ["gearshift", "slider-crank", "seven-r"] {
         let path = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));

@@ -198,7 +198,7 @@ impl Core {
         }
     }
 
-    /// Largest n · p over the points p of the convex hull of a core; `None` for meshes, and where there is no largest.
+    /// Largest n · p over the points p of the convex hull of a core; `None` where there is no largest.
     pub fn support(&self, n: DVec3) -> Option<f64> {
         Some(match self {
             Self::Point(p) => n.dot(*p),
@@ -221,7 +221,11 @@ impl Core {
                 n.dot(c.center) + c.radius * across.length()
             }
             Self::HalfSpace(h) if n == h.normal => n.dot(h.point),
-            Self::HalfSpace(_) | Self::Mesh(..) => return None,
+            Self::HalfSpace(_) => return None,
+            Self::Mesh(tree, pose) => {
+                let local = pose.rotation.transpose() * n;
+                n.dot(pose.transform_point(tree.farthest(local)?))
+            }
         })
     }
 }

@@ -7,6 +7,7 @@
 use super::core::{BOX_EDGES, Circle, Core, Frustum};
 use super::point::{PointHit, on_segment, point_to, to_segment};
 use super::search::{Spot, least_convex, least_near, least_on_circle};
+use super::triangles;
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_8, TAU};
@@ -68,6 +69,9 @@ pub fn nearest(a: &Core, b: &Core) -> CorePair {
         (Core::Segment(s), Core::Segment(t)) => of_segments(s, t),
         (_, Core::Segment(ends)) => of_edge(a, ends),
         (Core::Segment(ends), _) => of_edge(b, ends).swapped(),
+        (Core::Triangle(t), Core::Triangle(u)) => triangles::to_triangle(t, u),
+        (Core::Triangle(t), Core::Box(block)) => triangles::to_box(t, block),
+        (Core::Box(block), Core::Triangle(t)) => triangles::to_box(t, block).swapped(),
         _ => of_solids(a, b),
     }
 }
@@ -119,32 +123,13 @@ pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
 
 /// Nearest points of a convex core and a segment: the distance is convex along the segment.
 fn of_edge(a: &Core, ends: &[DVec3; 2]) -> CorePair {
-    if let Core::Triangle(corners) = a
-        && let Some(point) = crossing(corners, ends)
-    {
-        return CorePair {
-            distance: 0.0,
-            points: [point; 2],
-            normal: DVec3::ZERO,
-        };
+    if let Core::Triangle(corners) = a {
+        return triangles::to_segment(corners, ends);
     }
     let span = ends[1] - ends[0];
     let at = |t: f64| ends[0] + span * t;
     let spot = least_convex(0.0, 1.0, |t| spot(a, t, at(t), span));
     of_point(a, at(spot.at))
-}
-
-/// Where a segment goes through a triangle: rounding would leave a distance.
-fn crossing(corners: &[DVec3; 3], ends: &[DVec3; 2]) -> Option<DVec3> {
-    let [a, b, c] = *corners;
-    let normal = (b - a).cross(c - a);
-    let [from, to] = ends.map(|p| normal.dot(p - a));
-    if from * to > 0.0 || from == to {
-        return None;
-    }
-    let point = ends[0] + (ends[1] - ends[0]) * (from / (from - to));
-    let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
-    (within(a, b) && within(b, c) && within(c, a)).then_some(point)
 }
 
 fn spot(a: &Core, at: f64, point: DVec3, tangent: DVec3) -> Spot {

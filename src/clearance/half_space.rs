@@ -57,7 +57,10 @@ fn lowest(core: &Core, n: DVec3) -> DVec3 {
         Core::Circle(c) => of_rim(c),
         Core::Box(block) => of(&block.corners()),
         Core::Frustum(f) => of(&f.rims().map(|rim| of_rim(&rim))),
-        Core::Mesh(tree, pose) => pose.transform_point(tree.lowest(pose.rotation.transpose() * n)),
+        Core::Mesh(tree, pose) => {
+            let lowest = tree.farthest(pose.rotation.transpose() * -n);
+            pose.transform_point(lowest.unwrap_or_default())
+        }
         Core::HalfSpace(half) => half.point,
     }
 }

@@ -1,5 +1,6 @@
-//! A tree of balls over the triangles of a file, which are taken as they are.
+//! A tree of oriented boxes over the triangles of a file, which are taken as they are.
 
+use super::boxes::OrientedBox;
 pub use super::shells::Enclosure;
 use super::shells::{Shells, turns_around};
 use crate::model::shape::TriangleSoup;
@@ -8,11 +9,11 @@ use glam::DVec3;
 /// Most triangles in a leaf.
 const LEAF: usize = 4;
 
-/// A ball around some triangles.
+/// Some triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    pub(super) center: DVec3,
-    pub(super) radius: f64,
+    /// Holds them all.
+    pub(super) around: OrientedBox,
     /// A leaf's triangles, or the index of the second child (the first one follows).
     pub(super) content: Content,
 }
@@ -57,25 +58,16 @@ impl MeshTree {
     /// Adds the node over a range of triangles and all below it.
     fn grow(&mut self, start: usize, end: usize) {
         let part = &mut self.triangles[start..end];
-        let points = || part.iter().flatten();
-        let low = points().fold(DVec3::INFINITY, |m, p| m.min(*p));
-        let high = points().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
-        let center = (low + high) * 0.5;
-        let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
+        let around = OrientedBox::around(part);
         let index = self.nodes.len();
         let content = Content::Leaf(start, end);
-        self.nodes.push(Node {
-            center,
-            radius,
-            content,
-        });
+        self.nodes.push(Node { around, content });
         if end - start <= LEAF {
             return;
         }
-        let span = high - low;
-        let axis = (0..3).fold(0, |best, k| if span[k] > span[best] { k } else { best });
+        let axis = around.longest();
         let middle = (end - start) / 2;
-        let key = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+        let key = |t: &[DVec3; 3]| axis.dot(t[0] + t[1] + t[2]);
         part.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
         self.grow(start, start + middle);
         self.nodes[index].content = Content::Fork(self.nodes.len());
@@ -84,8 +76,8 @@ impl MeshTree {
 
     /// Centre and radius of a ball around all triangles.
     pub fn bounds(&self) -> (DVec3, f64) {
-        let root = self.nodes.first();
-        root.map_or((DVec3::ZERO, 0.0), |n| (n.center, n.radius))
+        let root = self.nodes.first().map(|node| node.around);
+        root.map_or((DVec3::ZERO, 0.0), |around| (around.center, around.radius))
     }
 
     /// Number of triangles.
@@ -98,11 +90,34 @@ impl MeshTree {
         self.triangles.is_empty()
     }
 
-    /// A vertex with the least n · p.
-    pub fn lowest(&self, n: DVec3) -> DVec3 {
-        let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
-        let corners = self.triangles.iter().flatten().copied();
-        corners.reduce(lower).unwrap_or_default()
+    /// A vertex with the largest n · p; none without triangles.
+    pub fn farthest(&self, n: DVec3) -> Option<DVec3> {
+        let mut best: Option<(f64, DVec3)> = None;
+        if !self.is_empty() {
+            self.climb(0, n, &mut best);
+        }
+        best.map(|(_, point)| point)
+    }
+
+    fn climb(&self, node: usize, n: DVec3, best: &mut Option<(f64, DVec3)>) {
+        match self.nodes[node].content {
+            Content::Leaf(start, end) => {
+                for p in self.triangles[start..end].iter().flatten() {
+                    let height = n.dot(*p);
+                    if best.is_none_or(|(highest, _)| height > highest) {
+                        *best = Some((height, *p));
+                    }
+                }
+            }
+            Content::Fork(second) => {
+                let highest = |k: usize| -self.nodes[k].around.support(n);
+                for (k, lowest) in nearer_first([node + 1, second].map(|k| (k, highest(k)))) {
+                    if best.is_none_or(|(highest, _)| -lowest > highest) {
+                        self.climb(k, n, best);
+                    }
+                }
+            }
+        }
     }
 
     /// Whether a point is inside, by the solid angle of all triangles; an open mesh has no inside.
@@ -113,4 +128,12 @@ impl MeshTree {
             && point.distance(center) <= radius
             && turns_around(&self.triangles, point).abs() > 0.5
     }
+}
+
+/// Two things in the order of their numbers.
+pub(super) fn nearer_first<T: Copy>(mut two: [(T, f64); 2]) -> [(T, f64); 2] {
+    if two[1].1 < two[0].1 {
+        two.swap(0, 1);
+    }
+    two
 }

@@ -3,6 +3,7 @@
 //! Everything here is values in, values out; nothing prints.
 
 pub mod bodies;
+mod boxes;
 mod branch_and_bound;
 pub mod check;
 mod contact;
@@ -25,3 +26,4 @@ mod search;
 mod shells;
 pub mod sweep;
 mod track;
+mod triangles;

@@ -1,0 +1,152 @@
+//! Oriented boxes around triangles: they lie along what they hold, so that they are as thin as a surface is curved.
+
+use glam::{DMat3, DVec3};
+
+/// A box in any direction, and the ball around what it holds.
+#[derive(Clone, Copy, Debug)]
+pub struct OrientedBox {
+    /// Its centre, that of the ball too.
+    pub center: DVec3,
+    /// Farthest point from the centre.
+    pub radius: f64,
+    /// Unit vectors along its edges.
+    axes: DMat3,
+    /// Half edge lengths.
+    half: DVec3,
+}
+
+/// Squarings of the matrix whose largest eigenvector is looked for: its 64th power.
+const SQUARINGS: usize = 6;
+
+impl OrientedBox {
+    /// Around triangles: along their common plane, or along the coordinate axes where that is smaller.
+    pub fn around(triangles: &[[DVec3; 3]]) -> Self {
+        let plain = Self::along(triangles, DMat3::IDENTITY);
+        let turned = Self::along(triangles, frame(triangles));
+        if turned.surface() < plain.surface() {
+            turned
+        } else {
+            plain
+        }
+    }
+
+    fn along(triangles: &[[DVec3; 3]], axes: DMat3) -> Self {
+        let to_box = axes.transpose();
+        let points = || triangles.iter().flatten();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for point in points() {
+            let local = to_box * *point;
+            (low, high) = (low.min(local), high.max(local));
+        }
+        let center = axes * ((low + high) * 0.5);
+        let far = points().map(|p| p.distance_squared(center));
+        Self {
+            center,
+            radius: far.fold(0.0, f64::max).sqrt(),
+            axes,
+            half: (high - low) * 0.5,
+        }
+    }
+
+    fn surface(&self) -> f64 {
+        let DVec3 { x, y, z } = self.half;
+        x * y + y * z + z * x
+    }
+
+    /// Half of its extent along `n`, in lengths of `n`.
+    #[inline]
+    pub fn reach(&self, n: DVec3) -> f64 {
+        let [x, y, z] = [self.axes.x_axis, self.axes.y_axis, self.axes.z_axis];
+        let local = DVec3::new(x.dot(n), y.dot(n), z.dot(n));
+        local.abs().dot(self.half)
+    }
+
+    /// Largest n · p of its points.
+    #[inline]
+    pub fn support(&self, n: DVec3) -> f64 {
+        self.center.dot(n) + self.reach(n)
+    }
+
+    /// The direction of its longest edge.
+    pub fn longest(&self) -> DVec3 {
+        let axis = (0..3).fold(0, |k, j| if self.half[j] > self.half[k] { j } else { k });
+        self.axes.col(axis)
+    }
+}
+
+/// Three unit vectors: across the triangles as far as they have a common plane, and along their longer extent in it.
+fn frame(triangles: &[[DVec3; 3]]) -> DMat3 {
+    let mut spread = DMat3::ZERO;
+    let mut middle = DVec3::ZERO;
+    for [a, b, c] in triangles {
+        let area = (*b - *a).cross(*c - *a);
+        let size = area.length();
+        if size > 0.0 {
+            spread += outer(area, area / size);
+        }
+        middle += (*a + *b + *c) / 3.0;
+    }
+    middle /= triangles.len().max(1) as f64;
+    let normal = main_direction(spread);
+    let x = normal.any_orthonormal_vector();
+    let y = normal.cross(x);
+    let (mut difference, mut mixed) = (0.0, 0.0);
+    for point in triangles.iter().flatten() {
+        let (u, v) = (x.dot(*point - middle), y.dot(*point - middle));
+        difference += u * u - v * v;
+        mixed += u * v;
+    }
+    // The double angle of the longer main axis of the points in the plane.
+    let (sin, cos) = crate::math::sin_cos(0.5 * libm::atan2(2.0 * mixed, difference));
+    DMat3::from_cols(x * cos + y * sin, y * cos - x * sin, normal)
+}
+
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// About the eigenvector of the largest eigenvalue, unit: any direction makes a box.
+fn main_direction(mut matrix: DMat3) -> DVec3 {
+    for _ in 0..SQUARINGS {
+        let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
+        if trace <= 0.0 || !trace.is_finite() {
+            return DVec3::Z;
+        }
+        matrix = matrix * (1.0 / trace);
+        matrix = matrix * matrix;
+    }
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let longest = columns.into_iter().fold(DVec3::ZERO, |best, column| {
+        if column.length_squared() > best.length_squared() {
+            column
+        } else {
+            best
+        }
+    });
+    longest.try_normalize().unwrap_or(DVec3::Z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A turned plate, both sides of it: the box is as thin as the plate, and holds every corner.
+    #[test]
+    fn a_box_lies_along_a_thin_plate() {
+        let turn = DMat3::from_quat(glam::DQuat::from_scaled_axis(DVec3::new(0.3, 1.1, -0.7)));
+        let mut triangles = Vec::new();
+        for height in [0.0, 0.01] {
+            for (x, y) in [(0.0, 0.0), (3.0, 1.0), (2.0, 5.0), (-1.0, 2.0)] {
+                let corner = |dx: f64, dy: f64| turn * DVec3::new(x + dx, y + dy, height);
+                triangles.push([corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)]);
+            }
+        }
+        let around = OrientedBox::around(&triangles);
+        assert!(around.reach(turn.z_axis) < 0.006, "{around:?}");
+        for n in [DVec3::X, DVec3::Y, DVec3::Z, turn.x_axis, -turn.z_axis] {
+            let farthest = triangles.iter().flatten().map(|p| n.dot(*p));
+            let farthest = farthest.fold(f64::NEG_INFINITY, f64::max);
+            assert!(around.support(n) >= farthest - 1e-12);
+        }
+    }
+}

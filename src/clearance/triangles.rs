@@ -1,0 +1,279 @@
+//! Exact distances of a triangle from a segment, a triangle, a box: closed forms, feature by feature.
+//!
+//! Two triangles are nearest at two edges, or at a corner and a face, or they cut each other. Where the slab between the
+//! nearest points of two edges has both triangles outside of it, it proves them to be the nearest of all.
+
+use super::core::Block;
+use super::cores::CorePair;
+use glam::DVec3;
+
+/// A triangle.
+type Corners = [DVec3; 3];
+
+/// Lines with a smaller sine between them are taken as parallel, too: then the ends are tried besides the crossing.
+const PARALLEL: f64 = 1e-6;
+
+/// A way this short against where its ends are is rounding, and its direction tells nothing.
+const NOISE: f64 = 1e-14;
+
+/// The edges of a triangle, each with the corner that is not on it.
+const EDGES: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+
+/// Two points and the square of their distance.
+#[derive(Clone, Copy)]
+struct Near {
+    square: f64,
+    points: [DVec3; 2],
+}
+
+impl Near {
+    const FAR: Self = Self {
+        square: f64::INFINITY,
+        points: [DVec3::ZERO; 2],
+    };
+
+    /// The same point of both.
+    const fn cut(point: DVec3) -> Self {
+        Self {
+            square: 0.0,
+            points: [point; 2],
+        }
+    }
+
+    fn of(p: DVec3, q: DVec3) -> Self {
+        Self {
+            square: p.distance_squared(q),
+            points: [p, q],
+        }
+    }
+
+    fn nearer(self, other: Self) -> Self {
+        if other.square < self.square {
+            other
+        } else {
+            self
+        }
+    }
+
+    fn swapped(self) -> Self {
+        let [p, q] = self.points;
+        Self {
+            points: [q, p],
+            ..self
+        }
+    }
+
+    fn pair(self) -> CorePair {
+        let span = self.points[1] - self.points[0];
+        let distance = span.length();
+        CorePair {
+            distance,
+            points: self.points,
+            normal: if distance > 0.0 {
+                span / distance
+            } else {
+                DVec3::ZERO
+            },
+        }
+    }
+}
+
+/// Nearest points of two segments.
+fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> Near {
+    let (u, v, w) = (a_end - a, b_end - b, b - a);
+    let across = u.cross(v);
+    let sine = across.length_squared();
+    let [uu, vv] = [u.length_squared(), v.length_squared()];
+    // Inside both: the cross product knows it without cancellation, and the foot holds on to the other line.
+    let s = w.cross(v).dot(across) / sine;
+    let t = w.cross(u).dot(across) / sine;
+    let mut best = Near::FAR;
+    if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+        let on_first = a + u * s;
+        let foot = (v.dot(on_first - b) / vv).clamp(0.0, 1.0);
+        best = Near::of(on_first, b + v * foot);
+        if sine > PARALLEL * PARALLEL * uu * vv {
+            return best;
+        }
+    }
+    let share = |along: f64, square: f64| {
+        if square > 0.0 {
+            (along / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
+    for (end, t) in [(a, -v.dot(w)), (a_end, v.dot(u - w))] {
+        best = best.nearer(Near::of(end, b + v * share(t, vv)));
+    }
+    for (end, s) in [(b, u.dot(w)), (b_end, u.dot(w + v))] {
+        best = best.nearer(Near::of(a + u * share(s, uu), end));
+    }
+    best
+}
+
+/// A point and where it is nearest to the inside of a triangle; none outside of the prism over it.
+fn over_face(corners: &Corners, normal: DVec3, point: DVec3) -> Option<Near> {
+    let [a, b, c] = *corners;
+    let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
+    let size = normal.length_squared();
+    (size > 0.0 && within(a, b) && within(b, c) && within(c, a)).then(|| {
+        let foot = point - normal * (normal.dot(point - a) / size);
+        Near::of(foot, point)
+    })
+}
+
+/// Where a segment goes through a triangle: rounding would leave a distance.
+fn crossing(corners: &Corners, normal: DVec3, ends: [DVec3; 2]) -> Option<DVec3> {
+    let [a, b, c] = *corners;
+    let [from, to] = ends.map(|p| normal.dot(p - a));
+    if from * to > 0.0 || from == to {
+        return None;
+    }
+    let point = ends[0] + (ends[1] - ends[0]) * (from / (from - to));
+    let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
+    (within(a, b) && within(b, c) && within(c, a)).then_some(point)
+}
+
+fn normal_of([a, b, c]: &Corners) -> DVec3 {
+    (*b - *a).cross(*c - *a)
+}
+
+/// Nearest points of a triangle and a segment.
+pub fn to_segment(corners: &Corners, ends: &[DVec3; 2]) -> CorePair {
+    let normal = normal_of(corners);
+    if let Some(point) = crossing(corners, normal, *ends) {
+        return Near::cut(point).pair();
+    }
+    let mut best = Near::FAR;
+    for [i, j, _] in EDGES {
+        best = best.nearer(of_segments([corners[i], corners[j]], *ends));
+    }
+    for end in ends {
+        best = best.nearer(over_face(corners, normal, *end).unwrap_or(Near::FAR));
+    }
+    best.pair()
+}
+
+/// Nearest points of two triangles.
+pub fn to_triangle(a: &Corners, b: &Corners) -> CorePair {
+    let mut best = Near::FAR;
+    for [i, j, third] in EDGES {
+        for [k, l, other] in EDGES {
+            let near = of_segments([a[i], a[j]], [b[k], b[l]]);
+            if near.square >= best.square {
+                continue;
+            }
+            best = near;
+            let [p, q] = near.points;
+            let span = q - p;
+            let is_noise =
+                near.square <= (NOISE * NOISE) * (p.length_squared() + q.length_squared());
+            if !is_noise && span.dot(a[third] - p) <= 0.0 && span.dot(b[other] - q) >= 0.0 {
+                return best.pair();
+            }
+        }
+    }
+    let normals = [normal_of(a), normal_of(b)];
+    let cut = |of: &Corners, normal: DVec3, other: &Corners| {
+        let edges = EDGES.map(|[i, j, _]| [other[i], other[j]]);
+        edges
+            .into_iter()
+            .find_map(|edge| crossing(of, normal, edge))
+    };
+    if let Some(point) = cut(a, normals[0], b).or_else(|| cut(b, normals[1], a)) {
+        return Near::cut(point).pair();
+    }
+    for k in 0..3 {
+        best = best.nearer(over_face(a, normals[0], b[k]).unwrap_or(Near::FAR));
+        let back = over_face(b, normals[1], a[k]).unwrap_or(Near::FAR);
+        best = best.nearer(back.swapped());
+    }
+    best.pair()
+}
+
+/// Nearest points of a triangle and a box; a common point at no distance where they overlap.
+pub fn to_box(corners: &Corners, block: &Block) -> CorePair {
+    let from_box = block.from_box;
+    let back = from_box.inverse();
+    let local = corners.map(|p| back.transform_point(p));
+    let found = to_centred_box(&local, block.half);
+    CorePair {
+        points: found.points.map(|p| from_box.transform_point(p)),
+        normal: from_box.transform_vector(found.normal),
+        ..found
+    }
+}
+
+/// The same for a box about the origin, along the axes.
+fn to_centred_box(corners: &Corners, half: DVec3) -> CorePair {
+    let mut best = Near::FAR;
+    for [i, j, _] in EDGES {
+        if let Some(point) = inside_box(corners[i], corners[j], half) {
+            return Near::cut(point).pair();
+        }
+        let point = on_edge(corners[i], corners[j], half);
+        best = best.nearer(Near::of(point, point.clamp(-half, half)));
+    }
+    // The face: the corners of the box that lie farthest on either side of its plane.
+    let normal = normal_of(corners);
+    let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
+    let corner = half * DVec3::new(sign(normal.x), sign(normal.y), sign(normal.z));
+    if let Some(point) = crossing(corners, normal, [corner, -corner]) {
+        return Near::cut(point).pair();
+    }
+    for corner in [corner, -corner] {
+        best = best.nearer(over_face(corners, normal, corner).unwrap_or(Near::FAR));
+    }
+    best.pair()
+}
+
+/// A point of an edge in a box about the origin, from where the edge enters and leaves the slabs of the box.
+fn inside_box(from: DVec3, to: DVec3, half: DVec3) -> Option<DVec3> {
+    let span = to - from;
+    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+    for k in 0..3 {
+        if span[k] == 0.0 {
+            if from[k].abs() > half[k] {
+                return None;
+            }
+            continue;
+        }
+        let [s, t] = [-half[k], half[k]].map(|side| (side - from[k]) / span[k]);
+        enters = enters.max(s.min(t));
+        leaves = leaves.min(s.max(t));
+    }
+    (enters <= leaves).then(|| from + span * (0.5 * (enters + leaves)))
+}
+
+/// The point of an edge nearest to a box about the origin. The square of the distance is a parabola between the places
+/// where a coordinate enters or leaves the box; its slope rises all along the edge.
+fn on_edge(from: DVec3, to: DVec3, half: DVec3) -> DVec3 {
+    let span = to - from;
+    let slope = |t: f64| {
+        let point = from + span * t;
+        (point - point.clamp(-half, half)).dot(span)
+    };
+    let (mut low, mut high) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
+    if low.1 >= 0.0 {
+        return from;
+    }
+    if high.1 <= 0.0 {
+        return to;
+    }
+    for k in 0..3 {
+        for side in [-half[k], half[k]] {
+            let t = (side - from[k]) / span[k];
+            if t > low.0 && t < high.0 {
+                let here = (t, slope(t));
+                if here.1 < 0.0 {
+                    low = here;
+                } else {
+                    high = here;
+                }
+            }
+        }
+    }
+    let t = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
+    from + span * t
+}
