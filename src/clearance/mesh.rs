@@ -1,19 +1,29 @@
 //! Distances of triangle meshes: both trees are walked towards the nearest triangles.
 //!
 //! What parts two boxes along any direction is a lower bound of their distance. Along the line between the nearest points
-//! known so far it is as good as the surfaces are flat, so that little is left to be looked at once these are right; the
-//! other directions tell what lies elsewhere.
+//! known so far what parts all that two nodes hold is known, too: of parts that bulge towards each other it proves that
+//! they are nowhere nearer, and where it does not, what reaches farthest is the next pair to try. The other directions tell
+//! what lies elsewhere.
 //!
 //! A mesh is a surface. It has distances and a test for points inside, but no depth.
 
 use super::boxes::OrientedBox;
 use super::core::{Core, Element};
 use super::cores::{self, CorePair};
-use super::mesh_tree::{Content, MeshTree, nearer_first};
+use super::mesh_tree::{Content, MeshTree, nearer_first, support};
 use super::point::point_to;
 use super::triangles;
 use crate::math::Pose;
 use glam::DVec3;
+
+/// What is as near as this share of the least distance is no nearer: rounding.
+const SAME: f64 = 1.0 - 4.0 * f64::EPSILON;
+
+/// How often the triangles that reach farthest are tried before a pair of nodes is split.
+const TRIES: usize = 8;
+
+/// Nodes of which less is below are split at once.
+const WORTH_A_TRY: usize = 16;
 
 /// A mesh and a core that is none, in the mesh's frame.
 struct ToCore<'a> {
@@ -26,7 +36,8 @@ struct ToCore<'a> {
 }
 
 impl ToCore<'_> {
-    fn take(&mut self, pair: CorePair) {
+    fn take(&mut self, triangle: usize) {
+        let pair = cores::nearest(&Core::Triangle(self.tree.triangles[triangle]), self.core);
         if pair.distance < self.best.distance {
             self.best = pair;
             self.reach = match self.core.support(-pair.normal) {
@@ -36,17 +47,19 @@ impl ToCore<'_> {
         }
     }
 
-    /// What parts something with this support along the best normal from the core.
-    fn slab(&self, support: f64) -> f64 {
-        -self.reach - support
+    /// Nothing at this distance is worth a look.
+    fn is_far(&self, distance: f64) -> bool {
+        distance >= self.best.distance * SAME || self.best.distance <= 0.0
+    }
+
+    /// Whether what reaches farthest along the best normal is no nearer.
+    fn is_parted(&self, support: f64) -> bool {
+        self.is_far(-self.reach - support)
     }
 
     fn apart(&self, around: &OrientedBox) -> f64 {
-        let slab = self.slab(around.support(self.best.normal));
-        if slab >= self.best.distance {
-            return slab;
-        }
-        let direct = point_to(self.core, around.center).map_or(0.0, |hit| {
+        let hit = point_to(self.core, around.center);
+        hit.map_or(0.0, |hit| {
             // A convex core lies behind the plane through its point that is nearest to the centre.
             let is_flat = self.is_convex && hit.normal != DVec3::ZERO;
             let reach = if is_flat {
@@ -55,33 +68,26 @@ impl ToCore<'_> {
                 around.radius
             };
             hit.distance - reach.min(around.radius)
-        });
-        slab.max(direct)
+        })
     }
 
     fn walk(&mut self, node: usize) {
-        match self.tree.nodes[node].content {
+        let second = match self.tree.nodes[node].content {
             Content::Leaf(start, end) => {
-                for t in &self.tree.triangles[start..end] {
-                    let triangle = Core::Triangle(*t);
-                    let support = triangle.support(self.best.normal).unwrap_or(0.0);
-                    if self.slab(support) < self.best.distance {
-                        self.take(cores::nearest(&triangle, self.core));
+                for k in start..end {
+                    if !self.is_parted(support(&self.tree.triangles[k], self.best.normal)) {
+                        self.take(k);
                     }
                 }
+                return;
             }
-            Content::Fork(second) => {
-                let next = [node + 1, second].map(|k| (k, self.apart(&self.tree.nodes[k].around)));
-                for (k, lowest) in nearer_first(next) {
-                    let is_open = |found: &Self| found.best.distance > 0.0;
-                    let around = &self.tree.nodes[k].around;
-                    if is_open(self)
-                        && lowest < self.best.distance
-                        && self.slab(around.support(self.best.normal)) < self.best.distance
-                    {
-                        self.walk(k);
-                    }
-                }
+            Content::Fork(second) => second,
+        };
+        let next = [node + 1, second].map(|k| (k, self.apart(&self.tree.nodes[k].around)));
+        for (k, lowest) in nearer_first(next) {
+            let top = self.tree.nodes[k].around.support(self.best.normal);
+            if !self.is_far(lowest) && !self.is_parted(top) {
+                self.walk(k);
             }
         }
     }
@@ -99,83 +105,98 @@ struct ToMesh<'a> {
 }
 
 impl ToMesh<'_> {
-    fn take(&mut self, pair: CorePair) {
-        if pair.distance < self.best.distance {
-            self.best = pair;
-            self.turned = self.pose.rotation.transpose() * pair.normal;
-            self.along = self.pose.translation.dot(pair.normal);
+    fn take(&mut self, [i, j]: [usize; 2]) -> bool {
+        let second = self.trees[1].triangles[j].map(|p| self.pose.transform_point(p));
+        let pair = triangles::to_triangle(&self.trees[0].triangles[i], &second);
+        if pair.distance >= self.best.distance {
+            return false;
         }
+        self.best = pair;
+        self.turned = self.pose.rotation.transpose() * pair.normal;
+        self.along = self.pose.translation.dot(pair.normal);
+        true
     }
 
-    /// What parts two boxes along the best normal.
-    fn slab(&self, a: &OrientedBox, b: &OrientedBox) -> f64 {
-        self.along - b.support(-self.turned) - a.support(self.best.normal)
+    /// Nothing at this distance is worth a look.
+    fn is_far(&self, distance: f64) -> bool {
+        distance >= self.best.distance * SAME || self.best.distance <= 0.0
     }
 
-    fn apart(&self, a: &OrientedBox, b: &OrientedBox) -> f64 {
-        let slab = self.slab(a, b);
-        if slab >= self.best.distance {
-            return slab;
-        }
+    /// Whether what reaches farthest along the best normal, and against it, is no nearer.
+    fn is_parted(&self, supports: [f64; 2]) -> bool {
+        self.is_far(self.along - supports[0] - supports[1])
+    }
+
+    fn supports(&self, [a, b]: [&OrientedBox; 2]) -> [f64; 2] {
+        [a.support(self.best.normal), b.support(-self.turned)]
+    }
+
+    /// What parts two boxes along the line through their centres.
+    fn apart(&self, [a, b]: [&OrientedBox; 2]) -> f64 {
         let span = self.pose.transform_point(b.center) - a.center;
         let distance = span.length();
-        if distance - a.radius - b.radius >= self.best.distance || distance == 0.0 {
-            return slab.max(distance - a.radius - b.radius);
+        let of_balls = distance - a.radius - b.radius;
+        if self.is_far(of_balls) || distance == 0.0 {
+            return of_balls;
         }
         let n = span / distance;
-        let reach = a.reach(n).min(a.radius);
-        let back = b.reach(self.pose.rotation.transpose() * n).min(b.radius);
-        slab.max(distance - reach - back)
+        let back = self.pose.rotation.transpose() * n;
+        distance - a.reach(n).min(a.radius) - b.reach(back).min(b.radius)
+    }
+
+    /// Whether nothing below two nodes is nearer; looks for something nearer first.
+    fn is_settled(&mut self, [a, b]: [usize; 2]) -> bool {
+        for _ in 0..TRIES {
+            let highest = [
+                self.trees[0].highest(a, self.best.normal),
+                self.trees[1].highest(b, -self.turned),
+            ];
+            if self.is_parted(highest.map(|h| h.height)) {
+                return true;
+            }
+            if !self.take(highest.map(|h| h.triangle)) {
+                return false;
+            }
+        }
+        false
     }
 
     fn walk(&mut self, nodes: [usize; 2]) {
-        let [a, b] = [0, 1].map(|k| self.trees[k].nodes[nodes[k]]);
-        let (forks, splits_first) = match (a.content, b.content) {
+        let [a, b] = [0, 1].map(|k| &self.trees[k].nodes[nodes[k]]);
+        let (splits, fork) = match (a.content, b.content) {
             (Content::Leaf(s, e), Content::Leaf(t, f)) => return self.leaves([s, e], [t, f]),
-            (Content::Fork(second), Content::Leaf(..)) => ([nodes[0] + 1, second], true),
-            (Content::Leaf(..), Content::Fork(second)) => ([nodes[1] + 1, second], false),
+            (Content::Fork(second), Content::Leaf(..)) => (0, second),
             (Content::Fork(second), Content::Fork(_)) if a.around.radius >= b.around.radius => {
-                ([nodes[0] + 1, second], true)
+                (0, second)
             }
-            (_, Content::Fork(second)) => ([nodes[1] + 1, second], false),
+            (_, Content::Fork(second)) => (1, second),
         };
-        let boxes = |k: usize| {
-            if splits_first {
-                [self.trees[0].nodes[k].around, b.around]
-            } else {
-                [a.around, self.trees[1].nodes[k].around]
-            }
+        if fork - nodes[splits] > WORTH_A_TRY && self.is_settled(nodes) {
+            return;
+        }
+        let with = |k: usize| {
+            let mut next = nodes;
+            next[splits] = k;
+            next
         };
-        let next = forks.map(|k| {
-            let [a, b] = boxes(k);
-            ((k, a, b), self.apart(&a, &b))
-        });
-        for ((k, a, b), lowest) in nearer_first(next) {
-            let least = self.best.distance;
-            if lowest < least && least > 0.0 && self.slab(&a, &b) < least {
-                let nodes = if splits_first {
-                    [k, nodes[1]]
-                } else {
-                    [nodes[0], k]
-                };
-                self.walk(nodes);
+        let [first, second] = self.trees;
+        let boxes = |[i, j]: [usize; 2]| [&first.nodes[i].around, &second.nodes[j].around];
+        let next = [nodes[splits] + 1, fork].map(with);
+        for (next, lowest) in nearer_first(next.map(|k| (k, self.apart(boxes(k))))) {
+            if !self.is_far(lowest) && !self.is_parted(self.supports(boxes(next))) {
+                self.walk(next);
             }
         }
     }
 
     fn leaves(&mut self, [s, e]: [usize; 2], [t, f]: [usize; 2]) {
         let [first, second] = self.trees;
-        for b in &second.triangles[t..f] {
-            let b = b.map(|p| self.pose.transform_point(p));
-            for a in &first.triangles[s..e] {
-                let n = self.best.normal;
-                let farthest = a
-                    .iter()
-                    .map(|p| n.dot(*p))
-                    .fold(f64::NEG_INFINITY, f64::max);
-                let nearest = b.iter().map(|p| n.dot(*p)).fold(f64::INFINITY, f64::min);
-                if nearest - farthest < self.best.distance {
-                    self.take(triangles::to_triangle(a, &b));
+        for j in t..f {
+            for i in s..e {
+                let reach = support(&first.triangles[i], self.best.normal);
+                let back = support(&second.triangles[j], -self.turned);
+                if !self.is_parted([reach, back]) {
+                    self.take([i, j]);
                 }
             }
         }
@@ -189,13 +210,20 @@ pub fn nearest(tree: &MeshTree, pose: &Pose, other: &Core) -> CorePair {
         _ if tree.is_empty() => CorePair::FAR,
         Core::Mesh(second, _) if second.is_empty() => CorePair::FAR,
         Core::Mesh(second, placed) => {
+            let pose = back * *placed;
             let mut search = ToMesh {
                 trees: [tree, second],
-                pose: back * *placed,
+                pose,
                 best: CorePair::FAR,
                 turned: DVec3::ZERO,
                 along: 0.0,
             };
+            let across = pose.transform_point(second.bounds().0) - tree.bounds().0;
+            let ahead = tree.highest(0, across).triangle;
+            let back = second
+                .highest(0, pose.rotation.transpose() * -across)
+                .triangle;
+            search.take([ahead, back]);
             search.walk([0, 0]);
             search.best
         }
@@ -207,6 +235,8 @@ pub fn nearest(tree: &MeshTree, pose: &Pose, other: &Core) -> CorePair {
                 best: CorePair::FAR,
                 reach: f64::INFINITY,
             };
+            let across = search.core.bounds().0 - tree.bounds().0;
+            search.take(tree.highest(0, across).triangle);
             search.walk(0);
             search.best
         }

@@ -92,27 +92,38 @@ impl MeshTree {
 
     /// A vertex with the largest n · p; none without triangles.
     pub fn farthest(&self, n: DVec3) -> Option<DVec3> {
-        let mut best: Option<(f64, DVec3)> = None;
-        if !self.is_empty() {
-            self.climb(0, n, &mut best);
-        }
-        best.map(|(_, point)| point)
+        let corners = self.triangles.get(self.highest(0, n).triangle)?;
+        Some(corners.iter().copied().fold(corners[0], |best, p| {
+            if n.dot(p) > n.dot(best) { p } else { best }
+        }))
     }
 
-    fn climb(&self, node: usize, n: DVec3, best: &mut Option<(f64, DVec3)>) {
+    /// What lies farthest along `n` below a node.
+    pub(super) fn highest(&self, node: usize, n: DVec3) -> Highest {
+        let mut best = Highest {
+            height: f64::NEG_INFINITY,
+            triangle: 0,
+        };
+        if !self.is_empty() {
+            self.climb(node, n, &mut best);
+        }
+        best
+    }
+
+    fn climb(&self, node: usize, n: DVec3, best: &mut Highest) {
         match self.nodes[node].content {
             Content::Leaf(start, end) => {
-                for p in self.triangles[start..end].iter().flatten() {
-                    let height = n.dot(*p);
-                    if best.is_none_or(|(highest, _)| height > highest) {
-                        *best = Some((height, *p));
+                for triangle in start..end {
+                    let height = support(&self.triangles[triangle], n);
+                    if height > best.height {
+                        *best = Highest { height, triangle };
                     }
                 }
             }
             Content::Fork(second) => {
-                let highest = |k: usize| -self.nodes[k].around.support(n);
-                for (k, lowest) in nearer_first([node + 1, second].map(|k| (k, highest(k)))) {
-                    if best.is_none_or(|(highest, _)| -lowest > highest) {
+                let below = |k: usize| (k, -self.nodes[k].around.support(n));
+                for (k, lowest) in nearer_first([below(node + 1), below(second)]) {
+                    if -lowest > best.height {
                         self.climb(k, n, best);
                     }
                 }
@@ -128,6 +139,20 @@ impl MeshTree {
             && point.distance(center) <= radius
             && turns_around(&self.triangles, point).abs() > 0.5
     }
+}
+
+/// The triangle that reaches farthest in a direction n, and the n · p of its corner.
+#[derive(Clone, Copy)]
+pub(super) struct Highest {
+    pub(super) height: f64,
+    pub(super) triangle: usize,
+}
+
+/// Largest n · p of a triangle.
+#[inline]
+pub(super) fn support(corners: &[DVec3; 3], n: DVec3) -> f64 {
+    let [a, b, c] = corners.each_ref().map(|p| n.dot(*p));
+    a.max(b).max(c)
 }
 
 /// Two things in the order of their numbers.
