@@ -221,9 +221,9 @@ impl PairSweep<'_> {
             nearest = nearest.min(meeting.found.distance);
             let below = match (&back, &mine.core) {
                 (Some(back), Core::HalfSpace(_)) => {
-                    Meeting::new(mine, &first.moved(&back.pose), first, back).below()
+                    Meeting::new(mine, &first.moved(&back.pose), first, back).below([goal, last])
                 }
-                _ => meeting.below(),
+                _ => meeting.below([goal, last]),
             };
             // No number is no bound, and where a mesh is met nothing is known of the depth.
             lowest = if self.meets([i, j], meeting.found.distance) {

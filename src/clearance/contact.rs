@@ -117,12 +117,12 @@ impl PairSweep<'_> {
                     continue;
                 }
                 let meeting = Meeting::new(first, &second, mine, moved);
-                let mut least = meeting.below_in_contact();
+                let mut least = meeting.below_in_contact(enough);
                 if least < enough {
                     // Of which body the points are followed matters: those of a solid lie anywhere on it.
                     let back = seen_back.get_or_insert_with(&back);
                     let b = first.moved(&back.pose);
-                    least = least.max(Meeting::new(mine, &b, first, back).below_in_contact());
+                    least = least.max(Meeting::new(mine, &b, first, back).below_in_contact(enough));
                 }
                 low = low.min(least);
                 high = high.min(meeting.above());

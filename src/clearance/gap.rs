@@ -3,36 +3,107 @@
 use super::core::Core;
 use super::curved;
 use super::meeting::Meeting;
+use super::mesh_meeting;
 use super::point::point_to;
 use glam::DVec3;
 
-impl Meeting<'_> {
-    /// Lower bound of the distance.
-    pub fn below(&self) -> f64 {
-        let (moved, ball) = (self.moved, self.mine.bounds());
-        let plain = self.found.distance - moved.distance(ball);
-        let n = self.found.normal;
-        let apart = self.found.distance + self.radii();
-        if n == DVec3::ZERO {
-            return plain;
+/// A bound along a direction n + u t for two hulls of which only their supports are needed.
+///
+/// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
+/// along n + u t and less both radii times its length, the terms up to u² are a concave function of a curve
+/// of second order in u. Such a curve lies in the hull of three control points, so that the function is nowhere less than
+/// the least of its values there. With D the distance in the middle, or any other that is not below zero, D u² t²/2 is taken
+/// off before, because the length of n + u t grows by no more than that: a gap of D along it stays one.
+pub(super) struct Slab {
+    controls: [Control; 3],
+    /// No gap is said to be larger: D.
+    most: f64,
+    /// What the terms that are left out may take away.
+    lost: f64,
+}
+
+/// One of the three points.
+struct Control {
+    /// Directions in which the supports of a and b are needed, in a's frame.
+    directions: [DVec3; 2],
+    /// The rest of the value.
+    rest: f64,
+}
+
+impl Slab {
+    /// Lower bound of the distance of two hulls, whose supports are given in two directions together.
+    pub(super) fn gap(&self, supports: impl Fn([DVec3; 2]) -> Option<f64>) -> Option<f64> {
+        let mut gap = self.most;
+        for control in &self.controls {
+            gap = gap.min(control.rest - supports(control.directions)?);
         }
-        // The plane between them stands still, or turns as the line between the nearest points does.
+        Some(gap - self.lost)
+    }
+}
+
+impl Meeting<'_> {
+    /// Lower bound of the distance. Of meshes it need not be better than the second goal, nor good if it cannot reach the first.
+    pub fn below(&self, goals: [f64; 2]) -> f64 {
+        let plain = self.found.distance - self.moved.distance(self.mine.bounds());
+        let is = |kind: fn(&Core) -> bool| kind(&self.a.core) || kind(&self.b.core);
+        // A half-space is as far from a mesh as from its hull.
+        if is(|core| matches!(core, Core::Mesh(..)))
+            && !is(|core| matches!(core, Core::HalfSpace(_)))
+        {
+            return plain.max(mesh_meeting::below(self, goals).min(self.found.distance));
+        }
+        let slabs = self.slabs();
+        let gaps = slabs.iter().flatten().filter_map(|slab| {
+            slab.gap(|[n, back]| Some(self.a.core.support(n)? + self.b.core.support(back)?))
+        });
+        gaps.fold(plain, f64::max)
+    }
+
+    /// The plane between the elements stands still, or turns as the line between the nearest points does.
+    pub(super) fn slabs(&self) -> [Option<Slab>; 2] {
+        let (moved, n) = (self.moved, self.found.normal);
+        if n == DVec3::ZERO {
+            return [None, None];
+        }
+        let ball = self.mine.bounds();
         let off = moved.deviation(ball);
-        let still = self.gap(DVec3::ZERO).map(|gap| gap - off);
-        let turning = || {
+        let apart = self.found.distance + self.radii();
+        let turning = (apart > 0.0).then(|| {
             let rate = moved.rate(self.core_points()[1]);
             let turn = (rate - n * n.dot(rate)) / apart;
             let third = turn.length() * moved.bending(ball);
             let length = (1.0 + turn.length_squared()).sqrt();
-            self.gap(turn).map(|gap| gap - third - length * off)
+            self.slab(turn, third + length * off)
+        });
+        [Some(self.slab(DVec3::ZERO, off)), turning]
+    }
+
+    fn slab(&self, t: DVec3, lost: f64) -> Slab {
+        let moved = self.moved;
+        let (n, most) = (self.found.normal, self.found.distance);
+        let first = n.cross(moved.spin) + t;
+        let second = moved.twist.transpose() * n + t.cross(moved.spin);
+        let (across, bend) = (
+            n.dot(moved.shift),
+            n.dot(moved.bend) + t.dot(moved.shift) - 0.5 * most.max(0.0) * t.length_squared(),
+        );
+        let control = |u: f64, square: f64| {
+            let plane = n + t * u;
+            Control {
+                directions: [plane, -(n + first * u + second * square)],
+                rest: u * across + square * bend - self.radii() * plane.length(),
+            }
         };
-        let turning = (apart > 0.0).then(turning).flatten();
-        still.into_iter().chain(turning).fold(plain, f64::max)
+        Slab {
+            controls: [control(-1.0, 1.0), control(1.0, 1.0), control(0.0, -1.0)],
+            most,
+            lost,
+        }
     }
 
     /// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
-    pub fn below_in_contact(&self) -> f64 {
-        let flat = self.below();
+    pub fn below_in_contact(&self, enough: f64) -> f64 {
+        let flat = self.below([enough; 2]);
         curved::below(self).map_or(flat, |low| flat.max(low))
     }
 
@@ -59,44 +130,21 @@ impl Meeting<'_> {
         }
         high
     }
-
-    /// Lower bound of the gap between two convex hulls along n + u t, of terms up to u².
-    ///
-    /// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
-    /// along n + u t and less both radii times its length, the terms up to u² are a concave function of a curve
-    /// of second order in u. Such a curve lies in the hull of three control points, so that the function is nowhere less than
-    /// the least of its values there. With D the distance in the middle, D u² t²/2 is taken off before, because the length of
-    /// n + u t grows by no more than that: a gap of D along it stays one.
-    fn gap(&self, t: DVec3) -> Option<f64> {
-        let Self { a, b, moved, .. } = *self;
-        let (n, middle) = (self.found.normal, self.found.distance);
-        let first = n.cross(moved.spin) + t;
-        let second = moved.twist.transpose() * n + t.cross(moved.spin);
-        let (across, bend) = (
-            n.dot(moved.shift),
-            n.dot(moved.bend) + t.dot(moved.shift) - 0.5 * middle.max(0.0) * t.length_squared(),
-        );
-        let control = |u: f64, square: f64| {
-            let support = b.core.support(-(n + first * u + second * square))?;
-            let plane = n + t * u;
-            let reached = a.core.support(plane)?;
-            Some(u * across + square * bend - support - reached - self.radii() * plane.length())
-        };
-        let ends = control(-1.0, 1.0)?.min(control(1.0, 1.0)?);
-        Some(ends.min(control(0.0, -1.0)?).min(middle))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::core::{Block, Circle, Element, Frustum, HalfSpace};
+    use super::super::mesh_tree::MeshTree;
     use super::super::pair::distance;
     use super::super::relative::RelativeChain;
     use super::*;
     use crate::kinematics::certificate::tube::Model;
     use crate::math::Pose;
     use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+    use crate::model::shape::TriangleSoup;
     use glam::{DMat3, DQuat};
+    use std::sync::Arc;
 
     /// Numbers in -1..1 that are the same in every run.
     struct Draws(u32);
@@ -115,6 +163,22 @@ mod tests {
             Pose {
                 rotation: DMat3::from_quat(DQuat::from_scaled_axis(self.vector(3.0))),
                 translation: self.vector(size),
+            }
+        }
+
+        /// Triangles anywhere, large and small.
+        fn soup(&mut self, size: f64) -> TriangleSoup {
+            let count = 4 + 40 * u32::from(self.next() > 0.0);
+            let mut vertices = Vec::new();
+            for _ in 0..count {
+                let (place, part) = (self.vector(size), 0.7 * size * self.next());
+                vertices.extend([0; 3].map(|_| place + self.vector(part)));
+            }
+            TriangleSoup {
+                source: String::new(),
+                vertices,
+                triangles: (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+                is_surface: true,
             }
         }
 
@@ -139,10 +203,11 @@ mod tests {
                     length: 2.0,
                     radii: [size, 0.7],
                 }),
-                _ => Core::HalfSpace(HalfSpace {
+                6 => Core::HalfSpace(HalfSpace {
                     point: center,
                     normal: axis,
                 }),
+                _ => Core::Mesh(Arc::new(MeshTree::new(&self.soup(size))), Pose::IDENTITY),
             };
             let radius = if kind < 4 { 0.3 } else { 0.0 };
             let shape = 0;
@@ -170,7 +235,8 @@ mod tests {
         let mut draws = Draws(7);
         let mut near = [0, 0];
         for round in 0..4000 {
-            let (kind, moving) = (round % 7, (round / 7) % 6);
+            let kinds = [0, 1, 2, 3, 4, 5, 6, 7, 7];
+            let (kind, moving) = (kinds[round % 9], [0, 1, 2, 3, 4, 5, 7][round / 9 % 7]);
             let (a, mine) = (draws.element(kind), draws.element(moving));
             let fixed = [0; 4].map(|_| Step::Fixed(draws.pose(1.0).into()));
             let chain = Chain {
@@ -201,7 +267,7 @@ mod tests {
             };
             let meeting = Meeting::new(&a, &b, &mine, &moved);
             let found = meeting.found;
-            let (low, high) = (meeting.below_in_contact(), meeting.above());
+            let (low, high) = (meeting.below_in_contact(f64::INFINITY), meeting.above());
             let plain = found.distance - moved.distance(mine.bounds());
             assert!(low >= plain && low <= found.distance);
             let of_curve = curved::below(&meeting);

@@ -16,6 +16,7 @@ mod half_space;
 pub mod meeting;
 pub mod mesh;
 mod mesh_faults;
+mod mesh_meeting;
 pub mod mesh_tree;
 pub mod motion;
 pub mod neighbours;

@@ -7,6 +7,7 @@ use mechanim::clearance::core::{Core, Element};
 pub enum Solid<N> {
     Point(Vector<N>),
     Segment([Vector<N>; 2]),
+    Triangle([Vector<N>; 3]),
     Circle(Circle<N>),
     Box {
         center: Vector<N>,
@@ -35,7 +36,7 @@ pub struct Circle<N> {
 }
 
 impl<N: Number> Solid<N> {
-    /// The core of an element; meshes and triangles are not known here.
+    /// The core of an element; meshes are not known here.
     pub fn of(element: &Element) -> Self {
         let one = Vector::<N>::of;
         match &element.core {
@@ -69,7 +70,8 @@ impl<N: Number> Solid<N> {
                 point: one(h.point),
                 normal: one(h.normal).unit(),
             },
-            Core::Triangle(_) | Core::Mesh(..) => panic!("no reference for triangles"),
+            Core::Triangle(corners) => Self::Triangle(corners.map(one)),
+            Core::Mesh(..) => panic!("a mesh is given triangle by triangle"),
         }
     }
 
@@ -78,11 +80,19 @@ impl<N: Number> Solid<N> {
         let zero = N::from(0.0);
         match self {
             Self::Point(q) => (p - *q).length(),
-            Self::Segment([a, b]) => {
-                let span = *b - *a;
-                let t = (p - *a).dot(span).over(span.dot(span));
-                let t = t.greater(zero).lesser(N::from(1.0));
-                (p - *a - span * t).length()
+            Self::Segment(ends) => to_segment(*ends, p),
+            Self::Triangle([a, b, c]) => {
+                let (u, v, w) = (*b - *a, *c - *a, p - *a);
+                let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+                let (wu, wv, size) = (w.dot(u), w.dot(v), uu * vv - uv * uv);
+                let s = (wu * vv - wv * uv).over(size);
+                let t = (wv * uu - wu * uv).over(size);
+                let rest = N::from(1.0) - s - t;
+                if [s, t, rest].iter().all(|share| share.rounded() >= 0.0) {
+                    return (w - u * s - v * t).length();
+                }
+                let edges = [[*a, *b], [*b, *c], [*c, *a]].map(|edge| to_segment(edge, p));
+                edges[0].lesser(edges[1]).lesser(edges[2])
             }
             Self::Circle(c) => {
                 let offset = p - c.center;
@@ -123,6 +133,16 @@ impl<N: Number> Solid<N> {
                     *a
                 }
             }
+            Self::Triangle([a, b, c]) => {
+                let higher = |p: &Vector<N>, q: &Vector<N>| {
+                    if n.dot(*p).is_below(n.dot(*q)) {
+                        *q
+                    } else {
+                        *p
+                    }
+                };
+                higher(&higher(a, b), c)
+            }
             Self::Circle(c) => farthest_of_rim(c.center, c.axis, c.radius, n),
             Self::Box { center, axes, half } => {
                 let side = |k: usize| {
@@ -148,6 +168,13 @@ impl<N: Number> Solid<N> {
             Self::HalfSpace { .. } => panic!("a half-space has no farthest point"),
         }
     }
+}
+
+fn to_segment<N: Number>([a, b]: [Vector<N>; 2], p: Vector<N>) -> N {
+    let span = b - a;
+    let t = (p - a).dot(span).over(span.dot(span));
+    let t = t.greater(N::from(0.0)).lesser(N::from(1.0));
+    (p - a - span * t).length()
 }
 
 fn farthest_of_rim<N: Number>(

@@ -1,0 +1,273 @@
+//! Bounds of the distance of a mesh and another element while one of them moves for a short time.
+//!
+//! Triangles are convex, so that a plane between two of them bounds their distance to second order in the time. The same
+//! plane bounds that of all that two nodes hold, by their boxes or by what reaches farthest of them; only nodes that it does
+//! not part are split, down to pairs of triangles with planes of their own.
+
+use super::boxes::OrientedBox;
+use super::core::{Core, Element};
+use super::gap::Slab;
+use super::meeting::Meeting;
+use super::mesh_tree::{Content, MeshTree, nearer_first, support};
+use super::point::point_to;
+use crate::math::Pose;
+use glam::DVec3;
+
+/// Most pairs of nodes that are split for one bound: what is left counts with the bound it has.
+const MOST_SPLITS: usize = 4_000;
+
+/// Of nodes with less below them the boxes say enough.
+const WORTH_A_CLIMB: usize = 16;
+
+/// A part of an element, placed where it is in the middle of the time.
+#[derive(Clone, Copy)]
+enum Part<'e> {
+    /// A core that is no mesh.
+    Solid(&'e Core),
+    /// What a node of a placed mesh holds.
+    Node(&'e MeshTree, &'e Pose, usize),
+}
+
+impl<'e> Part<'e> {
+    fn new(core: &'e Core) -> Self {
+        match core {
+            Core::Mesh(tree, pose) => Self::Node(tree, pose, 0),
+            solid => Self::Solid(solid),
+        }
+    }
+
+    fn around(tree: &MeshTree, node: usize) -> &OrientedBox {
+        &tree.nodes[node].around
+    }
+
+    /// No n · p of its points is larger.
+    fn support(self, n: DVec3) -> Option<f64> {
+        match self {
+            Self::Solid(core) => core.support(n),
+            Self::Node(tree, pose, node) => {
+                let local = pose.rotation.transpose() * n;
+                Some(n.dot(pose.translation) + Self::around(tree, node).support(local))
+            }
+        }
+    }
+
+    /// The same, as near as its corners are.
+    fn exact_support(self, n: DVec3) -> Option<f64> {
+        match self {
+            Self::Solid(core) => core.support(n),
+            Self::Node(tree, pose, node) => {
+                let local = pose.rotation.transpose() * n;
+                Some(n.dot(pose.translation) + tree.highest(node, local).height)
+            }
+        }
+    }
+
+    fn ball(self) -> (DVec3, f64) {
+        match self {
+            Self::Solid(core) => core.bounds(),
+            Self::Node(tree, pose, node) => {
+                let around = Self::around(tree, node);
+                (pose.transform_point(around.center), around.radius)
+            }
+        }
+    }
+
+    /// Its two halves, if it is a node that has some.
+    fn halves(self) -> Option<[Self; 2]> {
+        match self {
+            Self::Node(tree, pose, node) => match tree.nodes[node].content {
+                Content::Fork(second) => {
+                    Some([node + 1, second].map(|k| Self::Node(tree, pose, k)))
+                }
+                Content::Leaf(..) => None,
+            },
+            Self::Solid(_) => None,
+        }
+    }
+
+    /// How many nodes lie below the first of its halves.
+    fn weight(self) -> usize {
+        match self {
+            Self::Node(tree, _, node) => match tree.nodes[node].content {
+                Content::Fork(second) => second - node,
+                Content::Leaf(..) => 0,
+            },
+            Self::Solid(_) => 0,
+        }
+    }
+}
+
+/// The triangles of a leaf with where they are placed, or the one other core.
+fn cores<'e>(part: Part<'e>, element: &'e Element) -> impl Iterator<Item = Core> + 'e {
+    let (list, pose, solid): (&[[DVec3; 3]], _, _) = match (part, &element.core) {
+        (Part::Node(tree, _, node), Core::Mesh(_, pose)) => match tree.nodes[node].content {
+            Content::Leaf(start, end) => (&tree.triangles[start..end], *pose, None),
+            Content::Fork(_) => (&[], *pose, None),
+        },
+        (_, core) => (&[], Pose::IDENTITY, Some(core.clone())),
+    };
+    let placed = list
+        .iter()
+        .map(move |t| Core::Triangle(t.map(|p| pose.transform_point(p))));
+    placed.chain(solid)
+}
+
+struct Search<'e> {
+    meeting: &'e Meeting<'e>,
+    slabs: [Option<Slab>; 2],
+    goals: [f64; 2],
+    lowest: f64,
+    splits: usize,
+}
+
+/// Lower bound of the distance, as far as the goals need it.
+pub(super) fn below(meeting: &Meeting, goals: [f64; 2]) -> f64 {
+    let parts = [Part::new(&meeting.a.core), Part::new(&meeting.b.core)];
+    let mut search = Search {
+        meeting,
+        slabs: meeting.slabs(),
+        goals,
+        lowest: f64::INFINITY,
+        splits: MOST_SPLITS,
+    };
+    let is_empty = |part: &Part| matches!(part, Part::Node(tree, ..) if tree.is_empty());
+    if !parts.iter().any(is_empty) {
+        let whole = search.bound(parts);
+        search.visit(parts, whole);
+    }
+    search.lowest
+}
+
+impl<'e> Search<'e> {
+    /// Nothing above this needs a closer look.
+    fn enough(&self) -> f64 {
+        self.goals[1].min(self.lowest)
+    }
+
+    fn slab(&self, supports: impl Fn([DVec3; 2]) -> Option<f64> + Copy) -> f64 {
+        let gaps = self.slabs.iter().flatten();
+        let gaps = gaps.filter_map(|slab| slab.gap(supports));
+        gaps.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Lower bound of the distance of two parts: of their boxes along the plane, or in the middle less the way of the second.
+    fn bound(&self, [a, b]: [Part<'e>; 2]) -> f64 {
+        let flat = self.slab(|[n, back]| Some(a.support(n)? + b.support(back)?));
+        if flat >= self.enough() {
+            return flat;
+        }
+        let way = match (b, &self.meeting.mine.core) {
+            (Part::Node(tree, _, node), Core::Mesh(_, pose)) => {
+                let around = Part::around(tree, node);
+                let center = pose.transform_point(around.center);
+                self.meeting.moved.distance((center, around.radius))
+            }
+            _ => self.meeting.moved.distance(self.meeting.mine.bounds()),
+        };
+        flat.max(self.apart([a, b]) - way)
+    }
+
+    /// The same in the middle of the time.
+    fn apart(&self, [a, b]: [Part<'e>; 2]) -> f64 {
+        let [(p, r), (q, s)] = [a.ball(), b.ball()];
+        let seen = |core: &Core, center: DVec3, radius: f64| match point_to(core, center) {
+            Some(hit) => (hit.normal, hit.distance - radius),
+            None => (DVec3::ZERO, f64::NEG_INFINITY),
+        };
+        let (n, of_balls) = match (a, b) {
+            (Part::Solid(core), _) => seen(core, q, s),
+            (_, Part::Solid(core)) => {
+                let (n, apart) = seen(core, p, r);
+                (-n, apart)
+            }
+            _ => {
+                let span = q - p;
+                (span.normalize_or_zero(), span.length() - r - s)
+            }
+        };
+        let supports = a.support(n).zip(b.support(-n)).filter(|_| n != DVec3::ZERO);
+        let flat = supports.map_or(f64::NEG_INFINITY, |(a, b)| -a - b);
+        of_balls.max(flat) - self.meeting.radii()
+    }
+
+    /// No number is no bound.
+    fn lower(&mut self, bound: f64) {
+        let known = if bound.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            bound
+        };
+        self.lowest = self.lowest.min(known);
+    }
+
+    /// Lowers the bound to that of two parts, as far as it is needed.
+    fn visit(&mut self, parts: [Part<'e>; 2], bound: f64) {
+        if bound >= self.enough() {
+            self.lower(bound);
+            return;
+        }
+        let [a, b] = parts;
+        let halves = [a.halves(), b.halves()];
+        if halves.iter().all(Option::is_none) {
+            return self.leaves(parts);
+        }
+        if a.weight().max(b.weight()) > WORTH_A_CLIMB {
+            let exact = self.slab(|[n, back]| Some(a.exact_support(n)? + b.exact_support(back)?));
+            if exact >= self.enough() {
+                self.lower(exact);
+                return;
+            }
+        }
+        if self.splits == 0 {
+            self.lower(bound);
+            return;
+        }
+        self.splits -= 1;
+        let next = match halves {
+            [Some(mine), None] => mine.map(|a| [a, b]),
+            [Some(mine), Some(_)] if a.ball().1 >= b.ball().1 => mine.map(|a| [a, b]),
+            [_, Some(theirs)] => theirs.map(|b| [a, b]),
+            [None, None] => return,
+        };
+        for (parts, bound) in nearer_first(next.map(|parts| (parts, self.bound(parts)))) {
+            self.visit(parts, bound);
+        }
+    }
+
+    /// Every triangle against every one of another leaf, or against the other core.
+    fn leaves(&mut self, [a, b]: [Part<'e>; 2]) {
+        let Meeting {
+            a: first,
+            b: second,
+            mine,
+            moved,
+            ..
+        } = *self.meeting;
+        let of = |core: Core, element: &Element| Element { core, ..*element };
+        for (theirs, own) in cores(b, second).zip(cores(b, mine)) {
+            for core in cores(a, first) {
+                let flat = self.slab(|[n, back]| Some(reach(&core, n)? + reach(&theirs, back)?));
+                let low = if flat >= self.enough() {
+                    flat
+                } else {
+                    let (a, b) = (of(core, first), of(theirs.clone(), second));
+                    let own = of(own.clone(), mine);
+                    let near = Meeting::new(&a, &b, &own, moved);
+                    flat.max(near.below(self.goals))
+                };
+                self.lower(low);
+                if self.lowest < self.goals[0] {
+                    // The time is too long: the rest need not be known well.
+                    self.splits = 0;
+                }
+            }
+        }
+    }
+}
+
+fn reach(core: &Core, n: DVec3) -> Option<f64> {
+    match core {
+        Core::Triangle(corners) => Some(support(corners, n)),
+        core => core.support(n),
+    }
+}
