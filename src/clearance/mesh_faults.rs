@@ -19,12 +19,22 @@ fn meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
 pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
     let mut list = Vec::new();
     for (body, hull) in mechanism.bodies.iter().zip(hulls) {
-        let odd = hull.iter().flat_map(meshes);
-        for tree in odd.filter(|tree| tree.enclosure == Enclosure::InsideOut) {
-            list.push(format!(
-                "the mesh of `{}` ({}) is inside out: its inside is taken as the enclosed space all the same",
-                body.name, tree.source
-            ));
+        for tree in hull.iter().flat_map(meshes) {
+            let mesh = format!("the mesh of `{}` ({})", body.name, tree.source);
+            if tree.enclosure == Enclosure::InsideOut {
+                list.push(format!(
+                    "{mesh} is inside out: its inside is taken as the enclosed space all the same"
+                ));
+            }
+            if tree.flaps > 0 {
+                let flaps = match tree.flaps {
+                    1 => "a triangle that belongs".to_owned(),
+                    count => format!("{count} triangles that belong"),
+                };
+                list.push(format!(
+                    "{mesh} has {flaps} to no closed shell: taken as a sheet that encloses nothing"
+                ));
+            }
         }
     }
     list

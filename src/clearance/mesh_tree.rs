@@ -35,6 +35,10 @@ pub struct MeshTree {
     pub open_edges: usize,
     /// A corner of every connected part.
     pub points: Vec<DVec3>,
+    /// Triangles beside closed shells: they have distances and enclose nothing.
+    pub flaps: usize,
+    /// What encloses space where that is not all triangles.
+    walls: Option<Vec<[DVec3; 3]>>,
     pub(super) triangles: Vec<[DVec3; 3]>,
     pub(super) nodes: Vec<Node>,
 }
@@ -42,12 +46,17 @@ pub struct MeshTree {
 impl MeshTree {
     /// Builds the tree: n log n.
     pub fn new(soup: &TriangleSoup) -> Self {
-        let shells = Shells::new(soup);
+        let mut shells = Shells::new(soup);
+        let flaps = shells.flaps.len();
+        let walls = (flaps > 0).then(|| shells.triangles.clone());
+        shells.triangles.append(&mut shells.flaps);
         let mut tree = Self {
             source: soup.source.clone(),
             enclosure: shells.enclosure,
             open_edges: shells.open_edges,
             points: shells.points,
+            flaps,
+            walls,
             triangles: shells.triangles,
             nodes: Vec::new(),
         };
@@ -137,7 +146,7 @@ impl MeshTree {
         let (center, radius) = self.bounds();
         is_hollow
             && point.distance(center) <= radius
-            && turns_around(&self.triangles, point).abs() > 0.5
+            && turns_around(self.walls.as_ref().unwrap_or(&self.triangles), point).abs() > 0.5
     }
 }
 

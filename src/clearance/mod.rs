@@ -11,6 +11,7 @@ pub mod core;
 mod cores;
 mod curved;
 mod depth;
+mod flaps;
 mod gap;
 mod half_space;
 pub mod meeting;

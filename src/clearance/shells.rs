@@ -1,5 +1,6 @@
 //! The shells of a mesh: its connected parts, whether each encloses space, and which side of it is outside.
 
+use super::flaps::Sides;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -35,15 +36,14 @@ pub struct Shells {
     pub points: Vec<DVec3>,
     /// The triangles, those of closed shells as seen from outside.
     pub triangles: Vec<[DVec3; 3]>,
+    /// Triangles that belong to no shell and enclose nothing, beside the others.
+    pub flaps: Vec<[DVec3; 3]>,
 }
 
 /// Triangles by corners that are one where they belong together.
 struct Surface {
     triangles: Vec<[usize; 3]>,
 }
-
-/// The sides of an edge, along it and against it: triangles.
-type Sides = HashMap<[usize; 2], [Vec<usize>; 2]>;
 
 impl Shells {
     /// Of triangles as a file holds them.
@@ -55,28 +55,15 @@ impl Shells {
             surface.weld(&soup.vertices);
         }
         let mut open_edges = surface.open_edges().len();
-        if open_edges > 0 {
-            let turned = surface.agreed();
-            let open = turned.open_edges().len();
-            if open == 0 {
-                for ((t, own), corners) in surface
-                    .triangles
-                    .iter()
-                    .zip(&turned.triangles)
-                    .zip(&mut triangles)
-                {
-                    if t != own {
-                        corners.swap(0, 1);
-                    }
-                }
-                (surface, open_edges) = (turned, 0);
-            }
-        }
-        let shells = surface.parts();
-        let points = shells
+        let points = surface.parts();
+        let points = points
             .iter()
             .filter_map(|list| triangles.get(*list.first()?));
         let points = points.map(|t| t[0]).collect();
+        let mut flaps = Vec::new();
+        if open_edges > 0 && surface.close(&mut triangles, &soup.vertices, &mut flaps) {
+            open_edges = 0;
+        }
         let is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
         let enclosure = match (soup.is_surface, is_hollow) {
             (true, _) => Enclosure::Surface,
@@ -85,13 +72,14 @@ impl Shells {
             (false, true) => Enclosure::Solid,
         };
         if is_hollow {
-            turn_outside_out(&mut triangles, &shells);
+            turn_outside_out(&mut triangles, &surface.parts());
         }
         Self {
             enclosure,
             open_edges,
             points,
             triangles,
+            flaps,
         }
     }
 }
@@ -132,25 +120,58 @@ impl Surface {
         sides
     }
 
-    /// Edges that do not have as many sides along them as against them.
+    /// Edges that do not have as many sides along them as against them, in order.
     fn open_edges(&self) -> Vec<[usize; 2]> {
-        let sides = self.sides();
-        let open = sides
+        let whole = self
+            .triangles
             .iter()
-            .filter(|(_, [along, against])| along.len() != against.len());
-        let mut list: Vec<[usize; 2]> = open.map(|(edge, _)| *edge).collect();
-        list.sort_unstable();
-        list
+            .filter(|[a, b, c]| a != b && b != c && c != a);
+        let mut edges: Vec<([usize; 2], bool)> = whole
+            .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]])
+            .map(|[from, to]| ([from.min(to), from.max(to)], from < to))
+            .collect();
+        edges.sort_unstable();
+        let equal = edges.chunk_by(|first, second| first.0 == second.0);
+        let open = equal.filter(|sides| 2 * sides.iter().filter(|s| s.1).count() != sides.len());
+        open.filter_map(|sides| Some(sides.first()?.0)).collect()
+    }
+
+    /// Makes a closed surface of one that is closed but for flaps and for triangles that are numbered the other way round:
+    /// takes the flaps out, and turns the others. Changes nothing and says so where that is not enough.
+    fn close(
+        &mut self,
+        triangles: &mut Vec<[DVec3; 3]>,
+        vertices: &[DVec3],
+        flaps: &mut Vec<[DVec3; 3]>,
+    ) -> bool {
+        let at = |k: usize| vertices[k];
+        let is_flap = super::flaps::flaps(&self.triangles, &self.sides(), at, weld(vertices));
+        let kept: Vec<usize> = (0..is_flap.len()).filter(|k| !is_flap[*k]).collect();
+        let shell = Self {
+            triangles: kept.iter().map(|k| self.triangles[*k]).collect(),
+        };
+        let turned = shell.agreed();
+        if kept.is_empty() || !turned.open_edges().is_empty() {
+            return false;
+        }
+        let taken = (0..is_flap.len()).filter(|k| is_flap[*k]);
+        *flaps = taken.map(|k| triangles[k]).collect();
+        let pairs = kept
+            .iter()
+            .zip(shell.triangles.iter().zip(&turned.triangles));
+        *triangles = pairs
+            .map(|(k, (old, new))| {
+                let [a, b, c] = triangles[*k];
+                if old == new { [a, b, c] } else { [b, a, c] }
+            })
+            .collect();
+        *self = turned;
+        true
     }
 
     /// Makes corners of open edges one that are as near as the numbers of a file can be wrong.
     fn weld(&mut self, vertices: &[DVec3]) {
-        let largest = vertices
-            .iter()
-            .fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
-        let low = vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
-        let high = vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
-        let near = (WELD * largest).min(LARGEST_WELD * (high - low).length());
+        let near = weld(vertices);
         let mut corners: Vec<usize> = self.open_edges().into_iter().flatten().collect();
         corners.sort_unstable();
         corners.dedup();
@@ -179,17 +200,19 @@ impl Surface {
         }
     }
 
-    /// The same triangles, turned so that neighbours run along their common edge in opposite directions, where that can be.
+    /// The same triangles, turned so that neighbours run along their common edge in opposite directions, where that can be;
+    /// of those that hang together the smaller part is turned.
     fn agreed(&self) -> Self {
         let mut triangles = self.triangles.clone();
         let sides = self.sides();
         let mut is_done = vec![false; triangles.len()];
-        let mut ahead = Vec::new();
         for seed in 0..triangles.len() {
-            if !std::mem::replace(&mut is_done[seed], true) {
-                ahead.push(seed);
+            if std::mem::replace(&mut is_done[seed], true) {
+                continue;
             }
-            while let Some(k) = ahead.pop() {
+            let (mut together, mut next, mut turned) = (vec![seed], 0, 0);
+            while let Some(k) = together.get(next).copied() {
+                next += 1;
                 let [a, b, c] = triangles[k];
                 for [from, to] in [[a, b], [b, c], [c, a]] {
                     let Some([along, against]) = sides.get(&[from.min(to), from.max(to)]) else {
@@ -206,9 +229,13 @@ impl Surface {
                     let runs_along = [[p, q], [q, r], [r, p]].contains(&[from, to]);
                     if runs_along {
                         triangles[other] = [q, p, r];
+                        turned += 1;
                     }
-                    ahead.push(other);
+                    together.push(other);
                 }
+            }
+            if 2 * turned > together.len() {
+                together.iter().for_each(|k| triangles[*k].swap(0, 1));
             }
         }
         Self { triangles }
@@ -243,6 +270,16 @@ impl Surface {
         }
         parts
     }
+}
+
+/// How near to each other corners of open edges are one.
+fn weld(vertices: &[DVec3]) -> f64 {
+    let largest = vertices
+        .iter()
+        .fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
+    let low = vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
+    let high = vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+    (WELD * largest).min(LARGEST_WELD * (high - low).length())
 }
 
 /// Turns closed shells whose outside is inside, but for the walls of a cavity.

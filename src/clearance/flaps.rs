@@ -1,0 +1,113 @@
+//! Flaps: flat pieces of a mesh that hang on a closed shell, stand in it or lie beside it, and enclose nothing.
+//!
+//! A stray triangle on a closed shell makes an edge with three sides, and takes nothing from what the shell encloses.
+//! A mesh with a hole has such edges too, so that only flat pieces count, and only those that lie alone: several of
+//! them side by side may be what is left of a shell.
+
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Edges with the triangles on both sides of them, along and against.
+pub(super) type Sides = HashMap<[usize; 2], [Vec<usize>; 2]>;
+
+/// Flaps are alone if their balls, this much larger, do not meet.
+const ALONE: f64 = 2.0;
+
+/// More flat pieces than this are no strays.
+const MOST: usize = 32;
+
+/// Which triangles are flaps; `at` gives a corner's place, and what is off its plane by no more than `flat` is flat.
+pub(super) fn flaps(
+    triangles: &[[usize; 3]],
+    sides: &Sides,
+    at: impl Fn(usize) -> DVec3,
+    flat: f64,
+) -> Vec<bool> {
+    let mut is_flap = vec![false; triangles.len()];
+    let mut balls: Vec<(DVec3, f64)> = Vec::new();
+    let mut found = Vec::new();
+    for sheet in sheets(triangles, sides) {
+        let edges = sheet.iter().flat_map(|k| edges(triangles[*k]));
+        let mut counts = edges.filter_map(|edge| sides.get(&edge));
+        let is_loose = counts.any(|[along, against]| (along.len() + against.len()) % 2 == 1);
+        let corners = || sheet.iter().flat_map(|k| triangles[*k].map(&at));
+        if is_loose && is_flat(&sheet, triangles, &at, flat) {
+            let count = (3 * sheet.len()) as f64;
+            let center = corners().sum::<DVec3>() / count;
+            let radius = corners().map(|p| p.distance(center)).fold(0.0, f64::max);
+            balls.push((center, radius));
+            found.push(sheet);
+        }
+    }
+    let is_alone = |k: usize| {
+        let (p, r) = balls[k];
+        let mut others = balls.iter().enumerate().filter(|(j, _)| *j != k);
+        others.all(|(_, (q, s))| p.distance(*q) > ALONE * (r + s))
+    };
+    if found.len() <= MOST && (0..found.len()).all(is_alone) {
+        found.iter().flatten().for_each(|k| is_flap[*k] = true);
+    }
+    is_flap
+}
+
+fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
+    [[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)])
+}
+
+/// Triangles that hang together by edges with two sides.
+fn sheets(triangles: &[[usize; 3]], sides: &Sides) -> Vec<Vec<usize>> {
+    let mut is_done = vec![false; triangles.len()];
+    let mut sheets = Vec::new();
+    for seed in 0..triangles.len() {
+        if std::mem::replace(&mut is_done[seed], true) {
+            continue;
+        }
+        let mut sheet = vec![seed];
+        let mut next = 0;
+        while let Some(k) = sheet.get(next).copied() {
+            next += 1;
+            for edge in edges(triangles[k]) {
+                let Some([along, against]) = sides.get(&edge) else {
+                    continue;
+                };
+                if along.len() + against.len() != 2 {
+                    continue;
+                }
+                for &other in along.iter().chain(against) {
+                    if !std::mem::replace(&mut is_done[other], true) {
+                        sheet.push(other);
+                    }
+                }
+            }
+        }
+        sheets.push(sheet);
+    }
+    sheets
+}
+
+fn is_flat(
+    sheet: &[usize],
+    triangles: &[[usize; 3]],
+    at: &impl Fn(usize) -> DVec3,
+    flat: f64,
+) -> bool {
+    let corners = |k: &usize| triangles[*k].map(at);
+    let areas = sheet.iter().map(|k| {
+        let [a, b, c] = corners(k);
+        (b - a).cross(c - a)
+    });
+    // Neighbours may be numbered either way round.
+    let normal = areas.fold(DVec3::ZERO, |sum, area| {
+        if sum.dot(area) < 0.0 {
+            sum - area
+        } else {
+            sum + area
+        }
+    });
+    let normal = normal.normalize_or_zero();
+    let Some(first) = sheet.first().map(|k| corners(k)[0]) else {
+        return false;
+    };
+    let mut all = sheet.iter().flat_map(corners);
+    all.all(|p| normal.dot(p - first).abs() <= flat)
+}
