@@ -18,16 +18,19 @@ pub struct OrientedBox {
 /// Squarings of the matrix whose largest eigenvector is looked for: its 64th power.
 const SQUARINGS: usize = 6;
 
+/// Triangles that tell which way a box should lie.
+const SAMPLED: usize = 128;
+
 impl OrientedBox {
-    /// Around triangles: along their common plane, or along the coordinate axes where that is smaller.
+    /// Around triangles: along their common plane, or along the coordinate axes where that is smaller. Of many, which way
+    /// it lies is found from some of them.
     pub fn around(triangles: &[[DVec3; 3]]) -> Self {
-        let plain = Self::along(triangles, DMat3::IDENTITY);
-        let turned = Self::along(triangles, frame(triangles));
-        if turned.surface() < plain.surface() {
-            turned
-        } else {
-            plain
-        }
+        let stride = triangles.len().div_ceil(SAMPLED).max(1);
+        let some: Vec<[DVec3; 3]> = triangles.iter().step_by(stride).copied().collect();
+        let turned = frame(&some);
+        let is_smaller =
+            Self::along(&some, turned).surface() < Self::along(&some, DMat3::IDENTITY).surface();
+        Self::along(triangles, if is_smaller { turned } else { DMat3::IDENTITY })
     }
 
     fn along(triangles: &[[DVec3; 3]], axes: DMat3) -> Self {

@@ -126,6 +126,11 @@ fn of_edge(a: &Core, ends: &[DVec3; 2]) -> CorePair {
     if let Core::Triangle(corners) = a {
         return triangles::to_segment(corners, ends);
     }
+    if let Core::Box(block) = a
+        && let Some(apart) = triangles::box_to_segment(block, ends)
+    {
+        return apart;
+    }
     let span = ends[1] - ends[0];
     let at = |t: f64| ends[0] + span * t;
     let spot = least_convex(0.0, 1.0, |t| spot(a, t, at(t), span));
@@ -225,49 +230,102 @@ fn polyhedron(core: &Core) -> Option<Polyhedron> {
     }
 }
 
-/// Nearest points of two convex cores with faces.
+/// Two cores are proved to be as far apart as two of their points to this, relative to the lengths it is made of.
+const PROVED: f64 = 4.0 * f64::EPSILON;
+
+/// Whether the planes square to the line between two points part the cores they lie on: none are nearer then.
+fn is_proved(a: &Core, b: &Core, best: &CorePair) -> bool {
+    if best.distance <= 0.0 || best.normal == DVec3::ZERO {
+        return false;
+    }
+    let (Some(reach), Some(back)) = (a.support(best.normal), b.support(-best.normal)) else {
+        return false;
+    };
+    let size = reach.abs() + back.abs() + best.distance;
+    -reach - back >= best.distance - PROVED * size
+}
+
+/// Nearest points of two convex cores with faces: features in turn, until the best ones are proved to be nearest.
 fn of_solids(a: &Core, b: &Core) -> CorePair {
     let mut best = CorePair::FAR;
-    features_of_second(a, b, &mut best);
-    let mut other = best.swapped();
-    features_of_second(b, a, &mut other);
-    best = other.swapped();
     if let (Core::Frustum(f), Core::Frustum(g)) = (a, b) {
         sides(f, g, &mut best);
+        if is_proved(a, b, &best) {
+            return best;
+        }
+    }
+    let far = [
+        corners_of_second(a, b, &mut best),
+        with_swapped(&mut best, |best| corners_of_second(b, a, best)),
+    ];
+    if !is_proved(a, b, &best) && !edges_of_second(a, b, &far[0], &mut best) {
+        with_swapped(&mut best, |best| edges_of_second(b, a, &far[1], best));
     }
     best
 }
 
-/// Edges, rims and spines of `b` against the solid `a`.
-fn features_of_second(a: &Core, b: &Core, best: &mut CorePair) {
-    if let Some((corners, count, edges)) = polyhedron(b) {
-        let mut far = [0.0; 8];
+/// Looks at a pair from the other side.
+fn with_swapped<T>(best: &mut CorePair, look: impl FnOnce(&mut CorePair) -> T) -> T {
+    let mut other = best.swapped();
+    let found = look(&mut other);
+    *best = other.swapped();
+    found
+}
+
+/// Corners of `b` against the solid `a`, and how far each is.
+fn corners_of_second(a: &Core, b: &Core, best: &mut CorePair) -> [f64; 8] {
+    let mut far = [0.0; 8];
+    if let Some((corners, count, _)) = polyhedron(b) {
         for k in 0..count {
             let hit = of_point(a, corners[k]);
             far[k] = hit.distance;
             best.take(hit);
         }
+    }
+    far
+}
+
+/// Edges, rims and spines of `b` against the solid `a`, until the best is proved to be the nearest: then this is true.
+fn edges_of_second(a: &Core, b: &Core, far: &[f64; 8], best: &mut CorePair) -> bool {
+    let mut is_best = |pair: CorePair| {
+        let is_nearer = pair.distance < best.distance;
+        best.take(pair);
+        (is_nearer && is_proved(a, b, best), best.distance)
+    };
+    let mut least = is_best(CorePair::FAR).1;
+    if let Some((corners, _, edges)) = polyhedron(b) {
         for &[i, j] in edges {
             // The distance falls along the edge by no more than the way.
             let lowest = 0.5 * (far[i] + far[j] - corners[i].distance(corners[j]));
-            if lowest < best.distance {
-                best.take(of_edge(a, &[corners[i], corners[j]]));
+            if lowest < least {
+                let (is_done, nearest) = is_best(of_edge(a, &[corners[i], corners[j]]));
+                if is_done {
+                    return true;
+                }
+                least = nearest;
             }
         }
     }
     if let Core::Frustum(frustum) = b {
-        for rim in frustum.rims() {
-            let lowest = of_point(a, rim.center).distance - rim.radius;
-            if lowest < best.distance {
-                best.take(of_circle(a, &rim));
+        let rims = frustum.rims();
+        let mut rims = rims.map(|rim| (of_point(a, rim.center).distance - rim.radius, rim));
+        rims.sort_by(|p, q| p.0.total_cmp(&q.0));
+        for (lowest, rim) in rims {
+            if lowest < least {
+                let (is_done, nearest) = is_best(of_circle(a, &rim));
+                if is_done {
+                    return true;
+                }
+                least = nearest;
             }
         }
         // A thin solid may pierce this one without touching its rims.
         let spine = of_edge(a, &frustum.spine());
         if spine.distance <= 0.0 {
-            best.take(spine);
+            is_best(spine);
         }
     }
+    false
 }
 
 /// Where the curved sides of two frusta face each other: the common normal makes a given angle with both axes.

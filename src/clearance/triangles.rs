@@ -1,4 +1,4 @@
-//! Exact distances of a triangle from a segment, a triangle, a box: closed forms, feature by feature.
+//! Exact distances of a triangle from a segment, a triangle, a box, and of boxes from segments: closed forms.
 //!
 //! Two triangles are nearest at two edges, or at a corner and a face, or they cut each other. Where the slab between the
 //! nearest points of two edges has both triangles outside of it, it proves them to be the nearest of all.
@@ -203,6 +203,23 @@ pub fn to_box(corners: &Corners, block: &Block) -> CorePair {
         normal: from_box.transform_vector(found.normal),
         ..found
     }
+}
+
+/// Nearest points of a box and a segment that does not touch it.
+pub fn box_to_segment(block: &Block, ends: &[DVec3; 2]) -> Option<CorePair> {
+    let from_box = block.from_box;
+    let back = from_box.inverse();
+    let [from, to] = ends.map(|p| back.transform_point(p));
+    if inside_box(from, to, block.half).is_some() {
+        return None;
+    }
+    let point = on_edge(from, to, block.half);
+    let found = Near::of(point.clamp(-block.half, block.half), point).pair();
+    (found.distance > 0.0).then(|| CorePair {
+        points: found.points.map(|p| from_box.transform_point(p)),
+        normal: from_box.transform_vector(found.normal),
+        ..found
+    })
 }
 
 /// The same for a box about the origin, along the axes.
