@@ -76,7 +76,7 @@ fn text(draws: &mut Draws, k: usize, minimum: f64) -> String {
 fn open(folder: &Path, text: &str) -> Scene {
     let source = Source {
         name: folder.join("scene.toml").to_string_lossy().into_owned(),
-        text: text.to_owned(),
+        text: text.replace("file = \"", &format!("file = \"{}/", folder.display())),
     };
     load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }

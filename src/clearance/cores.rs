@@ -5,56 +5,13 @@
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
 use super::core::{BOX_EDGES, Circle, Core, Frustum};
-use super::point::{PointHit, on_segment, point_to, to_segment};
+use super::core_pair::CorePair;
+use super::point::{on_segment, point_to, to_segment};
 use super::search::{Spot, least_convex, least_near, least_on_circle};
 use super::triangles;
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_8, TAU};
-
-/// The nearest points found of two cores.
-#[derive(Clone, Copy, Debug)]
-pub struct CorePair {
-    /// Their distance; negative or zero where a point of one lies in the other.
-    pub distance: f64,
-    /// A point of the first and one of the second.
-    pub points: [DVec3; 2],
-    /// Unit vector from the first to the second; zero if unknown.
-    pub normal: DVec3,
-}
-
-impl CorePair {
-    /// Nothing found yet.
-    pub const FAR: Self = Self {
-        distance: f64::INFINITY,
-        points: [DVec3::ZERO; 2],
-        normal: DVec3::ZERO,
-    };
-
-    /// A point of the second core near the first core.
-    fn onto_first(point: DVec3, hit: PointHit) -> Self {
-        Self {
-            distance: hit.distance,
-            points: [hit.nearest, point],
-            normal: hit.normal,
-        }
-    }
-
-    fn take(&mut self, other: Self) {
-        if other.distance < self.distance {
-            *self = other;
-        }
-    }
-
-    /// Seen from the other core.
-    pub fn swapped(self) -> Self {
-        Self {
-            distance: self.distance,
-            points: [self.points[1], self.points[0]],
-            normal: -self.normal,
-        }
-    }
-}
 
 /// The nearest points of two cores, neither of which is a mesh.
 ///

@@ -7,7 +7,8 @@
 //! both ways: its point nearest to the origin is a least distance of the two circles, and all of these are tried.
 
 use super::core::{Circle, Core, Frustum};
-use super::cores::{CorePair, is_coaxial, nearest};
+use super::core_pair::CorePair;
+use super::cores::{is_coaxial, nearest};
 use super::point::to_circle;
 use super::search::{Spot, least_on_circle, minima_on_circle};
 use crate::math::{Pose, sin_cos};

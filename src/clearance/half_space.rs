@@ -1,7 +1,7 @@
 //! Half-spaces: how far any core lies from one, or how deep in it. Closed forms.
 
 use super::core::{Circle, Core, HalfSpace};
-use super::cores::CorePair;
+use super::core_pair::CorePair;
 use super::point::to_half_space;
 use glam::DVec3;
 

@@ -9,7 +9,8 @@
 
 use super::boxes::OrientedBox;
 use super::core::{Core, Element};
-use super::cores::{self, CorePair};
+use super::core_pair::CorePair;
+use super::cores;
 use super::mesh_tree::{Content, MeshTree, nearer_first, support};
 use super::point::point_to;
 use super::triangles;

@@ -6,10 +6,10 @@
 
 use super::boxes::OrientedBox;
 use super::core::{Core, Element};
-use super::gap::Slab;
 use super::meeting::Meeting;
 use super::mesh_tree::{Content, MeshTree, nearer_first, support};
 use super::point::point_to;
+use super::slab::Slab;
 use crate::math::Pose;
 use glam::DVec3;
 

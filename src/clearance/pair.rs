@@ -6,7 +6,8 @@
 //! for half-spaces, in which everything has one.
 
 use super::core::{Core, Element};
-use super::cores::{CorePair, nearest};
+use super::core_pair::CorePair;
+use super::cores::nearest;
 use super::depth::overlap;
 use super::half_space;
 use super::mesh;

@@ -4,7 +4,7 @@
 //! nearest points of two edges has both triangles outside of it, it proves them to be the nearest of all.
 
 use super::core::Block;
-use super::cores::CorePair;
+use super::core_pair::CorePair;
 use glam::DVec3;
 
 /// A triangle.
