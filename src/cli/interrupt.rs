@@ -30,9 +30,14 @@ pub fn save_results() {
     SAVES.store(true, Ordering::Relaxed);
 }
 
+/// Whether Ctrl-C came.
+pub fn is_interrupted() -> bool {
+    CANCEL.load(Ordering::Relaxed)
+}
+
 /// Ends a run in order if Ctrl-C came while the motion was being solved.
 pub fn refuse_interrupted() -> Result<(), Failure> {
-    if CANCEL.load(Ordering::Relaxed) {
+    if is_interrupted() {
         return Err(Failure::Interrupted);
     }
     Ok(())

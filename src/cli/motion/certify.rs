@@ -1,13 +1,12 @@
 //! Solving with as much proof as was asked for, until Ctrl-C.
 
 use crate::cli::args::motion::CertifyArg;
-use crate::cli::interrupt::{CANCEL, refuse_interrupted};
+use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use std::sync::atomic::Ordering;
 
 /// The motion at `times`.
 ///
@@ -23,8 +22,7 @@ pub fn motion(
         CertifyArg::Pose => Proofs::Poses,
         CertifyArg::Motion => Proofs::Motion,
     };
-    let interrupted = || CANCEL.load(Ordering::Relaxed);
-    let trajectory = solve_proved(system, actuation, times, proofs, &interrupted);
+    let trajectory = solve_proved(system, actuation, times, proofs, &is_interrupted);
     refuse_interrupted()?;
     Ok(trajectory)
 }

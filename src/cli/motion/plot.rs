@@ -4,13 +4,14 @@ use super::event_messages;
 use crate::charts::motion::{chart, default_plot};
 use crate::cli::args::charts::PlotArgs;
 use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::io;
 use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::results::trajectory::{EventKind, Trajectory};
+use crate::kinematics::motion::continuation::solve_with_ends;
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;
@@ -29,8 +30,8 @@ pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let plots = chosen(args.only.as_deref(), &scene)?;
     let times = times(args, actuation);
     let mut output = io::open(&args.out)?;
-    let mut trajectory = solve_with_ends(&system, actuation, times);
-    crate::cli::interrupt::refuse_interrupted()?;
+    let mut trajectory = solve_with_ends(&system, actuation, &times, &is_interrupted);
+    refuse_interrupted()?;
     event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
     let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
     let chart = chart(&system, actuation, &plots, &trajectory);
@@ -120,7 +121,9 @@ pub fn companion(
     let mut plots = chosen(Some(title).filter(|t| !t.is_empty()), scene)?;
     plots.truncate(1);
     let actuation = &scene.actuation;
-    let fine = solve_with_ends(system, actuation, even(actuation.duration, USUAL_SAMPLES));
+    let times = even(actuation.duration, USUAL_SAMPLES);
+    let fine = solve_with_ends(system, actuation, &times, &is_interrupted);
+    refuse_interrupted()?;
     let mut whole = chart(system, actuation, &plots, &fine);
     // The animation bears the title.
     whole.title.clear();
@@ -143,27 +146,6 @@ fn times(args: &PlotArgs, actuation: &Actuation) -> Vec<f64> {
         actuation.duration,
         args.samples.unwrap_or(USUAL_SAMPLES).max(2),
     )
-}
-
-/// Solves at `times` and once more with the places where the motion ends and resumes, so that curves reach there.
-fn solve_with_ends(system: &System, actuation: &Actuation, mut times: Vec<f64>) -> Trajectory {
-    let trajectory = solve(system, actuation, &times);
-    let ends = trajectory.events.iter().filter(|event| {
-        matches!(
-            event.kind,
-            EventKind::MotionEnds(_) | EventKind::MotionResumes { .. }
-        )
-    });
-    let ends: Vec<f64> = ends
-        .map(|event| event.time)
-        .filter(|time| !times.contains(time))
-        .collect();
-    if ends.is_empty() {
-        return trajectory;
-    }
-    times.extend(ends);
-    times.sort_by(f64::total_cmp);
-    solve(system, actuation, &times)
 }
 
 #[cfg(test)]

@@ -46,6 +46,18 @@ pub fn solve_until(
     }
 }
 
+/// [`solve_until`] with samples more where the motion ends and resumes: what a curve needs.
+pub fn solve_with_ends(
+    system: &System,
+    actuation: &Actuation,
+    times: &[f64],
+    cancelled: &dyn Fn() -> bool,
+) -> Trajectory {
+    let recorder = Recorder::new(system, actuation, cancelled);
+    let recorder = recorder.proving(InputReading::Numbers);
+    recorder.with_edges().run(times)
+}
+
 /// [`solve`] without certificates of the poses.
 pub fn solve_unproved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
     solve_until(system, actuation, times, None, &|| false)

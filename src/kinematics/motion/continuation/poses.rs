@@ -21,12 +21,26 @@ impl Recorder<'_> {
     }
 
     pub(crate) fn record(&mut self, point: &PathPoint) {
-        let pose = self.closed_pose(point);
-        self.samples.push(Sample {
+        let sample = self.sample(point);
+        self.samples.push(sample);
+    }
+
+    /// Keeps a pose at which the motion ends or resumes, if somebody asks for it.
+    pub(super) fn keep_edge(&mut self, point: &PathPoint) {
+        if self.edges.is_some() {
+            let sample = self.sample(point);
+            self.edges
+                .iter_mut()
+                .for_each(|edges| edges.push(sample.clone()));
+        }
+    }
+
+    fn sample(&mut self, point: &PathPoint) -> Sample {
+        Sample {
             time: point.time,
             inputs: point.coordinates[self.tracker.unknowns()..].to_vec(),
-            pose,
-        });
+            pose: self.closed_pose(point),
+        }
     }
 
     /// Everything that is kept of a pose; `None` if any body's place is not a number.

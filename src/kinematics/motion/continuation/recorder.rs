@@ -39,6 +39,8 @@ pub(crate) struct Recorder<'s> {
     pub(crate) proof: Option<(Certifier<'s>, InputReading)>,
     /// Nobody asks what comes behind a gap.
     pub(super) ends_at_gap: bool,
+    /// The poses at which the motion ends and resumes, where somebody asks for them.
+    pub(super) edges: Option<Vec<Sample>>,
 }
 
 impl<'s> Recorder<'s> {
@@ -54,12 +56,19 @@ impl<'s> Recorder<'s> {
             samples: Vec::new(),
             proof: None,
             ends_at_gap: false,
+            edges: None,
         }
     }
 
     /// With a certificate of every pose, at its inputs as they are read.
     pub fn proving(mut self, reading: InputReading) -> Self {
         self.proof = Some((Certifier::new(self.tracker.system()), reading));
+        self
+    }
+
+    /// With samples where the motion ends and resumes, beside those at the times asked for.
+    pub fn with_edges(mut self) -> Self {
+        self.edges = Some(Vec::new());
         self
     }
 
@@ -81,6 +90,7 @@ impl<'s> Recorder<'s> {
                 None => self.tracker.actuation().duration,
             };
             self.tracker.solver.iterations = 0;
+            self.tracker.budget.refill();
             let reached = match (&last, lost) {
                 (None, _) => self.start(time),
                 (Some(last), true) => self.resume(last.clone(), time),
@@ -103,8 +113,15 @@ impl<'s> Recorder<'s> {
             }
         }
         self.gaps.measure(&self.tracker);
+        let mut samples = self.samples;
+        for edge in self.edges.into_iter().flatten() {
+            let place = samples.partition_point(|s| s.time < edge.time);
+            if samples.get(place).is_none_or(|s| s.time != edge.time) {
+                samples.insert(place, edge);
+            }
+        }
         Trajectory {
-            samples: self.samples,
+            samples,
             events: self.events.list,
             gaps: self.gaps.list,
             ..Trajectory::default()
@@ -213,6 +230,10 @@ impl<'s> Recorder<'s> {
                     self.undefined(time, index);
                     return Err(Some(point));
                 }
+                Err(Stop::Ends(end)) if self.tracker.budget.is_spent() => {
+                    let sigma_min = end.branch.sigma_min;
+                    return self.end(end.clone(), (end, Ending::GivenUp { sigma_min }), time);
+                }
                 Err(Stop::Ends(end)) => match self.way_on(&end, time) {
                     Ok(WayOn { to, .. })
                         if to.time == time && !self.tracker.is_usable(&to.branch) =>
@@ -244,14 +265,19 @@ impl<'s> Recorder<'s> {
         (at, ending): (PathPoint, Ending),
         time: f64,
     ) -> Result<PathPoint, Option<PathPoint>> {
-        if let Some(beyond) = self.leave_start(&last, time) {
+        let has_steps = !self.tracker.budget.is_spent();
+        if let Some(beyond) = has_steps.then(|| self.leave_start(&last, time)).flatten() {
             return Ok(beyond);
         }
         self.event(at.time, EventKind::MotionEnds(ending.clone()));
         if self.ends_at_gap {
             return Err(Some(last));
         }
+        self.keep_edge(&at);
         self.gaps.open(&self.tracker, Some((at.time, ending)));
+        if self.tracker.budget.is_spent() {
+            return Err(Some(last));
+        }
         // The drive may be feasible again before the next sample.
         self.resume(last, time)
     }

@@ -58,7 +58,10 @@ impl Recorder<'_> {
     pub(crate) fn enter(&mut self, found: PathPoint) -> Result<PathPoint, Option<PathPoint>> {
         let target = self.samples.first().map_or(found.time, |s| s.time);
         let (time, beginning) = match self.walk_back(&found, Target::Time(target)) {
-            Some((first, beginning)) => (first.time, Some(beginning)),
+            Some((first, beginning)) => {
+                self.keep_edge(&first);
+                (first.time, Some(beginning))
+            }
             None => (found.time, None),
         };
         self.close_gap(&found, (time, beginning), true);
@@ -89,6 +92,7 @@ impl Recorder<'_> {
             other.unwrap_or(found)
         };
         let same_branch = found.branch.signs == *wanted;
+        self.keep_edge(&first);
         self.close_gap(&found, (first.time, Some(beginning)), same_branch);
         Ok(self.restart(found))
     }

@@ -139,9 +139,12 @@ impl ArcWalk<'_, '_> {
         here = self.before_fold(here);
         let (mut step, mut gone) = (FIRST_STEP, 0.0);
         for _ in 0..MOST_STEPS {
+            if !self.tracker.budget.take() || self.tracker.is_cancelled() {
+                return None;
+            }
             let Some(next) = self.step(&here, step) else {
                 step *= 0.5;
-                if step < SHORTEST_STEP || self.tracker.is_cancelled() {
+                if step < SHORTEST_STEP {
                     return None;
                 }
                 continue;

@@ -2,7 +2,7 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
-use super::steps::Steps;
+use super::steps::{StepBudget, Steps};
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -14,14 +14,12 @@ use crate::model::actuation::Actuation;
 /// of that interval.
 pub(crate) const SMALLEST_STEP: f64 = 1e-12;
 
-/// A step that moves no unknown by more (radians, sizes) gets nowhere.
-const CREEPING: f64 = 1e-7;
+/// Steps, taken or refused, that together have to come on by [`LEAST_PROGRESS`]: else the motion has come to rest before a
+/// singular pose, where rounding still lets a tiny step pass now and then.
+const PATIENCE: usize = 1_000;
 
-/// Most such steps in a row from one sample to the next: beyond this the motion has come to rest before a singular pose.
-const MOST_CREEPING: usize = 1_000;
-
-/// Most steps, taken or refused, from one sample to the next: a hundred thousand turns.
-const MOST_STEPS: usize = 2_000_000;
+/// Least share of a way for so many steps: a way of a hundred thousand turns takes two thousand times as many.
+const LEAST_PROGRESS: f64 = 1e-6;
 
 /// A step across a singular pose starts from the last pose whose smallest singular value is above this fraction
 /// of the best seen; nearer to the singular pose the tangent is noise.
@@ -104,6 +102,8 @@ pub struct PathTracker<'s> {
     pub solver: PoseSolver<'s>,
     actuation: &'s Actuation,
     cancelled: &'s dyn Fn() -> bool,
+    /// Steps that may still be taken; the scouts of a tracker draw on the same.
+    pub(crate) budget: StepBudget,
     /// Seconds between two samples: what steps are small against.
     pub interval: f64,
     /// Last pose that is well away from singular ones: where crossings start from.
@@ -125,6 +125,7 @@ impl<'s> PathTracker<'s> {
             solver: PoseSolver::new(system),
             actuation,
             cancelled,
+            budget: StepBudget::default(),
             interval: actuation.duration,
             anchor: None,
             recent: [None, None],
@@ -202,19 +203,23 @@ impl<'s> PathTracker<'s> {
     ) -> Result<PathPoint, Stop> {
         let way = (time - here.time).abs();
         let mut steps = Steps::new(here.time, time, way, SMALLEST_STEP * self.interval);
-        let mut creeping = 0;
-        for _ in 0..MOST_STEPS {
+        let mut looked_at = here.time;
+        for count in 1.. {
             if steps.is_done() {
                 return Ok(here);
             }
-            if creeping > MOST_CREEPING || self.is_cancelled() {
+            if count % PATIENCE == 0 {
+                if (here.time - looked_at).abs() < LEAST_PROGRESS * way {
+                    break;
+                }
+                looked_at = here.time;
+            }
+            if !self.budget.take() || self.is_cancelled() {
                 break;
             }
             match self.step(&here, steps.target(), watcher) {
                 Ok(Some(point)) => {
                     steps.take();
-                    let moved = self.solver.apart(&point.coordinates, &here.coordinates);
-                    creeping = if moved < CREEPING { creeping + 1 } else { 0 };
                     here = self.keep(point, watcher);
                 }
                 Ok(None) => steps.refuse(),

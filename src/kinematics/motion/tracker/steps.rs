@@ -1,6 +1,45 @@
 //! Steps on the way from one value to another: twice as long after one that was taken, half as long after one that was
 //! refused.
 
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// Steps at hand at first, and most of them at any time: a hundred thousand turns from one sample to the next.
+const MOST_STEPS: usize = 2_000_000;
+
+/// Steps that every sample adds: many times what one takes, so that a motion is bounded as a whole, however many samples
+/// it has.
+const STEPS_OF_SAMPLE: usize = 1_000;
+
+/// How many steps a motion may still take, back and forth and whoever takes them: what bounds the time it is followed.
+#[derive(Clone, Debug)]
+pub struct StepBudget(Rc<Cell<usize>>);
+
+impl Default for StepBudget {
+    fn default() -> Self {
+        Self(Rc::new(Cell::new(MOST_STEPS)))
+    }
+}
+
+impl StepBudget {
+    /// Takes one, if there is one.
+    pub fn take(&self) -> bool {
+        let left = self.0.get();
+        self.0.set(left.saturating_sub(1));
+        left > 0
+    }
+
+    /// Whether none is left.
+    pub fn is_spent(&self) -> bool {
+        self.0.get() == 0
+    }
+
+    /// Adds those of another sample.
+    pub fn refill(&self) {
+        self.0.set((self.0.get() + STEPS_OF_SAMPLE).min(MOST_STEPS));
+    }
+}
+
 /// A way, how far it has been gone, and the next step.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
@@ -58,6 +97,26 @@ impl Steps {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What scouts take is gone for their tracker, too, and samples do not pile steps up.
+    #[test]
+    fn a_budget_is_shared_and_bounded() {
+        let budget = StepBudget::default();
+        let scout = budget.clone();
+        for _ in 0..3 {
+            budget.refill();
+        }
+        assert_eq!(
+            (0..2 * MOST_STEPS).filter(|_| scout.take()).count(),
+            MOST_STEPS
+        );
+        assert!(budget.is_spent());
+        budget.refill();
+        assert_eq!(
+            (0..MOST_STEPS).filter(|_| budget.take()).count(),
+            STEPS_OF_SAMPLE
+        );
+    }
 
     /// A wall at 0.6: the steps get there to the smallest one, and the end is met exactly where there is none.
     #[test]
