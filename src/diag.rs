@@ -1,5 +1,6 @@
 //! Messages about a user's text: what, where, and how to mend it. Many at once; printing is the command line's.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Byte range in the source text.
@@ -124,6 +125,71 @@ pub fn shown(value: f64) -> String {
     }
 }
 
+/// Most characters of one quoted value, and of a whole message: more is not read, and may be megabytes.
+const MOST_QUOTED: usize = 120;
+const MOST_SAID: usize = 4000;
+
+/// Whether a character acts on who shows it, instead of being seen: controls and escapes, marks that turn the direction
+/// of writing, line and paragraph ends of Unicode, tags.
+fn is_unseen(character: char) -> bool {
+    character.is_control()
+        || matches!(character,
+            '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// A character as it may be shown: one that would act on a terminal or a reader is spelt out, as `\u{1b}`.
+pub fn shown_char(character: char) -> String {
+    match is_unseen(character) {
+        true => character.escape_default().to_string(),
+        false => character.to_string(),
+    }
+}
+
+/// A text of a file, a name or a path as it may be shown in one line, wherever it goes: see [`shown_char`].
+pub fn shown_text(text: &str) -> Cow<'_, str> {
+    shown_but(text, |_| false)
+}
+
+/// The same of a text that may have several lines.
+pub fn shown_lines(text: &str) -> Cow<'_, str> {
+    shown_but(text, |c| matches!(c, '\n' | '\t'))
+}
+
+fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.chars().any(|c| is_unseen(c) && !stays(c)) {
+        return Cow::Borrowed(text);
+    }
+    let spelt = |c| match stays(c) {
+        true => c.to_string(),
+        false => shown_char(c),
+    };
+    Cow::Owned(text.chars().map(spelt).collect())
+}
+
+/// A message with its quoted values (`` `so` ``), and itself, cut to what is read.
+pub fn shortened(text: &str) -> Cow<'_, str> {
+    if text.len() <= MOST_QUOTED {
+        return Cow::Borrowed(text);
+    }
+    let parts = text.split('`').enumerate();
+    let parts: Vec<Cow<str>> = parts
+        .map(|(k, part)| match k % 2 {
+            1 => cut(part, MOST_QUOTED),
+            _ => Cow::Borrowed(part),
+        })
+        .collect();
+    Cow::Owned(cut(&parts.join("`"), MOST_SAID).into_owned())
+}
+
+/// The beginning of what is longer than so many characters.
+fn cut(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
+}
+
 /// Messages in the order they were found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
@@ -233,6 +299,44 @@ mod tests {
         ] {
             assert_eq!(shown(value), text);
         }
+    }
+
+    #[test]
+    fn what_would_act_on_a_terminal_is_spelt_out() {
+        for (text, shown, lines) in [
+            (
+                "plain Käfig µ 齿轮",
+                "plain Käfig µ 齿轮",
+                "plain Käfig µ 齿轮",
+            ),
+            ("\u{1b}[32mok", "\\u{1b}[32mok", "\\u{1b}[32mok"),
+            ("\u{9b}31m", "\\u{9b}31m", "\\u{9b}31m"),
+            ("a\nb\tc\r", "a\\nb\\tc\\r", "a\nb\tc\\r"),
+            (
+                "a\u{202e}b\u{2066}",
+                "a\\u{202e}b\\u{2066}",
+                "a\\u{202e}b\\u{2066}",
+            ),
+            (
+                "\u{feff}\u{7f}\u{7}",
+                "\\u{feff}\\u{7f}\\u{7}",
+                "\\u{feff}\\u{7f}\\u{7}",
+            ),
+        ] {
+            assert_eq!(shown_text(text), shown);
+            assert_eq!(shown_lines(text), lines);
+        }
+    }
+
+    #[test]
+    fn long_values_and_messages_are_cut() {
+        let value = "ä".repeat(1_000_000);
+        let message = format!("t.csv:2: `{value}` is not a value for `phi`");
+        let said = shortened(&message);
+        assert!(said.chars().count() < 200, "{said}");
+        assert!(said.ends_with("is not a value for `phi`"), "{said}");
+        assert_eq!(shortened(&value).chars().count(), MOST_SAID + 1);
+        assert_eq!(shortened("`short`"), "`short`");
     }
 
     #[test]

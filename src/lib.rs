@@ -71,6 +71,8 @@ pub mod jobs;
 #[doc(hidden)]
 pub mod kinematics;
 #[doc(hidden)]
+pub mod limits;
+#[doc(hidden)]
 pub mod linalg;
 #[doc(hidden)]
 pub mod math;

@@ -3,12 +3,13 @@
 use super::args::scene::SceneArgs;
 use super::term::Term;
 use super::term::outcome::Failure;
+use crate::diag::shown_lines;
 use crate::export::png::{Effort, encode};
-use crate::export::{Output, Stream, Target};
+use crate::export::{Output, Stream, Target, folder_of};
 use image::RgbaImage;
 use serde_json::Value;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Refuses to write over an input of the command; `-` is standard output and no file.
 pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
@@ -16,6 +17,63 @@ pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
         return Err(is_input(path));
     }
     Ok(())
+}
+
+/// Refuses two reports of one run in one file, or both on standard output, and reports over the inputs: known before the
+/// work, not after it. Each with the name of its option.
+pub fn refuse_clashes(
+    scenes: &[&SceneArgs],
+    reports: &[(&str, Option<&Path>)],
+) -> Result<(), Failure> {
+    let mut known: Vec<(&str, PathBuf)> = Vec::new();
+    for (option, path) in reports {
+        let Some(path) = path else { continue };
+        scenes
+            .iter()
+            .try_for_each(|scene| refuse_input(scene, path))?;
+        let place = place(path);
+        if let Some((other, _)) = known.iter().find(|(_, known)| *known == place) {
+            let message = format!("{other} and {option} both go to {}", path.display());
+            return Err(Failure::usage(message, Vec::new()));
+        }
+        // What is written to a device is gone, or comes out behind each other.
+        if *path == Path::new("-") || std::fs::metadata(&place).map_or(true, |m| m.is_file()) {
+            known.push((option, place));
+        }
+    }
+    Ok(())
+}
+
+/// Where a path leads: that of its folder where it is not there yet.
+fn place(path: &Path) -> PathBuf {
+    if path == Path::new("-") {
+        return path.to_owned();
+    }
+    path.canonicalize().unwrap_or_else(|_| {
+        let folder = folder_of(path).canonicalize();
+        let name = path.file_name().unwrap_or_default();
+        folder.map_or_else(|_| path.to_owned(), |folder| folder.join(name))
+    })
+}
+
+/// Where the result of an interrupted run goes: beside a complete one, which it does not replace (`t.partial.csv`).
+pub fn unless_complete(path: &Path, is_whole: bool) -> PathBuf {
+    let is_file = std::fs::metadata(path).is_ok_and(|about| about.is_file());
+    if is_whole || !is_file {
+        return path.to_owned();
+    }
+    let extension = path.extension().unwrap_or_default();
+    let mut partial = std::ffi::OsString::from("partial.");
+    partial.push(extension);
+    path.with_extension(partial)
+}
+
+/// A reader that went away is no reason to fail, nor to forget what was found: the exit code stays that of the answer.
+pub fn unless_reader_left(written: Result<(), Failure>) -> Result<(), Failure> {
+    match written {
+        Err(failure) if failure.is_broken_pipe() => Ok(()),
+        other => other,
+    }
 }
 
 /// The refusal to write over an input.
@@ -56,7 +114,7 @@ pub fn write_document(path: &Path, document: &Value) -> Result<(), Failure> {
 }
 
 fn write_out(path: &Path, text: &str) -> Result<(), Failure> {
-    write_bytes(open(path)?, text.as_bytes())
+    unless_reader_left(write_bytes(open(path)?, text.as_bytes()))
 }
 
 /// Writes a picture as PNG.
@@ -77,6 +135,7 @@ pub fn print_beside(term: &Term, report: Option<&Path>, text: &str) -> Result<()
         return Ok(());
     }
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    Ok(out.flush()?)
+    let written = out.write_all(shown_lines(text).as_bytes());
+    let written = written.and_then(|()| out.flush());
+    unless_reader_left(written.map_err(Failure::from))
 }

@@ -11,6 +11,7 @@ pub mod open;
 pub mod pictures;
 pub mod study;
 mod term;
+mod watch;
 
 use about::{completions, info, manual, scenes, schema};
 use args::{Cli, Command};
@@ -35,6 +36,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Err(error) => return usage(&error),
     };
     let term = Term::new(cli.color, cli.quiet);
+    if let Err(failure) = watch::begin(cli.limits) {
+        term.failure(&failure);
+        return failure.code();
+    }
     let result = match cli.command {
         Command::Render(args) => render::run(&args, &term),
         Command::Solve(args) => solve::run(&args, &term),
@@ -68,8 +73,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
 
 /// Prints help, version or a usage error where it belongs.
 fn usage(error: &clap::Error) -> i32 {
+    let text = error.render().to_string();
     // A reader that went away is no reason to fail.
-    let _ = error.print();
+    let _ = match crate::diag::shown_lines(&text) {
+        std::borrow::Cow::Borrowed(_) => error.print(),
+        std::borrow::Cow::Owned(shown) => {
+            std::io::Write::write_all(&mut std::io::stderr(), shown.as_bytes())
+        }
+    };
     if error.use_stderr() {
         outcome::BAD_USAGE
     } else {

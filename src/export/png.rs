@@ -235,7 +235,11 @@ impl SequenceSink {
                     folder: parent.to_owned(),
                 });
             }
-            std::fs::create_dir(&folder).map_err(|e| ExportError::create(&folder, e))?;
+            match std::fs::create_dir(&folder) {
+                // Another run was quicker.
+                Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && folder.is_dir() => {}
+                made => made.map_err(|e| ExportError::create(&folder, e))?,
+            }
             enter_unfinished(&folder);
         }
         Ok(Self {

@@ -37,6 +37,9 @@ pub enum PumpError<E: std::error::Error + 'static> {
     /// The cancel flag was raised.
     #[error("cancelled")]
     Cancelled,
+    /// The system starts no thread at all.
+    #[error("the system starts no thread to draw with: {0}")]
+    NoThread(std::io::Error),
     /// There is nobody to draw.
     #[error("no worker was given to draw the frames")]
     NoWorkers,
@@ -57,25 +60,33 @@ where
 {
     let next = Mutex::new(indices.iter().copied().enumerate());
     let results = Mutex::new((Vec::new(), None));
-    std::thread::scope(|scope| {
-        for draw in workers.iter_mut() {
-            let (next, results) = (&next, &results);
-            scope.spawn(move || {
-                loop {
-                    let Some((place, frame)) = lock(next).next() else {
-                        break;
-                    };
-                    if cancel.load(Ordering::Relaxed) || lock(results).1.is_some() {
-                        break;
-                    }
-                    let mut image = RgbaImage::new(size[0], size[1]);
-                    match draw(frame, &mut image) {
-                        Ok(()) => lock(results).0.push((place, frame, image)),
-                        Err(source) => lock(results).1 = Some(PumpError::Draw { frame, source }),
-                    }
-                }
-            });
+    let work = |draw: &mut W| {
+        loop {
+            let Some((place, frame)) = lock(&next).next() else {
+                break;
+            };
+            if cancel.load(Ordering::Relaxed) || lock(&results).1.is_some() {
+                break;
+            }
+            let mut image = RgbaImage::new(size[0], size[1]);
+            match draw(frame, &mut image) {
+                Ok(()) => lock(&results).0.push((place, frame, image)),
+                Err(source) => lock(&results).1 = Some(PumpError::Draw { frame, source }),
+            }
         }
+    };
+    std::thread::scope(|scope| {
+        // The calling thread works, too, with whatever threads the system starts.
+        let mut workers = workers.iter_mut();
+        let own = workers.next();
+        for draw in workers {
+            let work = &work;
+            let started = std::thread::Builder::new().spawn_scoped(scope, move || work(draw));
+            if started.is_err() {
+                break;
+            }
+        }
+        own.into_iter().for_each(work);
     });
     let (mut drawn, failure) = results.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(failure) = failure {
@@ -122,10 +133,11 @@ where
     std::thread::scope(|scope| {
         // Workers wait for a window that only this thread moves: whatever ends it must also end them.
         let _stop = StopOnDrop(&shared);
+        let mut working = 0;
         for draw in workers {
             let (shared, coder) = (&shared, sink.coder());
             let image = RgbaImage::new(width, height);
-            scope.spawn(move || {
+            let started = std::thread::Builder::new().spawn_scoped(scope, move || {
                 let _stop = StopOnPanic(shared);
                 Worker {
                     draw,
@@ -136,6 +148,12 @@ where
                 }
                 .run();
             });
+            match started {
+                Ok(_) => working += 1,
+                // Those that work do all the work.
+                Err(_) if working > 0 => break,
+                Err(error) => return Err(PumpError::NoThread(error)),
+            }
         }
         for index in 0..frame_count {
             let coded = shared.next_coded(cancel)?;

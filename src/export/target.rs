@@ -6,6 +6,7 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// Temporary files that have not been moved to their places.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -66,17 +67,25 @@ pub struct Target {
 
 enum Body {
     /// An ordinary file: temporary until the rename.
-    Atomic(BufWriter<tempfile::NamedTempFile>),
+    Atomic(BufWriter<fs::File>, tempfile::TempPath),
     /// A device or a pipe: renaming a file over `/dev/null` would replace the device.
     Direct(BufWriter<fs::File>),
 }
 
 impl Target {
-    /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, a device or pipe is
-    /// written directly.
+    /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, also to what is not there yet; a
+    /// device or pipe is written directly. Mode and owner of a file that is replaced are kept, the owner where the system
+    /// lets them be.
     pub fn create(path: &Path) -> Result<Self, ExportError> {
         let name = path.display().to_string();
-        let existing = fs::metadata(path).ok();
+        let place = link_end(path).map_err(|e| ExportError::create(path, e))?;
+        let existing = match fs::metadata(&place) {
+            // Found out now, not after the work.
+            Err(e) if e.kind() == io::ErrorKind::InvalidFilename => {
+                return Err(ExportError::create(path, e));
+            }
+            other => other.ok(),
+        };
         if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
             return Err(ExportError::IsFolder(path.to_owned()));
         }
@@ -90,17 +99,22 @@ impl Target {
                 body,
             });
         }
-        if existing.is_some_and(|m| m.permissions().readonly()) {
+        if existing
+            .as_ref()
+            .is_some_and(|m| m.permissions().readonly())
+        {
             return Err(ExportError::ReadOnly(path.to_owned()));
         }
-        let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let file = temporary_beside(&place).map_err(|e| explain(path, &place, e))?;
-        enter_unfinished(file.path());
-        let body = Body::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file));
+        let refused = |e| explain(path, &place, e);
+        let (file, temporary) = temporary_beside(&place).map_err(refused)?.into_parts();
+        if let Some(old) = &existing {
+            take_after(old, &file, folder_of(&place)).map_err(refused)?;
+        }
+        enter_unfinished(&temporary);
         Ok(Self {
             name,
             path: place,
-            body,
+            body: Body::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file), temporary),
         })
     }
 
@@ -118,14 +132,14 @@ impl Target {
         let fail = |e| ExportError::write(&self.name, e);
         match self.body {
             Body::Direct(mut file) => file.flush().map_err(fail),
-            Body::Atomic(file) => {
+            Body::Atomic(file, temporary) => {
                 let file = file.into_inner().map_err(|e| fail(e.into_error()))?;
                 if wait {
-                    sync(file.as_file()).map_err(fail)?;
+                    sync(&file).map_err(fail)?;
                 }
-                let temporary = file.path().to_owned();
-                file.persist(&self.path).map_err(|e| fail(e.error))?;
-                leave_unfinished(&[temporary]);
+                let known = temporary.to_path_buf();
+                temporary.persist(&self.path).map_err(|e| fail(e.error))?;
+                leave_unfinished(&[known]);
                 Ok(())
             }
         }
@@ -135,15 +149,13 @@ impl Target {
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.body {
-            Body::Atomic(file) => file.write(bytes),
-            Body::Direct(file) => file.write(bytes),
+            Body::Atomic(file, _) | Body::Direct(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match &mut self.body {
-            Body::Atomic(file) => file.flush(),
-            Body::Direct(file) => file.flush(),
+            Body::Atomic(file, _) | Body::Direct(file) => file.flush(),
         }
     }
 }
@@ -156,6 +168,44 @@ impl Output for Target {
     fn commit(self: Box<Self>) -> Result<(), ExportError> {
         Target::commit(*self)
     }
+}
+
+/// Most links that lead to each other.
+const MOST_LINKS: usize = 40;
+
+/// Where a path leads when its links are followed, whether there is something or not.
+fn link_end(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&place) {
+            // A link counts from where it stands.
+            Ok(next) => place = folder_of(&place).join(next),
+            Err(_) => return Ok(place),
+        }
+    }
+    Err(io::Error::other("its symbolic links lead in a circle"))
+}
+
+/// Gives a new file the mode and the owner of the one that it will replace, and finds out now whether it may replace it.
+#[cfg(unix)]
+fn take_after(old: &fs::Metadata, new: &fs::File, folder: &Path) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    /// Only owners may move things in such a folder.
+    const STICKY: u32 = 0o1000;
+    let (own, folder) = (new.metadata()?, fs::metadata(folder)?);
+    let is_others = |about: &fs::Metadata| about.uid() != own.uid();
+    if own.uid() != 0 && folder.mode() & STICKY != 0 && is_others(old) && is_others(&folder) {
+        return Err(io::ErrorKind::PermissionDenied.into());
+    }
+    // Whoever may not give files away keeps them; the group first, since that is allowed more often.
+    let _ = fchown(new, None, Some(old.gid()));
+    let _ = fchown(new, Some(old.uid()), None);
+    new.set_permissions(fs::Permissions::from_mode(old.mode() & 0o777))
+}
+
+#[cfg(not(unix))]
+fn take_after(_: &fs::Metadata, _: &fs::File, _: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 /// Any writer as an output, for example standard output; what was written stays written.
@@ -195,21 +245,60 @@ impl<W: Write + Send> Output for Stream<W> {
     }
 }
 
-/// A new hidden file in the folder of `place`, with the permissions an ordinary new file would get.
+/// Names of temporary files.
+const PREFIX: &str = ".mechanim-";
+const SUFFIX: &str = ".part";
+
+/// A temporary file younger than this may not be locked yet.
+const YOUNG: Duration = Duration::from_secs(2);
+
+/// A new hidden file in the folder of `place`, with the permissions an ordinary new file would get. It is locked as long
+/// as it is open: what a killed run has left is not, and goes.
 fn temporary_beside(place: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".mechanim-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         // tempfile's own default is for secrets (0o600); the umask still applies to this.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder_of(place))
+    let folder = folder_of(place);
+    let file = builder.tempfile_in(folder)?;
+    // Where the file system has no locks nothing is taken for left behind either.
+    let _ = file.as_file().try_lock();
+    remove_left_behind(folder);
+    Ok(file)
+}
+
+/// Removes the temporary files of runs that were killed, once for a folder.
+fn remove_left_behind(folder: &Path) {
+    static SEEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if seen.iter().any(|known| known == folder) {
+        return;
+    }
+    seen.push(folder.to_owned());
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && is_left_behind(&entry.path()) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn is_left_behind(path: &Path) -> bool {
+    let is_old = |about: fs::Metadata| {
+        let age = about.modified().ok().and_then(|time| time.elapsed().ok());
+        about.is_file() && age.is_some_and(|age| age > YOUNG)
+    };
+    let is_free = || fs::File::open(path).is_ok_and(|file| file.try_lock().is_ok());
+    fs::symlink_metadata(path).is_ok_and(is_old) && is_free()
 }
 
 /// The folder that holds `path`: `.` for a bare name.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

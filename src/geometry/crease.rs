@@ -1,94 +1,212 @@
 //! Normals of triangles that come without: smooth within the crease angle, sharp beyond it.
 
 use super::mesh::Mesh;
+use super::weld::{bits, first_equal, number};
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// Faces that meet at a smaller angle than this belong to one smooth surface: cosine of 40 degrees. Round
 /// parts exported with 12 or more segments a turn stay smooth, chamfers of 45 degrees stay sharp.
 const CREASE_COSINE: f64 = 0.766_044_443_118_978;
 
+/// Corners at one position that are compared with each other one by one. Where more meet, those of nearly one normal are
+/// taken together: comparing all would take hours at the tip of a fine cone.
+const MOST_COMPARED: usize = 256;
+
+/// Cells along the edge of the octahedron that normals are sorted by there: about 6 degrees each.
+const CELLS: usize = 16;
+
 /// A mesh of bare triangles: corners at one position are welded, normals are the angle-weighted means of
 /// the faces around within the crease angle. Triangles without area or with an index out of range go.
 pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
-    let faces: Vec<Face> = triangles
-        .iter()
-        .filter_map(|t| Face::of(vertices, *t))
-        .collect();
-    let mut around: HashMap<[u64; 3], Vec<(u32, u8)>> = HashMap::new();
-    for (index, face) in faces.iter().enumerate() {
-        for (corner, point) in face.corners.iter().enumerate() {
-            around
-                .entry(key(*point))
-                .or_default()
-                .push((index as u32, corner as u8));
+    let faces = Faces::new(vertices, triangles);
+    let around = faces.around();
+    let mut mesh = Mesh::default();
+    mesh.positions.reserve_exact(3 * faces.list.len());
+    for face in &faces.list {
+        mesh.positions.extend(faces.corners(*face));
+    }
+    mesh.normals = vec![DVec3::ZERO; mesh.positions.len()];
+    for corners in around.corners() {
+        match corners.len() {
+            ..=MOST_COMPARED => faces.smooth(corners, &mut mesh.normals),
+            _ => faces.smooth_many(corners, &mut mesh.normals),
         }
     }
-    let mut mesh = Mesh::default();
-    for face in &faces {
-        let corners = face.corners.map(|point| {
-            let mean = around.get(&key(point)).into_iter().flatten().fold(
-                DVec3::ZERO,
-                |sum, (other, corner)| {
-                    let other = &faces[*other as usize];
-                    if other.normal.dot(face.normal) >= CREASE_COSINE {
-                        sum + other.normal * other.angles[*corner as usize]
-                    } else {
-                        sum
-                    }
-                },
-            );
-            let normal = mean.try_normalize().unwrap_or(face.normal);
-            mesh.push_vertex(point, normal)
-        });
-        mesh.triangles.push(corners);
-    }
+    drop(around);
+    drop(faces);
+    let count = mesh.positions.len() as u32;
+    mesh.triangles = (0..count / 3)
+        .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
+        .collect();
     share_vertices(mesh)
 }
 
 /// Makes corners with equal position and normal into one vertex, in order of first use.
-pub(super) fn share_vertices(mesh: Mesh) -> Mesh {
-    let mut shared = Mesh::default();
-    let mut seen = HashMap::new();
-    for triangle in mesh.triangles {
-        let corners = triangle.map(|i| {
-            let (position, normal) = (mesh.positions[i as usize], mesh.normals[i as usize]);
-            *seen
-                .entry([key(position), key(normal)])
-                .or_insert_with(|| shared.push_vertex(position, normal))
-        });
-        shared.triangles.push(corners);
+pub(super) fn share_vertices(mut mesh: Mesh) -> Mesh {
+    // By corners, since vertices may stand in another order than they are used in.
+    let corner = |k: usize| mesh.triangles[k / 3][k % 3] as usize;
+    let key = |k: usize| {
+        [
+            bits(mesh.positions[corner(k)]),
+            bits(mesh.normals[corner(k)]),
+        ]
+    };
+    let mut ids = first_equal(3 * mesh.triangles.len(), key);
+    let is_in_order = mesh.positions.len() == ids.len() && (0..ids.len()).all(|k| corner(k) == k);
+    let firsts = ids
+        .iter()
+        .enumerate()
+        .filter(|(k, first)| *k == **first as usize);
+    if is_in_order {
+        // In place: a mesh of bare triangles fills most of the memory.
+        let kept: Vec<bool> = (0..ids.len()).map(|k| ids[k] as usize == k).collect();
+        retain(&mut mesh.positions, &kept);
+        retain(&mut mesh.normals, &kept);
+    } else {
+        let (positions, normals) = firsts
+            .map(|(k, _)| (mesh.positions[corner(k)], mesh.normals[corner(k)]))
+            .unzip();
+        (mesh.positions, mesh.normals) = (positions, normals);
     }
-    shared
+    number(&mut ids);
+    for (triangle, ids) in mesh.triangles.iter_mut().zip(ids.chunks_exact(3)) {
+        triangle.copy_from_slice(ids);
+    }
+    mesh
 }
 
-fn key(point: DVec3) -> [u64; 3] {
-    // Adding zero makes -0 into 0.
-    (point + 0.0).to_array().map(f64::to_bits)
+fn retain(list: &mut Vec<DVec3>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    list.retain(|_| kept.next().copied().unwrap_or(false));
+    list.shrink_to_fit();
 }
 
-struct Face {
-    corners: [DVec3; 3],
-    normal: DVec3,
-    angles: [f64; 3],
+/// Triangles with an area.
+struct Faces<'t> {
+    vertices: &'t [DVec3],
+    triangles: &'t [[u32; 3]],
+    /// Indices of those that have one.
+    list: Vec<u32>,
+    normals: Vec<DVec3>,
 }
 
-impl Face {
-    fn of(vertices: &[DVec3], triangle: [u32; 3]) -> Option<Self> {
-        let mut corners = [DVec3::ZERO; 3];
-        for (corner, index) in corners.iter_mut().zip(triangle) {
-            *corner = *vertices.get(index as usize)?;
-        }
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).try_normalize()?;
-        let angle = |at: DVec3, first: DVec3, second: DVec3| {
-            let (u, v) = (first - at, second - at);
-            libm::atan2(u.cross(v).length(), u.dot(v))
+impl<'t> Faces<'t> {
+    fn new(vertices: &'t [DVec3], triangles: &'t [[u32; 3]]) -> Self {
+        let mut faces = Self {
+            vertices,
+            triangles,
+            list: Vec::new(),
+            normals: Vec::new(),
         };
-        Some(Self {
-            corners,
-            normal,
-            angles: [angle(a, b, c), angle(b, c, a), angle(c, a, b)],
-        })
+        for (index, triangle) in triangles.iter().enumerate() {
+            if triangle
+                .iter()
+                .any(|corner| *corner as usize >= vertices.len())
+            {
+                continue;
+            }
+            let [a, b, c] = faces.corners(index as u32);
+            if let Some(normal) = (b - a).cross(c - a).try_normalize() {
+                faces.list.push(index as u32);
+                faces.normals.push(normal);
+            }
+        }
+        faces
+    }
+
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|corner| self.vertices[corner as usize])
+    }
+
+    /// The angle of a face at one of its corners; a corner is three times its face and 0 to 2.
+    fn angle(&self, corner: u32) -> f64 {
+        let points = self.corners(self.list[corner as usize / 3]);
+        let [at, first, second] = [0, 1, 2].map(|k| points[(corner as usize + k) % 3]);
+        let (u, v) = (first - at, second - at);
+        libm::atan2(u.cross(v).length(), u.dot(v))
+    }
+
+    fn normal(&self, corner: u32) -> DVec3 {
+        self.normals[corner as usize / 3]
+    }
+
+    /// Which corners are at one position.
+    fn around(&self) -> Around {
+        let mut ids = first_equal(self.vertices.len(), |k| bits(self.vertices[k]));
+        let mut starts = vec![0; number(&mut ids) + 1];
+        let corners = || {
+            let faces = self.list.iter().flat_map(|f| self.triangles[*f as usize]);
+            faces.map(|vertex| ids[vertex as usize] as usize)
+        };
+        corners().for_each(|id| starts[id + 1] += 1);
+        for id in 1..starts.len() {
+            starts[id] += starts[id - 1];
+        }
+        let (mut next, mut list) = (starts.clone(), vec![0; 3 * self.list.len()]);
+        for (corner, id) in corners().enumerate() {
+            list[next[id] as usize] = corner as u32;
+            next[id] += 1;
+        }
+        Around { starts, list }
+    }
+
+    /// The normals of all corners at one position.
+    fn smooth(&self, corners: &[u32], normals: &mut [DVec3]) {
+        let angles: Vec<f64> = corners.iter().map(|corner| self.angle(*corner)).collect();
+        for corner in corners {
+            let own = self.normal(*corner);
+            let others = corners.iter().zip(&angles);
+            let mean = others.fold(DVec3::ZERO, |sum, (other, angle)| {
+                let normal = self.normal(*other);
+                if normal.dot(own) >= CREASE_COSINE {
+                    sum + normal * *angle
+                } else {
+                    sum
+                }
+            });
+            normals[*corner as usize] = mean.try_normalize().unwrap_or(own);
+        }
+    }
+
+    /// The same where very many meet: normals in one cell of directions stand for each other.
+    fn smooth_many(&self, corners: &[u32], normals: &mut [DVec3]) {
+        let mut sums = vec![DVec3::ZERO; 2 * CELLS * CELLS];
+        for corner in corners {
+            let normal = self.normal(*corner);
+            sums[cell(normal)] += normal * self.angle(*corner);
+        }
+        let filled = sums
+            .iter()
+            .filter_map(|sum| Some((*sum, sum.try_normalize()?)));
+        let filled: Vec<(DVec3, DVec3)> = filled.collect();
+        for corner in corners {
+            let own = self.normal(*corner);
+            let near = filled
+                .iter()
+                .filter(|(_, middle)| middle.dot(own) >= CREASE_COSINE);
+            let mean = near.fold(DVec3::ZERO, |sum, (part, _)| sum + *part);
+            normals[*corner as usize] = mean.try_normalize().unwrap_or(own);
+        }
+    }
+}
+
+/// The cell of a direction on the octahedron: its two halves laid flat side by side.
+fn cell(direction: DVec3) -> usize {
+    let flat = direction / direction.abs().element_sum();
+    let index = |v: f64| (((v + 1.0) * 0.5 * CELLS as f64) as usize).min(CELLS - 1);
+    let half = usize::from(flat.z < 0.0);
+    (half * CELLS + index(flat.x)) * CELLS + index(flat.y)
+}
+
+/// Corners by position, those of one position side by side in the order of the faces.
+struct Around {
+    starts: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl Around {
+    fn corners(&self) -> impl Iterator<Item = &[u32]> {
+        let ranges = self.starts.windows(2);
+        ranges.map(|range| &self.list[range[0] as usize..range[1] as usize])
     }
 }

@@ -1,5 +1,6 @@
 //! A triangle mesh, and whether it encloses space.
 
+use super::weld::{bits, first_equal};
 use glam::DVec3;
 
 /// A closed or open triangle mesh with one normal per vertex.
@@ -56,36 +57,30 @@ impl Mesh {
 
 /// Number of distinct vertices, edges and triangles of a closed mesh; `None` for an open one.
 pub(super) fn closed_edges(mesh: &Mesh) -> Option<[usize; 3]> {
-    use std::collections::{HashMap, HashSet};
-    // Adding zero makes -0 into 0, so that equal positions have equal bits.
-    let mut index_of = HashMap::new();
-    let welded: Vec<usize> = mesh
-        .positions
-        .iter()
-        .map(|p| {
-            let next = index_of.len();
-            *index_of
-                .entry((*p + 0.0).to_array().map(f64::to_bits))
-                .or_insert(next)
-        })
-        .collect();
-    let mut balance: HashMap<[usize; 2], [u32; 2]> = HashMap::new();
-    let mut used = HashSet::new();
-    let mut triangles = 0;
+    let welded = first_equal(mesh.positions.len(), |k| bits(mesh.positions[k]));
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * mesh.triangles.len());
     for triangle in &mesh.triangles {
         let corners = triangle.map(|i| welded.get(i as usize).copied());
         let [Some(a), Some(b), Some(c)] = corners else {
             return None;
         };
-        if a == b || b == c || c == a {
-            continue;
-        }
-        triangles += 1;
-        used.extend([a, b, c]);
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            balance.entry([from.min(to), from.max(to)]).or_default()[usize::from(from > to)] += 1;
+        if a != b && b != c && c != a {
+            edges.extend([[a, b], [b, c], [c, a]]);
         }
     }
-    let closed = triangles > 0 && balance.values().all(|[along, against]| along == against);
-    closed.then_some([used.len(), balance.len(), triangles])
+    let triangles = edges.len() / 3;
+    let ends = |edge: &[u32; 2]| [edge[0].min(edge[1]), edge[0].max(edge[1])];
+    edges.sort_unstable_by_key(ends);
+    let mut count = 0;
+    for edge in edges.chunk_by(|a, b| ends(a) == ends(b)) {
+        let along = edge.iter().filter(|edge| edge[0] < edge[1]).count();
+        if 2 * along != edge.len() {
+            return None;
+        }
+        count += 1;
+    }
+    let mut used: Vec<u32> = edges.into_iter().map(|edge| edge[0]).collect();
+    used.sort_unstable();
+    used.dedup();
+    (triangles > 0).then_some([used.len(), count, triangles])
 }

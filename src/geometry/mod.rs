@@ -8,6 +8,7 @@ pub mod stl;
 mod torus;
 pub mod trace;
 mod tube;
+mod weld;
 
 pub use crease::mesh_of_triangles;
 pub use mesh::Mesh;

@@ -1,15 +1,23 @@
 //! Reading STL files, binary and text, with clear refusals. Holds no meshes and no scaling of units.
 
+use super::weld::{bits, first_equal, number};
+use crate::diag::shown_text;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
-use std::collections::HashMap;
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
+use std::ops::Range;
 use std::path::Path;
 
 /// Most triangles read from one file: more cannot be told apart in a picture and would fill the memory.
 pub const MAX_STL_TRIANGLES: usize = 2_000_000;
 /// Most bytes read from one file: the triangle limit in the text form at its usual 270 bytes each.
 const MAX_STL_BYTES: u64 = 540_000_000;
+/// Largest coordinate: pictures count in single precision, and squares of lengths must fit there.
+const LARGEST: f64 = 1e18;
+/// Longest line of the text form.
+const LONGEST_LINE: u64 = 1 << 20;
+/// What some editors put before a text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Bytes before the triangles of a binary file: title and count.
 const BINARY_HEADER: usize = 84;
 /// Bytes of a triangle in a binary file.
@@ -36,14 +44,22 @@ pub enum StlError {
         path: String,
     },
     /// The file ends before the triangles it announces.
-    #[error("{path} is cut short: it announces {announced} triangles and ends after {found}")]
+    #[error("{path} is cut short, or no STL file: it has no room for the triangles it announces")]
     Truncated {
         /// The file.
         path: String,
-        /// Triangles by the file's header.
-        announced: usize,
-        /// Whole triangles present.
-        found: usize,
+    },
+    /// A folder, a device, a pipe.
+    #[error("cannot read {path}: it is no regular file")]
+    NoFile {
+        /// The file.
+        path: String,
+    },
+    /// All triangles are points or lines.
+    #[error("{path} holds no triangle with an area")]
+    Flat {
+        /// The file.
+        path: String,
     },
     /// More than [`MAX_STL_TRIANGLES`].
     #[error("{path} holds more than {MAX_STL_TRIANGLES} triangles; reduce it first")]
@@ -51,8 +67,10 @@ pub enum StlError {
         /// The file.
         path: String,
     },
-    /// A coordinate that is infinite or not a number.
-    #[error("triangle {triangle} of {path} has a corner that is not a finite number")]
+    /// A coordinate that is infinite, not a number, or beyond [`LARGEST`].
+    #[error(
+        "triangle {triangle} of {path} has a corner that is not a finite number, or beyond {LARGEST:e}"
+    )]
     NotFinite {
         /// The file.
         path: String,
@@ -74,38 +92,48 @@ pub enum StlError {
 /// The form is recognised by the size that a binary file must have, then by the word `solid`, so that a
 /// binary file whose title begins with that word is read rightly. Errors: see [`StlError`].
 pub fn read_stl(path: &Path) -> Result<TriangleSoup, StlError> {
-    let name = path.display().to_string();
+    let name = shown_text(&path.display().to_string()).into_owned();
     let read_error = |source| StlError::Read {
         path: name.clone(),
         source,
     };
-    let file = std::fs::File::open(path).map_err(read_error)?;
-    let mut bytes = Vec::new();
-    file.take(MAX_STL_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(read_error)?;
-    if bytes.len() as u64 > MAX_STL_BYTES {
+    let about = std::fs::metadata(path).map_err(read_error)?;
+    if !about.is_file() {
+        return Err(StlError::NoFile { path: name });
+    }
+    if about.len() > MAX_STL_BYTES {
         return Err(StlError::TooLarge { path: name });
     }
-    parse(bytes, name)
+    let file = std::fs::File::open(path).map_err(read_error)?;
+    parse(BufReader::new(file.take(MAX_STL_BYTES)), about.len(), name)
 }
 
-/// The triangles of a file's bytes; `path` is for messages.
-fn parse(bytes: Vec<u8>, path: String) -> Result<TriangleSoup, StlError> {
-    if bytes.iter().all(u8::is_ascii_whitespace) {
+/// The triangles of a file of so many bytes; `path` is for messages.
+fn parse(mut file: impl BufRead, bytes: u64, path: String) -> Result<TriangleSoup, StlError> {
+    let read_error = |source| StlError::Read {
+        path: path.clone(),
+        source,
+    };
+    let mut head = Vec::new();
+    let mut first = (&mut file).take(BINARY_HEADER as u64);
+    first.read_to_end(&mut head).map_err(read_error)?;
+    let announced = announced(&head);
+    let fits = announced.is_some_and(|count| binary_size(count) == Some(bytes));
+    let start = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head);
+    let word = start.trim_ascii_start().get(..5);
+    if word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !fits {
+        return collect(Text::new(start.chain(file)), path);
+    }
+    if bytes <= BINARY_HEADER as u64 && head.iter().all(u8::is_ascii_whitespace) {
         return Err(StlError::Empty { path });
     }
-    let first = bytes.trim_ascii_start().get(..5);
-    let text_like = first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
-    let announced = announced(&bytes);
-    let fits = announced.is_some_and(|count| binary_size(count) == Some(bytes.len()));
-    if text_like && !fits {
-        let text = String::from_utf8_lossy(&bytes);
-        return collect(Text::new(&text), path);
-    }
-    let count = check_binary(&bytes, announced, &path)?;
-    let triangles = bytes[BINARY_HEADER..].chunks_exact(BINARY_TRIANGLE);
-    collect(triangles.take(count).map(|t| Ok(of_binary(t))), path)
+    let count = check_binary(bytes, announced, &path)?;
+    let triangles = (0..count).map(|_| {
+        let mut triangle = [0; BINARY_TRIANGLE];
+        file.read_exact(&mut triangle).map_err(|e| e.to_string())?;
+        Ok(of_binary(&triangle))
+    });
+    collect(triangles, path)
 }
 
 /// Corners of a triangle of a binary file, behind its normal.
@@ -122,48 +150,82 @@ fn of_binary(bytes: &[u8]) -> Corners {
     [0, 3, 6].map(|k| [number(k), number(k + 1), number(k + 2)])
 }
 
-/// The triangles of the text form.
-struct Text<'t> {
-    lines: std::iter::Enumerate<std::str::Lines<'t>>,
-    words: std::str::SplitWhitespace<'t>,
+/// The triangles of the text form. What stands in the file is not repeated in messages: it may be another file than an
+/// STL, and none of the reader's business.
+struct Text<R> {
+    file: R,
+    /// The line that is read, and where its next word is looked for.
+    bytes: Vec<u8>,
+    at: usize,
     line: usize,
 }
 
-impl<'t> Text<'t> {
-    fn new(text: &'t str) -> Self {
+impl<R: BufRead> Text<R> {
+    fn new(file: R) -> Self {
         Self {
-            lines: text.lines().enumerate(),
-            words: "".split_whitespace(),
+            file,
+            bytes: Vec::new(),
+            at: 0,
             line: 0,
         }
     }
 
-    /// The next word; the titles of solids are left out.
-    fn word(&mut self) -> Option<&'t str> {
+    /// The next word; the titles of solids are left out. `None` at the end.
+    fn word(&mut self) -> Result<Option<Range<usize>>, String> {
         loop {
-            if let Some(word) = self.words.next() {
-                return Some(word);
+            let rest = &self.bytes[self.at..];
+            if let Some(start) = rest.iter().position(|b| !b.is_ascii_whitespace()) {
+                let start = self.at + start;
+                let rest = &self.bytes[start..];
+                let end = rest.iter().position(u8::is_ascii_whitespace);
+                self.at = end.map_or(self.bytes.len(), |end| start + end);
+                return Ok(Some(start..self.at));
             }
-            let (line, text) = self.lines.next()?;
-            self.line = line + 1;
-            let mut words = text.split_whitespace();
-            let first = words.next().map(str::to_ascii_lowercase);
-            let is_title = matches!(first.as_deref(), Some("solid" | "endsolid"));
-            self.words = if is_title { "" } else { text }.split_whitespace();
+            if !self.next_line()? {
+                return Ok(None);
+            }
         }
+    }
+
+    fn next_line(&mut self) -> Result<bool, String> {
+        self.bytes.clear();
+        self.at = 0;
+        let mut line = (&mut self.file).take(LONGEST_LINE);
+        let count = line
+            .read_until(b'\n', &mut self.bytes)
+            .map_err(|e| e.to_string())?;
+        self.line += 1;
+        if count as u64 == LONGEST_LINE {
+            return Err(format!(
+                "line {} is longer than {LONGEST_LINE} bytes",
+                self.line
+            ));
+        }
+        let mut words = self
+            .bytes
+            .split(u8::is_ascii_whitespace)
+            .filter(|w| !w.is_empty());
+        let is_title = words.next().is_some_and(|first| {
+            [&b"solid"[..], b"endsolid"]
+                .iter()
+                .any(|word| first.eq_ignore_ascii_case(word))
+        });
+        if is_title {
+            self.at = self.bytes.len();
+        }
+        Ok(count > 0)
     }
 
     fn expect(&mut self, words: &[&str]) -> Result<(), String> {
         for expected in words {
-            match self.word() {
-                Some(word) if word.eq_ignore_ascii_case(expected) => {}
-                Some(word) => {
-                    let line = self.line;
-                    return Err(format!(
-                        "line {line} has `{word}` where `{expected}` stands"
-                    ));
-                }
-                None => return Err(format!("it ends where `{expected}` stands")),
+            let word = self
+                .word()?
+                .ok_or_else(|| format!("it ends where `{expected}` stands"))?;
+            if !self.bytes[word].eq_ignore_ascii_case(expected.as_bytes()) {
+                return Err(format!(
+                    "line {} has no `{expected}` where one stands",
+                    self.line
+                ));
             }
         }
         Ok(())
@@ -172,11 +234,11 @@ impl<'t> Text<'t> {
     fn numbers(&mut self) -> Result<[f64; 3], String> {
         let mut numbers = [0.0; 3];
         for number in &mut numbers {
-            let word = self.word().ok_or("it ends where a number stands")?;
-            let line = self.line;
-            *number = word
-                .parse()
-                .map_err(|_| format!("line {line} has `{word}` where a number stands"))?;
+            let word = self.word()?.ok_or("it ends where a number stands")?;
+            let word = std::str::from_utf8(&self.bytes[word]).unwrap_or_default();
+            let value = word.parse();
+            *number =
+                value.map_err(|_| format!("line {} has no number where one stands", self.line))?;
         }
         Ok(numbers)
     }
@@ -195,14 +257,18 @@ impl<'t> Text<'t> {
     }
 }
 
-impl Iterator for Text<'_> {
+impl<R: BufRead> Iterator for Text<R> {
     type Item = Result<Corners, String>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        match self.word()? {
-            word if word.eq_ignore_ascii_case("facet") => Some(self.triangle()),
-            word => Some(Err(format!(
-                "line {} has `{word}` where `facet` stands",
+        match self.word() {
+            Err(error) => Some(Err(error)),
+            Ok(None) => None,
+            Ok(Some(word)) if self.bytes[word.clone()].eq_ignore_ascii_case(b"facet") => {
+                Some(self.triangle())
+            }
+            Ok(Some(_)) => Some(Err(format!(
+                "line {} has no `facet` where one stands",
                 self.line
             ))),
         }
@@ -214,27 +280,22 @@ fn announced(bytes: &[u8]) -> Option<usize> {
     Some(u32::from_le_bytes(count.try_into().ok()?) as usize)
 }
 
-fn binary_size(count: usize) -> Option<usize> {
-    count
-        .checked_mul(BINARY_TRIANGLE)?
-        .checked_add(BINARY_HEADER)
+fn binary_size(count: usize) -> Option<u64> {
+    let bytes = (count as u64).checked_mul(BINARY_TRIANGLE as u64)?;
+    bytes.checked_add(BINARY_HEADER as u64)
 }
 
 /// The number of triangles of a binary file.
-fn check_binary(bytes: &[u8], announced: Option<usize>, path: &str) -> Result<usize, StlError> {
+fn check_binary(bytes: u64, announced: Option<usize>, path: &str) -> Result<usize, StlError> {
     let path = path.to_owned();
     let Some(announced) = announced else {
         let detail = "too short for the header of the binary form, and no text form".to_owned();
         return Err(StlError::Syntax { path, detail });
     };
-    let found = (bytes.len() - BINARY_HEADER) / BINARY_TRIANGLE;
+    let found = (bytes.saturating_sub(BINARY_HEADER as u64) / BINARY_TRIANGLE as u64) as usize;
     match found {
         _ if announced == 0 => Err(StlError::Empty { path }),
-        _ if found < announced => Err(StlError::Truncated {
-            path,
-            announced,
-            found,
-        }),
+        _ if found < announced => Err(StlError::Truncated { path }),
         _ if announced > MAX_STL_TRIANGLES => Err(StlError::TooLarge { path }),
         _ => Ok(announced),
     }
@@ -244,39 +305,53 @@ fn collect(
     triangles: impl Iterator<Item = Result<Corners, String>>,
     path: String,
 ) -> Result<TriangleSoup, StlError> {
-    let mut soup = TriangleSoup {
-        source: path.clone(),
-        vertices: Vec::new(),
-        triangles: Vec::new(),
-        is_surface: false,
-    };
-    let mut index_of: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut corners = Vec::new();
     for triangle in triangles {
-        let corners = triangle.map_err(|detail| StlError::Syntax {
-            path: path.clone(),
-            detail,
-        })?;
-        if soup.triangles.len() == MAX_STL_TRIANGLES {
+        let triangle = match triangle {
+            Ok(triangle) => triangle,
+            Err(detail) => return Err(StlError::Syntax { path, detail }),
+        };
+        if corners.len() == 3 * MAX_STL_TRIANGLES {
             return Err(StlError::TooLarge { path });
         }
-        if corners.iter().flatten().any(|c| !c.is_finite()) {
-            let triangle = soup.triangles.len() + 1;
+        // Not a number is not smaller.
+        if !triangle.iter().flatten().all(|c| c.abs() <= LARGEST) {
+            let triangle = corners.len() / 3 + 1;
             return Err(StlError::NotFinite { path, triangle });
         }
-        soup.triangles.push(corners.map(|corner| {
-            // Adding zero makes -0 into 0.
-            *index_of
-                .entry(corner.map(|c| (c + 0.0).to_bits()))
-                .or_insert_with(|| {
-                    soup.vertices.push(DVec3::from(corner));
-                    (soup.vertices.len() - 1) as u32
-                })
-        }));
+        corners.extend(triangle.map(DVec3::from));
     }
-    if soup.triangles.is_empty() {
+    if corners.is_empty() {
         return Err(StlError::Empty { path });
     }
-    Ok(soup)
+    let mut has_area = corners
+        .chunks_exact(3)
+        .map(|t| (t[1] - t[0]).cross(t[2] - t[0]));
+    if !has_area.any(|area| area.try_normalize().is_some()) {
+        return Err(StlError::Flat { path });
+    }
+    Ok(welded(corners, path))
+}
+
+/// Equal corners made one, in the order of their first use.
+fn welded(mut corners: Vec<DVec3>, source: String) -> TriangleSoup {
+    let mut ids = first_equal(corners.len(), |k| bits(corners[k]));
+    let mut place = 0;
+    for (corner, first) in ids.iter().enumerate() {
+        if corner == *first as usize {
+            corners[place] = corners[corner];
+            place += 1;
+        }
+    }
+    corners.truncate(place);
+    corners.shrink_to_fit();
+    number(&mut ids);
+    TriangleSoup {
+        source,
+        vertices: corners,
+        triangles: ids.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        is_surface: false,
+    }
 }
 
 #[cfg(test)]
@@ -355,17 +430,53 @@ mod tests {
         // A count of four thousand million must not be believed.
         assert!(matches!(
             read(&binary(b"", u32::MAX, &[ONE])),
-            Err(StlError::Truncated {
-                announced: 0xffff_ffff,
-                found: 1,
-                ..
-            })
+            Err(StlError::Truncated { .. })
         ));
-        let mut nan = ONE;
-        nan[1][2] = f32::NAN;
+        for wrong in [f32::NAN, f32::INFINITY, -3e38] {
+            let mut triangle = ONE;
+            triangle[1][2] = wrong;
+            assert!(matches!(
+                read(&binary(b"", 2, &[ONE, triangle])),
+                Err(StlError::NotFinite { triangle: 2, .. })
+            ));
+        }
+        let line = [ONE[0], ONE[1], ONE[0]];
         assert!(matches!(
-            read(&binary(b"", 2, &[ONE, nan])),
-            Err(StlError::NotFinite { triangle: 2, .. })
+            read(&binary(b"", 1, &[line])),
+            Err(StlError::Flat { .. })
+        ));
+        assert!(matches!(
+            read_stl(Path::new("/dev/null")),
+            Err(StlError::NoFile { .. })
+        ));
+    }
+
+    /// A path may lead to any file of its reader: nothing of it is told.
+    #[test]
+    fn no_content_stands_in_a_message() {
+        let secret = "topsecret";
+        for text in [
+            format!("solid a\n{secret} normal"),
+            format!("solid a\nfacet normal {secret}"),
+            format!("solid a\nfacet normal 0 0 1\nouter {secret}"),
+            format!("{secret}{}", "x".repeat(200)),
+        ] {
+            let error = read(text.as_bytes()).unwrap_err().to_string();
+            assert!(
+                !error.contains(secret) && !error.contains("2021161080"),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_byte_order_mark_and_long_lines_do_no_harm() {
+        let soup = read(format!("\u{feff}solid\n{TEXT}").as_bytes()).unwrap();
+        assert_eq!(soup.triangles, [[0, 1, 2]]);
+        let long = format!("solid\n{}{TEXT}", " ".repeat(2 << 20));
+        assert!(matches!(
+            read(long.as_bytes()),
+            Err(StlError::Syntax { .. })
         ));
     }
 }

@@ -1,11 +1,11 @@
 //! Anything that is a row of pictures: a PNG, an APNG, a GIF, a folder of PNGs. Read frame by frame.
 
 use super::order::natural;
-use super::picture::{ImportError, limits, read_png};
+use super::picture::{self, ImportError, read_png};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::metadata::LoopCount;
-use image::{AnimationDecoder, Frames, ImageDecoder, RgbaImage};
+use image::{AnimationDecoder, Frames, ImageDecoder, Limits, RgbaImage};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -52,14 +52,13 @@ impl Film {
         if path.is_dir() {
             return Self::of_folder(path);
         }
-        let failed = |e| ImportError::read(path, e);
-        let mut file = BufReader::new(File::open(path).map_err(failed)?);
-        let start = file.fill_buf().map_err(failed)?;
+        let (mut file, limits) = picture::open(path)?;
+        let start = file.fill_buf().map_err(|e| ImportError::read(path, e))?;
         if start.starts_with(GIF_MAGIC) {
-            return Self::of_gif(path, file);
+            return Self::of_gif(path, file, limits);
         }
         if start.starts_with(PNG_MAGIC) {
-            return Self::of_png(path, file);
+            return Self::of_png(path, file, limits);
         }
         Err(ImportError::decode(path, "neither a PNG nor a GIF"))
     }
@@ -83,18 +82,18 @@ impl Film {
         }
     }
 
-    fn of_gif(path: &Path, mut file: BufReader<File>) -> Result<Self, ImportError> {
+    fn of_gif(path: &Path, mut file: BufReader<File>, limits: Limits) -> Result<Self, ImportError> {
         let plays = gif_plays(&mut file).map_err(|e| ImportError::read(path, e))?;
         let mut decoder = GifDecoder::new(file).map_err(|e| ImportError::decode(path, e))?;
-        let limited = decoder.set_limits(limits());
+        let limited = decoder.set_limits(limits);
         limited.map_err(|e| ImportError::decode(path, e))?;
         let frames = timed(path, decoder.into_frames());
         Ok(Self::new(path, "a GIF", Some(plays), frames))
     }
 
-    fn of_png(path: &Path, file: BufReader<File>) -> Result<Self, ImportError> {
+    fn of_png(path: &Path, file: BufReader<File>, limits: Limits) -> Result<Self, ImportError> {
         let refuse = |e| ImportError::decode(path, e);
-        let decoder = PngDecoder::with_limits(file, limits()).map_err(refuse)?;
+        let decoder = PngDecoder::with_limits(file, limits).map_err(refuse)?;
         if !decoder.is_apng().map_err(refuse)? {
             let still = FilmFrame {
                 name: String::new(),

@@ -1,13 +1,22 @@
 //! Single pictures, and what can be wrong with a file.
 
+use crate::limits::{LimitExceeded, Resource, allow_memory};
 use image::codecs::png::PngDecoder;
 use image::{ImageDecoder, ImageFormat, ImageReader, Limits, RgbaImage};
-use std::io;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-/// Longest side and largest memory of a picture that is read; a small file can ask for terabytes.
-const LONGEST_SIDE: u32 = 1 << 16;
-const MOST_BYTES: u64 = 1 << 30;
+/// What a decoder may take beside the pixels: profiles and texts, which a small file can blow up to gigabytes.
+const MOST_BESIDE: u64 = 16 << 20;
+
+/// Bytes that a decoder and its reader hold of a pixel at most: 16 bits a channel, and again 8 bits a channel.
+const BYTES_OF_PIXEL: u64 = 8 + 4;
+
+/// Where the sizes stand in the heads of the files: first byte of the width, bytes of a number, whether the first of them
+/// counts most.
+const PNG_SIZE: (usize, usize, bool) = (16, 4, true);
+const GIF_SIZE: (usize, usize, bool) = (6, 2, false);
 
 /// Why a picture could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +37,9 @@ pub enum ImportError {
         /// What is wrong with it.
         message: String,
     },
+    /// It takes more than the run may use.
+    #[error(transparent)]
+    Limit(#[from] LimitExceeded),
     /// A frame of another size than the first.
     #[error("{}: {}x{} pixels, but the first frame has {}x{}", .path.display(), .got[0], .got[1], .expected[0], .expected[1])]
     Size {
@@ -68,9 +80,9 @@ impl ImportError {
 ///
 /// Errors: the file cannot be read, is no PNG, or is damaged or too large.
 pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
-    let file = std::fs::File::open(path).map_err(|e| ImportError::read(path, e))?;
-    let mut reader = ImageReader::with_format(io::BufReader::new(file), ImageFormat::Png);
-    reader.limits(limits());
+    let (file, limits) = open(path)?;
+    let mut reader = ImageReader::with_format(file, ImageFormat::Png);
+    reader.limits(limits);
     let picture = reader.decode().map_err(|e| ImportError::decode(path, e))?;
     Ok(picture.into_rgba8())
 }
@@ -79,17 +91,43 @@ pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
 ///
 /// Errors: as [`read_png`].
 pub fn has_alpha(path: &Path) -> Result<bool, ImportError> {
-    let file = std::fs::File::open(path).map_err(|e| ImportError::read(path, e))?;
-    let decoder = PngDecoder::with_limits(io::BufReader::new(file), limits());
+    let (file, limits) = open(path)?;
+    let decoder = PngDecoder::with_limits(file, limits);
     let decoder = decoder.map_err(|e| ImportError::decode(path, e))?;
     Ok(decoder.color_type().has_alpha())
 }
 
-/// The same for all formats.
-pub(super) fn limits() -> Limits {
+/// Opens a picture file, and says what decoding it may take: its size is read off its head first.
+pub(super) fn open(path: &Path) -> Result<(BufReader<File>, Limits), ImportError> {
+    let failed = |e| ImportError::read(path, e);
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(ImportError::decode(path, "it is no regular file"));
+    }
+    let mut file = BufReader::new(File::open(path).map_err(failed)?);
+    let head = file.fill_buf().map_err(failed)?;
+    let place = if head.starts_with(b"GIF") {
+        GIF_SIZE
+    } else {
+        PNG_SIZE
+    };
+    let pixels = size_at(head, place).map_or(0, |[width, height]| width * height);
+    let who = path.display();
+    crate::limits::limits().allow(Resource::Pixels, pixels as f64, &who)?;
+    allow_memory((pixels * BYTES_OF_PIXEL) as f64, &who)?;
     let mut limits = Limits::default();
-    limits.max_image_width = Some(LONGEST_SIDE);
-    limits.max_image_height = Some(LONGEST_SIDE);
-    limits.max_alloc = Some(MOST_BYTES);
-    limits
+    limits.max_alloc = Some(MOST_BESIDE + pixels * BYTES_OF_PIXEL);
+    Ok((file, limits))
+}
+
+/// Width and height of a picture, if its head is long enough.
+fn size_at(head: &[u8], (start, bytes, is_big): (usize, usize, bool)) -> Option<[u64; 2]> {
+    let number = |k: usize| {
+        let number = head.get(start + k * bytes..start + (k + 1) * bytes)?;
+        let add = |n: u64, byte: &u8| 256 * n + u64::from(*byte);
+        Some(match is_big {
+            true => number.iter().fold(0, add),
+            false => number.iter().rev().fold(0, add),
+        })
+    };
+    Some([number(0)?, number(1)?])
 }

@@ -29,6 +29,22 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
+/// A text as a CSV cell: in quotes where it has to be, and with an apostrophe before what a spreadsheet would run as a
+/// formula. Signs alone, such as those of a branch, are quoted only: they run nothing.
+pub fn quoted(text: &str) -> String {
+    let is_formula = text.starts_with(['+', '-', '=', '@', '\t', '\r']);
+    if text.parse::<f64>().is_ok() {
+        return text.to_owned();
+    }
+    let is_signs = text.chars().all(|c| matches!(c, '+' | '-' | '0'));
+    let mark = if is_formula && !is_signs { "'" } else { "" };
+    if is_formula || text.contains([',', ';', '"', '\n', '\r']) {
+        format!("\"{mark}{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
 /// A number with six significant digits.
 pub fn six(value: f64) -> String {
     let size = value.abs();
@@ -39,5 +55,26 @@ pub fn six(value: f64) -> String {
         format!("{value:.digits$}")
     } else {
         format!("{value:.5e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_cell_is_run_by_a_spreadsheet() {
+        for (text, cell) in [
+            ("crank", "crank"),
+            ("a, b", "\"a, b\""),
+            ("say \"so\"", "\"say \"\"so\"\"\""),
+            ("=cmd|' /C calc'!A0", "\"'=cmd|' /C calc'!A0\""),
+            ("@SUM(A1)", "\"'@SUM(A1)\""),
+            ("+1+cmd", "\"'+1+cmd\""),
+            ("-2", "-2"),
+            ("+-0", "\"+-0\""),
+        ] {
+            assert_eq!(quoted(text), cell);
+        }
     }
 }

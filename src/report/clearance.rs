@@ -1,5 +1,6 @@
 //! The clearance report as cases of a verdict, as a table for people, as JSON and CSV. Nothing is computed here.
 
+use super::cells::quoted;
 use super::rounded::{at_least_three, at_most_three, not_below};
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport};
@@ -187,22 +188,13 @@ fn bound(mechanism: &Mechanism, p: &PairReport) -> String {
     }
 }
 
-/// A CSV cell: quoted where it has to be.
-fn cell(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
-
 /// CSV: time, then one column of distances a judged pair.
 pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
     let mut text = String::from("time");
     for p in &report.judged {
         let [a, b] = names(mechanism, p);
         text.push(',');
-        text.push_str(&cell(&format!("{a} / {b}")));
+        text.push_str(&quoted(&format!("{a} / {b}")));
     }
     text.push('\n');
     for (row, time) in report.times.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! Newton's iterates as a table: CSV without the polygons, or JSON with them.
 
-use super::table::{number, quoted};
+use super::cells::quoted;
+use super::table::number;
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::solve::iterates::Iterate;

@@ -1,6 +1,6 @@
 //! Derivatives of a study's measures by its variables as a table for people, as CSV and as JSON.
 
-use super::cells::{aligned, six};
+use super::cells::{aligned, quoted, six};
 use crate::analysis::study::{Family, Gradients};
 use serde_json::{Map, Value, json};
 
@@ -105,9 +105,12 @@ impl<'a> Table<'a> {
 
     /// One row a variable.
     pub fn csv(&self) -> String {
-        let mut text = self.heads().join(",") + "\n";
+        let heads: Vec<String> = self.heads().iter().map(|head| quoted(head)).collect();
+        let mut text = heads.join(",") + "\n";
         for variable in &self.order {
-            text.push_str(&self.row(*variable, &|v| format!("{v:?}")).join(","));
+            let row = self.row(*variable, &|v| format!("{v:?}"));
+            let cells: Vec<String> = row.iter().map(|cell| quoted(cell)).collect();
+            text.push_str(&cells.join(","));
             text.push('\n');
         }
         text

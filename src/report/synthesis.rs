@@ -1,6 +1,6 @@
 //! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
 
-use super::cells::{aligned, six};
+use super::cells::{aligned, quoted, six};
 use super::rounded::at_most;
 use crate::analysis::study::{Family, FamilyError};
 use crate::analysis::synthesis::verify::Proof;
@@ -284,10 +284,10 @@ pub fn rows(found: &[Found]) -> String {
     for one in found {
         for (index, measure) in one.family.measures.list.iter().enumerate() {
             let [printed, own, value] = one.values(index, measure).map(number);
-            let name = &measure.name;
             text.push_str(&format!(
-                "{},measure,{name},{printed},{own},{value}\n",
-                one.name
+                "{},measure,{},{printed},{own},{value}\n",
+                quoted(&one.name),
+                quoted(&measure.name)
             ));
         }
         let study = &one.family.study;
@@ -296,7 +296,8 @@ pub fn rows(found: &[Found]) -> String {
             let (own, value) = (variable.start * unit, x * unit);
             text.push_str(&format!(
                 "{},variable,{},,{own:?},{value:?}\n",
-                one.name, variable.name
+                quoted(&one.name),
+                quoted(&variable.name)
             ));
         }
     }

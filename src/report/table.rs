@@ -1,5 +1,6 @@
 //! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
 
+use super::cells::quoted;
 use super::events::{events, gaps};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
@@ -68,17 +69,6 @@ pub fn write_json(
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
     let names = header(mechanism, columns);
-    let samples: Vec<Value> = trajectory
-        .samples
-        .iter()
-        .enumerate()
-        .map(|(index, sample)| {
-            let cells = cells(mechanism, sample, columns).into_iter();
-            let values = cells.chain(motion_cells(trajectory, index, columns));
-            let values = values.map(json_cell);
-            Value::Object(names.iter().cloned().zip(values).collect::<Map<_, _>>())
-        })
-        .collect();
     let document = json!({
         "schema": "mechanim-trajectory/1",
         "title": mechanism.title,
@@ -87,12 +77,36 @@ pub fn write_json(
         "columns": names,
         "column_units": units(mechanism, columns),
         "missing": trajectory.missing(),
-        "samples": samples,
+        "samples": [],
         "events": events(mechanism, trajectory),
         "gaps": gaps(mechanism, trajectory),
     });
-    output.emit(format!("{document:#}\n").as_bytes())
+    let text = format!("{document:#}\n");
+    // Row by row: a motion as one document takes many times the memory of the motion.
+    let Some((before, after)) = text.split_once(NO_SAMPLES) else {
+        return output.emit(text.as_bytes());
+    };
+    output.emit(before.as_bytes())?;
+    let mut line = NO_SAMPLES.trim_end_matches(']').to_owned();
+    for (index, sample) in trajectory.samples.iter().enumerate() {
+        let cells = cells(mechanism, sample, columns).into_iter();
+        let values = cells.chain(motion_cells(trajectory, index, columns));
+        let row: Map<_, _> = names.iter().cloned().zip(values.map(json_cell)).collect();
+        let comma = if index == 0 { "" } else { "," };
+        line += &format!("{comma}\n{:#}", Value::Object(row)).replace('\n', "\n    ");
+        output.emit(line.as_bytes())?;
+        line.clear();
+    }
+    let end = if trajectory.samples.is_empty() {
+        "]"
+    } else {
+        "\n  ]"
+    };
+    output.emit(format!("{line}{end}{after}").as_bytes())
 }
+
+/// Where the rows stand in the document: no text in it has an end of line.
+const NO_SAMPLES: &str = "\n  \"samples\": []";
 
 /// Names of the columns in their order.
 fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
@@ -307,16 +321,6 @@ fn json_cell(cell: Cell) -> Value {
     }
 }
 
-/// A CSV cell, in quotes where a spreadsheet would misread it (a lone sign is taken for a formula).
-pub(super) fn quoted(text: &str) -> String {
-    let plain = !text.contains([',', '"', '\n', '\r']) && !text.starts_with(['+', '-', '=', '@']);
-    if plain {
-        text.to_owned()
-    } else {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -327,12 +331,5 @@ mod tests {
             assert_eq!(number(value), "");
             assert_eq!(json_cell(Cell::Number(value)), Value::Null);
         }
-    }
-
-    #[test]
-    fn cells_that_need_quotes_get_them() {
-        assert_eq!(quoted("a,b"), "\"a,b\"");
-        assert_eq!(quoted("+-"), "\"+-\"");
-        assert_eq!(quoted("M.x"), "M.x");
     }
 }

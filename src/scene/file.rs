@@ -183,7 +183,7 @@ pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
 
 fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
     let title = r.string("title").map(|s| s.value);
-    let description = r.string("description").map(|s| s.value);
+    let description = r.lines("description").map(|s| s.value);
     r.string("source");
     let units = r.table("units", |u| (u.string("length"), u.string("angle")));
     let (length_unit, angle_unit) = units.unwrap_or_default();
@@ -347,7 +347,7 @@ fn trace(r: &mut TableReader) -> Option<TraceFile> {
 
 fn label(r: &mut TableReader) -> Option<LabelFile> {
     let span = r.span.clone();
-    let text = required(r, "text", |r, k| r.string(k));
+    let text = required(r, "text", |r, k| r.lines(k));
     let (body, point) = (r.string("body"), r.vector("point"));
     let (trace, time) = (r.string("trace"), r.formula("time"));
     let (colour, size) = (r.colour("colour"), r.formula("size"));

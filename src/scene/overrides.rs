@@ -21,6 +21,8 @@ pub struct Overrides {
     pub plot: Option<PlotText>,
     /// Folder that relative file names in the scene start from.
     pub folder: PathBuf,
+    /// Other folders that they may stand in.
+    pub allowed_folders: Vec<PathBuf>,
     /// Parameters that are to be inputs, behind the scene's own: what a study varies.
     pub vary: Vec<String>,
     /// Characteristic length in place of the mechanism's own: what a study compares with its scene keeps the scene's.

@@ -2,7 +2,7 @@
 
 use super::keys::Keys;
 use super::values::{FormulaText, formula_of, formulas_of, kind_of, parse_colour};
-use crate::diag::{Diagnostic, Diagnostics, Span};
+use crate::diag::{Diagnostic, Diagnostics, Span, shown_lines, shown_text};
 use toml::de::{DeTable, DeValue};
 
 /// A value and its place in the file.
@@ -46,8 +46,24 @@ impl<'t, 'd> TableReader<'t, 'd> {
             .push(Diagnostic::error(format!("`{key}` must be {wanted}, found {found}")).at(span));
     }
 
-    /// A text.
+    /// A text, in which what would act on a terminal or a reader is spelt out: it may be shown anywhere.
     pub fn string(&mut self, key: &'static str) -> Option<Spanned<String>> {
+        self.raw_string(key).map(|text| Spanned {
+            value: shown_text(&text.value).into_owned(),
+            ..text
+        })
+    }
+
+    /// The same of a text that may have several lines.
+    pub fn lines(&mut self, key: &'static str) -> Option<Spanned<String>> {
+        self.raw_string(key).map(|text| Spanned {
+            value: shown_lines(&text.value).into_owned(),
+            ..text
+        })
+    }
+
+    /// A text as it stands: what is not shown as it is.
+    pub fn raw_string(&mut self, key: &'static str) -> Option<Spanned<String>> {
         let (value, span) = self.get(key)?;
         match value {
             DeValue::String(s) => Some(Spanned {
@@ -181,7 +197,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 .iter()
                 .map(|i| {
                     i.get_ref().as_str().map(|s| Spanned {
-                        value: s.to_owned(),
+                        value: shown_text(s).into_owned(),
                         span: i.span(),
                     })
                 })
@@ -221,7 +237,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
             .map(|(k, v)| {
                 (
                     Spanned {
-                        value: k.get_ref().to_string(),
+                        value: shown_text(k.get_ref()).into_owned(),
                         span: k.span(),
                     },
                     v.get_ref(),

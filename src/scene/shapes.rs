@@ -121,7 +121,7 @@ pub fn shape(r: &mut TableReader) -> Option<ShapeFile> {
         r.table("stl", |s| {
             let (scale, surface) = (s.formula("scale"), s.boolean("surface"));
             Some(SolidFile::Stl {
-                file: required(s, "file", |s, k| s.string(k))?,
+                file: required(s, "file", |s, k| s.raw_string(k))?,
                 scale,
                 surface: surface.unwrap_or(false),
             })

@@ -8,7 +8,7 @@ use crate::source::{Source, sources};
 /// The floors of the house, lowest first: folders and files under `src/`. A room uses itself and the rooms of lower
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
-    &["diag.rs", "math.rs", "jobs.rs", "linalg/"],
+    &["diag.rs", "limits.rs", "math.rs", "jobs.rs", "linalg/"],
     &["numbers/"],
     &["model/"],
     &["geometry/"],
@@ -42,10 +42,13 @@ const FLOORS: &[&[&str]] = &[
 /// Rooms that use no more of lower floors than this: none of them knows a mechanism.
 const NARROW: &[(&str, &[&str])] = &[
     ("numbers/", &["math.rs"]),
-    ("geometry/", &["math.rs", "model/shape.rs"]),
+    (
+        "geometry/",
+        &["diag.rs", "limits.rs", "math.rs", "model/shape.rs"],
+    ),
     ("render/", &["math.rs", "geometry/"]),
     ("export/", &["math.rs", "geometry/"]),
-    ("import/", &[]),
+    ("import/", &["limits.rs"]),
     ("plot/", &["render/text/"]),
     ("compare/", &["import/"]),
 ];

@@ -10,7 +10,11 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 18] = [
+const WALLS: [Wall; 19] = [
+    Wall {
+        words: &["nix::"],
+        rooms: &["main.rs"],
+    },
     Wall {
         words: &["wgpu::", "pollster::", "bytemuck::"],
         rooms: &["render/gpu/", "render/adapter.rs"],

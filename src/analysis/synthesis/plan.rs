@@ -1,7 +1,6 @@
 //! What is asked of a synthesis.
 
 use super::found::Start;
-use std::time::Duration;
 
 /// Steps of a finer track for each of the study's.
 pub const FINER: usize = 4;
@@ -26,8 +25,8 @@ pub struct Plan {
     pub seed: u64,
     /// Iterations of the search from one start.
     pub iterations: usize,
-    /// After most of this time no start is begun, and after it searches end.
-    pub limit: Option<Duration>,
+    /// Seconds: after most of them no start is begun, and after it searches end.
+    pub limit: Option<f64>,
     /// Where searches may start.
     pub from: From,
     /// Worker threads.

@@ -55,7 +55,7 @@ impl Run<'_> {
             Phase::Polishing => 1.0,
             Phase::DrawingIn => f64::INFINITY,
         };
-        let limit = self.plan.limit.map_or(f64::INFINITY, |l| l.as_secs_f64());
+        let limit = self.plan.limit.unwrap_or(f64::INFINITY);
         self.begun.elapsed().as_secs_f64() < share * limit && (self.listener.goes_on)()
     }
 

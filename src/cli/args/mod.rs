@@ -8,6 +8,7 @@ pub mod study;
 pub mod values;
 pub mod view;
 
+use crate::limits::Limits;
 use charts::{AccuracyArgs, PlotArgs};
 use clap::{Parser, Subcommand, ValueEnum};
 use files::{DiffArgs, EncodeArgs, SnapshotArgs};
@@ -26,6 +27,10 @@ pub struct Cli {
     /// When to colour messages; NO_COLOR is respected.
     #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
     pub color: ColourChoice,
+    /// What the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,message=64K; the
+    /// variable MECHANIM_LIMITS sets limits that this can only make smaller.
+    #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
+    pub limits: Option<Limits>,
     /// Say nothing but errors: no report, no warning. What is asked for by name (a file, `-`, a list) is written.
     #[arg(long, short, global = true)]
     pub quiet: bool,

@@ -13,6 +13,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::limits::{Resource, limits};
 use crate::model::mechanism::Mechanism;
 use crate::report::clearance::to_csv;
 use crate::scene::Scene;
@@ -50,6 +51,17 @@ pub fn run(
         return Ok(None);
     };
     let mechanism = &scene.mechanism;
+    let bodies = mechanism
+        .bodies
+        .iter()
+        .filter(|b| !b.shapes.is_empty())
+        .count();
+    let pairs = bodies as f64 * (bodies as f64 - 1.0) / 2.0;
+    limits().allow(
+        Resource::Pairs,
+        pairs,
+        &format!("[clearance] of {bodies} bodies"),
+    )?;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
     let found = check(
         system,

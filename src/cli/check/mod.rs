@@ -26,6 +26,14 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
+    let reports = [
+        ("--json", args.json.as_deref()),
+        ("--junit", args.junit.as_deref()),
+        ("--csv", args.csv.as_deref()),
+        ("--plot", args.plot.as_deref()),
+        ("--render", args.render.as_deref()),
+    ];
+    io::refuse_clashes(&[&args.scene], &reports)?;
     let begun = Instant::now();
     let answer = match open_scene::open(&args.scene, term) {
         Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => {

@@ -207,6 +207,7 @@ where
         PumpError::Draw { source, .. } => source.into(),
         PumpError::Export(error) => error.into(),
         PumpError::Cancelled => Failure::Interrupted,
+        PumpError::NoThread(_) => Failure::usage(error.to_string(), Vec::new()),
         PumpError::NoWorkers => Failure::Internal(error.to_string()),
     }
 }

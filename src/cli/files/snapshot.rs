@@ -24,7 +24,17 @@ pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
         let golden = args.folder.join(&picture.file);
         let verdict = judge(&golden, &drawn, picture.allowed, update)?;
         if crate::cli::interrupt::CANCEL.load(std::sync::atomic::Ordering::Relaxed) {
-            return Err(Failure::Interrupted);
+            let written = results
+                .iter()
+                .filter(|(_, v)| matches!(v, Verdict::Written));
+            return Err(
+                match written.count() + usize::from(matches!(verdict, Verdict::Written)) {
+                    0 => Failure::Interrupted,
+                    count => {
+                        Failure::Stopped(format!("{count} golden pictures were written before"))
+                    }
+                },
+            );
         }
         results.push((picture, verdict));
     }

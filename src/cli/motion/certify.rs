@@ -4,6 +4,7 @@ use crate::cli::args::motion::CertifyArg;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
+use crate::kinematics::motion::sampling;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -17,6 +18,7 @@ pub fn motion(
     times: &[f64],
     certify: CertifyArg,
 ) -> Result<Trajectory, Failure> {
+    sampling::allow(system.mechanism(), times.len())?;
     let proofs = match certify {
         CertifyArg::None => Proofs::None,
         CertifyArg::Pose => Proofs::Poses,

@@ -11,6 +11,7 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::continuation::solve_with_ends;
+use crate::kinematics::motion::sampling;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -29,14 +30,15 @@ pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let actuation = &scene.actuation;
     let plots = chosen(args.only.as_deref(), &scene)?;
     let times = times(args, actuation);
+    sampling::allow(&scene.mechanism, times.len())?;
     let mut output = io::open(&args.out)?;
     let mut trajectory = solve_with_ends(&system, actuation, &times, &is_interrupted);
     refuse_interrupted()?;
     event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
     let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
     let chart = chart(&system, actuation, &plots, &trajectory);
-    write(&chart, format, args.size, args.theme, output.as_mut())?;
-    output.commit()?;
+    let written = write(&chart, format, args.size, args.theme, output.as_mut());
+    io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))?;
     Ok(outcome)
 }
 

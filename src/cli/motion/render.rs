@@ -5,6 +5,7 @@ use super::{event_messages, models, plot};
 use crate::cli::args::motion::{RenderArgs, RendererArg, ShowArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::Film;
+use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
@@ -13,11 +14,13 @@ use crate::cli::term::Term;
 use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
-use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::sampling::{even_times, frame_times};
+use crate::kinematics::motion::continuation::solve_until;
+use crate::kinematics::motion::sampling::{self, even_times, frame_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{film, iterates};
 use crate::kinematics::structure::system::System;
+use crate::limits::{Resource, limits};
+use crate::model::printed::InputReading;
 use crate::model::view::Ghosts;
 use crate::pictures::frames::{DrawnBy, Pictures};
 use crate::render::adapter::AdapterChoice;
@@ -44,7 +47,18 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         iterations(args, &system, &mut scene, &format)?
     } else {
         let plan = Plan::new(args, &scene, &format)?;
-        let mut trajectory = solve(&system, &scene.actuation, &plan.times);
+        let [width, height] = args.size.map(f64::from);
+        limits().allow(Resource::Pixels, width * height, &"a picture of --size")?;
+        sampling::allow(&scene.mechanism, plan.times.len())?;
+        let proof = Some(InputReading::Numbers);
+        let mut trajectory = solve_until(
+            &system,
+            &scene.actuation,
+            &plan.times,
+            proof,
+            &is_interrupted,
+        );
+        refuse_interrupted()?;
         event_messages::note_moved_start(&system, &scene.actuation, &mut trajectory)?;
         let outcome = event_messages::tell(&system, &scene.actuation, &trajectory, term)?;
         (plan, trajectory, outcome)
@@ -91,7 +105,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             first: plan.first,
             panel: panel.as_ref(),
         };
-        draw(
+        io::unless_reader_left(draw(
             args,
             &format,
             &plan,
@@ -99,7 +113,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             &pictures,
             &mut clock,
             term,
-        )?;
+        ))?;
     }
     clock.print(term);
     Ok(outcome_of_frames(outcome, &trajectory, &plan))

@@ -86,11 +86,12 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         motion: proves_motion,
         redundant: redundant(&system) > 0,
     };
-    match format {
-        TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut())?,
-        TableFormat::Json => write_json(&scene.mechanism, &trajectory, columns, output.as_mut())?,
-    }
-    output.commit()?;
+    let written = match format {
+        TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut()),
+        TableFormat::Json => write_json(&scene.mechanism, &trajectory, columns, output.as_mut()),
+    };
+    let written = written.and_then(|()| output.commit());
+    io::unless_reader_left(written.map_err(Failure::from))?;
     Ok(outcome)
 }
 

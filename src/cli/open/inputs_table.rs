@@ -1,83 +1,59 @@
 //! `--inputs TABLE.csv`: rows of input values in place of the scene's drive, one sample a row.
 
+use super::cells::Cells;
 use crate::cli::term::outcome::Failure;
 use crate::diag::nearest;
+use crate::limits::{Resource, limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::Mechanism;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 /// Most rows that are read.
 const MAX_ROWS: usize = crate::kinematics::motion::sampling::MAX_SAMPLES;
 
-/// Replaces the drives: row k is met at second k. Columns are found by name, others are ignored.
+/// Names of a column of seconds, where no input is called so.
+const TIME: [&str; 3] = ["time", "t", "time [s]"];
+
+/// Replaces the drives. Columns are found by name, others are ignored. A column of time says when each row is met, else row
+/// k is met at second k.
 pub fn apply(mechanism: &Mechanism, actuation: &mut Actuation, path: &Path) -> Result<(), Failure> {
     let name = path.display();
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::usage(format!("cannot read {name}: {error}"), Vec::new()))?;
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    let Some((_, header)) = lines.next() else {
-        return Err(Failure::usage(
-            format!("{name} is empty"),
-            vec!["the first line names the columns".to_owned()],
-        ));
+    let failed = |e: std::io::Error| Failure::usage(format!("cannot read {name}: {e}"), Vec::new());
+    let file: Box<dyn BufRead> = match path == Path::new("-") {
+        true => Box::new(std::io::stdin().lock()),
+        false => Box::new(BufReader::new(std::fs::File::open(path).map_err(failed)?)),
     };
-    let header: Vec<&str> = header.split(',').map(str::trim).collect();
-    let mut columns = Vec::new();
-    for input in &mechanism.inputs {
-        match header.iter().position(|h| *h == input.name) {
-            Some(column) => columns.push(column),
-            None => return Err(missing_column(&input.name, &header, path)),
-        }
+    let mut table = Table {
+        path,
+        mechanism,
+        cells: Cells::new(file),
+        columns: Vec::new(),
+        time: None,
+        width: 0,
+        times: Vec::new(),
+        values: vec![Vec::new(); mechanism.inputs.len()],
+    };
+    table.read_header()?;
+    while let Some(row) = table.next()? {
+        table.read(&row)?;
     }
-    let mut values: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
-    for (number, line) in lines {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-        for (k, column) in columns.iter().enumerate() {
-            let cell = cells.get(*column).copied().unwrap_or("");
-            let value = cell
-                .parse::<f64>()
-                .ok()
-                .filter(|v| v.is_finite())
-                .ok_or_else(|| {
-                    let input = &mechanism.inputs[k].name;
-                    Failure::usage(
-                        format!(
-                            "{name}:{}: `{cell}` is not a value for `{input}`",
-                            number + 1
-                        ),
-                        Vec::new(),
-                    )
-                })?;
-            values[k].push(value / mechanism.file_units(mechanism.inputs[k].kind));
-        }
-        if values.first().is_some_and(|v| v.len() > MAX_ROWS) {
-            return Err(Failure::usage(
-                format!("{name} has more than {MAX_ROWS} rows"),
-                Vec::new(),
-            ));
-        }
-    }
-    let rows = values.first().map_or(0, Vec::len);
-    if rows == 0 {
+    let Some(last) = table.times.last().copied() else {
         return Err(Failure::usage(
             format!("{name} has no rows of values for the inputs"),
             Vec::new(),
         ));
-    }
-    let times: Vec<f64> = (0..rows).map(|k| k as f64).collect();
-    actuation.drives = values
-        .into_iter()
-        .map(|values| Drive::Keys {
-            times: times.clone(),
-            values,
-            ease: Ease::Linear,
-        })
-        .collect();
-    actuation.duration = (rows - 1).max(1) as f64;
+    };
+    let Table { times, values, .. } = table;
+    let keys = values.into_iter().map(|values| Drive::Keys {
+        times: times.clone(),
+        values,
+        ease: Ease::Linear,
+    });
+    actuation.drives = keys.collect();
+    // A single row has no time to pass.
+    actuation.duration = if last > 0.0 { last } else { 1.0 };
     Ok(())
 }
 
@@ -89,13 +65,114 @@ pub fn row_times(actuation: &Actuation) -> Vec<f64> {
     }
 }
 
-fn missing_column(input: &str, header: &[&str], path: &Path) -> Failure {
-    let mut hints = vec![format!("its columns are: {}", header.join(", "))];
-    if let Some(near) = nearest(input, header.iter().copied()) {
-        hints.insert(0, format!("did you mean `{near}` to be `{input}`?"));
+/// A table being read.
+struct Table<'t> {
+    path: &'t Path,
+    mechanism: &'t Mechanism,
+    cells: Cells<Box<dyn BufRead>>,
+    /// Column of every input.
+    columns: Vec<usize>,
+    time: Option<usize>,
+    /// Columns of the header.
+    width: usize,
+    times: Vec<f64>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Table<'_> {
+    /// A mistake in the line that was read last.
+    fn wrong(&self, what: &str, hints: Vec<String>) -> Failure {
+        Failure::usage(
+            format!("{}:{}: {what}", self.path.display(), self.cells.number),
+            hints,
+        )
     }
-    Failure::usage(
-        format!("{} has no column for the input `{input}`", path.display()),
-        hints,
-    )
+
+    fn next(&mut self) -> Result<Option<Vec<String>>, Failure> {
+        let row = self.cells.row();
+        row.map_err(|why| self.wrong(&why, Vec::new()))
+    }
+
+    fn read_header(&mut self) -> Result<(), Failure> {
+        let Some(header) = self.next()? else {
+            let hint = "the first line names the columns".to_owned();
+            let message = format!("{} is empty", self.path.display());
+            return Err(Failure::usage(message, vec![hint]));
+        };
+        self.width = header.len();
+        for input in &self.mechanism.inputs {
+            let column = self.column(&header, &input.name)?;
+            self.columns
+                .push(column.ok_or_else(|| self.missing(&input.name, &header))?);
+        }
+        let is_input = |name: &str| self.mechanism.inputs.iter().any(|i| i.name == name);
+        for name in TIME.into_iter().filter(|name| !is_input(name)) {
+            if self.time.is_none() {
+                self.time = self.column(&header, name)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The only column of that name.
+    fn column(&self, header: &[String], name: &str) -> Result<Option<usize>, Failure> {
+        let mut named = (0..header.len()).filter(|k| header[*k] == name);
+        let first = named.next();
+        match named.next() {
+            Some(_) => Err(self.wrong(&format!("there are two columns `{name}`"), Vec::new())),
+            None => Ok(first),
+        }
+    }
+
+    fn missing(&self, input: &str, header: &[String]) -> Failure {
+        let mut hints = vec![format!("its columns are: {}", header.join(", "))];
+        if let Some(near) = nearest(input, header.iter().map(String::as_str)) {
+            hints.insert(0, format!("did you mean `{near}` to be `{input}`?"));
+        }
+        let message = format!(
+            "{} has no column for the input `{input}`",
+            self.path.display()
+        );
+        Failure::usage(message, hints)
+    }
+
+    /// Takes the values of a row.
+    fn read(&mut self, row: &[String]) -> Result<(), Failure> {
+        if row.len() != self.width && row.iter().skip(self.width).any(|c| !c.is_empty())
+            || row.len() < self.width
+        {
+            let what = format!("{} cells where the header has {}", row.len(), self.width);
+            let hint = "decimal commas need `;` or a tab between cells".to_owned();
+            return Err(self.wrong(&what, vec![hint]));
+        }
+        let time = match self.time {
+            Some(column) => self.value(&row[column], "the time")?,
+            None => self.times.len() as f64,
+        };
+        if time < 0.0 || self.times.last().is_some_and(|last| time <= *last) {
+            let what = format!("time {time} s does not follow: times ascend from 0 or later");
+            let hint = "without a column of time row k is met at second k".to_owned();
+            return Err(self.wrong(&what, vec![hint]));
+        }
+        self.times.push(time);
+        for k in 0..self.columns.len() {
+            let input = &self.mechanism.inputs[k];
+            let value = self.value(&row[self.columns[k]], &format!("`{}`", input.name))?;
+            self.values[k].push(value / self.mechanism.file_units(input.kind));
+        }
+        if self.times.len() > MAX_ROWS {
+            let message = format!("{} has more than {MAX_ROWS} rows", self.path.display());
+            return Err(Failure::usage(message, Vec::new()));
+        }
+        let numbers = (self.times.len() * (1 + self.columns.len())) as f64;
+        Ok(limits().allow(Resource::Samples, numbers, &self.path.display())?)
+    }
+
+    fn value(&mut self, cell: &str, of: &str) -> Result<f64, Failure> {
+        let value = self.cells.value(cell);
+        value.map_err(|why| {
+            let what = format!("`{cell}` is not a value for {of}");
+            self.wrong(&what, vec![why])
+        })
+    }
 }

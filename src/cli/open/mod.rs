@@ -1,5 +1,6 @@
 //! Finding and reading what a verb works on: scenes, tables of inputs, studies.
 
+mod cells;
 pub mod inputs_table;
 pub mod mode;
 pub mod scene;

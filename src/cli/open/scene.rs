@@ -8,6 +8,7 @@ use crate::cli::term::progress::announced;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::scene::{Overrides, PlotText, Scene, load, source};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A scene and its mechanism ready to be solved.
@@ -29,6 +30,10 @@ pub fn open_with_plot(
     plot: Option<PlotText>,
     term: &Term,
 ) -> Result<OpenScene, Failure> {
+    if args.scene == "-" && args.table.as_deref() == Some(Path::new("-")) {
+        let message = "standard input holds the scene or the table of inputs, not both";
+        return Err(Failure::usage(message, Vec::new()));
+    }
     let (source, mut overrides) = text_of(args)?;
     overrides.plot = plot;
     let read = || load(&source, &overrides).map_err(Box::new);
@@ -51,6 +56,7 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         inputs: args.inputs.clone(),
         guess: args.guess.clone(),
         folder: source::folder_of(&args.scene),
+        allowed_folders: args.allowed.clone(),
         ..Overrides::default()
     };
     Ok((text_by_name(&args.scene)?, overrides))

@@ -32,9 +32,12 @@ const SAME: f64 = 1e-6;
 
 /// Runs the verb.
 pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
-    if let Some(out) = &args.out {
-        io::refuse_input(&args.scene, out)?;
-    }
+    let reports = [
+        ("--out", args.out.as_deref()),
+        ("--json", args.json.as_deref()),
+        ("--film", args.film.as_deref()),
+    ];
+    io::refuse_clashes(&[&args.scene], &reports)?;
     let film = args.film.as_deref().map(optimise_film::file);
     let film = film.transpose()?;
     let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
@@ -58,7 +61,9 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     let vary: Vec<String> = study.variables.iter().map(|v| v.name.clone()).collect();
     let parameters = opened.parameters(&optimum.minimum.x);
     let verified = verify(&opened.source, &opened.overrides, parameters.clone(), &vary);
-    if let Some(out) = &args.out {
+    let complete = |path| io::unless_complete(path, !is_stopped);
+    let out = args.out.as_deref().map(complete);
+    if let Some(out) = &out {
         let text = with_values(&opened.source, &parameters, &opened.overrides.guess);
         let text = text.ok_or_else(|| {
             Failure::usage(
@@ -82,11 +87,15 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         seconds,
     };
     if let Some(path) = &args.json {
-        io::write_json(&args.scene, path, &result.document())?;
+        io::write_json(
+            &args.scene,
+            &io::unless_complete(path, !is_stopped),
+            &result.document(),
+        )?;
     }
     io::print_beside(term, args.json.as_deref(), &result.text())?;
     if is_stopped {
-        let kept = args.out.as_ref().map_or_else(
+        let kept = out.map_or_else(
             || "the best so far was reported".to_owned(),
             |out| format!("the best so far was written to {}", out.display()),
         );

@@ -6,7 +6,7 @@ use crate::analysis::synthesis::verify::prove;
 use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
-use crate::cli::interrupt::CANCEL;
+use crate::cli::interrupt::is_interrupted;
 use crate::cli::io;
 use crate::cli::open::study::{Opened, open};
 use crate::cli::term::Term;
@@ -17,8 +17,6 @@ use crate::report::synthesis::{Found, document, ladder, rows, text};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 /// Runs the verb.
 pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -29,28 +27,35 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         opened.push(open(scene, &vary, false, term)?);
     }
     let targets = targets(args)?;
+    let mut reports = vec![
+        ("--json", args.json.as_deref()),
+        ("--csv", args.csv.as_deref()),
+    ];
+    reports.extend(targets.iter().map(|path| ("--out", Some(path.as_path()))));
+    io::refuse_clashes(&scenes.iter().collect::<Vec<_>>(), &reports)?;
     // The best so far is worth waiting for.
     crate::cli::interrupt::save_results();
     let mut found = Vec::new();
     for ((opened, scene), name) in opened.iter().zip(&scenes).zip(&args.scenes) {
-        if CANCEL.load(Ordering::Relaxed) {
+        if is_interrupted() {
             break;
         }
         term.note(&format!("{name}:"));
         let one = one(args, opened, name, term)?;
         if let Some(out) = targets.get(found.len()) {
-            io::write_text(scene, out, &one.scene)?;
+            let out = io::unless_complete(out, !is_interrupted());
+            io::write_text(scene, &out, &one.scene)?;
         }
         found.push(one);
     }
-    let stopped = CANCEL.load(Ordering::Relaxed);
+    let stopped = is_interrupted();
     if let Some(path) = &args.json {
-        io::write_document(path, &document(&found))?;
+        io::write_document(&io::unless_complete(path, !stopped), &document(&found))?;
     }
     if let Some(path) = &args.csv
         && let Some(scene) = scenes.first()
     {
-        io::write_text(scene, path, &rows(&found))?;
+        io::write_text(scene, &io::unless_complete(path, !stopped), &rows(&found))?;
     }
     let mut report: String = found.iter().map(text).collect();
     if found.len() > 1 {
@@ -75,6 +80,7 @@ fn scene_args(args: &SynthesiseArgs, scene: &str) -> SceneArgs {
         inputs: Vec::new(),
         guess: Vec::new(),
         table: None,
+        allowed: Vec::new(),
         mode: None,
     }
 }
@@ -111,7 +117,7 @@ fn one<'a>(
         starts: args.starts,
         seed: args.seed,
         iterations: args.iterations,
-        limit: args.time.map(Duration::from_secs_f64),
+        limit: args.time,
         from: match args.from {
             StartsFrom::Everywhere => From::Everywhere,
             StartsFrom::Scene => From::Scene,
@@ -134,13 +140,13 @@ fn one<'a>(
         let (first, last) = (six(start.first * unit), six(start.value() * unit));
         term.note(&format!("  start {}, {from}: {first} to {last}", index + 1));
     };
-    let goes_on = || !CANCEL.load(Ordering::Relaxed);
+    let goes_on = || !is_interrupted();
     let listener = Listener {
         done: &done,
         goes_on: &goes_on,
     };
     let synthesis = match synthesise(&opened.family, touching, plan, &listener) {
-        Err(_) if CANCEL.load(Ordering::Relaxed) => return Err(Failure::Interrupted),
+        Err(_) if is_interrupted() => return Err(Failure::Interrupted),
         found => found?,
     };
     let (overrides, scene) = written(opened, &synthesis)?;

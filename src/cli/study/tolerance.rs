@@ -13,7 +13,7 @@ use crate::cli::term::progress::Progress;
 use crate::export::{ExportError, Output, Target};
 use crate::jobs::cores;
 use crate::model::measure::Measure;
-use crate::report::cells::{aligned, six};
+use crate::report::cells::{aligned, quoted, six};
 use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::time::Instant;
@@ -27,6 +27,13 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 /// Runs the verb.
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_picture::refuse(args)?;
+    let reports = [
+        ("--json", args.json.as_deref()),
+        ("--csv", args.csv.as_deref()),
+        ("--picture", args.picture.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
+    io::refuse_clashes(&[&args.scene], &reports)?;
     // The pieces made so far are worth waiting for.
     crate::cli::interrupt::save_results();
     let opened = open(&args.scene, &args.vary, true, term)?;
@@ -69,14 +76,14 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         seconds: start.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.csv {
-        io::refuse_input(&args.scene, path)?;
-        let mut target = Target::create(path)?;
+        let mut target = Target::create(&io::unless_complete(path, is_whole))?;
         let written = result.csv(&mut target);
         written.map_err(|source| ExportError::write(target.name(), source))?;
         target.commit()?;
     }
     if let Some(path) = &args.json {
-        io::write_json(&args.scene, path, &result.document())?;
+        let path = io::unless_complete(path, is_whole);
+        io::write_json(&args.scene, &path, &result.document())?;
     }
     io::print_beside(term, args.json.as_deref(), &result.text())?;
     if !is_whole {
@@ -231,7 +238,7 @@ impl Report<'_> {
 
     fn csv(&self, target: &mut Target) -> std::io::Result<()> {
         let measures = &self.opened.family.measures.list;
-        let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
+        let names: Vec<String> = measures.iter().map(|m| quoted(&m.name)).collect();
         writeln!(target, "piece,{}", names.join(","))?;
         for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {
             write!(target, "{}", self.args.first + item)?;

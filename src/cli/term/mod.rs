@@ -1,21 +1,25 @@
 //! Messages on standard error: scene diagnostics with excerpt and caret, failures, warnings, notes.
 
 pub mod clock;
+mod excerpt;
 pub mod outcome;
 pub mod progress;
 
 use super::args::values::ColourChoice;
-use crate::diag::{Diagnostic, Diagnostics, Severity, Source};
+use crate::diag::{Diagnostic, Diagnostics, Severity, Source, shortened, shown_text};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
-use codespan_reporting::diagnostic::{Diagnostic as Excerpt, Label};
-use codespan_reporting::files::SimpleFile;
 use codespan_reporting::term::termcolor::{
-    Color, ColorChoice, ColorSpec, StandardStream, WriteColor,
+    BufferedStandardStream, Color, ColorChoice, ColorSpec, WriteColor,
 };
 use codespan_reporting::term::{self, Config};
+use excerpt::Lines;
 use outcome::Failure;
+use std::collections::HashSet;
 use std::io::{IsTerminal, Write};
+
+/// Most mistakes, and most warnings, that are shown in full; the rest are counted.
+const MOST_SHOWN: usize = 20;
 
 /// Where and how messages are written.
 pub struct Term {
@@ -50,7 +54,7 @@ impl Term {
     /// A line of information.
     pub fn note(&self, text: &str) {
         if !self.quiet {
-            let _ = writeln!(self.stream(), "{text}");
+            let _ = writeln!(self.stream(), "{}", shown_text(&shortened(text)));
         }
     }
 
@@ -87,22 +91,42 @@ impl Term {
         }
     }
 
-    /// All diagnostics of a scene (warnings only unless quiet).
+    /// The diagnostics of a scene, the first of them in full (warnings only unless quiet).
     pub fn diagnostics(&self, source: &Source, diagnostics: &Diagnostics) {
-        let file = SimpleFile::new(source.name.as_str(), source.text.as_str());
+        let lines = Lines::new(&source.name, &source.text);
         let config = Config::default();
+        let mut stream = self.stream();
+        let (mut shown, mut left): ([usize; 2], [Vec<&Diagnostic>; 2]) = Default::default();
         for diagnostic in diagnostics.sorted() {
-            if self.quiet && diagnostic.severity == Severity::Warning {
+            let kind = usize::from(diagnostic.severity == Severity::Warning);
+            if self.quiet && kind == 1 {
                 continue;
             }
+            if shown[kind] == MOST_SHOWN {
+                left[kind].push(diagnostic);
+                continue;
+            }
+            shown[kind] += 1;
+            let (file, excerpt) = lines.excerpt(diagnostic);
             // The stream going away leaves nobody to tell.
-            let _ = term::emit_to_write_style(
-                &mut self.stream(),
-                &config,
-                &file,
-                &excerpt(diagnostic, source),
-            );
+            let _ = term::emit_to_write_style(&mut stream, &config, &file, &excerpt);
         }
+        let _ = stream.flush();
+        for (left, word) in left.iter().zip(["error", "warning"]) {
+            if !left.is_empty() {
+                let kinds: HashSet<String> = left.iter().map(|d| kind_of(&d.message)).collect();
+                let (s, kinds) = (if left.len() == 1 { "" } else { "s" }, kinds.len());
+                let of = if kinds == 1 { "kind" } else { "kinds" };
+                self.note_always(&format!(
+                    "and {} more {word}{s} of {kinds} {of}",
+                    left.len()
+                ));
+            }
+        }
+    }
+
+    fn note_always(&self, text: &str) {
+        let _ = writeln!(self.stream(), "{text}");
     }
 
     fn headed(&self, head: &str, colour: Color, text: &str) {
@@ -110,11 +134,12 @@ impl Term {
         let _ = stream.set_color(ColorSpec::new().set_fg(Some(colour)).set_bold(true));
         let _ = write!(stream, "{head}");
         let _ = stream.reset();
-        let _ = writeln!(stream, ": {text}");
+        let _ = writeln!(stream, ": {}", shown_text(&shortened(text)));
     }
 
-    fn stream(&self) -> StandardStream {
-        StandardStream::stderr(self.colour)
+    /// Written at once, when it is dropped: a system call a character takes minutes for a scene full of mistakes.
+    fn stream(&self) -> BufferedStandardStream {
+        BufferedStandardStream::stderr(self.colour)
     }
 }
 
@@ -132,26 +157,7 @@ fn hint_of(error: &StructureError) -> String {
     }
 }
 
-fn excerpt(diagnostic: &Diagnostic, source: &Source) -> Excerpt<()> {
-    let inside =
-        |span: &std::ops::Range<usize>| span.end <= source.text.len() && span.start <= span.end;
-    let mut labels = Vec::new();
-    if let Some(span) = diagnostic.span.as_ref().filter(|s| inside(s)) {
-        labels.push(Label::primary((), span.clone()).with_message(&diagnostic.label));
-    }
-    for (span, text) in diagnostic.related.iter().filter(|(s, _)| inside(s)) {
-        labels.push(Label::secondary((), span.clone()).with_message(text));
-    }
-    let base = match diagnostic.severity {
-        Severity::Error => Excerpt::error(),
-        Severity::Warning => Excerpt::warning(),
-    };
-    let hints = diagnostic
-        .hints
-        .iter()
-        .map(|hint| format!("hint: {hint}"))
-        .collect();
-    base.with_message(&diagnostic.message)
-        .with_labels(labels)
-        .with_notes(hints)
+/// What a message says without what it quotes.
+fn kind_of(message: &str) -> String {
+    message.split('`').step_by(2).collect()
 }

@@ -4,6 +4,7 @@ use crate::diag::SceneError;
 use crate::export::ExportError;
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
+use crate::limits::LimitExceeded;
 use crate::render::RenderError;
 use crate::report::verdict::Status;
 use crate::scene::source::SourceError;
@@ -91,6 +92,9 @@ pub enum Failure {
     /// A picture could not be read.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// More was asked for than the run may use.
+    #[error(transparent)]
+    Limit(#[from] LimitExceeded),
     /// A picture could not be made.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -129,7 +133,7 @@ impl Failure {
             _ if self.is_broken_pipe() => DONE,
             Self::Undecided(_) => CHECK_FAILED,
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
-            Self::Import(_) | Self::Stdout(_) => BAD_USAGE,
+            Self::Import(_) | Self::Stdout(_) | Self::Limit(_) => BAD_USAGE,
             Self::Structure(
                 StructureError::UnderDetermined { .. } | StructureError::Unheld { .. },
             ) => BAD_USAGE,

@@ -23,7 +23,7 @@ pub fn announced<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
     let (done, waits) = std::sync::mpsc::channel::<()>();
     let start = Instant::now();
     std::thread::scope(|scope| {
-        scope.spawn(move || {
+        let watch = move || {
             let mut is_shown = false;
             while waits.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
                 let seconds = start.elapsed().as_secs_f64();
@@ -35,7 +35,9 @@ pub fn announced<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
             if is_shown {
                 let _ = write!(std::io::stderr(), "\r\x1b[K");
             }
-        });
+        };
+        // Without a thread to say so the work goes on unannounced.
+        let _ = std::thread::Builder::new().spawn_scoped(scope, watch);
         let result = work();
         drop(done);
         result

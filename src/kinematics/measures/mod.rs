@@ -12,6 +12,7 @@ use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, Measures, Track};
 use crate::numbers::series::TaylorSeries;
 use reduce::reduce;
+use std::collections::HashMap;
 
 /// Values of all measures in internal units, in the order of the list; `None` where a pose is missing on the way
 /// or a formula has no value. `trajectory` is the motion along `actuation`.
@@ -21,13 +22,19 @@ pub fn measure(
     measures: &Measures,
     trajectory: &Trajectory,
 ) -> Vec<Option<f64>> {
-    let tracks = measures.tracks.iter();
-    let tracks: Vec<Vec<Sample>> = tracks
-        .map(|track| poses_of(system, actuation, track))
-        .collect();
+    let mut over = over(system, measures, None, &trajectory.samples);
+    for (k, track) in measures.tracks.iter().enumerate() {
+        // The poses of one track at a time: together they would fill the memory.
+        over.extend(self::over(
+            system,
+            measures,
+            Some(k),
+            &poses_of(system, actuation, track),
+        ));
+    }
     let inputs = actuation.inputs_at(0.0);
     let mut values: Vec<Option<f64>> = Vec::new();
-    for measure in &measures.list {
+    for (index, measure) in measures.list.iter().enumerate() {
         let value = match &measure.source {
             MeasureSource::Formula(formula) => {
                 // A slot that has no value spoils what uses it.
@@ -35,26 +42,40 @@ pub fn measure(
                 let slots: Vec<f64> = inputs.iter().copied().chain(earlier).collect();
                 Some(formula.value(&slots))
             }
-            MeasureSource::Over {
-                track,
-                of,
-                per,
-                taking,
-                power,
-            } => {
-                let samples = track.map_or(&trajectory.samples, |k| &tracks[k]);
-                let at = |formula: &Expression| -> Option<Vec<f64>> {
-                    let one = |s: &Sample| value_at(system, s, formula, *per);
-                    samples.iter().map(one).collect()
-                };
-                let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
-                let reduced = rows.and_then(|rows| reduce(*taking, *power, &rows));
-                reduced.map(|r| r.value)
-            }
+            MeasureSource::Over { .. } => over.get(&index).copied(),
         };
         values.push(value.filter(|v| v.is_finite()));
     }
     values
+}
+
+/// The values of the measures that look along one track, or along the drive, by their index.
+fn over(
+    system: &System,
+    measures: &Measures,
+    wanted: Option<usize>,
+    samples: &[Sample],
+) -> HashMap<usize, f64> {
+    let list = measures.list.iter().enumerate();
+    let values = list.filter_map(|(index, measure)| match &measure.source {
+        MeasureSource::Over {
+            track,
+            of,
+            per,
+            taking,
+            power,
+        } if *track == wanted => {
+            let at = |formula: &Expression| -> Option<Vec<f64>> {
+                let one = |s: &Sample| value_at(system, s, formula, *per);
+                samples.iter().map(one).collect()
+            };
+            let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
+            let reduced = reduce(*taking, *power, &rows?)?;
+            Some((index, reduced.value))
+        }
+        _ => None,
+    });
+    values.collect()
 }
 
 /// The value of a formula at a pose, or its derivative by an input.

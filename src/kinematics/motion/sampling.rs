@@ -1,6 +1,7 @@
 //! At which times a drive is sampled. Times are computed from their index, never summed up.
 
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
+use crate::limits::{LimitExceeded, Resource, allow_memory, limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -8,6 +9,25 @@ use std::f64::consts::TAU;
 
 /// Most samples in one run: ten thousand seconds at 100 frames a second.
 pub const MAX_SAMPLES: usize = 1_000_000;
+
+/// Numbers that are kept of every sample beside those of its mechanism: time, proof, condition, names.
+const NUMBERS_OF_SAMPLE: usize = 60;
+
+/// Numbers of the pose of a body.
+const NUMBERS_OF_BODY: usize = 12;
+
+/// Refuses a motion of so many samples where it would take more than the run may use.
+pub fn allow(mechanism: &Mechanism, count: usize) -> Result<(), LimitExceeded> {
+    let coordinates = 2 * mechanism.unknowns.len() + mechanism.inputs.len();
+    let observed = NUMBERS_OF_BODY * mechanism.bodies.len()
+        + 3 * mechanism.traces.len()
+        + mechanism.outputs.len();
+    let numbers = count as f64 * (coordinates + observed) as f64;
+    let who = format!("a motion of {count} samples");
+    limits().allow(Resource::Samples, numbers, &who)?;
+    let kept = numbers + (count * NUMBERS_OF_SAMPLE) as f64;
+    allow_memory(kept * std::mem::size_of::<f64>() as f64, &who)
+}
 
 /// Inputs that agree within this (relative to the size, or radians) count as the same pose.
 const SAME_INPUT: f64 = 1e-9;

@@ -4,19 +4,17 @@ use super::super::file::SceneFile;
 use super::super::formula::compile::constant;
 use super::super::shapes::{ShapeFile, SolidFile};
 use super::joints::Joints;
+use super::meshes::MeshFiles;
 use super::names::Names;
 use super::parsed::Parsed;
 use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
-use crate::geometry::stl::read_stl;
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
-use crate::model::shape::{Shape, Solid, TriangleSoup};
+use crate::model::shape::{Shape, Solid};
 use crate::scene::values::FormulaText;
 use glam::DVec3;
-use std::path::Path;
-use std::sync::Arc;
 
 /// Constant formulas of shapes and views, with their messages.
 pub struct Constants<'a> {
@@ -79,7 +77,7 @@ pub fn resolve(
     parsed: &Parsed,
     names: &Names,
     joints: &mut Joints,
-    folder: &Path,
+    meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Vec<Body> {
     let constants = Constants { names };
@@ -115,7 +113,7 @@ pub fn resolve(
                 parsed,
                 &constants,
                 joints,
-                folder,
+                meshes,
                 diagnostics,
             ));
         }
@@ -159,10 +157,10 @@ fn resolve_shape(
     parsed: &Parsed,
     constants: &Constants,
     joints: &mut Joints,
-    folder: &Path,
+    meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Option<Shape> {
-    let solid = resolve_solid(&shape.solid, &shape.span, constants, folder, diagnostics);
+    let solid = resolve_solid(&shape.solid, &shape.span, constants, meshes, diagnostics);
     let body_from_shape = match &shape.frame {
         None => Some(Pose::IDENTITY),
         Some(text) => {
@@ -185,7 +183,7 @@ fn resolve_solid(
     solid: &SolidFile,
     span: &Span,
     constants: &Constants,
-    folder: &Path,
+    meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Option<Solid> {
     let d = diagnostics;
@@ -339,13 +337,10 @@ fn resolve_solid(
             let scale = scale
                 .as_ref()
                 .map_or(Some(1.0), |s| constants.positive("scale", s, d))?;
-            match read_stl(&folder.join(&file.value)) {
-                Ok(soup) => Some(Solid::Triangles(Arc::new(TriangleSoup {
-                    is_surface: *surface,
-                    ..scaled(soup, scale)
-                }))),
+            match meshes.read(&file.value, scale, *surface) {
+                Ok(soup) => Some(Solid::Triangles(soup)),
                 Err(error) => {
-                    d.push(Diagnostic::error(error.to_string()).at(file.span.clone()));
+                    d.push(Diagnostic::error(error).at(file.span.clone()));
                     None
                 }
             }
@@ -364,11 +359,6 @@ fn distinct(
     }
     diagnostics.push(Diagnostic::error("both ends are the same point").at(span.clone()));
     None
-}
-
-fn scaled(mut soup: TriangleSoup, scale: f64) -> TriangleSoup {
-    soup.vertices.iter_mut().for_each(|v| *v *= scale);
-    soup
 }
 
 /// Resolves the traces.

@@ -11,6 +11,7 @@ mod joints;
 mod loops;
 mod magnitudes;
 mod measures;
+mod meshes;
 mod names;
 mod outputs;
 mod parsed;
@@ -33,6 +34,7 @@ use crate::model::measure::Measures;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use crate::numbers::constant::Constant;
 use contacts::closure::Contacts;
+use meshes::MeshFiles;
 use names::Names;
 use outputs::Scope;
 use parsed::Parsed;
@@ -45,7 +47,8 @@ pub fn resolve(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
-    let (folder, varied) = (overrides.folder.as_path(), overrides.vary.as_slice());
+    let varied = overrides.vary.as_slice();
+    let mut meshes = MeshFiles::new(&overrides.folder, &overrides.allowed_folders);
     let angle_unit = angle_unit(file, diagnostics);
     let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
@@ -60,7 +63,7 @@ pub fn resolve(
     let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
     loops.append(&mut contacts.loops);
     equations.append(&mut contacts.equations);
-    let mut bodies = bodies::resolve(file, &parsed, &names, &mut joints, folder, diagnostics);
+    let mut bodies = bodies::resolve(file, &parsed, &names, &mut joints, &mut meshes, diagnostics);
     let mut traces = bodies::traces(file, &names, &bodies, diagnostics);
     if !varied.is_empty() && !diagnostics.has_errors() {
         let points = (&mut bodies, &mut traces[..]);

@@ -1,0 +1,243 @@
+//! Mistakes of a scene beside the lines they stand in: lines are cut around what is pointed at, and what would act on a
+//! terminal is spelt out.
+
+use crate::diag::{Diagnostic, Severity, Span, shortened, shown_char, shown_text};
+use codespan_reporting::diagnostic::{Diagnostic as Excerpt, Label};
+use codespan_reporting::files::{Error, Files};
+use std::ops::Range;
+
+/// Characters shown before and behind what is pointed at.
+const AROUND: usize = 80;
+
+/// Most characters that are pointed at: who reads more than that looks into the file.
+const MOST_POINTED_AT: usize = 120;
+
+/// Stands for what is cut off.
+const CUT: char = '…';
+
+/// A text and where its lines start.
+pub struct Lines<'s> {
+    name: String,
+    text: &'s str,
+    starts: Vec<usize>,
+}
+
+impl<'s> Lines<'s> {
+    /// The lines of a text; `name` is shown as it can be.
+    pub fn new(name: &str, text: &'s str) -> Self {
+        let breaks = text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
+        Self {
+            name: shown_text(name).into_owned(),
+            text,
+            starts: [0].into_iter().chain(breaks.map(|(k, _)| k + 1)).collect(),
+        }
+    }
+
+    /// The message with its lines.
+    pub fn excerpt(&self, diagnostic: &Diagnostic) -> (Shown, Excerpt<()>) {
+        let own = diagnostic.span.iter().map(|s| (s, &diagnostic.label, true));
+        let related = diagnostic.related.iter().map(|(s, t)| (s, t, false));
+        let inside = |s: &Span| {
+            let is_place = |at| self.text.is_char_boundary(at);
+            s.start <= s.end && is_place(s.start) && is_place(s.end)
+        };
+        let mut places: Vec<_> = own.chain(related).filter(|(s, ..)| inside(s)).collect();
+        places.sort_by_key(|(span, ..)| span.start);
+        let mut shown = Shown::new(self.name.clone());
+        let mut labels = Vec::new();
+        let mut rest = &places[..];
+        while let Some((first, ..)) = rest.first() {
+            let line = self.line_of(first.start);
+            let whole = self.range(line);
+            let count = rest
+                .iter()
+                .take_while(|(s, ..)| s.start <= whole.end)
+                .count();
+            let (here, later) = rest.split_at(count);
+            let main = here.iter().find(|(_, _, is_own)| *is_own);
+            let window = self.window(&whole, main.map_or(first, |(span, ..)| span));
+            shown.push(self, line, &window, whole);
+            for (span, text, is_own) in here {
+                let Some(range) = shown.place(self.text, &window, span) else {
+                    continue;
+                };
+                let label = match is_own {
+                    true => Label::primary((), range),
+                    false => Label::secondary((), range),
+                };
+                labels.push(label.with_message(said(text)));
+            }
+            rest = later;
+        }
+        let base = match diagnostic.severity {
+            Severity::Error => Excerpt::error(),
+            Severity::Warning => Excerpt::warning(),
+        };
+        let hints = diagnostic.hints.iter();
+        let excerpt = base
+            .with_message(said(&diagnostic.message))
+            .with_labels(labels)
+            .with_notes(hints.map(|hint| format!("hint: {}", said(hint))).collect());
+        (shown, excerpt)
+    }
+
+    fn line_of(&self, byte: usize) -> usize {
+        self.starts.partition_point(|start| *start <= byte) - 1
+    }
+
+    /// A line without its end.
+    fn range(&self, line: usize) -> Range<usize> {
+        let start = self.starts[line];
+        let end = self
+            .starts
+            .get(line + 1)
+            .map_or(self.text.len(), |next| next - 1);
+        start..end
+    }
+
+    /// The part of a line that is shown: what is pointed at, and so much around it.
+    fn window(&self, line: &Range<usize>, span: &Span) -> Range<usize> {
+        let before = self.text[line.start..span.start].char_indices().rev();
+        let start = before
+            .take(AROUND)
+            .last()
+            .map_or(span.start, |(k, _)| line.start + k);
+        let pointed = pointed(self.text, span, line.end);
+        let mut behind = self.text[pointed..line.end].char_indices();
+        let end = behind.nth(AROUND).map_or(line.end, |(k, _)| pointed + k);
+        start..end
+    }
+}
+
+/// Where what is pointed at ends on its first line.
+fn pointed(text: &str, span: &Span, line_end: usize) -> usize {
+    let end = span.end.min(line_end).max(span.start);
+    let mut characters = text[span.start..end].char_indices();
+    characters
+        .nth(MOST_POINTED_AT)
+        .map_or(end, |(k, _)| span.start + k)
+}
+
+fn said(text: &str) -> String {
+    shown_text(&shortened(text)).into_owned()
+}
+
+/// One line as it is shown.
+struct ShownLine {
+    number: usize,
+    /// Bytes of the shown text.
+    range: Range<usize>,
+    /// Of the shown text and of the file: where the window starts.
+    window: usize,
+    column: usize,
+}
+
+/// The lines of one message, as codespan asks for them.
+pub struct Shown {
+    name: String,
+    text: String,
+    lines: Vec<ShownLine>,
+    /// Places of labels in the shown text, and their columns in the file.
+    columns: Vec<(usize, usize)>,
+}
+
+impl Shown {
+    fn new(name: String) -> Self {
+        Self {
+            name,
+            text: String::new(),
+            lines: Vec::new(),
+            columns: Vec::new(),
+        }
+    }
+
+    /// Adds a line; where lines are left out, codespan is told so by one that it leaves out.
+    fn push(&mut self, file: &Lines, line: usize, window: &Range<usize>, whole: Range<usize>) {
+        if let Some(last) = self.lines.last().map(|l| l.number)
+            && last < line
+        {
+            for _ in 0..2 {
+                self.add(last + 1, 0, "", [false; 2]);
+            }
+        }
+        let column = file.text[whole.start..window.start].chars().count();
+        let is_cut = [window.start > whole.start, window.end < whole.end];
+        self.add(line + 1, column, &file.text[window.clone()], is_cut);
+    }
+
+    fn add(&mut self, number: usize, column: usize, text: &str, is_cut: [bool; 2]) {
+        let start = self.text.len();
+        self.text.extend(is_cut[0].then_some(CUT));
+        let window = self.text.len();
+        for character in text.chars() {
+            self.text.push_str(&shown_in_line(character));
+        }
+        self.text.extend(is_cut[1].then_some(CUT));
+        self.lines.push(ShownLine {
+            number,
+            range: start..self.text.len(),
+            window,
+            column,
+        });
+        self.text.push('\n');
+    }
+
+    /// What a label points at in the last line.
+    fn place(&mut self, text: &str, window: &Range<usize>, span: &Span) -> Option<Range<usize>> {
+        let line = self.lines.last()?;
+        if span.start < window.start || span.start > window.end {
+            return None;
+        }
+        let length = |part: &str| part.chars().map(|c| shown_in_line(c).len()).sum::<usize>();
+        let start = line.window + length(&text[window.start..span.start]);
+        let end = start + length(&text[span.start..pointed(text, span, window.end)]);
+        let column = line.column + text[window.start..span.start].chars().count();
+        self.columns.push((start, column));
+        Some(start..end)
+    }
+}
+
+/// A tab stays one: codespan lines its columns up.
+fn shown_in_line(character: char) -> String {
+    match character {
+        '\t' => character.to_string(),
+        _ => shown_char(character),
+    }
+}
+
+impl<'a> Files<'a> for Shown {
+    type FileId = ();
+    type Name = &'a str;
+    type Source = &'a str;
+
+    fn name(&'a self, (): ()) -> Result<&'a str, Error> {
+        Ok(&self.name)
+    }
+
+    fn source(&'a self, (): ()) -> Result<&'a str, Error> {
+        Ok(&self.text)
+    }
+
+    fn line_index(&'a self, (): (), byte: usize) -> Result<usize, Error> {
+        let after = self.lines.partition_point(|line| line.range.start <= byte);
+        Ok(after.saturating_sub(1))
+    }
+
+    fn line_number(&'a self, (): (), index: usize) -> Result<usize, Error> {
+        let line = self.lines.get(index);
+        Ok(line.map_or(index + 1, |line| line.number))
+    }
+
+    fn column_number(&'a self, (): (), _: usize, byte: usize) -> Result<usize, Error> {
+        let known = self.columns.iter().find(|(place, _)| *place == byte);
+        Ok(known.map_or(0, |(_, column)| *column) + 1)
+    }
+
+    fn line_range(&'a self, (): (), index: usize) -> Result<Range<usize>, Error> {
+        let line = self.lines.get(index).ok_or(Error::LineTooLarge {
+            given: index,
+            max: self.lines.len(),
+        })?;
+        Ok(line.range.start..line.range.end + 1)
+    }
+}

@@ -1,0 +1,55 @@
+//! The limits of a run: read from the command line and the environment, and watched while it goes on.
+
+use super::term::outcome::{BAD_USAGE, Failure};
+use crate::diag::shown_text;
+use crate::limits::{LimitExceeded, Limits, Resource, limits, memory_exceeded, set};
+use std::time::{Duration, Instant};
+
+/// The variable that holds limits for every run; `--limits` may only make them smaller.
+pub const VARIABLE: &str = "MECHANIM_LIMITS";
+
+/// How often a run is looked at: memory fills at a few gigabytes a second.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// The watch needs no more.
+const STACK_BYTES: usize = 1 << 16;
+
+/// Sets the limits of this run, and ends it with exit code 2 where it takes more time or memory than they allow.
+pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
+    let began = Instant::now();
+    let mut all = asked.unwrap_or_default();
+    if let Some(text) = std::env::var_os(VARIABLE) {
+        let read = text
+            .to_str()
+            .ok_or_else(|| "no text".to_owned())
+            .and_then(Limits::parse);
+        let given = read
+            .map_err(|why| Failure::usage(format!("the variable {VARIABLE}: {why}"), Vec::new()))?;
+        all = all.and(given);
+    }
+    set(all);
+    let watch = std::thread::Builder::new().stack_size(STACK_BYTES);
+    // Where the system has no thread for it, what is foreseen is refused all the same.
+    let _ = watch.spawn(move || {
+        loop {
+            std::thread::sleep(LOOK);
+            if let Some(over) = time_exceeded(began).or_else(memory_exceeded) {
+                crate::export::remove_unfinished();
+                eprintln!("error: {}", shown_text(&over.to_string()));
+                std::process::exit(BAD_USAGE);
+            }
+        }
+    });
+    Ok(())
+}
+
+fn time_exceeded(began: Instant) -> Option<LimitExceeded> {
+    let (wanted, most) = (began.elapsed().as_secs_f64(), limits().most(Resource::Time));
+    (wanted > most).then(|| LimitExceeded {
+        resource: Resource::Time,
+        most,
+        wanted: (wanted * 1e2).round() / 1e2,
+        who: "this run".to_owned(),
+        needs: "takes",
+    })
+}
