@@ -190,6 +190,7 @@ fn amount_of(unit: Unit, text: &str) -> Option<f64> {
         (Unit::Bytes, "g" | "gb" | "gib") => 1073741824.0,
         (Unit::Count, "k") => 1e3,
         (Unit::Count, "m") => 1e6,
+        (Unit::Count, "g") => 1e9,
         _ => return None,
     };
     let amount = number * factor;

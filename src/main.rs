@@ -14,6 +14,7 @@ fn main() {
     if let Err(error) = handler {
         eprintln!("warning: Ctrl-C will not clean up: {error}");
     }
+    mechanim::cli::watch::ends_by(|code| std::process::exit(code));
     let code = mechanim::cli::guarded(|| mechanim::cli::run(std::env::args_os()));
     std::process::exit(code);
 }

@@ -198,3 +198,24 @@ fn a_file_that_may_not_grow_is_an_error_and_leaves_nothing() {
     assert_eq!(w.files(), ["m.y4m", "s.toml"]);
     assert_eq!(w.read("m.y4m"), b"old");
 }
+
+#[test]
+fn older_frames_behind_a_sequence_are_named() {
+    let w = workspace();
+    std::fs::create_dir(w.path("f")).unwrap();
+    for frames in ["5", "3"] {
+        let run = w
+            .run(&[
+                "render", "s.toml", "--size", "16x16", "--frames", frames, "--out", "f/",
+            ])
+            .exits(0);
+        assert_eq!(
+            run.stderr.contains("2 older frames remain"),
+            frames == "3",
+            "{}",
+            run.stderr
+        );
+    }
+    std::fs::create_dir(w.path("d.gif")).unwrap();
+    render(&w, "d.gif").exits(2).says(&["is a folder"]);
+}

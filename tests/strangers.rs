@@ -162,6 +162,21 @@ fn excerpts_show_what_is_pointed_at_and_little_more() {
     }
 }
 
+/// Messages have a size, too: what does not fit is counted.
+#[test]
+fn messages_end_where_they_may() {
+    let w = Workspace::new();
+    w.write("s.toml", mistakes(30));
+    let run = w
+        .run(&["check", "s.toml", "--limits", "message=1K"])
+        .exits(2);
+    assert!(
+        run.stderr.len() < 1100 && run.stderr.contains("more errors of 1 kind"),
+        "{}",
+        run.stderr
+    );
+}
+
 /// A tetrahedron with one corner at the origin.
 fn stl() -> Vec<u8> {
     let corners = [

@@ -11,11 +11,11 @@ pub mod open;
 pub mod pictures;
 pub mod study;
 mod term;
-mod watch;
+pub mod watch;
 
 use about::{completions, info, manual, scenes, schema};
 use args::{Cli, Command};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 use files::{diff, encode, snapshot};
 use motion::{modes, plot, render, solve};
 use std::ffi::OsString;
@@ -31,7 +31,8 @@ pub fn guarded(run: impl FnOnce() -> i32 + std::panic::UnwindSafe) -> i32 {
 
 /// Runs the program with the given arguments (the first is its own name) and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let matches = command().try_get_matches_from(arguments);
+    let cli = match matches.and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
@@ -71,17 +72,27 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
     }
 }
 
+/// The arguments; a negative number behind an option is its value, so that the option can say what it takes.
+fn command() -> clap::Command {
+    let takes_values = |arg: clap::Arg| {
+        let is_option = arg.get_long().is_some() && arg.get_action().takes_values();
+        arg.allow_negative_numbers(is_option)
+    };
+    Cli::command().mut_subcommands(|verb| verb.mut_args(takes_values))
+}
+
 /// Prints help, version or a usage error where it belongs.
 fn usage(error: &clap::Error) -> i32 {
     let text = error.render().to_string();
-    // A reader that went away is no reason to fail.
-    let _ = match crate::diag::shown_lines(&text) {
+    let printed = match crate::diag::shown_lines(&text) {
         std::borrow::Cow::Borrowed(_) => error.print(),
         std::borrow::Cow::Owned(shown) => {
             std::io::Write::write_all(&mut std::io::stderr(), shown.as_bytes())
         }
     };
-    if error.use_stderr() {
+    // A reader that went away is no reason to fail, a full disk is.
+    let is_lost = printed.is_err_and(|e| e.kind() != std::io::ErrorKind::BrokenPipe);
+    if error.use_stderr() || is_lost {
         outcome::BAD_USAGE
     } else {
         outcome::DONE

@@ -3,6 +3,7 @@
 use super::term::outcome::{BAD_USAGE, Failure};
 use crate::diag::shown_text;
 use crate::limits::{LimitExceeded, Limits, Resource, limits, memory_exceeded, set};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// The variable that holds limits for every run; `--limits` may only make them smaller.
@@ -13,6 +14,14 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// The watch needs no more.
 const STACK_BYTES: usize = 1 << 16;
+
+/// Ends the process; only a program has one to end.
+static END: OnceLock<fn(i32) -> !> = OnceLock::new();
+
+/// Says how the process ends where a run has to end without order.
+pub fn ends_by(end: fn(i32) -> !) {
+    let _ = END.set(end);
+}
 
 /// Sets the limits of this run, and ends it with exit code 2 where it takes more time or memory than they allow.
 pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
@@ -28,6 +37,7 @@ pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
         all = all.and(given);
     }
     set(all);
+    let Some(end) = END.get() else { return Ok(()) };
     let watch = std::thread::Builder::new().stack_size(STACK_BYTES);
     // Where the system has no thread for it, what is foreseen is refused all the same.
     let _ = watch.spawn(move || {
@@ -36,7 +46,7 @@ pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
             if let Some(over) = time_exceeded(began).or_else(memory_exceeded) {
                 crate::export::remove_unfinished();
                 eprintln!("error: {}", shown_text(&over.to_string()));
-                std::process::exit(BAD_USAGE);
+                end(BAD_USAGE);
             }
         }
     });

@@ -39,6 +39,13 @@ impl Format {
     /// Errors: no or an unknown extension, a faulty pattern.
     pub fn from_path(path: &Path) -> Result<Self, ExportError> {
         let text = path.to_string_lossy();
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        if path.is_dir()
+            && extension.is_some_and(|e| Self::of_extension(&e).is_some())
+            && !text.ends_with(std::path::is_separator)
+        {
+            return Err(ExportError::IsFolder(path.to_owned()));
+        }
         if path.is_dir() || text.ends_with(std::path::is_separator) {
             return FramePattern::parse(&path.join(FOLDER_PATTERN)).map(Self::PngSequence);
         }

@@ -8,6 +8,7 @@ use super::look::{larger, smaller};
 use super::{Frame, Ground, Instance, Stage};
 use crate::math::{Pose, narrow, narrow_pose};
 use glam::DMat3;
+use std::sync::Arc;
 
 /// Texels along each side of the map. A texel is then 1/64 of the ground's radius, which the blur hides.
 pub const SHADOW_SIZE: u32 = 128;
@@ -124,7 +125,8 @@ struct Caster {
 pub struct ShadowCaster {
     ground: Ground,
     axes: DMat3,
-    casters: Vec<Caster>,
+    /// Shared by copies.
+    casters: Arc<[Caster]>,
     /// Least height over each texel in radii; infinite where nothing is above.
     heights: Vec<f32>,
     layers: [Vec<f32>; 2],

@@ -3,6 +3,7 @@
 use crate::geometry::mesh_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
+use crate::model::shape::Solid;
 use glam::DVec3;
 
 /// Samples looked at: more do not widen the bounds visibly.
@@ -10,6 +11,38 @@ const MAX_SAMPLES: usize = 64;
 
 /// Facet error of the bounding meshes over the mechanism's size: a coarse hull is enough, the margin covers it.
 const COARSE: f64 = 0.02;
+
+/// Points of a mesh beyond which only outermost ones are looked at: at every sample of a motion all would fill the memory.
+const MANY: usize = 50_000;
+
+/// Columns across a box along each of its axes; what stands out by less than one of them does not widen a picture.
+const COLUMNS: usize = 64;
+
+/// The first and last point of every column along each axis.
+fn outermost(points: &[DVec3]) -> Vec<DVec3> {
+    let [low, high] = box_of(points).unwrap_or_default();
+    let cell = (high - low).max(DVec3::splat(f64::MIN_POSITIVE)) / COLUMNS as f64;
+    let mut found = vec![None::<[usize; 2]>; 3 * COLUMNS * COLUMNS];
+    for (index, point) in points.iter().enumerate() {
+        let at = ((*point - low) / cell)
+            .to_array()
+            .map(|v| (v as usize).min(COLUMNS - 1));
+        for axis in 0..3 {
+            let column = (axis * COLUMNS + at[(axis + 1) % 3]) * COLUMNS + at[(axis + 2) % 3];
+            let [first, last] = found[column].get_or_insert([index; 2]);
+            if point[axis] < points[*first][axis] {
+                *first = index;
+            }
+            if point[axis] > points[*last][axis] {
+                *last = index;
+            }
+        }
+    }
+    let mut list: Vec<usize> = found.into_iter().flatten().flatten().collect();
+    list.sort_unstable();
+    list.dedup();
+    list.into_iter().map(|index| points[index]).collect()
+}
 
 /// Points of coarse meshes of all bodies over the motion, and all traced points.
 pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
@@ -19,14 +52,17 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
         .enumerate()
         .flat_map(|(body, b)| b.shapes.iter().map(move |shape| (body, shape)))
         .map(|(body, shape)| {
-            let mesh = mesh_of(&shape.solid, COARSE * mechanism.size);
-            (
-                body,
-                mesh.positions
-                    .iter()
-                    .map(|p| shape.body_from_shape.transform_point(*p))
-                    .collect(),
-            )
+            let place = |p: &DVec3| shape.body_from_shape.transform_point(*p);
+            let hull = match &shape.solid {
+                Solid::Triangles(soup) if soup.vertices.len() > MANY => {
+                    outermost(&soup.vertices).iter().map(place).collect()
+                }
+                solid => {
+                    let mesh = mesh_of(solid, COARSE * mechanism.size);
+                    mesh.positions.iter().map(place).collect()
+                }
+            };
+            (body, hull)
         })
         .collect();
     let poses: Vec<_> = trajectory.poses().collect();
@@ -68,4 +104,29 @@ pub fn box_of(points: &[DVec3]) -> Option<[DVec3; 2]> {
             .iter()
             .fold([first, first], |[low, high], p| [low.min(*p), high.max(*p)]),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A fine ball keeps its extent in every direction, with few of its points.
+    #[test]
+    fn outermost_points_hold_the_extent() {
+        let turn = |k: usize, n: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let points = (0..400).flat_map(|i| {
+            (0..400).map(move |k| {
+                let (a, b) = (turn(i, 400), 0.5 * turn(k, 400));
+                DVec3::new(b.sin() * a.cos(), b.sin() * a.sin(), b.cos())
+            })
+        });
+        let points: Vec<DVec3> = points.collect();
+        let few = outermost(&points);
+        assert!(few.len() < 6 * COLUMNS * COLUMNS, "{}", few.len());
+        for direction in &points[..1000] {
+            let reach = few.iter().map(|p| p.dot(*direction)).fold(0.0, f64::max);
+            assert!(reach > 0.99, "{direction} {reach}");
+        }
+        assert_eq!(box_of(&few), box_of(&points));
+    }
 }

@@ -53,17 +53,18 @@ pub fn finish(run: &Run, starts: &mut Vec<Start>) -> Option<Start> {
 fn drawn_in(run: &Run, start: &Start, starts: &mut Vec<Start>) -> Option<Start> {
     let (mut family, mut best) = (run.family.clone(), start.clone());
     for _ in 0..ROUNDS {
-        if !tighten(&mut family, run.family, &best)? {
-            return Some(best);
-        }
+        // Measuring finer tracks takes its time, too.
         if !run.goes_on(Phase::DrawingIn) {
             return None;
+        }
+        if !tighten(&mut family, run.family, &best)? {
+            return Some(best);
         }
         best = polish(run, &family, &best, Phase::DrawingIn);
         (run.listener.done)(starts.len(), &best);
         starts.push(best.clone());
     }
-    (!tighten(&mut family, run.family, &best)?).then_some(best)
+    (run.goes_on(Phase::DrawingIn) && !tighten(&mut family, run.family, &best)?).then_some(best)
 }
 
 /// A start's search taken up again with more iterations, under the limits of `family`.

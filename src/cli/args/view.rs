@@ -47,6 +47,7 @@ pub struct ViewArgs {
         long,
         value_name = "T,T,…",
         value_delimiter = ',',
+        value_parser = instant,
         conflicts_with = "ghosts"
     )]
     pub ghost_times: Option<Vec<f64>>,
@@ -207,6 +208,13 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("a positive number of seconds".to_owned()),
+    }
+}
+
+fn instant(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("a time in seconds, 0 or later".to_owned()),
     }
 }
 

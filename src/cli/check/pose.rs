@@ -64,6 +64,10 @@ fn coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
         let value = value.ok_or_else(|| {
             Failure::usage(format!("`{text}` is not a value for `{name}`"), Vec::new())
         })?;
+        if values[index].is_some() {
+            let message = format!("the pose has two values for `{name}`");
+            return Err(Failure::usage(message, Vec::new()));
+        }
         values[index] = Some(value / mechanism.file_units(mechanism.unknowns[index].kind));
     }
     let missing: Vec<&str> = mechanism

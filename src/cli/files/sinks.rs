@@ -176,8 +176,20 @@ impl<'a> Film<'a> {
         result.map_err(failure)
     }
 
-    /// Says what was written, unless it went to standard output.
+    /// Says what was written, unless it went to standard output, and what older frames stand behind it.
     pub fn tell(&self, summary: &ExportSummary, more: &str, term: &Term) {
+        if let Format::PngSequence(pattern) = self.format {
+            let older = (self.count..)
+                .take_while(|k| pattern.path(*k).exists())
+                .count();
+            if older > 0 {
+                let first = pattern.path(self.count);
+                term.warning(&format!(
+                    "{older} older frames remain, from {} on",
+                    first.display()
+                ));
+            }
+        }
         if to_stdout(self.args) {
             return;
         }

@@ -7,6 +7,7 @@ use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::shown;
 use crate::kinematics::assemblies::{Mode, Modes};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Coordinate, Mechanism};
@@ -27,7 +28,8 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
         return Err(Failure::usage(
             format!(
                 "the motion lasts from 0 to {} s, {} is outside",
-                actuation.duration, args.at
+                actuation.duration,
+                shown(args.at)
             ),
             Vec::new(),
         ));

@@ -8,6 +8,7 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::shown;
 use crate::export::Output;
 use crate::kinematics::certificate::rows::redundant;
 use crate::kinematics::motion::limits::add_limits;
@@ -150,7 +151,10 @@ fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
 pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure> {
     if !(0.0..=duration).contains(&at) {
         return Err(Failure::usage(
-            format!("the motion lasts from 0 to {duration} s, {at} is outside"),
+            format!(
+                "the motion lasts from 0 to {duration} s, {} is outside",
+                shown(at)
+            ),
             Vec::new(),
         ));
     }

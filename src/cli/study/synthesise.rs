@@ -2,7 +2,7 @@
 
 use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
-use crate::analysis::synthesis::verify::prove;
+use crate::analysis::synthesis::verify::{Proof, prove};
 use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
@@ -11,12 +11,17 @@ use crate::cli::io;
 use crate::cli::open::study::{Opened, open};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::Source;
 use crate::jobs::cores;
 use crate::report::cells::six;
 use crate::report::synthesis::{Found, document, ladder, rows, text};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How often somebody looks whether the proof is there.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// Runs the verb.
 pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -150,7 +155,7 @@ fn one<'a>(
         found => found?,
     };
     let (overrides, scene) = written(opened, &synthesis)?;
-    let proof = prove(&opened.source, &overrides);
+    let proof = proved(&opened.source, &overrides);
     let own = own_measures(opened)?;
     Ok(Found {
         name: name.to_owned(),
@@ -161,6 +166,23 @@ fn one<'a>(
         proof,
         scene,
     })
+}
+
+/// The proof, unless Ctrl-C comes before it is there: that is not waited for.
+fn proved(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
+    let (text, values) = (source.clone(), overrides.clone());
+    let work = std::thread::Builder::new().spawn(move || prove(&text, &values));
+    let Ok(work) = work else {
+        return prove(source, overrides);
+    };
+    let unproved = |why: &str| Err(FamilyError::Lacks(why.to_owned()));
+    while !work.is_finished() {
+        if is_interrupted() {
+            return unproved("interrupted before the proof");
+        }
+        std::thread::sleep(LOOK);
+    }
+    work.join().unwrap_or_else(|_| unproved("the proof failed"))
 }
 
 /// The found values as changes of the scene, and as the text of a scene of its own.

@@ -27,6 +27,10 @@ const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 /// Runs the verb.
 pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_picture::refuse(args)?;
+    if args.first.checked_add(args.samples).is_none() {
+        let message = "--first and --samples together are more numbers than there are";
+        return Err(Failure::usage(message, Vec::new()));
+    }
     let reports = [
         ("--json", args.json.as_deref()),
         ("--csv", args.csv.as_deref()),

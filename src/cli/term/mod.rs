@@ -9,8 +9,9 @@ use super::args::values::ColourChoice;
 use crate::diag::{Diagnostic, Diagnostics, Severity, Source, shortened, shown_text};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
+use crate::limits::{Resource, limits};
 use codespan_reporting::term::termcolor::{
-    BufferedStandardStream, Color, ColorChoice, ColorSpec, WriteColor,
+    BufferWriter, BufferedStandardStream, Color, ColorChoice, ColorSpec, WriteColor,
 };
 use codespan_reporting::term::{self, Config};
 use excerpt::Lines;
@@ -95,7 +96,10 @@ impl Term {
     pub fn diagnostics(&self, source: &Source, diagnostics: &Diagnostics) {
         let lines = Lines::new(&source.name, &source.text);
         let config = Config::default();
-        let mut stream = self.stream();
+        // Written at once: a system call a character takes minutes for a scene full of mistakes.
+        let writer = BufferWriter::stderr(self.colour);
+        let mut all = writer.buffer();
+        let most = limits().most(Resource::Message);
         let (mut shown, mut left): ([usize; 2], [Vec<&Diagnostic>; 2]) = Default::default();
         for diagnostic in diagnostics.sorted() {
             let kind = usize::from(diagnostic.severity == Severity::Warning);
@@ -106,12 +110,18 @@ impl Term {
                 left[kind].push(diagnostic);
                 continue;
             }
-            shown[kind] += 1;
             let (file, excerpt) = lines.excerpt(diagnostic);
-            // The stream going away leaves nobody to tell.
-            let _ = term::emit_to_write_style(&mut stream, &config, &file, &excerpt);
+            let mut one = writer.buffer();
+            let _ = term::emit_to_write_style(&mut one, &config, &file, &excerpt);
+            if (all.len() + one.len()) as f64 > most {
+                left[kind].push(diagnostic);
+                continue;
+            }
+            shown[kind] += 1;
+            let _ = all.write_all(one.as_slice());
         }
-        let _ = stream.flush();
+        // The stream going away leaves nobody to tell.
+        let _ = writer.print(&all);
         for (left, word) in left.iter().zip(["error", "warning"]) {
             if !left.is_empty() {
                 let kinds: HashSet<String> = left.iter().map(|d| kind_of(&d.message)).collect();
@@ -137,7 +147,7 @@ impl Term {
         let _ = writeln!(stream, ": {}", shown_text(&shortened(text)));
     }
 
-    /// Written at once, when it is dropped: a system call a character takes minutes for a scene full of mistakes.
+    /// Written when it is dropped.
     fn stream(&self) -> BufferedStandardStream {
         BufferedStandardStream::stderr(self.colour)
     }

@@ -41,7 +41,8 @@ pub const MAX_SIDE: u32 = 8192;
 #[derive(Clone, Debug)]
 pub struct CpuRenderer {
     stage: Arc<Stage>,
-    solids: Vec<Solid>,
+    /// Shared by the renderers of all workers.
+    solids: Arc<[Solid]>,
     /// The camera that the next three are made for.
     camera: Camera,
     lens: Lens,
