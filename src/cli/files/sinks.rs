@@ -178,12 +178,12 @@ impl<'a> Film<'a> {
 
     /// Says what was written, unless it went to standard output, and what older frames stand behind it.
     pub fn tell(&self, summary: &ExportSummary, more: &str, term: &Term) {
-        if let Format::PngSequence(pattern) = self.format {
-            let older = (self.count..)
+        if let Format::PngSequence(pattern) = &self.settings.format {
+            let older = (self.settings.count..)
                 .take_while(|k| pattern.path(*k).exists())
                 .count();
             if older > 0 {
-                let first = pattern.path(self.count);
+                let first = pattern.path(self.settings.count);
                 term.warning(&format!(
                     "{older} older frames remain, from {} on",
                     first.display()
