@@ -5,8 +5,8 @@ use crate::cli::args::files::{SnapshotArgs, UpdateArg};
 use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::Source;
 use crate::import::film::png_files;
+use crate::scene::source;
 use crate::snapshot::golden::beside;
 use crate::snapshot::manifest::Picture;
 use crate::snapshot::{DrawError, MANIFEST, Manifest, Update, Verdict, draw, judge};
@@ -72,13 +72,16 @@ fn update(args: &SnapshotArgs) -> Result<Update, Failure> {
 
 fn read(folder: &Path) -> Result<Manifest, Failure> {
     let path = folder.join(MANIFEST);
-    let text = std::fs::read_to_string(&path).map_err(|e| {
-        let message = format!("cannot read {}: {e}", path.display());
+    let name = path.display().to_string();
+    let failed = |message| {
         let hint = format!("{MANIFEST} lists the pictures: [[picture]] with `file` and `scene`");
         Failure::usage(message, vec![hint])
-    })?;
-    let name = path.display().to_string();
-    Ok(Manifest::read(&Source { name, text })?)
+    };
+    let file = std::fs::File::open(&path);
+    let file = file.map_err(|e| failed(format!("cannot read {name}: {e}")))?;
+    // As large as a scene may be.
+    let text = source::read(file, &name).map_err(|e| failed(e.message))?;
+    Ok(Manifest::read(&text)?)
 }
 
 /// The pictures that `--only` leaves; never none.

@@ -41,11 +41,11 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     let film = args.film.as_deref().map(optimise_film::file);
     let film = film.transpose()?;
     let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
-    // The best so far is worth waiting for.
-    crate::cli::interrupt::save_results();
     if let Some(share) = args.within {
         widen(&mut opened.family, share);
     }
+    // The best so far is worth waiting for.
+    crate::cli::interrupt::save_results();
     if args.pairs {
         return pairs::run(args, &opened, term);
     }

@@ -38,8 +38,6 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         ("--plot", args.plot.as_deref()),
     ];
     io::refuse_clashes(&[&args.scene], &reports)?;
-    // The pieces made so far are worth waiting for.
-    crate::cli::interrupt::save_results();
     let opened = open(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let tolerances = tolerances(&opened, args.tolerance)?;
@@ -62,6 +60,8 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         .map_err(|refusal| opened.refused(&evaluator, &nominal, &refusal))?;
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);
+    // The pieces made so far are worth waiting for.
+    crate::cli::interrupt::save_results();
     let made = pieces(family, &nominal, &tolerances, batch, &CANCEL, &watch);
     progress.end();
     if made.made == 0 {
