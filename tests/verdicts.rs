@@ -460,7 +460,7 @@ fn odd_names_stay_readable() {
         .replace("max = 60", "max = 20");
     w.write("odd.toml", text);
     let said = check(&w, "odd", "odd.toml", &[]);
-    let seen = "a < b & \"c\" > 'd'     é ]]>   \u{fffd}";
+    let seen = "a < b & \"c\" > 'd' \\u{7} \\u{85} é ]]> \\t \u{fffd}";
     assert_eq!(said.junit.name, seen);
     assert!(
         said.case("stroke").text.contains(seen),

@@ -105,17 +105,17 @@ pub(super) fn open(path: &Path) -> Result<(BufReader<File>, Limits), ImportError
     }
     let mut file = BufReader::new(File::open(path).map_err(failed)?);
     let head = file.fill_buf().map_err(failed)?;
-    let place = if head.starts_with(b"GIF") {
-        GIF_SIZE
-    } else {
-        PNG_SIZE
-    };
-    let pixels = size_at(head, place).map_or(0, |[width, height]| width * height);
+    // What is neither is refused for that, by whoever reads on.
+    let place = [(&b"GIF"[..], GIF_SIZE), (&b"\x89PNG"[..], PNG_SIZE)];
+    let place = place.into_iter().find(|(magic, _)| head.starts_with(magic));
+    let pixels = place
+        .and_then(|(_, place)| size_at(head, place))
+        .map_or(0, |[width, height]| width * height);
     let who = path.display();
     crate::limits::limits().allow(Resource::Pixels, pixels as f64, &who)?;
-    allow_memory((pixels * BYTES_OF_PIXEL) as f64, &who)?;
+    allow_memory(pixels as f64 * BYTES_OF_PIXEL as f64, &who)?;
     let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_BESIDE + pixels * BYTES_OF_PIXEL);
+    limits.max_alloc = Some(MOST_BESIDE + pixels.saturating_mul(BYTES_OF_PIXEL));
     Ok((file, limits))
 }
 
