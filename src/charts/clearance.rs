@@ -1,8 +1,16 @@
 //! The chart of a clearance report: distance over time of the worst pairs, with their minimum and the worst moment.
 
-use crate::clearance::check::ClearanceReport;
+use crate::clearance::check::{ClearanceReport, PairReport};
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, Series, Shade};
+use crate::report::rounded::not_below;
+
+/// What a pair never comes below, if that says anything: a depth has no bound.
+fn bound(pair: &PairReport) -> Option<f64> {
+    let least = &pair.least;
+    let is_one = least.distance > 0.0 && least.bound.is_finite() && least.bound >= 0.0;
+    is_one.then_some(least.bound)
+}
 
 /// One curve a pair, the `most` worst ones; the dashed line is the minimum asked for, the mark the worst moment.
 pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Chart {
@@ -47,16 +55,34 @@ pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Ch
             minima.push(pair.minimum);
         }
     }
+    let worst = report.worst();
     if let (Some(first), Some(last)) = (report.times.first(), report.times.last()) {
-        panel.lines = minima.iter().map(|m| [[*first, *m], [*last, *m]]).collect();
+        let bound = worst.and_then(bound).into_iter();
+        let levels = minima.iter().copied().chain(bound);
+        panel.lines = levels.map(|v| [[*first, v], [*last, v]]).collect();
     }
     let mut chart = Chart {
         title: mechanism.title.clone(),
         ..Chart::default()
     };
-    if let Some(worst) = report.worst() {
+    if let Some(worst) = worst {
         let least = &worst.least;
         let [a, b] = worst.pair.map(name);
+        let unit = &mechanism.length_unit;
+        if shown.len() == 1 {
+            panel.title = format!("{a} / {b}");
+        }
+        let known = match (bound(worst), least.is_certified) {
+            (None, _) => "a depth has no bound".to_owned(),
+            (Some(bound), true) => format!("never below {} {unit} (proved)", not_below(bound, 4)),
+            (Some(bound), false) => {
+                format!("never below {} {unit} (estimated)", not_below(bound, 4))
+            }
+        };
+        chart.notes.push(format!(
+            "dashed: the minimum, {} is asked, and the bound of {a} / {b}, {known}",
+            worst.minimum
+        ));
         panel.marks.push([least.time, least.distance]);
         panel.events.push(EventMark {
             x: least.time,

@@ -3,6 +3,7 @@
 //! Values in, a [`Chart`](crate::plot::Chart) out; drawing it is [`plot`](crate::plot)'s.
 
 pub mod clearance;
+pub mod clearance_matrix;
 pub mod cloud;
 mod gaps;
 pub mod motion;

@@ -28,22 +28,35 @@ const WORTH_A_POSE: f64 = 0.25;
 
 /// A piece of a stretch.
 #[derive(Clone)]
-struct Piece {
-    stretch: usize,
-    middle: f64,
-    half: f64,
+pub(super) struct Piece {
+    pub(super) stretch: usize,
+    pub(super) middle: f64,
+    pub(super) half: f64,
     /// A distance that both ends keep.
     ends: f64,
     /// Pairs of elements that may be near; all, if nothing is known.
     near: Option<Rc<[[usize; 2]]>>,
 }
 
+impl Piece {
+    /// A whole stretch of which nothing is known.
+    pub(super) fn whole(stretch: usize) -> Self {
+        Self {
+            stretch,
+            middle: 0.0,
+            half: 1.0,
+            ends: f64::NEG_INFINITY,
+            near: None,
+        }
+    }
+}
+
 /// What a look at a piece found.
-struct Look {
+pub(super) struct Look {
     /// No distance of the piece is lower.
-    lowest: f64,
+    pub(super) lowest: f64,
     /// No pose of the motion in the middle of the piece is farther apart than this.
-    middle: f64,
+    pub(super) middle: f64,
     /// Narrower bounds of the motion would help more than shorter pieces.
     is_blurred: bool,
     near: Option<Rc<[[usize; 2]]>>,
@@ -123,11 +136,8 @@ impl PairSweep<'_> {
         let whole = |root: usize| {
             let ends = motion.stretches[root].ends;
             Piece {
-                stretch: root,
-                middle: 0.0,
-                half: 1.0,
                 ends: value(ends[0]).min(value(ends[1])),
-                near: None,
+                ..Piece::whole(root)
             }
         };
         let mut open: Vec<Piece> = (0..motion.roots).map(whole).collect();
@@ -142,7 +152,7 @@ impl PairSweep<'_> {
             let goals = [self.value_of(motion, goal, best), self.target(best)];
             let look = self.look(motion, &piece, goals);
             self.measure(motion, &piece, &look, best);
-            let most = if self.is_cut(best) {
+            let most = if self.is_cut(best) && self.minimum() >= 0.0 {
                 LOOKS_IN_OVERLAP
             } else {
                 MAX_LOOKS
@@ -178,7 +188,7 @@ impl PairSweep<'_> {
     }
 
     /// Lower bound over a piece, as far as the goal needs it. Pairs of elements are near unless they reach the last goal, too.
-    fn look(&self, motion: &Motion, piece: &Piece, [goal, last]: [f64; 2]) -> Look {
+    pub(super) fn look(&self, motion: &Motion, piece: &Piece, [goal, last]: [f64; 2]) -> Look {
         let stretch = &motion.stretches[piece.stretch];
         let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
         let moved = self.chain.around(arguments, s, half);
@@ -273,7 +283,7 @@ impl Search {
 }
 
 /// The two halves of a piece; of a stretch with narrower bounds where that is what is missing.
-fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> {
+pub(super) fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> {
     let part = |stretch: usize, middle: f64, half: f64| Piece {
         stretch,
         middle,

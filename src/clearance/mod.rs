@@ -2,9 +2,11 @@
 //!
 //! Everything here is values in, values out; nothing prints.
 
+mod asked;
 pub mod bodies;
 mod boxes;
 mod branch_and_bound;
+mod broad_phase;
 pub mod check;
 mod contact;
 pub mod core;
@@ -13,6 +15,7 @@ mod cores;
 mod curved;
 mod depth;
 mod flaps;
+mod found;
 mod gap;
 mod half_space;
 pub mod meeting;
@@ -31,3 +34,4 @@ mod slab;
 pub mod sweep;
 mod track;
 mod triangles;
+mod violations;

@@ -18,8 +18,11 @@ use std::collections::HashSet;
 /// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
 
-/// Most stretches of one motion; bounds are as good as they are by then.
+/// Most stretches of one motion, ...
 const MAX_STRETCHES: usize = 60_000;
+
+/// ... and most arguments of joints in all of them together (about 100 MB); bounds are as good as they are by then.
+const MAX_ARGUMENTS: usize = 1_200_000;
 
 /// An estimated motion may differ from the parabola by this times what the parabola differs from a line ...
 const ESTIMATE_FACTOR: f64 = 2.0;
@@ -152,6 +155,32 @@ impl<'m> Motion<'m> {
         motion
     }
 
+    /// Values of all arguments at the sampled times.
+    pub fn poses(&self) -> impl Iterator<Item = &Vec<ArgumentValue>> + Clone {
+        let samples = self.samples.iter();
+        samples.map(|k| &self.instants[*k].arguments)
+    }
+
+    /// The first and the last sampled time.
+    pub fn span(&self) -> [f64; 2] {
+        let time = |k: Option<&usize>| k.map_or(0.0, |k| self.instants[*k].time);
+        [time(self.samples.first()), time(self.samples.last())]
+    }
+
+    /// Indices of the poses at sampled times that are at the end of no stretch.
+    pub fn alone(&self) -> Vec<usize> {
+        let roots = self.stretches[..self.roots].iter();
+        let ends: HashSet<usize> = roots.flat_map(|s| s.ends).flatten().collect();
+        let places = (0..self.samples.len()).filter(|place| !ends.contains(place));
+        places.map(|place| self.samples[place]).collect()
+    }
+
+    /// Whether all of it is proved.
+    pub fn is_certified(&self) -> bool {
+        let mut roots = self.stretches[..self.roots].iter();
+        self.gaps.is_empty() && roots.all(|s| s.is_certified)
+    }
+
     /// Notes a stretch that is not looked at, with the one right before it.
     fn leave_out(&mut self, from: f64, to: f64) {
         match self.gaps.last_mut() {
@@ -267,10 +296,15 @@ impl<'m> Motion<'m> {
         self.instants.len() - 1
     }
 
+    /// Times of places of a stretch.
+    pub fn times<const N: usize>(&self, stretch: usize, places: [f64; N]) -> [f64; N] {
+        let Stretch { start, end, .. } = self.stretches[stretch];
+        places.map(|s| (0.5 * (start + end) + 0.5 * (end - start) * s).clamp(start, end))
+    }
+
     /// The closed pose at place `s` of a stretch.
     pub fn pose_at(&mut self, stretch: usize, s: f64) -> Option<usize> {
-        let Stretch { start, end, .. } = self.stretches[stretch];
-        let time = (0.5 * (start + end) + 0.5 * (end - start) * s).clamp(start, end);
+        let [time] = self.times(stretch, [s]);
         match &self.stretches[stretch].way {
             Way::Estimated([a, b]) => {
                 let (a, b) = (*a, *b);
@@ -298,7 +332,9 @@ impl<'m> Motion<'m> {
     }
 
     fn halve(&mut self, stretch: usize) -> Option<usize> {
-        if self.stretches.len() >= MAX_STRETCHES {
+        let arguments = self.stretches[stretch].arguments.len();
+        let most = (MAX_ARGUMENTS / arguments.max(1)).min(MAX_STRETCHES);
+        if self.stretches.len() >= most {
             return None;
         }
         let ends = self.stretches[stretch].ends;

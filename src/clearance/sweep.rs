@@ -1,7 +1,7 @@
 //! Two bodies over a motion: their distances at its poses, and what counts as near enough. What lies between the poses is
 //! found by `branch_and_bound`.
 
-use super::bodies::{BodyProximity, Hull, LeftOut, enclosed};
+use super::bodies::{BodyProximity, Hull, LeftOut, enclosed, nearest};
 use super::core::{Core, Element};
 use super::mesh;
 use super::motion::Motion;
@@ -18,6 +18,9 @@ pub const POSE_SLACK: f64 = 1e-10;
 /// A pair passes where the bound is no farther below the minimum than this, in the same lengths: bodies that keep exactly
 /// their minimum cannot be proved to more.
 pub const JUDGED: f64 = 1e-9;
+
+/// Bodies that touch are parted by a shift of this many lengths of the pair, in one of many directions: far more than rounding.
+const CUT: f64 = 1e-6;
 
 /// A minimum, in lengths of the pair, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
@@ -71,6 +74,13 @@ pub(super) struct Best {
     pub(super) is_enclosed: bool,
 }
 
+/// No point that a chain of this length carries is farther from its exact place at a sampled time: for rounding, and for what
+/// the unknowns are off.
+pub(super) fn slack_of_poses(motion: &Motion, chain: &RelativeChain, extent: f64) -> f64 {
+    let sizes = (extent / motion.system.mechanism().size).max(1.0);
+    POSE_SLACK * extent + motion.pose_error * sizes * chain.joints() as f64
+}
+
 impl<'a> PairSweep<'a> {
     /// Bodies by index with their hulls, and the least distance that passes. `tolerance` is relative to that, or to the
     /// distance where it is zero.
@@ -93,11 +103,7 @@ impl<'a> PairSweep<'a> {
         let reach = |(center, radius): (DVec3, f64)| center.length() + radius;
         let reaches = hulls.map(|hull| reach(hull.ball));
         let finite = reaches.into_iter().filter(|reach| reach.is_finite());
-        let poses = motion
-            .samples
-            .iter()
-            .map(|k| &motion.instants[*k].arguments);
-        let extent = own.longest(poses) + finite.sum::<f64>();
+        let extent = own.longest(motion.poses()) + finite.sum::<f64>();
         Self {
             bodies,
             hulls,
@@ -123,11 +129,23 @@ impl<'a> PairSweep<'a> {
     }
 
     /// With nothing but the pairs of elements that it leaves out.
-    pub fn complement(mut self) -> Self {
+    pub fn complement(self) -> Self {
+        let pairs = self.complement_pairs();
+        self.without(&pairs)
+    }
+
+    /// Pairs of elements that are not left out, of the first and the second body as they were given.
+    pub fn complement_pairs(&self) -> Vec<[usize; 2]> {
         let [m, n] = self.hulls.map(|hull| hull.elements.len());
         let all = (0..m).flat_map(|i| (0..n).map(move |j| [i, j]));
-        self.left_out = all.filter(|pair| !self.left_out.contains(pair)).collect();
-        self
+        let other = all.filter(|pair| !self.left_out.contains(pair));
+        let own = |[i, j]: [usize; 2]| if self.is_swapped { [j, i] } else { [i, j] };
+        other.map(own).collect()
+    }
+
+    /// The same with another least distance that passes.
+    pub fn with_minimum(self, minimum: f64) -> Self {
+        Self { minimum, ..self }
     }
 
     /// By how much a bound may stay below the minimum of a pair that passes.
@@ -141,6 +159,29 @@ impl<'a> PairSweep<'a> {
         distance <= 0.0 && mesh::is_any(elements)
     }
 
+    /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
+    /// touched.
+    pub(super) fn is_mesh_cut(&self, motion: &Motion, time: f64) -> bool {
+        let at_time = |k: &usize| motion.instants[*k].time == time;
+        (0..motion.instants.len()).filter(at_time).any(|instant| {
+            let pose = self.relative(motion, instant);
+            let meets = |shift: DVec3| {
+                let mut moved = pose;
+                moved.translation += shift * (CUT * self.extent);
+                let found = nearest(self.hulls[0], self.hulls[1], &moved, &self.left_out);
+                found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
+            };
+            let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+            let signs = [-1.0, 1.0];
+            let corners = signs.into_iter().flat_map(|x| {
+                signs
+                    .into_iter()
+                    .flat_map(move |y| signs.map(|z| DVec3::new(x, y, z)))
+            });
+            axes.chain(corners).chain([DVec3::ZERO]).all(meets)
+        })
+    }
+
     /// No distance is lower, however deep bodies are in each other.
     pub(super) fn deepest(&self) -> f64 {
         -self.extent
@@ -151,10 +192,9 @@ impl<'a> PairSweep<'a> {
         self.minimum
     }
 
-    /// No point of a sampled pose is farther from its exact place: for rounding, and for what its unknowns are off.
+    /// No point of a sampled pose is farther from its exact place, as seen from the other body.
     pub(super) fn pose_slack(&self, motion: &Motion) -> f64 {
-        let sizes = (self.extent / motion.system.mechanism().size).max(1.0);
-        POSE_SLACK * self.extent + motion.pose_error * sizes * self.chain.joints() as f64
+        slack_of_poses(motion, &self.chain, self.extent)
     }
 
     /// What the bound must reach to be as near to the least distance as was asked.

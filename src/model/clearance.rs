@@ -7,6 +7,10 @@ pub struct Ignored {
     pub pair: [usize; 2],
     /// Why, in the scene's words.
     pub reason: String,
+    /// Shapes of the first and the second body that are left out; all if there are none.
+    pub shapes: Vec<[usize; 2]>,
+    /// Least distance that is let pass all the same, negative; any depth if absent.
+    pub down_to: Option<f64>,
     /// One of several pairs of a pattern: that this one is not needed is no mistake.
     pub is_one_of_many: bool,
 }
@@ -18,6 +22,8 @@ pub struct PairMinimum {
     pub pair: [usize; 2],
     /// Least distance that passes, in the scene's unit.
     pub minimum: f64,
+    /// One of several pairs of a pattern.
+    pub is_one_of_many: bool,
 }
 
 /// The `[clearance]` section.
@@ -25,7 +31,7 @@ pub struct PairMinimum {
 pub struct ClearanceRules {
     /// Least distance that passes, in the scene's unit; not negative.
     pub minimum: f64,
-    /// Pairs that have their own.
+    /// Pairs that have their own; those of patterns last.
     pub pairs: Vec<PairMinimum>,
     /// Pairs that may touch.
     pub ignored: Vec<Ignored>,
@@ -42,6 +48,13 @@ impl ClearanceRules {
 
     /// Whether the scene asks for a minimum of this very pair, which is then judged whatever joins it.
     pub fn has_own_minimum(&self, pair: [usize; 2]) -> bool {
-        self.pairs.iter().any(|p| p.pair == pair)
+        let mut own = self.pairs.iter().filter(|p| !p.is_one_of_many);
+        own.any(|p| p.pair == pair)
+    }
+
+    /// The largest minimum of pairs that the scene does not name one by one.
+    pub fn largest_minimum(&self) -> f64 {
+        let many = self.pairs.iter().filter(|p| p.is_one_of_many);
+        many.map(|p| p.minimum).fold(self.minimum, f64::max)
     }
 }

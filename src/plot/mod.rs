@@ -10,6 +10,7 @@ pub mod drawing;
 mod frame;
 mod headings;
 mod layout;
+pub mod matrix;
 pub mod playhead;
 pub mod primitive;
 pub mod raster;

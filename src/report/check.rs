@@ -7,7 +7,7 @@ use super::freedoms;
 use super::measures::Measured;
 use super::proof::{MotionProof, PoseProofs, assumptions};
 use super::sentences;
-use super::verdict::{CLEARANCE, Verdict};
+use super::verdict::{Asked, CLEARANCE, Verdict};
 use crate::clearance::check::ClearanceReport;
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -15,17 +15,6 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
-
-/// What was asked of a motion beside its own limits.
-#[derive(Clone, Copy, Debug)]
-pub struct Asked {
-    /// Largest closure error, relative to the mechanism's size.
-    pub closure: f64,
-    /// Every pose is to be proved.
-    pub poses: bool,
-    /// The motion between the samples, too.
-    pub motion: bool,
-}
 
 /// Everything that was found out about a motion.
 pub struct MotionReport<'a> {
@@ -80,7 +69,7 @@ impl<'a> MotionReport<'a> {
         cases.extend(motion.map(|proof| proof.case(mechanism, self.actuation)));
         cases.extend(self.measured.iter().map(Measured::case));
         if let Some(report) = self.clearances {
-            cases.extend(clearance::cases(mechanism, report, self.asked.poses));
+            cases.extend(clearance::cases(mechanism, report, self.asked));
         }
         Verdict {
             title: mechanism.title.clone(),
@@ -151,9 +140,10 @@ impl<'a> MotionReport<'a> {
         let (mechanism, trajectory) = (self.mechanism, self.trajectory);
         let certified = self.poses.certified();
         let events = trajectory.events.iter();
+        let result = (verdict.result_of(CLEARANCE), self.asked.band);
         let clearance = self
             .clearances
-            .map(|found| clearance::to_json(mechanism, found, verdict.result_of(CLEARANCE)));
+            .map(|found| clearance::to_json(mechanism, found, result));
         json!({
             "schema": "mechanim-check/1",
             "title": mechanism.title,

@@ -2,14 +2,19 @@
 
 use super::cells::quoted;
 use super::rounded::{at_least_three, at_most_three, not_below};
-use super::verdict::{CLEARANCE, Case, Status};
-use crate::clearance::check::{ClearanceReport, Judgement, PairReport};
+use super::verdict::{Asked, CLEARANCE, Case, Status};
+use crate::clearance::check::{
+    ClearanceReport, FarPairs, Judgement, PairReport, Violation, Violations,
+};
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use serde_json::{Value, json};
 
 /// More excluded pairs with one reason are one line of the table. JSON and JUnit have all of them.
 const MOST_OF_ONE_REASON: usize = 3;
+
+/// More times at which a pair is too near are counted in texts. JSON has all of them.
+const MOST_INTERVALS: usize = 4;
 
 /// The word of a judgement in reports.
 pub fn word(judgement: &Judgement) -> &'static str {
@@ -50,10 +55,15 @@ fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
     [0, 1].map(|k| shape_name(mechanism, pair.pair[k], pair.least.shapes[k]))
 }
 
-/// The report as the `clearance` object of `mechanim-check/1`; `result` is what its cases came to.
-pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport, result: Status) -> Value {
+/// The report as the `clearance` object of `mechanim-check/1`; `result` is what its cases came to, and
+/// pairs within `band` of their minimum are near.
+pub fn to_json(
+    mechanism: &Mechanism,
+    report: &ClearanceReport,
+    (result, band): (Status, Option<f64>),
+) -> Value {
     let pair = |p: &PairReport| {
-        let judged = reason(p).is_none();
+        let judged = reason(&p.judgement).is_none();
         let mut value = json!({
             "bodies": names(mechanism, p),
             "verdict": word(&p.judgement),
@@ -66,15 +76,19 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport, result: Status) 
         });
         if let Some(object) = value.as_object_mut() {
             if judged {
+                object.insert("class".to_owned(), json!(p.class(band).word()));
                 object.insert("bound".to_owned(), json!(p.least.bound));
                 object.insert("certified".to_owned(), json!(p.least.is_certified));
                 object.insert("refined".to_owned(), json!(p.least.is_refined));
                 object.insert("slack".to_owned(), json!(p.slack));
+                if let Some(violations) = &p.violations {
+                    object.insert("violations".to_owned(), violations_json(violations));
+                }
                 if let Some(farthest) = p.farthest {
                     object.insert("farthest".to_owned(), json!(farthest));
                 }
             }
-            if let Some(reason) = reason(p) {
+            if let Some(reason) = reason(&p.judgement) {
                 object.insert("reason".to_owned(), json!(reason));
             }
         }
@@ -84,11 +98,65 @@ pub fn to_json(mechanism: &Mechanism, report: &ClearanceReport, result: Status) 
         "unit": mechanism.length_unit,
         "tolerance": report.tolerance,
         "passed": result == Status::Passed,
-        "judged": report.judged.len(),
+        "judged": report.judged_count(),
         "pairs": report.judged.iter().map(pair).collect::<Vec<_>>(),
+        "far": report.far.map(|far| json!({
+            "pairs": far.count,
+            "verdict": word(&far.judgement()),
+            "bound": far.apart,
+            "certified": far.is_certified,
+        })),
         "excluded": report.excluded.iter().map(pair).collect::<Vec<_>>(),
+        "counted": report.counted.iter().map(counted).collect::<Vec<_>>(),
         "unchecked": report.gaps,
         "warnings": report.warnings,
+    })
+}
+
+/// When a pair is too near.
+fn violations_json(violations: &Violations) -> Value {
+    let one = |v: &Violation| {
+        json!({
+            "from": v.from,
+            "to": v.to,
+            "seen": v.is_seen,
+            "distance": v.distance,
+            "time": v.time,
+        })
+    };
+    json!({
+        "certified": violations.is_certified,
+        "intervals": violations.list.iter().map(one).collect::<Vec<_>>(),
+    })
+}
+
+/// When a pair is too near, in words; `None` if nothing is known of that.
+fn violations_sentence(p: &PairReport) -> Option<String> {
+    let violations = p.violations.as_ref()?;
+    let sure = match violations.is_certified {
+        true => "proved",
+        false => "estimated",
+    };
+    let one = |v: &Violation| match v.is_seen {
+        true => format!("t = {:.6} to {:.6} s", v.from, v.to),
+        false => format!("perhaps t = {:.6} to {:.6} s", v.from, v.to),
+    };
+    let shown = violations.list.iter().take(MOST_INTERVALS).map(one);
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    let more = match violations.list.len().saturating_sub(MOST_INTERVALS) {
+        0 => String::new(),
+        more => format!(" and {more} more times"),
+    };
+    (!violations.list.is_empty())
+        .then(|| format!("below its minimum at {shown}{more}; kept at all other times ({sure})"))
+}
+
+/// Excluded pairs of which only the number is told.
+fn counted((judgement, count): &(Judgement, usize)) -> Value {
+    json!({
+        "verdict": word(judgement),
+        "reason": reason(judgement),
+        "pairs": count,
     })
 }
 
@@ -112,8 +180,8 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
 }
 
 /// Why a pair is not judged: the joint, or the words of the scene.
-fn reason(p: &PairReport) -> Option<&str> {
-    match &p.judgement {
+fn reason(judgement: &Judgement) -> Option<&str> {
+    match judgement {
         Judgement::Neighbours(joint) => Some(joint),
         Judgement::Ignored(reason) => Some(reason),
         _ => None,
@@ -123,11 +191,16 @@ fn reason(p: &PairReport) -> Option<&str> {
 /// One case a pair, one for every stretch of time that was not checked and every mesh without an inside, and one
 /// if no pair was judged. An estimate is
 /// enough where no proof is asked for.
-pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, is_proof_asked: bool) -> Vec<Case> {
+pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> Vec<Case> {
     let pairs = report.judged.iter().chain(&report.excluded);
     let mut list: Vec<Case> = pairs
-        .map(|p| case(mechanism, p, is_proof_asked).taking(p.seconds))
+        .map(|p| case(mechanism, p, asked).taking(p.seconds))
         .collect();
+    list.extend(report.far.map(|far| {
+        let text = far_sentence(mechanism, &far);
+        let name = format!("{} pairs far apart", far.count);
+        Case::new(CLEARANCE, &name, status(&far.judgement(), asked), text)
+    }));
     list.extend(report.gaps.iter().map(|[from, to]| {
         let name = format!("t = {from:.6} s to {to:.6} s");
         let text = "not checked: the motion could not be followed there";
@@ -137,7 +210,7 @@ pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, is_proof_asked: bo
         let name = format!("mesh of {}", mechanism.bodies[*body].name);
         Case::new(CLEARANCE, &name, Status::NotProved, text)
     }));
-    if report.gaps.is_empty() {
+    if report.gaps.is_empty() && !asked.empty {
         let nothing = report.nothing_judged().into_iter();
         list.extend(
             nothing.map(|text| Case::new(CLEARANCE, "pairs of bodies", Status::NotProved, text)),
@@ -146,22 +219,45 @@ pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, is_proof_asked: bo
     list
 }
 
-fn case(mechanism: &Mechanism, p: &PairReport, is_proof_asked: bool) -> Case {
-    let status = match &p.judgement {
+/// What a judgement means for the check.
+fn status(judgement: &Judgement, asked: Asked) -> Status {
+    match judgement {
         Judgement::Passed => Status::Passed,
-        Judgement::Estimated if !is_proof_asked => Status::Passed,
+        Judgement::Estimated if asked.estimates => Status::Passed,
         Judgement::Estimated | Judgement::Undecided => Status::NotProved,
         Judgement::Failed => Status::Failed,
         Judgement::Neighbours(_) | Judgement::Ignored(_) => Status::Skipped,
+    }
+}
+
+/// What is known of pairs that were not looked at one by one.
+fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
+    let sure = match far.is_certified {
+        true => "proved",
+        false => "estimated",
     };
+    format!(
+        "{}: what these bodies sweep stays apart: never below {} {} ({sure})",
+        word(&far.judgement()),
+        not_below(far.apart, 6),
+        mechanism.length_unit
+    )
+}
+
+fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked) -> Case {
+    let status = status(&p.judgement, asked);
     let sentence = sentence(mechanism, p);
-    let text = match reason(p) {
+    let text = match reason(&p.judgement) {
         Some(reason) => format!("{}: {reason}; {sentence}", word(&p.judgement)),
-        None => format!(
-            "{}: {sentence}; {}",
-            word(&p.judgement),
-            bound(mechanism, p)
-        ),
+        None => {
+            let times = violations_sentence(p).map(|times| format!("; {times}"));
+            format!(
+                "{}: {sentence}; {}{}",
+                word(&p.judgement),
+                bound(mechanism, p),
+                times.unwrap_or_default()
+            )
+        }
     };
     let [a, b] = names(mechanism, p);
     Case::new(CLEARANCE, &format!("{a} / {b}"), status, text)
@@ -188,13 +284,18 @@ fn bound(mechanism: &Mechanism, p: &PairReport) -> String {
     }
 }
 
-/// CSV: time, then one column of distances a judged pair.
+/// CSV: time, then one column of distances a judged pair, then one with what none of them falls below.
 pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
     let mut text = String::from("time");
     for p in &report.judged {
         let [a, b] = names(mechanism, p);
         text.push(',');
         text.push_str(&quoted(&format!("{a} / {b}")));
+    }
+    for p in &report.judged {
+        let [a, b] = names(mechanism, p);
+        text.push(',');
+        text.push_str(&quoted(&format!("{a} / {b} never below")));
     }
     text.push('\n');
     for (row, time) in report.times.iter().enumerate() {
@@ -203,6 +304,13 @@ pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
             text.push(',');
             if let Some(distance) = p.distances.get(row) {
                 text.push_str(&distance.to_string());
+            }
+        }
+        for p in &report.judged {
+            text.push(',');
+            // A depth has no bound.
+            if p.least.distance > 0.0 || p.farthest.is_some() {
+                text.push_str(&p.least.bound.to_string());
             }
         }
         text.push('\n');
@@ -215,14 +323,17 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
     let unit = &mechanism.length_unit;
     let mut text = format!(
         "  clearance        {} pairs judged, {} excluded; lengths in {unit}\n",
-        found.judged.len(),
-        found.excluded.len()
+        found.judged_count(),
+        found.excluded_count()
     );
     if !found.judged.is_empty() {
         text.push_str("      distance   never below     minimum      at t/s  verdict    pair\n");
     }
     for p in found.judged.iter().take(worst) {
         text.push_str(&row(mechanism, p));
+        if let Some(times) = violations_sentence(p) {
+            text.push_str(&format!("                  {times}\n"));
+        }
         if p.farthest.is_some() {
             text.push_str(&format!(
                 "                  touching: {}\n",
@@ -237,8 +348,18 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
             found.judged.len()
         ));
     }
+    if let Some(far) = &found.far {
+        text.push_str(&far_line(far));
+    }
     for group in by_reason(&found.excluded) {
         text.push_str(&excluded(mechanism, &group));
+    }
+    for (judgement, count) in &found.counted {
+        let reason = reason(judgement).unwrap_or_default();
+        text.push_str(&format!(
+            "                  {:<10} {count} pairs: {reason}\n",
+            word(judgement)
+        ));
     }
     for [start, end] in &found.gaps {
         text.push_str(&format!(
@@ -268,7 +389,7 @@ fn excluded(mechanism: &Mechanism, group: &[&PairReport]) -> String {
             p.least.distance,
             inside(p),
             word(&p.judgement),
-            reason(p).unwrap_or_default()
+            reason(&p.judgement).unwrap_or_default()
         )
     };
     let name = |p: &PairReport| names(mechanism, p).join(" / ");
@@ -289,6 +410,19 @@ fn inside(p: &PairReport) -> &'static str {
     } else {
         ""
     }
+}
+
+/// The line of all pairs that were not looked at one by one.
+fn far_line(far: &FarPairs) -> String {
+    let bound = match far.is_certified {
+        true => not_below(far.apart, 4),
+        false => format!("~{}", not_below(far.apart, 4)),
+    };
+    format!(
+        "                {bound:>12}                          {:<10} {} pairs far apart\n",
+        word(&far.judgement()),
+        far.count
+    )
 }
 
 fn row(mechanism: &Mechanism, p: &PairReport) -> String {

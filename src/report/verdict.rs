@@ -3,6 +3,23 @@
 
 use serde_json::{Value, json};
 
+/// What was asked of a motion beside its own limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// Largest closure error, relative to the mechanism's size.
+    pub closure: f64,
+    /// Every pose is to be proved.
+    pub poses: bool,
+    /// The motion between the samples, too.
+    pub motion: bool,
+    /// Pairs of bodies whose bound is an estimate pass.
+    pub estimates: bool,
+    /// Scenes of which no pair is judged pass.
+    pub empty: bool,
+    /// Pairs within this length of their minimum are near.
+    pub band: Option<f64>,
+}
+
 /// How a question came out, the worse the later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {

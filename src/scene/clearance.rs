@@ -11,10 +11,23 @@ pub struct ClearanceFile {
     pub minimum: Option<FormulaText>,
     /// `pairs` with their own minima.
     pub pairs: Vec<(PairFile, FormulaText)>,
-    /// `ignore` with the reasons.
-    pub ignored: Vec<(PairFile, Spanned<String>)>,
+    /// `ignore`
+    pub ignored: Vec<IgnoredFile>,
     /// `touching`
     pub touching: Vec<PairFile>,
+}
+
+/// A pair that is left out, or a part of it.
+#[derive(Clone, Debug)]
+pub struct IgnoredFile {
+    /// Which bodies.
+    pub pair: PairFile,
+    /// `reason`
+    pub reason: Spanned<String>,
+    /// `shapes`: numbers of shapes of the first and the second body, from 1; all if absent.
+    pub shapes: Option<Spanned<Vec<[FormulaText; 2]>>>,
+    /// `down_to`: the depth that is allowed.
+    pub down_to: Option<FormulaText>,
 }
 
 /// Two names.
@@ -37,7 +50,13 @@ pub fn read(r: &mut TableReader) -> ClearanceFile {
     let ignored = r.tables("ignore", |p| {
         let pair = pair(p);
         let reason = required(p, "reason", |p, k| p.string(k));
-        Some((pair?, reason?))
+        let (shapes, down_to) = (p.rows("shapes"), p.formula("down_to"));
+        Some(IgnoredFile {
+            pair: pair?,
+            reason: reason?,
+            shapes,
+            down_to,
+        })
     });
     let touching = r.tables("touching", |p| pair(p));
     ClearanceFile {

@@ -10,8 +10,11 @@ use glam::DVec3;
 /// Colour of bodies that are too near to another one.
 const ALARM: [u8; 3] = [0xe5, 0x14, 0x1e];
 
-/// Colours of the two bodies whose distance is shown.
+/// Colours of two bodies that are too near to each other, ...
 const PAIR: [[u8; 3]; 2] = [[0xe5, 0x14, 0x1e], [0x1f, 0x5f, 0xbf]];
+
+/// ... and of two that are not.
+const KEPT: [[u8; 3]; 2] = [[0x1b, 0x8f, 0x6a], [0x1f, 0x5f, 0xbf]];
 
 /// Colour of the line between them.
 const LINE: [u8; 3] = [0x11, 0x13, 0x18];
@@ -29,6 +32,9 @@ const BALL_PIXELS: f64 = 3.6;
 /// Height of the label as a fraction of the picture's.
 const LABEL_SIZE: f64 = 0.035;
 
+/// From one line above the picture to the next, in heights of a label.
+const CAPTION_LINE: f64 = 1.5;
+
 /// A distance that is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
@@ -38,6 +44,10 @@ pub struct Measure {
     pub points: [DVec3; 2],
     /// What is written beside it.
     pub text: String,
+    /// What is written above the picture, line by line.
+    pub caption: Vec<String>,
+    /// The bodies are too near to each other.
+    pub is_alarm: bool,
 }
 
 /// What pictures point out.
@@ -55,7 +65,7 @@ impl Marks {
         if let Some(measure) = &self.measure {
             match measure.bodies.iter().position(|b| *b == body) {
                 Some(k) => {
-                    instance.colour = PAIR[k];
+                    instance.colour = if measure.is_alarm { PAIR } else { KEPT }[k];
                     instance.opacity *= PAIR_OPACITY;
                 }
                 None => instance.opacity *= FADED,
@@ -92,16 +102,26 @@ impl Marks {
         sign(mesh, meshes, Pose::IDENTITY, LINE, 1.0)
     }
 
-    /// The text beside the line.
-    pub fn label(&self, height: f64) -> Option<Label> {
-        let measure = self.measure.as_ref()?;
-        Some(Label {
-            text: measure.text.clone(),
-            anchor: Anchor::Beside((measure.points[0] + measure.points[1]) * 0.5),
+    /// The text beside the line, and those above the picture.
+    pub fn labels(&self, height: f64) -> Vec<Label> {
+        let Some(measure) = &self.measure else {
+            return Vec::new();
+        };
+        let label = |text: &str, anchor: Anchor| Label {
+            text: text.to_owned(),
+            anchor,
             size: LABEL_SIZE * height,
             colour: LINE,
             plate: true,
             yields: false,
-        })
+        };
+        let middle = (measure.points[0] + measure.points[1]) * 0.5;
+        let beside = label(&measure.text, Anchor::Beside(middle));
+        let line = |(k, text): (usize, &String)| {
+            let top = LABEL_SIZE * (1.0 + CAPTION_LINE * k as f64);
+            label(text, Anchor::Screen([LABEL_SIZE, top]))
+        };
+        let above = measure.caption.iter().enumerate().map(line);
+        std::iter::once(beside).chain(above).collect()
     }
 }

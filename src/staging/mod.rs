@@ -219,7 +219,7 @@ impl<'a> Staging<'a> {
                 (!label.hides || !self.is_hidden(label, &shown, pose, camera)).then_some(shown)
             })
             .chain(self.decor.letters(height))
-            .chain(self.marks.label(height))
+            .chain(self.marks.labels(height))
             .collect()
     }
 

@@ -2,8 +2,8 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use glam::DVec3;
-use mechanim::clearance::bodies::Hull;
-use mechanim::clearance::check::{ClearanceReport, Judgement};
+use mechanim::clearance::bodies::{Hull, nearest};
+use mechanim::clearance::check::{ClearanceReport, Closely, Judgement, PairReport};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
@@ -16,6 +16,7 @@ use mechanim::model::actuation::Actuation;
 use mechanim::model::measure::Measures;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::Scene;
+use std::collections::HashSet;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
@@ -150,10 +151,19 @@ pub fn measures(model: &Model, trajectory: &Trajectory) -> Vec<Option<f64>> {
 
 /// The clearances that a scene asks for, in a report that keeps its word.
 pub fn check(scene: &Scene, trajectory: &Trajectory, tolerance: f64) -> ClearanceReport {
+    let closely = Closely {
+        times: true,
+        ..Closely::to(tolerance)
+    };
+    check_closely(scene, trajectory, closely)
+}
+
+/// The same, with as many pairs looked at one by one as are wanted.
+pub fn check_closely(scene: &Scene, trajectory: &Trajectory, closely: Closely) -> ClearanceReport {
     let system = scene.system().unwrap();
     let (actuation, rules) = (&scene.actuation, scene.clearance.as_ref().unwrap());
     let clearance = mechanim::clearance::check::check;
-    let report = clearance(&system, actuation, rules, trajectory, tolerance, &|_, _| {});
+    let report = clearance(&system, actuation, rules, trajectory, closely, &|_, _| {});
     keeps_its_word(scene, trajectory, &report);
     report
 }
@@ -161,6 +171,10 @@ pub fn check(scene: &Scene, trajectory: &Trajectory, tolerance: f64) -> Clearanc
 /// What passes is proved, is never nearer than its minimum at any sample, and has a bound that says so; no bound is above a
 /// distance that was found.
 fn keeps_its_word(scene: &Scene, trajectory: &Trajectory, report: &ClearanceReport) {
+    far_pairs_stay_apart(scene, trajectory, report);
+    // Of these the worst is where they are farthest from touching.
+    let rules = scene.clearance.as_ref().unwrap();
+    let is_touching = |pair: [usize; 2]| rules.touching.contains(&pair);
     for p in &report.judged {
         let (least, said) = (&p.least, format!("{p:?}"));
         let found = p.distances.iter().copied().fold(least.distance, f64::min);
@@ -174,13 +188,85 @@ fn keeps_its_word(scene: &Scene, trajectory: &Trajectory, report: &ClearanceRepo
                 assert!(!least.is_enclosed && p.slack <= rounding, "{said}");
             }
         }
+        times_hold(report, p, &said);
         if least.is_certified && found > 0.0 {
             assert!(least.bound <= found + rounding, "{said}");
         }
         assert!(
-            least.distance <= found + rounding || p.farthest.is_some(),
+            least.distance <= found + rounding || is_touching(p.pair),
             "{said}"
         );
+    }
+}
+
+/// What is said of when a pair is too near: every pose that is lies within, and what was seen is too near.
+fn times_hold(report: &ClearanceReport, p: &PairReport, said: &str) {
+    let Some(violations) = &p.violations else {
+        return;
+    };
+    assert!(!p.judgement.is_kept(), "{said}");
+    let within = |time: f64| {
+        let mut list = violations.list.iter();
+        list.any(|v| v.from <= time && time <= v.to)
+    };
+    let worst = (p.least.time, p.least.distance);
+    let samples = report
+        .times
+        .iter()
+        .copied()
+        .zip(p.distances.iter().copied());
+    for (time, distance) in samples.chain([worst]) {
+        let is_low = distance < p.minimum - p.slack;
+        assert!(
+            !is_low || within(time) || !violations.is_certified,
+            "{time}: {said}"
+        );
+    }
+    for v in &violations.list {
+        assert!(v.from <= v.time && v.time <= v.to, "{said}");
+        assert_eq!(v.is_seen, v.distance < p.minimum - p.slack, "{said}");
+    }
+    let mut ends = violations.list.windows(2);
+    assert!(ends.all(|v| v[0].to < v[1].from), "{said}");
+}
+
+/// Pairs that nobody looked at one by one are never nearer than is said of all of them, and all pairs are accounted for.
+fn far_pairs_stay_apart(scene: &Scene, trajectory: &Trajectory, report: &ClearanceReport) {
+    let bodies = &scene.mechanism.bodies;
+    let hulls: Vec<Option<Hull>> = bodies.iter().map(Hull::new).collect();
+    let shaped: Vec<usize> = (0..bodies.len()).filter(|k| hulls[*k].is_some()).collect();
+    let listed = report.judged.iter().chain(&report.excluded);
+    let listed: HashSet<[usize; 2]> = listed.map(|p| p.pair).collect();
+    let counted: usize = report.counted.iter().map(|(_, count)| count).sum();
+    let far = report.far.map_or(0, |far| far.count);
+    let all = shaped.len() * shaped.len().saturating_sub(1) / 2;
+    assert_eq!(listed.len() + counted + far, all);
+    let Some(far) = report.far else {
+        return;
+    };
+    let rules = scene.clearance.as_ref().unwrap();
+    assert!(far.apart >= rules.minimum && far.count > 0, "{far:?}");
+    let is_judged = |pair: &[usize; 2]| {
+        let is_ignored = rules.ignored.iter().any(|i| i.pair == *pair);
+        let is_rigid = scene.mechanism.joints.are_rigid(pair[0], pair[1]);
+        !listed.contains(pair) && !is_ignored && !is_rigid
+    };
+    let pairs = shaped.iter().enumerate();
+    let pairs = pairs.flat_map(|(k, a)| shaped[k + 1..].iter().map(|b| [*a, *b]));
+    let pairs: Vec<[usize; 2]> = pairs.filter(is_judged).collect();
+    assert_eq!(pairs.len(), far.count);
+    for [a, b] in pairs {
+        let [first, second] = [a, b].map(|k| hulls[k].as_ref().unwrap());
+        let rounding = 1e-9 * extent(scene, trajectory, [a, b]);
+        for pose in trajectory.poses() {
+            let a_from_b = pose.bodies[a].inverse() * pose.bodies[b];
+            let found = nearest(first, second, &a_from_b, &HashSet::new()).unwrap();
+            let distance = found.proximity.distance;
+            assert!(
+                distance >= far.apart - rounding,
+                "{a} {b} {distance} {far:?}"
+            );
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 use super::plan::FINER;
 use crate::analysis::observer::{distance, positions};
 use crate::analysis::study::FamilyError;
-use crate::clearance::check::{ClearanceReport, check};
+use crate::clearance::check::{ClearanceReport, Closely, check};
 use crate::diag::Source;
 use crate::kinematics::measures::measure;
 use crate::kinematics::motion::continuation::solve;
@@ -116,7 +116,14 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
             .collect();
         let coarse = solve(&system, actuation, &knots(actuation, &times));
         let tolerance = CLEARANCE_TOLERANCE;
-        let report = check(&system, actuation, rules, &coarse, tolerance, &|_, _| {});
+        let report = check(
+            &system,
+            actuation,
+            rules,
+            &coarse,
+            Closely::to(tolerance),
+            &|_, _| {},
+        );
         proof.note(mechanism, &rules.touching, &report);
     }
     Ok(proof)

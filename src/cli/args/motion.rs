@@ -128,14 +128,29 @@ pub struct CheckArgs {
     /// Write the distance of every judged pair over time as CSV.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub csv: Option<PathBuf>,
-    /// Plot the distances of the worst pairs over time, with their minimum and the worst moment, to this file
+    /// Plot the distances of the worst pairs over time, with their minimum, the bound and the worst moment, to this file
     /// (.svg or .png).
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub plot: Option<PathBuf>,
-    /// Draw the moment at which the worst pair is nearest, with the distance marked, to this PNG file.
+    /// Draw the moment at which the worst pair is nearest, with the distance, time and verdict, to this PNG file; in red if
+    /// it does not pass.
     #[arg(long, value_name = "FILE.png", conflicts_with = "pose")]
     pub render: Option<PathBuf>,
-    /// How many pairs the table shows, the worst first.
+    /// Draw the least distances of all pairs of bodies as a matrix to this file (.svg or .png), coloured by class: below the
+    /// minimum, not proved, near, clear, excluded.
+    #[arg(long, value_name = "FILE", conflicts_with = "pose")]
+    pub matrix: Option<PathBuf>,
+    /// Pairs within this length of their minimum are near; within the minimum once more if absent.
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    pub band: Option<f64>,
+    /// Let pairs of bodies pass whose bound is only estimated.
+    #[arg(long, conflicts_with = "pose")]
+    pub allow_estimates: bool,
+    /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
+    #[arg(long, conflicts_with = "pose")]
+    pub allow_empty: bool,
+    /// How many pairs the table shows, the worst first. Of more than 200 pairs of bodies, or of this many, those that are far
+    /// apart are settled together.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub worst: usize,
     /// How near the proved bound must come to the least distance found, as a part of the pair's minimum (of that
@@ -205,6 +220,13 @@ fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
         _ => Err("between 1e-9 and 1".to_owned()),
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length >= 0.0 && length.is_finite() => Ok(length),
+        _ => Err("a length that is not negative".to_owned()),
     }
 }
 

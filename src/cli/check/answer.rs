@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 pub struct Answer {
     /// Lines for people.
     pub text: String,
-    /// The JSON report.
-    pub document: Value,
+    /// The JSON report, if it was asked for.
+    pub document: Option<Value>,
     /// What exit code and JUnit follow from.
     pub verdict: Verdict,
     /// Said in place of the text: there is nothing to report on.
@@ -26,12 +26,12 @@ impl Answer {
         };
         Self {
             text: String::new(),
-            document: json!({
+            document: Some(json!({
                 "schema": "mechanim-check/1",
                 "title": scene,
                 "checks": verdict.json(),
                 "result": verdict.result().word(),
-            }),
+            })),
             verdict,
             failure: Some(failure),
         }

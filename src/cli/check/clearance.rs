@@ -1,10 +1,9 @@
 //! The clearance part of `mechanim check`: what is asked, and the files.
 
 use crate::charts;
-use crate::clearance::check::{ClearanceReport, check};
+use crate::clearance::check::{ClearanceReport, Closely, check};
 use crate::cli::args::files::ProgressArg;
 use crate::cli::args::motion::CheckArgs;
-use crate::cli::args::values::ThemeArg;
 use crate::cli::files::chart;
 use crate::cli::files::chart::PlotFormat;
 use crate::cli::io;
@@ -15,6 +14,7 @@ use crate::cli::term::progress::Progress;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::limits::{Resource, limits};
 use crate::model::mechanism::Mechanism;
+use crate::plot::{Drawing, Theme, matrix};
 use crate::report::clearance::to_csv;
 use crate::scene::Scene;
 use std::path::Path;
@@ -28,6 +28,7 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
         ("--csv", &args.csv),
         ("--plot", &args.plot),
         ("--render", &args.render),
+        ("--matrix", &args.matrix),
     ];
     let asked = options.into_iter().find(|(_, path)| path.is_some());
     match asked.filter(|_| scene.clearance.is_none()) {
@@ -68,7 +69,11 @@ pub fn run(
         &scene.actuation,
         rules,
         trajectory,
-        args.tolerance,
+        Closely {
+            tolerance: args.tolerance,
+            pairs: args.worst.max(Closely::PAIRS),
+            times: true,
+        },
         &|done, all| {
             progress.show(done, all);
         },
@@ -83,10 +88,24 @@ pub fn run(
     if let Some(path) = &args.plot {
         plot(args, mechanism, &found, path)?;
     }
+    if let Some(path) = &args.matrix {
+        let chart = charts::clearance_matrix::chart(mechanism, &found, args.band);
+        let drawing = matrix::draw(&chart, matrix::usual_size(&chart), Theme::LIGHT);
+        write_drawing(args, path, &drawing)?;
+    }
     if let Some(path) = &args.render {
         crate::cli::pictures::clearance::write(args, opened, trajectory, &found, path, term)?;
     }
     Ok(Some(found))
+}
+
+/// Writes a picture as its file's extension says.
+fn write_drawing(args: &CheckArgs, path: &Path, drawing: &Drawing) -> Result<(), Failure> {
+    let format = PlotFormat::of(path)?;
+    io::refuse_input(&args.scene, path)?;
+    let mut output = io::open(path)?;
+    chart::write_drawing(drawing, format, output.as_mut())?;
+    Ok(output.commit()?)
 }
 
 /// The distances of the worst pairs over time as a chart.
@@ -96,11 +115,7 @@ fn plot(
     found: &ClearanceReport,
     path: &Path,
 ) -> Result<(), Failure> {
-    let format = PlotFormat::of(path)?;
-    io::refuse_input(&args.scene, path)?;
     let chart = charts::clearance::chart(mechanism, found, args.worst.min(MOST_CURVES));
-    let mut output = io::open(path)?;
-    chart::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
-    output.commit()?;
-    Ok(())
+    let size = crate::plot::usual_size(&chart);
+    write_drawing(args, path, &crate::plot::draw(&chart, size, Theme::LIGHT))
 }

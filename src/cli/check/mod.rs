@@ -47,8 +47,8 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     if let Some(path) = &args.junit {
         io::write_text(&args.scene, path, &to_junit(&answer.verdict, seconds))?;
     }
-    if let Some(path) = &args.json {
-        io::write_json(&args.scene, path, &answer.document)?;
+    if let (Some(path), Some(document)) = (&args.json, &answer.document) {
+        io::write_json(&args.scene, path, document)?;
     }
     if let Some(failure) = answer.failure {
         return Err(failure);

@@ -11,8 +11,8 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::sampling::{even_times, frame_times, knots, only};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
-use crate::report::check::{Asked, MotionReport, without_pose};
-use crate::report::verdict::Verdict;
+use crate::report::check::{MotionReport, without_pose};
+use crate::report::verdict::{Asked, Verdict};
 use crate::report::{closure, measures};
 use std::time::Instant;
 
@@ -45,6 +45,9 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
         closure: args.closure,
         poses: args.certify != CertifyArg::None,
         motion: args.certify == CertifyArg::Motion,
+        estimates: args.allow_estimates || args.certify == CertifyArg::None,
+        empty: args.allow_empty,
+        band: args.band,
     };
     let found = MotionReport::new(
         (system, actuation),
@@ -56,7 +59,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
     let verdict = found.verdict(seconds);
     Ok(Answer {
         text: found.text(&verdict, args.worst),
-        document: found.json(&verdict),
+        document: args.json.is_some().then(|| found.json(&verdict)),
         verdict,
         failure: None,
     })
@@ -72,7 +75,7 @@ fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory, failure: Failure
     };
     Answer {
         text: String::new(),
-        document: without_pose(mechanism, trajectory, &verdict),
+        document: Some(without_pose(mechanism, trajectory, &verdict)),
         verdict,
         failure: Some(failure),
     }

@@ -38,7 +38,7 @@ pub fn check(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
             mechanism.title,
             verdict.sentence()
         ),
-        document,
+        document: Some(document),
         verdict,
         failure: None,
     })

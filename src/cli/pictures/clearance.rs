@@ -1,6 +1,6 @@
 //! Pictures of clearances: the worst moment of a check, and bodies that turn colour in an animation.
 
-use crate::clearance::check::{ClearanceReport, check};
+use crate::clearance::check::{ClearanceReport, Closely, PairReport, check};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
@@ -11,8 +11,10 @@ use crate::export::{Format, FrameSink, Target};
 use crate::kinematics::motion::continuation::solve;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
+use crate::model::mechanism::Mechanism;
 use crate::render::open::{RendererChoice, open};
 use crate::render::overlay::Overlay;
+use crate::report::clearance::{names, word};
 use crate::scene::Scene;
 use crate::staging::marks::{Marks, Measure};
 use crate::staging::{PictureOptions, Staging};
@@ -64,6 +66,8 @@ pub fn write(
             bodies: worst.pair,
             points: least.points,
             text: format!("{:.3} {unit}", least.distance),
+            caption: caption(&scene.mechanism, worst),
+            is_alarm: !worst.judgement.is_kept(),
         }),
         ..Marks::default()
     };
@@ -89,6 +93,21 @@ pub fn write(
     Ok(())
 }
 
+/// Who, when, and what was asked.
+fn caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
+    let unit = &mechanism.length_unit;
+    let who = format!(
+        "{}: {}",
+        names(mechanism, pair).join(" / "),
+        word(&pair.judgement)
+    );
+    let when = format!(
+        "{:.4} {unit} at t = {:.4} s, {} {unit} asked",
+        pair.least.distance, pair.least.time, pair.minimum
+    );
+    vec![who, when]
+}
+
 /// For every sample the bodies that are nearer to another one than the scene allows.
 pub fn alarms(scene: &Scene, system: &System, trajectory: &Trajectory) -> Result<Marks, Failure> {
     let Some(rules) = &scene.clearance else {
@@ -99,7 +118,14 @@ pub fn alarms(scene: &Scene, system: &System, trajectory: &Trajectory) -> Result
     };
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
     let actuation = &scene.actuation;
-    let report = check(system, actuation, rules, trajectory, COARSE, &|_, _| {});
+    let report = check(
+        system,
+        actuation,
+        rules,
+        trajectory,
+        Closely::to(COARSE),
+        &|_, _| {},
+    );
     let alarmed = times.iter().map(|time| report.offenders(*time)).collect();
     Ok(Marks {
         alarmed,

@@ -3,7 +3,7 @@
 use super::search_film::Improvement;
 use crate::analysis::optimise::Minimum;
 use crate::analysis::study::Evaluator;
-use crate::clearance::check::check;
+use crate::clearance::check::{Closely, check};
 use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::continuation::solve;
@@ -44,7 +44,14 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
     let trajectory = solve(&system, actuation, &knots(actuation, &times));
-    let report = check(&system, actuation, rules, &trajectory, COARSE, &|_, _| {});
+    let report = check(
+        &system,
+        actuation,
+        rules,
+        &trajectory,
+        Closely::to(COARSE),
+        &|_, _| {},
+    );
     Ok(report.worst().map(|pair| {
         let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
         let (distance, unit) = (six(pair.least.distance), &mechanism.length_unit);

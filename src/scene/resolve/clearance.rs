@@ -1,6 +1,6 @@
 //! The `[clearance]` section resolved to indices of bodies.
 
-use super::super::clearance::{ClearanceFile, PairFile};
+use super::super::clearance::{ClearanceFile, IgnoredFile, PairFile};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
 use super::bodies::{Constants, body_index};
@@ -22,36 +22,157 @@ pub fn resolve(
     let mut seen: Vec<([usize; 2], Span)> = Vec::new();
     for (pair, text) in &file.pairs {
         let minimum = distance(text, constants, diagnostics);
-        if let (Some(pair), Some(minimum)) = (once(pair, bodies, &mut seen, diagnostics), minimum) {
-            rules.pairs.push(PairMinimum { pair, minimum });
-        }
+        let pairs = pairs(pair, bodies, &mut seen, diagnostics);
+        let Some(minimum) = minimum else { continue };
+        rules
+            .pairs
+            .extend(pairs.list.into_iter().map(|pair| PairMinimum {
+                pair,
+                minimum,
+                is_one_of_many: pairs.is_pattern,
+            }));
     }
-    for (pair, reason) in &file.ignored {
-        if reason.value.trim().is_empty() {
-            diagnostics.push(
-                Diagnostic::error("an ignored pair needs a reason")
-                    .at(reason.span.clone())
-                    .hint("say why these bodies may touch; the report shows it"),
-            );
-        }
-        let pairs = all(pair, bodies, diagnostics);
-        let is_one_of_many = pairs.is_some();
-        let pairs = pairs.unwrap_or_else(|| {
-            let one = once(pair, bodies, &mut seen, diagnostics);
-            one.into_iter().collect()
-        });
-        rules.ignored.extend(pairs.into_iter().map(|pair| Ignored {
-            pair,
-            reason: reason.value.clone(),
-            is_one_of_many,
-        }));
+    // What is asked of a pair by its names goes before what is asked of many.
+    rules.pairs.sort_by_key(|p| p.is_one_of_many);
+    for ignored in &file.ignored {
+        ignore(
+            ignored,
+            constants,
+            (bodies, &mut seen),
+            &mut rules,
+            diagnostics,
+        );
     }
+    // Likewise.
+    rules.ignored.sort_by_key(|i| i.is_one_of_many);
     for pair in &file.touching {
         rules
             .touching
             .extend(once(pair, bodies, &mut seen, diagnostics));
     }
     rules
+}
+
+/// The pairs of one entry.
+struct Pairs {
+    list: Vec<[usize; 2]>,
+    /// In the order in which the entry names them.
+    is_turned: Vec<bool>,
+    is_pattern: bool,
+}
+
+/// All pairs of a pattern, or the pair that is named, which must not stand twice.
+fn pairs(
+    pair: &PairFile,
+    bodies: &[Body],
+    seen: &mut Vec<([usize; 2], Span)>,
+    diagnostics: &mut Diagnostics,
+) -> Pairs {
+    let many = all(pair, bodies, diagnostics);
+    let is_pattern = many.is_some();
+    let list = many.unwrap_or_else(|| once(pair, bodies, seen, diagnostics).into_iter().collect());
+    let is_first = |body: usize| {
+        let name = pair.names.first().map_or("", |name| name.value.as_str());
+        let own = bodies[body].name.as_str();
+        name.strip_suffix('*')
+            .map_or(own == name, |start| own.starts_with(start))
+    };
+    Pairs {
+        is_turned: list.iter().map(|[a, _]| !is_first(*a)).collect(),
+        list,
+        is_pattern,
+    }
+}
+
+/// An entry of `ignore`.
+fn ignore(
+    file: &IgnoredFile,
+    constants: &Constants,
+    (bodies, seen): (&[Body], &mut Vec<([usize; 2], Span)>),
+    rules: &mut ClearanceRules,
+    diagnostics: &mut Diagnostics,
+) {
+    let reason = &file.reason;
+    if reason.value.trim().is_empty() {
+        diagnostics.push(
+            Diagnostic::error("an ignored pair needs a reason")
+                .at(reason.span.clone())
+                .hint("say why these bodies may touch; the report shows it"),
+        );
+    }
+    let down_to = file
+        .down_to
+        .as_ref()
+        .and_then(|text| depth(text, constants, diagnostics));
+    let pairs = pairs(&file.pair, bodies, seen, diagnostics);
+    for (pair, is_turned) in pairs.list.into_iter().zip(pairs.is_turned) {
+        let named = if is_turned { [pair[1], pair[0]] } else { pair };
+        let shapes = shapes(file, named.map(|k| &bodies[k]), constants, diagnostics);
+        let own = shapes
+            .into_iter()
+            .map(|[i, j]| if is_turned { [j, i] } else { [i, j] });
+        rules.ignored.push(Ignored {
+            pair,
+            reason: reason.value.clone(),
+            shapes: own.collect(),
+            down_to,
+            is_one_of_many: pairs.is_pattern,
+        });
+    }
+}
+
+/// Indices of the shapes that an entry leaves out.
+fn shapes(
+    file: &IgnoredFile,
+    bodies: [&Body; 2],
+    constants: &Constants,
+    diagnostics: &mut Diagnostics,
+) -> Vec<[usize; 2]> {
+    let mut list = Vec::new();
+    let Some(rows) = &file.shapes else {
+        return list;
+    };
+    for row in &rows.value {
+        let number = |k: usize, diagnostics: &mut Diagnostics| {
+            let value = constants.value(&row[k], diagnostics)?;
+            let count = bodies[k].shapes.len();
+            let index = (1..=count).find(|n| *n as f64 == value);
+            if index.is_none() {
+                let message = format!(
+                    "`{}` has no shape {}: it has {count}",
+                    bodies[k].name,
+                    shown(value)
+                );
+                diagnostics.push(
+                    Diagnostic::error(message)
+                        .at(row[k].span.clone())
+                        .hint("shapes are counted from 1, as in reports"),
+                );
+            }
+            index.map(|n| n - 1)
+        };
+        let (first, second) = (number(0, diagnostics), number(1, diagnostics));
+        list.extend(first.zip(second).map(<[usize; 2]>::from));
+    }
+    if rows.value.is_empty() {
+        diagnostics.push(Diagnostic::error("`shapes` names none").at(rows.span.clone()));
+    }
+    list
+}
+
+/// A depth as a distance: not above zero.
+fn depth(text: &FormulaText, constants: &Constants, diagnostics: &mut Diagnostics) -> Option<f64> {
+    let value = constants.value(text, diagnostics)?;
+    if value <= 0.0 && value.is_finite() {
+        return Some(value);
+    }
+    let message = format!("`down_to` must not be positive, found {}", shown(value));
+    diagnostics.push(
+        Diagnostic::error(message)
+            .at(text.span.clone())
+            .hint("-1.5 lets bodies be 1.5 deep in each other; a distance belongs into `pairs`"),
+    );
+    None
 }
 
 fn distance(

@@ -1,0 +1,136 @@
+//! The matrix of a clearance report: one cell a pair of bodies, in the colour of its class.
+
+use crate::clearance::check::{ClearanceClass, ClearanceReport, PairReport};
+use crate::model::mechanism::Mechanism;
+use crate::plot::matrix::{Cell, MatrixChart};
+use crate::plot::theme::Colour;
+use std::collections::HashMap;
+
+/// More bodies do not fit into one picture: those of the worst pairs are shown.
+const MOST_BODIES: usize = 100;
+
+/// Every class with its colour, the worst first. They can be told apart without colour vision.
+const CLASSES: [(ClearanceClass, Colour); 5] = [
+    (ClearanceClass::Below, [0xd5, 0x5e, 0x00, 255]),
+    (ClearanceClass::NotProved, [0xcc, 0x79, 0xa7, 255]),
+    (ClearanceClass::Near, [0xf0, 0xd0, 0x60, 255]),
+    (ClearanceClass::Clear, [0x8f, 0xc8, 0xe8, 255]),
+    (ClearanceClass::Excluded, [0xd8, 0xdc, 0xe0, 255]),
+];
+
+fn colour(class: ClearanceClass) -> Colour {
+    let known = CLASSES.iter().find(|(c, _)| *c == class);
+    known.map_or([0, 0, 0, 255], |(_, colour)| *colour)
+}
+
+/// All pairs; those within `band` of their minimum are near, without a band those within twice the minimum.
+pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, band: Option<f64>) -> MatrixChart {
+    let shown = bodies(mechanism, report);
+    let place: HashMap<usize, usize> = shown
+        .iter()
+        .enumerate()
+        .map(|(k, body)| (*body, k))
+        .collect();
+    let cell = |pair: &PairReport| {
+        let [a, b] = pair.pair.map(|body| place.get(&body).copied());
+        let (a, b) = (a?, b?);
+        Some(Cell {
+            place: [a.max(b), a.min(b)],
+            fill: colour(pair.class(band)),
+            text: short(pair.least.distance),
+        })
+    };
+    // A pair that is judged but for the shapes at its joint is shown as judged.
+    let judged = report.judged.iter().filter_map(cell);
+    let mut cells: HashMap<[usize; 2], Cell> = report
+        .excluded
+        .iter()
+        .filter_map(cell)
+        .map(|c| (c.place, c))
+        .collect();
+    cells.extend(judged.map(|c| (c.place, c)));
+    let mut cells: Vec<Cell> = cells.into_values().collect();
+    cells.sort_by_key(|c| c.place);
+    let name = |body: &usize| mechanism.bodies[*body].name.clone();
+    MatrixChart {
+        title: mechanism.title.clone(),
+        description: format!("Least distances of {} bodies, each with each", shown.len()),
+        names: shown.iter().map(name).collect(),
+        cells,
+        legend: CLASSES
+            .map(|(class, colour)| (colour, legend(report, class, band)))
+            .into(),
+        notes: notes(mechanism, report, shown.len()),
+    }
+}
+
+/// The bodies with shapes, those of the worst pairs if they are too many.
+fn bodies(mechanism: &Mechanism, report: &ClearanceReport) -> Vec<usize> {
+    let all = 0..mechanism.bodies.len();
+    let mut shown: Vec<usize> = all
+        .filter(|k| !mechanism.bodies[*k].shapes.is_empty())
+        .collect();
+    if shown.len() > MOST_BODIES {
+        let worst = report
+            .judged
+            .iter()
+            .chain(&report.excluded)
+            .flat_map(|p| p.pair);
+        let mut list: Vec<usize> = Vec::new();
+        for body in worst.chain(shown.iter().copied()) {
+            if list.len() < MOST_BODIES && !list.contains(&body) {
+                list.push(body);
+            }
+        }
+        list.sort_unstable();
+        shown = list;
+    }
+    shown
+}
+
+fn legend(report: &ClearanceReport, class: ClearanceClass, band: Option<f64>) -> String {
+    let pairs = report.judged.iter().chain(&report.excluded);
+    let listed = pairs.filter(|p| p.class(band) == class).count();
+    let rest: usize = match class {
+        ClearanceClass::Excluded => report.counted.iter().map(|(_, count)| count).sum(),
+        ClearanceClass::Clear => report
+            .far
+            .filter(|far| far.is_certified)
+            .map_or(0, |far| far.count),
+        ClearanceClass::NotProved => report
+            .far
+            .filter(|far| !far.is_certified)
+            .map_or(0, |far| far.count),
+        _ => 0,
+    };
+    format!("{} {}", listed + rest, class.word())
+}
+
+fn notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -> Vec<String> {
+    let unit = &mechanism.length_unit;
+    let mut notes = vec![format!(
+        "Least distances over the motion in {unit}, column by number; negative ones are depths."
+    )];
+    notes.extend(report.far.map(|far| {
+        format!("Empty cells: {} pairs that stay at least {:.3} {unit} apart, and pairs that are not looked at.", far.count, far.apart)
+    }));
+    let all = mechanism
+        .bodies
+        .iter()
+        .filter(|b| !b.shapes.is_empty())
+        .count();
+    if shown < all {
+        notes.push(format!("{shown} of {all} bodies: those of the worst pairs"));
+    }
+    notes
+}
+
+/// A distance in about four signs.
+fn short(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1e5 => format!("{value:.0e}"),
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}

@@ -1,0 +1,291 @@
+//! The broad phase: which bodies come near each other at all, by boxes around what they sweep.
+//!
+//! Over a stretch of the motion no point of a body leaves the box around it in the middle of the stretch, grown by the
+//! farthest way of its points. So two bodies whose boxes are apart are as far apart, and that is proved as far as the
+//! stretch is. Boxes are sorted along an axis and compared with those that follow (sweep and prune).
+
+use super::bodies::Hull;
+use super::core::Element;
+use super::motion::Motion;
+use super::relative::RelativeChain;
+use super::sweep::slack_of_poses;
+use crate::kinematics::certificate::tube::Model;
+use crate::math::Pose;
+use crate::model::chain::Chain;
+use glam::DVec3;
+use std::collections::HashSet;
+
+/// Steps of the search for a distance within which as many pairs are as should be looked at one by one.
+const LEVELS: u32 = 64;
+
+/// Halvings of the last step.
+const HALVINGS: u32 = 12;
+
+/// The first distance tried, in diagonals of all bodies together.
+const FIRST: f64 = 1.0 / 65_536.0;
+
+/// A stretch is swept in one piece if a body moves by no more than this part of its own radius, or of the distance asked, ...
+const FINE: f64 = 0.5;
+
+/// ... and else halved as often as this.
+const SPLITS: u32 = 4;
+
+/// A box along the axes of the world.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Bounds {
+    const EVERYWHERE: Self = Self {
+        low: DVec3::NEG_INFINITY,
+        high: DVec3::INFINITY,
+    };
+
+    fn around(&self, other: &Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+
+    /// Distance of the boxes.
+    fn apart(&self, other: &Self) -> f64 {
+        let gap = (self.low - other.high).max(other.low - self.high);
+        gap.max(DVec3::ZERO).length()
+    }
+}
+
+/// A body as the broad phase sees it.
+pub(super) struct Sweeper {
+    /// Index of the body.
+    pub(super) body: usize,
+    /// Bodies of one part are never compared.
+    part: usize,
+    chain: RelativeChain,
+    ball: (DVec3, f64),
+    /// A box in the body's own frame: centre and half edges; `None` if it has no end.
+    own: Option<[DVec3; 2]>,
+    /// By how much poses may be off.
+    slack: f64,
+}
+
+/// How far an element reaches along the axes of its body.
+fn reach(element: &Element) -> Bounds {
+    let (center, radius) = element.bounds();
+    let along = |n: DVec3| {
+        let reach = element.core.support(n).map(|s| s + element.radius);
+        reach.unwrap_or_else(|| n.dot(center) + radius)
+    };
+    let [x, y, z] = DVec3::AXES;
+    Bounds {
+        low: -DVec3::new(along(-x), along(-y), along(-z)),
+        high: DVec3::new(along(x), along(y), along(z)),
+    }
+}
+
+impl Sweeper {
+    /// A body of the motion's mechanism, with its hull.
+    pub(super) fn new(motion: &Motion, body: usize, hull: &Hull) -> Self {
+        let mechanism = motion.system.mechanism();
+        let chain = RelativeChain::new(&Chain::default(), &mechanism.bodies[body].world_from_body);
+        let (center, radius) = hull.ball;
+        let extent = chain.longest(motion.poses()) + center.length() + radius;
+        let all = hull.elements.iter().map(reach);
+        let own = all.reduce(|a, b| a.around(&b)).filter(Bounds::is_finite);
+        Self {
+            body,
+            part: mechanism.joints.of_body[body],
+            slack: slack_of_poses(motion, &chain, extent),
+            chain,
+            ball: hull.ball,
+            // In an open mesh nothing is noticed: it is looked at with every other body.
+            own: own
+                .filter(|_| !hull.is_open())
+                .map(|b| [0.5 * (b.low + b.high), 0.5 * (b.high - b.low)]),
+        }
+    }
+
+    /// What it sweeps around the place `s` of a stretch, no farther than `half` from it. Parts in which it moves farther than
+    /// `fine` are halved.
+    fn swept(&self, arguments: &[Model], [s, half]: [f64; 2], fine: f64, splits: u32) -> Bounds {
+        let moved = self.chain.around(arguments, s, half);
+        let way = moved.distance(self.ball);
+        if way <= fine || splits == 0 || self.own.is_none() {
+            return self.placed(&moved.pose, way);
+        }
+        let half = 0.5 * half;
+        let [first, second] =
+            [s - half, s + half].map(|s| self.swept(arguments, [s, half], fine, splits - 1));
+        first.around(&second)
+    }
+
+    fn placed(&self, pose: &Pose, grown: f64) -> Bounds {
+        let Some([center, half]) = self.own else {
+            return Bounds::EVERYWHERE;
+        };
+        let center = pose.transform_point(center);
+        let columns = [0, 1, 2].map(|k| pose.rotation.col(k).abs());
+        let half = columns[0] * half.x + columns[1] * half.y + columns[2] * half.z;
+        let half = half + DVec3::splat(grown + self.slack);
+        let bounds = Bounds {
+            low: center - half,
+            high: center + half,
+        };
+        match bounds.is_finite() {
+            true => bounds,
+            false => Bounds::EVERYWHERE,
+        }
+    }
+}
+
+/// The bodies of a motion with shapes, before any two of them are compared.
+pub(super) struct BroadPhase<'m> {
+    motion: &'m Motion<'m>,
+    bodies: Vec<Sweeper>,
+    /// Samples at the end of no stretch.
+    alone: Vec<usize>,
+}
+
+/// Pairs of bodies that come near each other.
+pub(super) struct Near {
+    /// Ascending indices, in order.
+    pub(super) pairs: Vec<[usize; 2]>,
+    /// All other pairs, but for those of one part, are never nearer than this.
+    pub(super) apart: f64,
+}
+
+impl<'m> BroadPhase<'m> {
+    /// All bodies with a hull.
+    pub(super) fn new(motion: &'m Motion<'m>, hulls: &[Option<Hull>]) -> Self {
+        let with_hull = hulls.iter().enumerate();
+        let bodies =
+            with_hull.filter_map(|(k, hull)| Some(Sweeper::new(motion, k, hull.as_ref()?)));
+        Self {
+            motion,
+            bodies: bodies.collect(),
+            alone: motion.alone(),
+        }
+    }
+
+    /// All pairs, and those of them that are of one part.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        let pairs = |n: usize| n * n.saturating_sub(1) / 2;
+        let mut parts: Vec<usize> = self.bodies.iter().map(|b| b.part).collect();
+        parts.sort_unstable();
+        let rigid = parts.chunk_by(|a, b| a == b).map(|part| pairs(part.len()));
+        [pairs(self.bodies.len()), rigid.sum()]
+    }
+
+    /// The pairs that come nearer than `minimum`, and further ones until they are about as many as `wanted`;
+    /// `None` of a motion without poses.
+    pub(super) fn near(&self, minimum: f64, wanted: usize) -> Option<Near> {
+        if self.moments() == 0 {
+            return None;
+        }
+        let (apart, mut met) = self.level(minimum, wanted);
+        for moment in 0..self.moments() {
+            self.compare(&self.boxes(moment, apart), apart, |pair| {
+                met.insert(pair);
+                true
+            });
+        }
+        let mut pairs: Vec<[usize; 2]> = met.into_iter().collect();
+        pairs.sort_unstable();
+        Some(Near { pairs, apart })
+    }
+
+    /// Stretches of the motion, then samples that belong to none.
+    fn moments(&self) -> usize {
+        self.motion.roots + self.alone.len()
+    }
+
+    fn boxes(&self, moment: usize, apart: f64) -> Vec<Bounds> {
+        let motion = self.motion;
+        let swept = |body: &Sweeper| match moment.checked_sub(motion.roots) {
+            None => {
+                let fine = FINE * body.ball.1.max(apart);
+                let arguments = &motion.stretches[moment].arguments;
+                body.swept(arguments, [0.0, 1.0], fine, SPLITS)
+            }
+            Some(place) => {
+                let instant = &motion.instants[self.alone[place]];
+                body.placed(&instant.bodies[body.body], 0.0)
+            }
+        };
+        self.bodies.iter().map(swept).collect()
+    }
+
+    /// A distance that no more pairs than wanted are within at the beginning, and the nearest pairs if that is none.
+    /// It is never below `minimum`, however many pairs are within.
+    fn level(&self, minimum: f64, wanted: usize) -> (f64, HashSet<[usize; 2]>) {
+        let boxes = self.boxes(0, 0.0);
+        let within = |apart: f64| {
+            let mut met = HashSet::new();
+            self.compare(&boxes, apart, |pair| {
+                met.insert(pair);
+                met.len() <= wanted
+            });
+            met
+        };
+        let finite = boxes.iter().filter(|b| b.is_finite()).copied();
+        let all = finite.reduce(|a, b| a.around(&b));
+        let diagonal = all.map_or(0.0, |b| (b.high - b.low).length());
+        let (mut low, mut high) = (minimum, minimum.max(FIRST * diagonal));
+        let mut more = within(high);
+        for _ in 0..LEVELS {
+            if more.len() > wanted || high == 0.0 {
+                break;
+            }
+            low = high;
+            high *= 2.0;
+            more = within(high);
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let met = within(middle);
+            match met.len() > wanted {
+                true => (high, more) = (middle, met),
+                false => low = middle,
+            }
+        }
+        let fewer = within(low);
+        match fewer.is_empty() {
+            true => (low, more),
+            false => (low, fewer),
+        }
+    }
+
+    /// Pairs of boxes that are no farther apart than this, until `meet` wants no more.
+    fn compare(&self, boxes: &[Bounds], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
+        let axis = widest(boxes);
+        let mut order: Vec<usize> = (0..boxes.len()).collect();
+        order.sort_by(|a, b| boxes[*a].low[axis].total_cmp(&boxes[*b].low[axis]));
+        let mut open: Vec<usize> = Vec::new();
+        for k in order {
+            let here = &boxes[k];
+            open.retain(|j| here.low[axis] - boxes[*j].high[axis] <= apart);
+            for &j in &open {
+                let [a, b] = [&self.bodies[j], &self.bodies[k]];
+                let is_near = a.part != b.part && boxes[j].apart(here) <= apart;
+                if is_near && !meet([a.body.min(b.body), a.body.max(b.body)]) {
+                    return;
+                }
+            }
+            open.push(k);
+        }
+    }
+}
+
+/// The axis along which boxes lie farthest apart.
+fn widest(boxes: &[Bounds]) -> usize {
+    let finite = boxes.iter().filter(|b| b.is_finite()).copied();
+    let all = finite.reduce(|a, b| a.around(&b));
+    let edges = all.map_or(DVec3::ZERO, |b| b.high - b.low);
+    edges.max_position()
+}

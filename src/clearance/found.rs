@@ -1,0 +1,200 @@
+//! What a check of clearances found: pairs with their distances and judgements, and what is known of all others.
+
+use super::sweep::Least;
+pub use super::violations::{Violation, Violations};
+
+/// How a pair was judged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Judgement {
+    /// Never nearer than its minimum, and the bound says so too.
+    Passed,
+    /// Nearer than its minimum.
+    Failed,
+    /// The same, but the bound is an estimate: nothing is proved.
+    Estimated,
+    /// The distances found pass, but the bound below them does not, and could not be made finer.
+    Undecided,
+    /// Joined by this joint: not judged.
+    Neighbours(&'static str),
+    /// Left out by the scene for this reason.
+    Ignored(String),
+}
+
+impl Judgement {
+    /// Of a pair that passes, with a proof of that or without.
+    pub(super) const fn kept(is_certified: bool) -> Self {
+        match is_certified {
+            true => Self::Passed,
+            false => Self::Estimated,
+        }
+    }
+
+    /// Whether the minimum is kept, as far as is known.
+    pub const fn is_kept(&self) -> bool {
+        matches!(self, Self::Passed | Self::Estimated)
+    }
+}
+
+/// What a pair is to a designer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClearanceClass {
+    /// Nearer than its minimum.
+    Below,
+    /// Perhaps: the bound is below the minimum, or an estimate.
+    NotProved,
+    /// It keeps its minimum, but not by much.
+    Near,
+    /// It keeps its minimum with a band above.
+    Clear,
+    /// Not judged.
+    Excluded,
+}
+
+impl ClearanceClass {
+    /// As in reports.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Below => "below",
+            Self::NotProved => "not proved",
+            Self::Near => "near",
+            Self::Clear => "clear",
+            Self::Excluded => "excluded",
+        }
+    }
+}
+
+impl PairReport {
+    /// Of a pair that may be in each other down to its minimum: it may be deeper. A depth has no certificate.
+    pub(super) fn is_deeper(&self) -> bool {
+        matches!(self.judgement, Judgement::Failed | Judgement::Undecided)
+    }
+
+    /// Its class: near if it comes within `band` of the minimum, without a band within the minimum once more. Bodies in contact
+    /// are meant to be.
+    pub fn class(&self, band: Option<f64>) -> ClearanceClass {
+        let edge = self.minimum + band.unwrap_or(self.minimum);
+        match self.judgement {
+            Judgement::Failed => ClearanceClass::Below,
+            Judgement::Undecided | Judgement::Estimated => ClearanceClass::NotProved,
+            Judgement::Passed if self.farthest.is_none() && self.least.distance < edge => {
+                ClearanceClass::Near
+            }
+            Judgement::Passed => ClearanceClass::Clear,
+            Judgement::Neighbours(_) | Judgement::Ignored(_) => ClearanceClass::Excluded,
+        }
+    }
+}
+
+/// A pair of bodies over the motion.
+#[derive(Clone, Debug)]
+pub struct PairReport {
+    /// Indices of the bodies, ascending.
+    pub pair: [usize; 2],
+    /// Least distance that passes.
+    pub minimum: f64,
+    /// Where they are nearest.
+    pub least: Least,
+    /// What that means.
+    pub judgement: Judgement,
+    /// Distances at the sampled times; empty for excluded pairs.
+    pub distances: Vec<f64>,
+    /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they
+    /// may be in each other there is the bound of `least`.
+    pub farthest: Option<f64>,
+    /// Seconds that looking at it took.
+    pub seconds: f64,
+    /// By how much its bound may stay below the minimum of a pair that passes: rounding of the poses.
+    pub slack: f64,
+    /// When it is nearer than the minimum, or may be: of pairs that fail or are undecided, if that was asked.
+    pub violations: Option<Violations>,
+}
+
+/// Pairs of bodies that were not looked at one by one, since what they sweep stays apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FarPairs {
+    /// How many.
+    pub count: usize,
+    /// None of them is ever nearer; more than the scene's minimum.
+    pub apart: f64,
+    /// That is proved, not estimated.
+    pub is_certified: bool,
+}
+
+impl FarPairs {
+    /// How they were judged.
+    pub const fn judgement(&self) -> Judgement {
+        Judgement::kept(self.is_certified)
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct ClearanceReport {
+    /// Judged pairs: failed, undecided and estimated ones first, then by distance above their minimum.
+    pub judged: Vec<PairReport>,
+    /// Excluded pairs, those of the scene first.
+    pub excluded: Vec<PairReport>,
+    /// Judged pairs beside these, which are far apart.
+    pub far: Option<FarPairs>,
+    /// Excluded pairs beside these, and how many of them there are: parts of one rigid body, far pairs of a pattern.
+    pub counted: Vec<(Judgement, usize)>,
+    /// Sampled times, seconds.
+    pub times: Vec<f64>,
+    /// Stretches of time that could not be checked.
+    pub gaps: Vec<[f64; 2]>,
+    /// What is odd: exclusions that are not needed, meshes that are inside out or have no inside.
+    pub warnings: Vec<String>,
+    /// Judged bodies with a mesh that should have an inside and has none, and what is wrong: no check passes with one.
+    pub without_inside: Vec<(usize, String)>,
+    /// Asked nearness of distance and bound, relative.
+    pub tolerance: f64,
+}
+
+impl ClearanceReport {
+    /// Every judged pair keeps its minimum, as far as is known.
+    pub fn is_kept(&self) -> bool {
+        self.without_inside.is_empty() && self.judged.iter().all(|p| p.judgement.is_kept())
+    }
+
+    /// That a check has looked at nothing, and why.
+    pub fn nothing_judged(&self) -> Option<String> {
+        let why = match self.excluded_count() {
+            0 => "fewer than two bodies have shapes".to_owned(),
+            1 => "the only one is excluded".to_owned(),
+            all => format!("all {all} are excluded"),
+        };
+        (self.judged_count() == 0 && self.gaps.is_empty())
+            .then(|| format!("no pair of bodies was judged: {why}"))
+    }
+
+    /// How many pairs were judged, the far ones with them.
+    pub fn judged_count(&self) -> usize {
+        self.judged.len() + self.far.map_or(0, |far| far.count)
+    }
+
+    /// How many pairs were excluded.
+    pub fn excluded_count(&self) -> usize {
+        let counted = self.counted.iter().map(|(_, count)| count);
+        self.excluded.len() + counted.sum::<usize>()
+    }
+
+    /// The pair to look at first.
+    pub fn worst(&self) -> Option<&PairReport> {
+        self.judged.first()
+    }
+
+    /// Bodies that are nearer to another one than their minimum at the sampled time nearest to `time`.
+    pub fn offenders(&self, time: f64) -> Vec<usize> {
+        let off = |k: &usize| (self.times[*k] - time).abs();
+        let sample = (0..self.times.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let is_near = |p: &&PairReport| {
+            let distance = sample.and_then(|k| p.distances.get(k));
+            distance.is_some_and(|d| *d < p.minimum) && !p.judgement.is_kept()
+        };
+        let near = self.judged.iter().filter(is_near);
+        let mut list: Vec<usize> = near.flat_map(|p| p.pair).collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+}

@@ -1,0 +1,203 @@
+//! When bodies are too near: the times outside of which the minimum is proved to be kept.
+//!
+//! Pieces of time are halved until one keeps the minimum, or breaks it from end to end, or is short. What is left, joined,
+//! are the times at which the minimum is broken, to within the shortest pieces.
+
+use super::bodies::{enclosed, nearest};
+use super::branch_and_bound::{Piece, parts};
+use super::motion::Motion;
+use super::sweep::PairSweep;
+
+/// Most pieces looked at for one pair.
+const MOST_LOOKS: usize = 6_000;
+
+/// Times are told to this part of a stretch.
+const SHORTEST: f64 = 1.0 / 1024.0;
+
+/// Times are rounded, and those of jumps are known, to this part of the whole motion.
+const TIMES: f64 = 1e-10;
+
+/// A time at which two bodies are nearer than their minimum, or may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// Seconds.
+    pub from: f64,
+    /// Seconds.
+    pub to: f64,
+    /// They are nearer at some instant of it; else that is only not ruled out.
+    pub is_seen: bool,
+    /// The lowest distance of a closed pose that was seen there, ...
+    pub distance: f64,
+    /// ... and when.
+    pub time: f64,
+}
+
+/// The times at which a pair is too near.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Violations {
+    /// In order.
+    pub list: Vec<Violation>,
+    /// That the minimum is kept at all other times is proved.
+    pub is_certified: bool,
+}
+
+/// A piece that does not keep the minimum.
+struct Low {
+    violation: Violation,
+    /// The lowest one, if it is not a sample.
+    piece: Option<Piece>,
+}
+
+impl PairSweep<'_> {
+    /// When the minimum is broken. Empty where bodies are in each other without touching: no distance tells when that began.
+    pub(super) fn violations(&self, motion: &mut Motion, is_enclosed: bool) -> Violations {
+        if is_enclosed {
+            return Violations::default();
+        }
+        let is_certified = motion.is_certified() && motion.roots > 0;
+        let goal = self.minimum() - self.slack() + self.pose_slack(motion);
+        let mut found = self.low_pieces(motion, goal);
+        found.extend(self.low_samples(motion, goal));
+        found.sort_by(|p, q| p.violation.from.total_cmp(&q.violation.from));
+        // Between two places where a mesh is met a body may be in it, and far from its surface.
+        let is_solid = !self.hulls.iter().any(|hull| hull.has_mesh());
+        let mut list: Vec<Low> = Vec::new();
+        for next in found {
+            match list.last_mut() {
+                Some(last) if !is_solid || next.violation.from <= last.violation.to => {
+                    last.join(next)
+                }
+                _ => list.push(next),
+            }
+        }
+        for low in &mut list {
+            self.measure_low(motion, low, goal);
+        }
+        if !is_solid && self.is_enclosed_outside(motion, list.first()) {
+            return Violations::default();
+        }
+        Violations {
+            list: list.into_iter().map(|low| low.violation).collect(),
+            is_certified,
+        }
+    }
+
+    /// Pieces that are not known to keep the minimum.
+    fn low_pieces(&self, motion: &mut Motion, goal: f64) -> Vec<Low> {
+        let mut open: Vec<Piece> = (0..motion.roots).map(Piece::whole).collect();
+        let (mut low, mut looks) = (Vec::new(), 0);
+        while let Some(piece) = open.pop() {
+            looks += 1;
+            let look = self.look(motion, &piece, [goal; 2]);
+            if look.lowest >= goal {
+                continue;
+            }
+            let moved = self.chain.around(
+                &motion.stretches[piece.stretch].arguments,
+                piece.middle,
+                piece.half,
+            );
+            let highest = look.middle + moved.distance(self.hulls[1].ball);
+            let is_short = piece.half <= SHORTEST || looks >= MOST_LOOKS;
+            let halves = match is_short || highest < goal {
+                true => None,
+                false => parts(motion, &piece, &look),
+            };
+            match halves {
+                Some(halves) => open.extend(halves),
+                None => low.push(Low::new(motion, piece, look.middle)),
+            }
+        }
+        low
+    }
+
+    /// Samples that belong to no stretch, and do not keep the minimum.
+    fn low_samples(&self, motion: &Motion, goal: f64) -> Vec<Low> {
+        let mut low = Vec::new();
+        for instant in motion.alone() {
+            let pose = self.relative(motion, instant);
+            let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            let time = motion.instants[instant].time;
+            let near = found.map(|f| f.proximity.distance).filter(|d| *d < goal);
+            low.extend(near.map(|distance| Low::over(motion, [time; 2], distance, None)));
+        }
+        low
+    }
+
+    /// Whether a mesh encloses a body somewhere before or after it is met, or that cannot be told: the ends of all stretches
+    /// that reach over these times tell, since nothing changes without a meeting or a jump.
+    fn is_enclosed_outside(&self, motion: &mut Motion, met: Option<&Low>) -> bool {
+        let [from, to] = met.map_or([f64::INFINITY, f64::NEG_INFINITY], |low| {
+            [low.violation.from, low.violation.to]
+        });
+        for stretch in 0..motion.roots {
+            let ends = motion.times(stretch, [-1.0, 1.0]);
+            let outside = [(-1.0, ends[0] < from), (1.0, ends[1] > to)];
+            for (s, _) in outside.into_iter().filter(|(_, is_outside)| *is_outside) {
+                let Some(instant) = motion.pose_at(stretch, s) else {
+                    return true;
+                };
+                let pose = self.relative(motion, instant);
+                if enclosed(self.hulls[0], self.hulls[1], &pose, &self.left_out).is_some() {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// The lowest distance of an exact pose among those of a joined piece.
+    fn measure_low(&self, motion: &mut Motion, low: &mut Low, goal: f64) {
+        let samples = motion.samples.iter().copied();
+        let violation = &mut low.violation;
+        let mut instants: Vec<usize> = samples
+            .filter(|k| (violation.from..=violation.to).contains(&motion.instants[*k].time))
+            .collect();
+        if let Some(piece) = &low.piece {
+            instants.extend(motion.pose_at(piece.stretch, piece.middle));
+        }
+        violation.distance = f64::INFINITY;
+        for instant in instants {
+            let pose = self.relative(motion, instant);
+            let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            let distance = found.map_or(f64::INFINITY, |f| f.proximity.distance);
+            if distance < violation.distance {
+                (violation.distance, violation.time) = (distance, motion.instants[instant].time);
+            }
+        }
+        violation.is_seen = violation.distance < goal - self.pose_slack(motion);
+    }
+}
+
+impl Low {
+    fn new(motion: &Motion, piece: Piece, middle: f64) -> Self {
+        let ends = [piece.middle - piece.half, piece.middle + piece.half];
+        let ends = motion.times(piece.stretch, ends);
+        Self::over(motion, ends, middle, Some(piece))
+    }
+
+    fn over(motion: &Motion, [from, to]: [f64; 2], distance: f64, piece: Option<Piece>) -> Self {
+        let [start, end] = motion.span();
+        let rounding = TIMES * (end - start);
+        Self {
+            violation: Violation {
+                from: (from - rounding).max(start),
+                to: (to + rounding).min(end),
+                is_seen: false,
+                distance,
+                time: 0.5 * (from + to),
+            },
+            piece,
+        }
+    }
+
+    /// Takes in what follows.
+    fn join(&mut self, next: Self) {
+        let (mine, theirs) = (&mut self.violation, &next.violation);
+        mine.to = mine.to.max(theirs.to);
+        if theirs.distance < mine.distance {
+            mine.distance = theirs.distance;
+            self.piece = next.piece;
+        }
+    }
+}
