@@ -3,12 +3,12 @@
 use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
-use crate::clearance::check::{ClearanceReport, PairReport, check};
+use crate::clearance::check::{ClearanceReport, Closely, PairReport, check};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{knots, only};
-use crate::report::check::{Asked, MotionReport, without_pose};
+use crate::report::check::{MotionReport, without_pose};
 use crate::report::junit::to_junit;
-use crate::report::verdict::{Status, Verdict};
+use crate::report::verdict::{Asked, Status, Verdict};
 use crate::report::{clearance, closure, measures};
 use std::time::Instant;
 
@@ -95,13 +95,21 @@ impl Check {
         }
         let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));
         let clearances = scene.clearance.as_ref().map(|rules| {
-            let tolerance = options.tolerance;
-            check(system, actuation, rules, &trajectory, tolerance, &|_, _| {})
+            // All pairs are handed out, one by one.
+            let closely = Closely {
+                tolerance: options.tolerance,
+                pairs: usize::MAX,
+                times: true,
+            };
+            check(system, actuation, rules, &trajectory, closely, &|_, _| {})
         });
         let asked = Asked {
             closure: options.closure,
             poses: true,
             motion: options.motion,
+            estimates: false,
+            empty: false,
+            band: None,
         };
         let found = clearances.as_ref();
         let report = MotionReport::new((system, actuation), &trajectory, asked, &measured, found);

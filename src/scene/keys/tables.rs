@@ -352,6 +352,8 @@ static IGNORED: Keys = Keys::new(
     &[
         BOTH,
         key("reason", Text, "why they may come near").required(),
+        key("shapes", Rows(2), "shapes that are left out, by number"),
+        key("down_to", Formula, "distance that still passes, negative"),
     ],
 );
 
