@@ -2,7 +2,8 @@
 //! says so.
 
 use super::gaps::{leave_out_outliers, shades, short};
-use crate::kinematics::rates::higher_order::{By, observed_slots, rates};
+use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::rates::higher_order::{By, rates};
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

@@ -7,6 +7,7 @@ use super::chain::{ArgumentValue, Chain, Joint, Motion, Step};
 use super::fixed::{FixedPose, PoseError};
 use crate::math::Pose;
 use crate::numbers::constant::Constant;
+use crate::numbers::rounding::DECIMAL;
 use crate::numbers::scalar::Ring;
 use glam::{DMat3, DVec3};
 
@@ -143,9 +144,10 @@ impl<S: Ring> Frame<S> {
         [0, 1, 2].map(|k| x[k].scale_by(v[0]) + y[k].scale_by(v[1]) + z[k].scale_by(v[2]))
     }
 
-    /// A point of the frame in the base frame.
+    /// A point of the frame in the base frame. Its coordinates were rounded to f64: enclosures hold what was meant.
     pub fn point(&self, v: [f64; 3]) -> Vector<S> {
-        sum(self.direction(v), self.origin)
+        let meant = v.map(|c| Constant::within(c, DECIMAL * c.abs()));
+        sum(self.combination(meant), self.origin)
     }
 }
 

@@ -4,6 +4,7 @@ use super::cells::quoted;
 use super::events::{events, gaps};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
+use crate::kinematics::certificate::observed;
 use crate::kinematics::rates::higher_order::RateColumns;
 use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
@@ -23,6 +24,8 @@ pub struct Columns {
     pub motion: bool,
     /// What redundant equations close to.
     pub redundant: bool,
+    /// Bounds of traced points and outputs, named `bound(NAME)`.
+    pub bounds: bool,
 }
 
 /// A cell of the table.
@@ -118,13 +121,8 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
             .chain(&mechanism.unknowns)
             .map(|c| c.name.clone()),
     );
-    names.extend(
-        mechanism
-            .traces
-            .iter()
-            .flat_map(|t| ["x", "y", "z"].map(|axis| format!("{}.{axis}", t.name))),
-    );
-    names.extend(mechanism.outputs.iter().map(|o| o.name.clone()));
+    let shown = shown(mechanism);
+    names.extend(shown.iter().map(|(name, _)| name.clone()));
     if columns.rates {
         names.extend(
             mechanism
@@ -136,6 +134,9 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
     if let Some(derivatives) = columns.derivatives {
         let headings = derivatives.headings(mechanism).into_iter();
         names.extend(headings.map(|(name, _)| name));
+    }
+    if columns.bounds {
+        names.extend(shown.iter().map(|(name, _)| bound_of(name)));
     }
     let proof = [
         "closure_error",
@@ -159,18 +160,35 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
     names
 }
 
+/// Traced points and outputs: what is computed from a pose, and what it measures.
+fn shown(mechanism: &Mechanism) -> Vec<(String, Kind)> {
+    let places = |name: &str| ["x", "y", "z"].map(|axis| (format!("{name}.{axis}"), Kind::Length));
+    let mut all: Vec<_> = mechanism
+        .traces
+        .iter()
+        .flat_map(|t| places(&t.name))
+        .collect();
+    let outputs = mechanism.outputs.iter();
+    all.extend(outputs.map(|o| (o.name.clone(), o.kind)));
+    all
+}
+
+fn bound_of(name: &str) -> String {
+    format!("bound({name})")
+}
+
 /// Units of the columns that have one, by name: rates of angles in degrees are per degree, per degree squared and so on.
 fn units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
     let mut list = vec![("time".to_owned(), "s".to_owned())];
     let unit = |kind| mechanism.unit_name(kind).to_owned();
     let coordinates = mechanism.inputs.iter().chain(&mechanism.unknowns);
     list.extend(coordinates.map(|c| (c.name.clone(), unit(c.kind))));
-    for trace in &mechanism.traces {
-        let places = ["x", "y", "z"].map(|axis| format!("{}.{axis}", trace.name));
-        list.extend(places.map(|name| (name, unit(Kind::Length))));
+    for (name, kind) in shown(mechanism) {
+        if columns.bounds {
+            list.push((bound_of(&name), unit(kind)));
+        }
+        list.push((name, unit(kind)));
     }
-    let outputs = mechanism.outputs.iter();
-    list.extend(outputs.map(|o| (o.name.clone(), unit(o.kind))));
     if columns.rates {
         let unknowns = mechanism.unknowns.iter();
         let rate = |kind| match mechanism.unit_name(kind) {
@@ -225,6 +243,15 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
         cells.extend(headings.map(|(k, (_, factor))| {
             let value = pose.derivatives.get(k);
             value.map_or(Cell::Empty, |v| Cell::Number(v * factor))
+        }));
+    }
+    if columns.bounds {
+        let kinds = shown(mechanism).into_iter().map(|(_, kind)| kind);
+        let bounds = observed::printed_bounds(mechanism, sample)
+            .into_iter()
+            .zip(kinds);
+        cells.extend(bounds.map(|(bound, kind)| {
+            number_or_empty(bound.map(|b| b * mechanism.file_units(kind) * GROW))
         }));
     }
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));

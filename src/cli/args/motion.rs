@@ -87,6 +87,9 @@ pub struct SolveArgs {
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
+    /// Add columns with proved bounds of traced points and outputs, as they are printed: bound(NAME).
+    #[arg(long, conflicts_with = "trace_iterations")]
+    pub bounds: bool,
     /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
     /// written to JSON.
     #[arg(long)]

@@ -86,6 +86,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         derivatives,
         motion: proves_motion,
         redundant: redundant(&system) > 0,
+        bounds: args.bounds,
     };
     let written = match format {
         TableFormat::Csv => write_csv(&scene.mechanism, &trajectory, columns, output.as_mut()),

@@ -30,6 +30,7 @@
 //! stands still: simpler, and a few times less sharp. The motion between poses is proved there too.
 
 pub mod neighbourhood;
+pub mod observed;
 pub mod pose;
 pub mod rows;
 pub mod tube;

@@ -10,8 +10,8 @@
 
 use super::generic_rank::{RANK, Ranks};
 use super::twists::{Line, STILL, Twist, Walk, line_of, same_line, with};
+use crate::kinematics::loops::observed::observed;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::rates::higher_order::observed;
 use crate::kinematics::structure::block::{Block, Held, StructureError, block, names};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;

@@ -2,4 +2,5 @@
 
 pub mod forward;
 pub mod joint_lanes;
+pub mod observed;
 pub mod residual;

@@ -2,8 +2,9 @@
 
 pub mod reduce;
 
+use super::loops::observed::observed_slots;
 use super::motion::continuation::solve;
-use super::rates::higher_order::{observed_slots, rates};
+use super::rates::higher_order::rates;
 use super::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

@@ -5,16 +5,16 @@
 //! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
 
 use super::residual_part;
+use crate::kinematics::loops::observed::{arguments, observed};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::Actuation;
-use crate::model::chain::ArgumentValue;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::model::walk::Frame;
-use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::scalar::Scalar;
 use crate::numbers::series::TaylorSeries;
 
 /// Pivots below this share of the largest one have no direction to divide by. A fold is found to the square root of
@@ -87,46 +87,6 @@ fn residual_coefficient(
         residual.push(value.coefficients()[k] * scale);
     }
     residual
-}
-
-/// Series of the arguments in `used`; the others stay zero.
-fn arguments(
-    mechanism: &Mechanism,
-    used: &[usize],
-    series: &[TaylorSeries],
-) -> Vec<ArgumentValue<TaylorSeries>> {
-    let mut all = vec![ArgumentValue::new(TaylorSeries::number(0.0)); mechanism.arguments.len()];
-    let mut scratch = Vec::new();
-    for index in used {
-        let value = mechanism.arguments[*index].value(series, &mut scratch);
-        all[*index] = ArgumentValue::new(value);
-    }
-    all
-}
-
-/// Series of everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
-pub fn observed(mechanism: &Mechanism, coordinates: &[TaylorSeries]) -> Vec<TaylorSeries> {
-    let mut slots = observed_slots(mechanism, coordinates);
-    let after = slots.split_off(mechanism.coordinate_count());
-    slots.truncate(mechanism.unknowns.len());
-    slots.extend(after);
-    slots
-}
-
-/// Series of all slots that a formula about the motion may use: coordinates, x, y, z of every trace, outputs.
-pub fn observed_slots(mechanism: &Mechanism, coordinates: &[TaylorSeries]) -> Vec<TaylorSeries> {
-    let mut slots = coordinates.to_vec();
-    for trace in &mechanism.traces {
-        let path = &mechanism.bodies[trace.body].world_from_body;
-        let arguments = arguments(mechanism, &path.arguments(), coordinates);
-        let end = Frame::at_end_of(&path.steps, &arguments);
-        slots.extend(end.point(trace.point.to_array()));
-    }
-    for output in &mechanism.outputs {
-        let value = output.expression.value(&slots);
-        slots.push(value);
-    }
-    slots
 }
 
 /// What rates are taken by.
