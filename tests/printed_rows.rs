@@ -9,7 +9,7 @@ mod program;
 use draws::Draws;
 use judge::loops::random_loop;
 use judge::table::Table;
-use judge::{Verdict, judge};
+use judge::{Verdict, judge, judge_shown};
 use program::Workspace;
 use std::path::Path;
 
@@ -17,6 +17,8 @@ use std::path::Path;
 struct Printed {
     table: Table,
     size: f64,
+    /// Outputs that are angles.
+    angles: Vec<String>,
 }
 
 /// Words of a scene that has no rows: nothing closes, or a random loop has a freedom too many.
@@ -38,6 +40,7 @@ fn solve(scene: &str, samples: usize) -> Option<Printed> {
             samples,
             "--out",
             out,
+            "--bounds",
             "-q",
         ])
     };
@@ -49,7 +52,11 @@ fn solve(scene: &str, samples: usize) -> Option<Printed> {
     }
     solve("1", "size.json");
     let document: serde_json::Value = serde_json::from_slice(&folder.read("size.json")).unwrap();
+    let is_angle = |unit: &serde_json::Value| ["deg", "rad"].contains(&unit.as_str().unwrap());
+    let units = document["column_units"].as_object().unwrap();
+    let angles = units.iter().filter(|(_, unit)| is_angle(unit));
     Some(Printed {
+        angles: angles.map(|(name, _)| name.clone()).collect(),
         table: Table::parse(&String::from_utf8(folder.read("rows.csv")).unwrap()),
         size: document["size"].as_f64().unwrap(),
     })
@@ -62,6 +69,9 @@ struct Findings {
     /// Of these, by rotations of ball joints.
     locked: usize,
     worst: f64,
+    /// Traced coordinates and outputs.
+    shown: usize,
+    worst_shown: f64,
     complaints: Vec<String>,
 }
 
@@ -90,6 +100,13 @@ impl Findings {
                 )
             }));
         }
+        for (shown, ratio) in judge_shown(scene, &printed.table, printed.size, &printed.angles) {
+            self.shown += 1;
+            self.worst_shown = self.worst_shown.max(ratio);
+            let is_off = ratio.is_nan() || ratio > 1.0;
+            self.complaints
+                .extend(is_off.then(|| format!("{name}: {shown} is off by {ratio:.4} bounds")));
+        }
         // Shown with --nocapture.
         println!(
             "{name}: {judged} of {} rows judged, worst {worst:.3} bounds",
@@ -105,10 +122,13 @@ impl Findings {
             judged,
             locked,
             worst,
+            shown,
+            worst_shown,
             complaints,
         } = self;
         let count = complaints.len();
         println!("{judged} rows judged, {locked} of them by rotations, worst {worst:.3} bounds");
+        println!("{shown} traced coordinates and outputs, worst {worst_shown:.3} bounds");
         assert!(
             complaints.is_empty(),
             "{count} complaints:\n{}",

@@ -121,6 +121,7 @@ pub fn loosened(scene: Scene, ball: Ball) -> Scene {
             .map(|(sides, sum)| (sides.map(shifted), moved(sum, old)))
             .collect(),
         equations: scene.equations.into_iter().map(|e| moved(e, old)).collect(),
+        shown: scene.shown,
     }
 }
 

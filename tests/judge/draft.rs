@@ -6,7 +6,8 @@ use super::file::File;
 use super::formula::Node;
 use super::units::{Kind, Kinds, note};
 
-fn expanded(items: &[chain::Item], file: &File) -> Vec<Part> {
+/// Chains written out.
+pub fn expanded(items: &[chain::Item], file: &File) -> Vec<Part> {
     let mut parts = Vec::new();
     chain::expand(items, &file.chains, false, &mut parts);
     parts
@@ -75,7 +76,7 @@ impl Draft {
         }
         file.equations
             .iter()
-            .chain(&file.outputs)
+            .chain(file.outputs.iter().map(|(_, node)| node))
             .for_each(|node| note(node, None, &mut kinds));
         let sums = self.distances.iter().map(|(_, sum)| sum);
         sums.for_each(|node| note(node, Some(Kind::Length), &mut kinds));
@@ -99,7 +100,7 @@ impl Draft {
 }
 
 /// Whether all names in a body's frame are chains (a contact's frame bears the contact's name).
-fn is_known(items: &[chain::Item], file: &File) -> bool {
+pub fn is_known(items: &[chain::Item], file: &File) -> bool {
     items.iter().all(|item| match item {
         chain::Item::Part(_) => true,
         chain::Item::Inverse(inner) => is_known(inner, file),

@@ -19,7 +19,9 @@ pub struct File {
     pub contacts: Vec<(String, [Side; 2])>,
     /// Frames of bodies and formulas of outputs: they may tell what a name measures.
     pub frames: Vec<Vec<Item>>,
-    pub outputs: Vec<Node>,
+    pub outputs: Vec<(String, Node)>,
+    /// Name, chain of the body, and point.
+    pub traces: Vec<(String, Vec<Item>, [Node; 3])>,
 }
 
 impl File {
@@ -43,7 +45,8 @@ impl File {
         };
         let bodies = table.get("bodies").and_then(|b| b.get_ref().as_array());
         let bodies = bodies.into_iter().flat_map(|b| b.iter());
-        let frames = bodies.filter_map(|b| b.get_ref().as_table()?.get("frame"));
+        let bodies: Vec<&DeTable> = bodies.filter_map(|b| b.get_ref().as_table()).collect();
+        let frames = bodies.iter().filter_map(|b| b.get("frame"));
         Self {
             is_in_degrees: angle == Some("deg"),
             parameters: formulas("parameters").collect(),
@@ -57,9 +60,30 @@ impl File {
             equations: formulas("equations").map(|(_, node)| node).collect(),
             contacts: contacts(table),
             frames: frames.map(|f| chain_of(f.get_ref())).collect(),
-            outputs: formulas("outputs").map(|(_, node)| node).collect(),
+            outputs: formulas("outputs").collect(),
+            traces: traces(table, &bodies),
         }
     }
+}
+
+/// Traced points with the chains of their bodies.
+fn traces(table: &DeTable, bodies: &[&DeTable]) -> Vec<(String, Vec<Item>, [Node; 3])> {
+    let text = |table: &DeTable, key: &str| Some(table.get(key)?.get_ref().as_str()?.to_owned());
+    let list = table.get("traces").and_then(|t| t.get_ref().as_array());
+    let list = list.into_iter().flat_map(|l| l.iter());
+    list.map(|trace| {
+        let trace = trace.get_ref().as_table().unwrap();
+        let name = text(trace, "body");
+        let body = bodies.iter().find(|b| text(b, "name") == name).unwrap();
+        let frame = text(body, "frame").map_or(Vec::new(), |f| chain::parse(&f));
+        let point = trace.get("point").map(|p| p.get_ref().as_array().unwrap());
+        let part = |k: usize| {
+            let zero = || Node::Number("0".to_owned());
+            point.map_or_else(zero, |p| formula_of(p[k].get_ref()))
+        };
+        (text(trace, "name").unwrap(), frame, [0, 1, 2].map(part))
+    })
+    .collect()
 }
 
 /// The entries of a section in the order of the file, dotted names in one piece.

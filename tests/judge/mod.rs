@@ -18,9 +18,10 @@ pub mod table;
 mod units;
 mod value;
 
+use chain::Frame;
 use closing::{close, free_unknowns};
 use number::{Number, Precise};
-use scene::Scene;
+use scene::{Scene, What};
 use std::collections::HashMap;
 use table::Table;
 
@@ -86,6 +87,52 @@ pub fn judge(scene: &str, table: &Table, size: f64) -> Vec<Verdict> {
         locked(scene_text, row, size, bound, &idle).unwrap_or(plain)
     });
     verdicts.collect()
+}
+
+/// Share of its bound by which a printed traced coordinate or output is off: row by row, those that have a bound.
+/// `angles` names the outputs that are angles.
+pub fn judge_shown(scene: &str, table: &Table, size: f64, angles: &[String]) -> Vec<(String, f64)> {
+    let scene = Scene::read_with(scene, angles);
+    let idle: Vec<usize> = (0..scene.unknowns.len())
+        .filter(|k| rests(&scene, *k, table))
+        .collect();
+    let mut all = Vec::new();
+    for row in table.rows.iter().filter(|row| row["status"] != "no-pose") {
+        let start = printed(&scene, row);
+        let closed = free_unknowns(&scene, size, &start, &idle)
+            .and_then(|free| close(&scene, size, &start, &free));
+        let Some(closed) = closed.filter(|c| c.left <= VANISHED && !c.is_turned) else {
+            continue;
+        };
+        let exact = shown(&scene, closed.coordinates);
+        for (shown, exact) in scene.shown.iter().zip(exact) {
+            let bound = &row[&format!("bound({})", shown.name)];
+            if let (Some(exact), false) = (exact, bound.is_empty()) {
+                let off = table::number(row, &shown.name)
+                    .times(&shown.unit)
+                    .minus(&exact);
+                let bound = Precise::of_decimal(bound).times(&shown.unit).rounded();
+                all.push((shown.name.clone(), off.rounded().abs() / bound));
+            }
+        }
+    }
+    all
+}
+
+/// What is shown of a pose, where the judge knows it.
+fn shown(scene: &Scene, coordinates: Vec<Precise>) -> Vec<Option<Precise>> {
+    let mut slots = coordinates;
+    let mut all = Vec::new();
+    for shown in &scene.shown {
+        let value = match &shown.what {
+            What::Place(steps, axis) => Some(Frame::at(steps, &slots).origin[*axis].clone()),
+            What::Value(formula) => Some(formula.at(&slots)),
+            What::Unknown => None,
+        };
+        slots.push(value.clone().unwrap_or_else(|| Precise::of(0.0)));
+        all.push(value);
+    }
+    all
 }
 
 /// Names of the unknowns, with the radians in one printed unit of angles.

@@ -1,7 +1,7 @@
 //! A scene as equations over numbered coordinates: names looked up, units converted, parameters computed.
 
 use super::chain::{Motion, Part, Step, normalised};
-use super::draft::Draft;
+use super::draft::{Draft, expanded, is_known};
 use super::file::File;
 use super::formula::Node;
 use super::number::{Number, Precise};
@@ -21,6 +21,24 @@ pub struct Scene {
     pub distances: Vec<([Vec<Step>; 2], Formula)>,
     /// Formulas that are zero.
     pub equations: Vec<Formula>,
+    /// Traced points and outputs.
+    pub shown: Vec<Shown>,
+}
+
+/// What is computed from a pose. Slots are the coordinates and what is shown before it.
+pub struct Shown {
+    pub name: String,
+    /// Radians or lengths per printed unit.
+    pub unit: Precise,
+    pub what: What,
+}
+
+pub enum What {
+    /// A coordinate of the end of a chain.
+    Place(Vec<Step>, usize),
+    Value(Formula),
+    /// It stands on a contact, whose frame the judge does not know.
+    Unknown,
 }
 
 pub struct Coordinate {
@@ -34,10 +52,19 @@ pub struct Coordinate {
 
 impl Scene {
     pub fn read(text: &str) -> Self {
+        Self::read_with(text, &[])
+    }
+
+    /// `angles` are the outputs that are angles.
+    pub fn read_with(text: &str, angles: &[String]) -> Self {
         let file = File::parse(text);
         let draft = Draft::new(&file);
-        let kinds = draft.kinds(&file);
-        Resolver::new(&file, kinds, &draft).scene(&file, &draft)
+        let mut kinds = draft.kinds(&file);
+        kinds.extend(angles.iter().map(|name| (name.clone(), Kind::Angle)));
+        let mut resolver = Resolver::new(&file, kinds, &draft);
+        let mut scene = resolver.scene(&file, &draft);
+        scene.shown = resolver.shown(&file);
+        scene
     }
 }
 
@@ -173,6 +200,50 @@ impl Resolver {
                 .iter()
                 .map(|node| self.formula(node, None))
                 .collect(),
+            shown: Vec::new(),
         }
+    }
+
+    /// Traced points and outputs. Their names become slots behind the coordinates.
+    fn shown(&mut self, file: &File) -> Vec<Shown> {
+        let mut all = Vec::new();
+        for (name, frame, point) in &file.traces {
+            let steps = is_known(frame, file).then(|| {
+                let mut parts = expanded(frame, file);
+                parts.extend((0..3).map(|k| Part::Shift(k, point[k].clone())));
+                self.steps(&parts)
+            });
+            for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+                all.push(Shown {
+                    name: format!("{name}.{axis}"),
+                    unit: Precise::of(1.0),
+                    what: steps.clone().map_or(What::Unknown, |s| What::Place(s, k)),
+                });
+            }
+        }
+        self.coordinates.extend(all.iter().map(|s| s.name.clone()));
+        for (name, node) in &file.outputs {
+            let kind = self.kinds.get(name).copied();
+            let mut is_known = true;
+            node.visit_names(&mut |used| {
+                let unknown = all
+                    .iter()
+                    .any(|s| s.name == used && matches!(s.what, What::Unknown));
+                let found = self.coordinates.iter().any(|n| n == used)
+                    || self.parameters.contains_key(used);
+                is_known &= found && !unknown;
+            });
+            let formula = is_known.then(|| self.formula(node, kind));
+            all.push(Shown {
+                name: name.clone(),
+                unit: match kind {
+                    Some(Kind::Angle) => self.file_unit.clone(),
+                    _ => Precise::of(1.0),
+                },
+                what: formula.map_or(What::Unknown, What::Value),
+            });
+            self.coordinates.push(name.clone());
+        }
+        all
     }
 }

@@ -1,18 +1,19 @@
 //! How far what a row prints beside the unknowns, traced points and outputs, may be from that of the exact pose.
 //!
-//! The exact pose is within the error bound of the printed unknowns, so every unknown is an interval, and so is what is
-//! computed from them: one walk of the chains and formulas, whose rounding is inside.
+//! The exact pose is within the error bound of the unknowns: every one of them is a number of 31 digits with a radius, and so
+//! is what is computed from them, by one walk of the chains and formulas.
 
 use crate::kinematics::loops::observed::observed;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::printed::rounding;
-use crate::numbers::interval::Interval;
-use crate::numbers::rounding::GROW;
+use crate::numbers::constant::Constant;
+use crate::numbers::double_double::DoubleDouble;
+use crate::numbers::rounding::{DECIMAL, GROW};
 
 /// Bounds of the printed x, y, z of every trace and of every output: lengths in the scene's unit, angles in radians. `None`
-/// where nothing was proved of the angles, or a formula has no value, a kink or a jump in reach.
+/// where nothing was proved of the angles, or a formula has no value in reach.
 pub fn printed_bounds(mechanism: &Mechanism, sample: &Sample) -> Vec<Option<f64>> {
     let count = 3 * mechanism.traces.len() + mechanism.outputs.len();
     let Some((pose, error)) = sample.pose.as_ref().and_then(proved) else {
@@ -24,8 +25,9 @@ pub fn printed_bounds(mechanism: &Mechanism, sample: &Sample) -> Vec<Option<f64>
     let traced = traced.map(|value| (value, Kind::Length));
     let outputs = mechanism.outputs.iter().zip(&pose.outputs);
     let shown = traced.chain(outputs.map(|(output, value)| (*value, output.kind)));
-    let bound = |((value, kind), exact): ((f64, Kind), &Interval)| {
-        let apart = exact.distance(value) + rounding(value, mechanism.unit_of(kind));
+    let bound = |((value, kind), exact): ((f64, Kind), &Constant)| {
+        let off = (exact.value() - DoubleDouble::from(value)).hi.abs();
+        let apart = off + exact.error() + rounding(value, mechanism.unit_of(kind));
         (value.is_finite() && apart.is_finite()).then_some(apart * GROW)
     };
     let enclosures = enclosures.iter().skip(mechanism.unknowns.len());
@@ -41,24 +43,27 @@ fn proved(pose: &ClosedPose) -> Option<(&ClosedPose, f64)> {
     }
 }
 
-/// All coordinates that the exact pose may have. Inputs are the decimals that are printed, or the numbers of the sample.
+/// The coordinates of the exact pose; inputs are the decimals that are printed.
 fn enclosed(
     mechanism: &Mechanism,
     sample: &Sample,
     pose: &ClosedPose,
     error: f64,
-) -> Vec<Interval> {
+) -> Vec<Constant> {
     let radius = |kind| match kind {
         Kind::Angle => error / mechanism.size * GROW,
         Kind::Length | Kind::Number => error,
     };
     let unknowns = mechanism.unknowns.iter().zip(&pose.unknowns);
-    let mut all: Vec<Interval> = unknowns
-        .map(|(u, value)| Interval::point(*value) + Interval::around_zero(radius(u.kind)))
+    let mut all: Vec<Constant> = unknowns
+        .map(|(unknown, value)| Constant::within(*value, radius(unknown.kind)))
         .collect();
     let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
     let rests = mechanism.printed_rests(&coordinates);
-    let inputs = sample.inputs.iter().zip(rests);
-    all.extend(inputs.map(|(v, rest)| Interval::point(*v).hull(Interval::sum_of(*v, rest))));
+    let inputs = coordinates.iter().zip(rests).skip(all.len());
+    let decimals = inputs.map(|(value, rest)| {
+        Constant::exact(*value) + Constant::within(rest, DECIMAL * rest.abs())
+    });
+    all.extend(decimals);
     all
 }
