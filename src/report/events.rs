@@ -74,6 +74,9 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
             object.insert("branch".to_owned(), json!(taken));
             object.insert("others".to_owned(), json!(others));
         }
+        EventKind::StartNotClosed { proved, .. } => {
+            object.insert("proved".to_owned(), json!(proved));
+        }
         EventKind::GimbalLock { names, distance } => {
             object.insert("coordinates".to_owned(), json!(names));
             object.insert("distance".to_owned(), json!(distance));
@@ -90,7 +93,7 @@ fn ending(ending: &Ending) -> Value {
         Ending::Fold { proved } => json!({ "kind": word, "proved": proved }),
         Ending::NoValue { name } => json!({ "kind": word, "equation": name }),
         Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
-        Ending::AngleTooLarge => json!({ "kind": word }),
+        Ending::AngleTooLarge | Ending::NotFound => json!({ "kind": word }),
     }
 }
 

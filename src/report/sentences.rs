@@ -75,6 +75,7 @@ fn ending_words(ending: &Ending) -> String {
             "undecided: the angles are too large to close the loops within their own rounding"
                 .to_owned()
         }
+        Ending::NotFound => "undecided: poses may exist".to_owned(),
     }
 }
 
@@ -116,29 +117,16 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
         }
         EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
         EventKind::StartNotClosed {
+            proved,
             name,
             angle,
             distance,
         } => {
-            let unit = &mechanism.length_unit;
-            if mechanism.contacts.contains(name) {
-                return format!(
-                    "contact `{name}` cannot be made at {at}: the best pose found leaves {distance:.6} {unit} between the surfaces"
-                );
+            let lack = start_lack(mechanism, &at, name, [*angle, *distance]);
+            match proved {
+                true => format!("{lack}; no pose exists (proved)"),
+                false => format!("{lack}; that no pose exists is not proved"),
             }
-            if !distance.is_finite() {
-                return format!("`{name}` has no value at {at} where the search ended");
-            }
-            if mechanism.equations.iter().any(|e| e.name == *name) {
-                let left = amount(*distance);
-                return format!(
-                    "equation `{name}` does not hold at {at}: the best pose found leaves {left} in place of zero"
-                );
-            }
-            format!(
-                "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {angle:.6} rad",
-                amount(*distance)
-            )
         }
         EventKind::GimbalLock { names, distance } => {
             let [a, b, c] = names;
@@ -175,6 +163,29 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             "the start values lead to no pose at {at}; a perturbed start was used, which may be on another branch"
         ),
     }
+}
+
+/// What is lacking at the start, at the best pose found: radians and distance.
+fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f64; 2]) -> String {
+    let unit = &mechanism.length_unit;
+    if mechanism.contacts.iter().any(|c| c == name) {
+        return format!(
+            "contact `{name}` cannot be made at {at}: the best pose found leaves {distance:.6} {unit} between the surfaces"
+        );
+    }
+    if !distance.is_finite() {
+        return format!("`{name}` has no value at {at} where the search ended");
+    }
+    if mechanism.equations.iter().any(|e| e.name == name) {
+        let left = amount(distance);
+        return format!(
+            "equation `{name}` does not hold at {at}: the best pose found leaves {left} in place of zero"
+        );
+    }
+    format!(
+        "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {angle:.6} rad",
+        amount(distance)
+    )
 }
 
 /// What is lacking, in decimals as long as these show it.

@@ -111,9 +111,6 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
         || "no pose was found".to_owned(),
         |event| sentence(mechanism, event),
     );
-    if trajectory.is_undecided() {
-        return Failure::Undecided(message);
-    }
     let mut hints: Vec<String> = first
         .into_iter()
         .filter_map(|e| contradiction(system, e))
@@ -136,7 +133,10 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
             list.join(", and from ")
         ));
     }
-    Failure::NeverClosed { message, hints }
+    match trajectory.is_undecided() {
+        true => Failure::Undecided { message, hints },
+        false => Failure::NeverClosed { message, hints },
+    }
 }
 
 /// What to say when the loop that does not close has too few unknowns for its equations.

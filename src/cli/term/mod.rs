@@ -74,7 +74,9 @@ impl Term {
         self.headed("error", Color::Red, &failure.to_string());
         let one_hint;
         let hints: &[String] = match failure {
-            Failure::Usage { hints, .. } | Failure::NeverClosed { hints, .. } => hints,
+            Failure::Usage { hints, .. }
+            | Failure::NeverClosed { hints, .. }
+            | Failure::Undecided { hints, .. } => hints,
             Failure::Structure(error) => {
                 one_hint = [hint_of(error)];
                 &one_hint

@@ -11,13 +11,13 @@ use crate::scene::source::SourceError;
 
 /// Done.
 pub const DONE: i32 = 0;
-/// A check failed, or could not prove what it was asked to; a motion was given up undecided.
+/// A check failed, or could not prove what it was asked to; a motion was given up undecided, or no pose was found.
 pub const CHECK_FAILED: i32 = 1;
 /// Bad usage, bad scene, or a file that cannot be read or written.
 pub const BAD_USAGE: i32 = 2;
 /// No usable graphics adapter.
 pub const NO_ADAPTER: i32 = 3;
-/// The mechanism could not be closed over the whole motion.
+/// Some instants provably have no pose, or the motion ends at a fold.
 pub const NOT_CLOSED: i32 = 4;
 /// A fault of the program.
 pub const INTERNAL: i32 = 70;
@@ -84,8 +84,13 @@ pub enum Failure {
         hints: Vec<String>,
     },
     /// There is no pose, and none can be excluded.
-    #[error("{0}")]
-    Undecided(String),
+    #[error("{message}")]
+    Undecided {
+        /// Which loop, which gap, at which inputs.
+        message: String,
+        /// What may help.
+        hints: Vec<String>,
+    },
     /// A file could not be made.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -131,7 +136,7 @@ impl Failure {
     pub fn code(&self) -> i32 {
         match self {
             _ if self.is_broken_pipe() => DONE,
-            Self::Undecided(_) => CHECK_FAILED,
+            Self::Undecided { .. } => CHECK_FAILED,
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
             Self::Import(_) | Self::Stdout(_) | Self::Limit(_) => BAD_USAGE,
             Self::Structure(

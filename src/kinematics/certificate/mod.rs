@@ -29,6 +29,7 @@
 //! Where arguments or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that
 //! stands still: simpler, and a few times less sharp. The motion between poses is proved there too.
 
+pub mod absence;
 pub mod neighbourhood;
 pub mod observed;
 pub mod pose;

@@ -99,6 +99,8 @@ pub enum EventKind {
     },
     /// No pose was found at the start of the drive from the start values.
     StartNotClosed {
+        /// None exists, in any assembly.
+        proved: bool,
         /// Loop with the largest gap.
         name: String,
         /// Smallest remaining rotation, radians.
@@ -159,12 +161,17 @@ pub enum Ending {
     },
     /// Angles are so large that their own rounding leaves the loops open.
     AngleTooLarge,
+    /// No motion was found that could end: the start values led to no pose, and that none exists is not proved.
+    NotFound,
 }
 
 impl Ending {
     /// Whether the motion may go on all the same.
     pub const fn is_undecided(&self) -> bool {
-        matches!(self, Self::GivenUp { .. } | Self::AngleTooLarge)
+        matches!(
+            self,
+            Self::GivenUp { .. } | Self::AngleTooLarge | Self::NotFound
+        )
     }
 
     /// The word used in reports.
@@ -174,6 +181,7 @@ impl Ending {
             Self::NoValue { .. } => "no-value",
             Self::GivenUp { .. } => "given-up",
             Self::AngleTooLarge => "angle-too-large",
+            Self::NotFound => "not-found",
         }
     }
 }

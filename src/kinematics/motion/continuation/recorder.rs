@@ -3,6 +3,7 @@
 use super::events::Events;
 use super::gaps::Gaps;
 use crate::kinematics::certificate::Certifier;
+use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
 use crate::kinematics::results::trajectory::{Ending, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
@@ -174,8 +175,14 @@ impl<'s> Recorder<'s> {
                     self.gaps.give_up(Ending::AngleTooLarge);
                     self.event(time, EventKind::MotionEnds(Ending::AngleTooLarge));
                 } else if persist {
+                    let given = best.coordinates[self.tracker.unknowns()..].to_vec();
+                    let proved = has_no_pose(self.tracker.system(), &given);
+                    if !proved {
+                        self.gaps.give_up(Ending::NotFound);
+                    }
                     let lack = smallest_gap(self.tracker.system(), best);
                     let kind = EventKind::StartNotClosed {
+                        proved,
                         name: lack.name,
                         angle: lack.angle,
                         distance: lack.distance,

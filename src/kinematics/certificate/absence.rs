@@ -1,0 +1,216 @@
+//! Proofs that a mechanism has no pose at given inputs, whatever its assembly.
+//!
+//! Two tests, both with enclosures. A loop is a polygon whose sides are its rigid parts: if one is longer than all others
+//! together, it does not close; a part with a slide is as short as its distance from the slide's line. That decides four-bars
+//! and slider-cranks. Else, of a block with few angles, the cube of all their values is halved until in every piece some
+//! equation has no zero. Neither finding anything says nothing.
+
+use crate::kinematics::loops::observed::arguments;
+use crate::kinematics::solve::assembly::turns_matter;
+use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::system::System;
+use crate::model::chain::{ArgumentValue, Motion, Step};
+use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
+use crate::model::walk::{Frame, Vector};
+use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
+use std::f64::consts::PI;
+
+/// Pieces of the cube that are looked at: some tenths of a second for a loop.
+const MOST_PIECES: usize = 20_000;
+
+/// Angles of a block that are halved: with four the pieces are too many.
+const MOST_ANGLES: usize = 3;
+
+/// Whether it is proved that no pose exists with these inputs (radians, lengths), read as numbers or as the decimals that a
+/// table prints. `false` says nothing.
+pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
+    let mechanism = system.mechanism();
+    let unknowns = mechanism.unknowns.len();
+    let mut coordinates = vec![Interval::ENTIRE; unknowns];
+    let mut numbers = vec![0.0; unknowns];
+    numbers.extend(inputs);
+    let rests = mechanism.printed_rests(&numbers);
+    let given = numbers.iter().zip(rests).skip(unknowns);
+    coordinates.extend(given.map(|(v, rest)| Interval::point(*v).hull(Interval::sum_of(*v, rest))));
+    let loops = mechanism.loops.iter();
+    let mut too_long = loops.map(|item| has_too_long_a_side(mechanism, item, &coordinates));
+    too_long.any(|is| is)
+        || system
+            .blocks()
+            .iter()
+            .any(|block| Halving::new(mechanism, block).finds_nothing(&coordinates))
+}
+
+/// Rigid parts of a loop between the joints that turn freely.
+struct Side {
+    frame: Frame<Interval>,
+    slides: Vec<Vector<Interval>>,
+}
+
+impl Side {
+    fn new() -> Self {
+        Self {
+            frame: Frame::identity(),
+            slides: Vec::new(),
+        }
+    }
+
+    /// All lengths that it can have.
+    fn length(&self) -> Interval {
+        let origin = self.frame.origin;
+        match self.slides[..] {
+            [] => norm(origin),
+            [along] => Interval::new(norm(cross(origin, along)).lo, f64::INFINITY),
+            _ => Interval::new(0.0, f64::INFINITY),
+        }
+    }
+}
+
+fn has_too_long_a_side(mechanism: &Mechanism, item: &Loop, coordinates: &[Interval]) -> bool {
+    let arguments = arguments(mechanism, &item.chain.arguments(), coordinates);
+    let lengths: Vec<Interval> = sides(mechanism, item, &arguments)
+        .iter()
+        .map(Side::length)
+        .collect();
+    let together = |skipped: usize| {
+        let others = lengths.iter().enumerate().filter(|(k, _)| *k != skipped);
+        others.fold(0.0, |sum: f64, (_, l)| (sum + l.hi).next_up())
+    };
+    lengths.iter().enumerate().any(|(k, l)| l.lo > together(k))
+}
+
+/// A closed frame has no first side: what stands before its first free turn goes on with what stands behind the last.
+fn sides(mechanism: &Mechanism, item: &Loop, arguments: &[ArgumentValue<Interval>]) -> Vec<Side> {
+    let unknowns = mechanism.unknowns.len();
+    let is_free = |argument: usize| {
+        let slots = mechanism.arguments[argument].coordinates();
+        slots.iter().any(|slot| *slot < unknowns)
+    };
+    let turns_freely = |step: &Step| matches!(step, Step::Joint { motion: Motion::Rotation, argument, .. } if is_free(*argument));
+    let steps = &item.chain.steps;
+    let first = match item.closes {
+        Closes::Frame => steps.iter().position(turns_freely).unwrap_or(0),
+        Closes::Point => 0,
+    };
+    let mut sides = vec![Side::new()];
+    for step in steps[first..].iter().chain(&steps[..first]) {
+        if turns_freely(step) {
+            sides.push(Side::new());
+            continue;
+        }
+        let Some(side) = sides.last_mut() else {
+            continue;
+        };
+        match *step {
+            Step::Joint {
+                motion: Motion::Translation,
+                axis,
+                argument,
+                ..
+            } if is_free(argument) => side.slides.push(side.frame.axes[axis]),
+            _ => step.advance(&mut side.frame, arguments),
+        }
+    }
+    sides
+}
+
+fn cross(a: Vector<Interval>, b: Vector<Interval>) -> Vector<Interval> {
+    [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        a[i] * b[j] - a[j] * b[i]
+    })
+}
+
+fn norm(v: Vector<Interval>) -> Interval {
+    let [x, y, z] = v.map(Scalar::square);
+    (x + y + z).sqrt()
+}
+
+/// The cube of a block's angles, halved until nothing is left of it.
+struct Halving<'m> {
+    mechanism: &'m Mechanism,
+    block: &'m Block,
+    /// Unknowns whose values are all in a turn.
+    angles: Vec<usize>,
+}
+
+impl<'m> Halving<'m> {
+    fn new(mechanism: &'m Mechanism, block: &'m Block) -> Self {
+        let angles = block.unknowns.iter().copied().filter(|slot| {
+            let is_angle = mechanism.unknowns[*slot].kind == Kind::Angle;
+            is_angle && !turns_matter(mechanism, *slot)
+        });
+        Self {
+            mechanism,
+            block,
+            angles: angles.collect(),
+        }
+    }
+
+    /// Whether it is proved that the block has no solution; other unknowns may have any value.
+    fn finds_nothing(&self, coordinates: &[Interval]) -> bool {
+        if self.angles.len() > MOST_ANGLES {
+            return false;
+        }
+        let mut whole = coordinates.to_vec();
+        for slot in &self.angles {
+            whole[*slot] = Interval::around_zero(PI.next_up());
+        }
+        let mut pieces = vec![whole];
+        for _ in 0..MOST_PIECES {
+            let Some(piece) = pieces.pop() else {
+                return true;
+            };
+            if !self.is_excluded(&piece) {
+                match self.halves(piece) {
+                    Some(halves) => pieces.extend(halves),
+                    None => return false,
+                }
+            }
+        }
+        false
+    }
+
+    fn halves(&self, piece: Vec<Interval>) -> Option<[Vec<Interval>; 2]> {
+        let width = |slot: &usize| piece[*slot].hi - piece[*slot].lo;
+        let widest = self
+            .angles
+            .iter()
+            .copied()
+            .max_by(|a, b| width(a).total_cmp(&width(b)))?;
+        let Interval { lo, hi } = piece[widest];
+        let middle = piece[widest].middle();
+        let mut halves = [piece.clone(), piece];
+        halves[0][widest] = Interval::new(lo, middle);
+        halves[1][widest] = Interval::new(middle, hi);
+        Some(halves)
+    }
+
+    /// Some equation has no zero here.
+    fn is_excluded(&self, piece: &[Interval]) -> bool {
+        let arguments = arguments(self.mechanism, &self.block.arguments, piece);
+        let is_open = |item: &Loop| {
+            let end = Frame::at_end_of(&item.chain.steps, &arguments);
+            let is_turned = (0..3).any(|i| {
+                (0..3).any(|j| {
+                    let wanted = if i == j {
+                        Interval::ONE
+                    } else {
+                        Interval::ZERO
+                    };
+                    !(end.axes[i][j] - wanted).holds_zero()
+                })
+            });
+            let is_apart = end.origin.iter().any(|c| !c.holds_zero());
+            is_apart || item.closes == Closes::Frame && is_turned
+        };
+        let mut loops = self.block.loops.iter();
+        let mut equations = self.block.equations.iter();
+        loops.any(|part| is_open(&self.mechanism.loops[part.index]))
+            || equations.any(|k| {
+                let value = self.mechanism.equations[*k].expression.value(piece);
+                !value.holds_zero()
+            })
+    }
+}
