@@ -254,6 +254,29 @@ fn planted_faults_are_found() {
     }
 }
 
+#[test]
+fn a_moved_output_is_found() {
+    let scenes = scenes_in("scenes");
+    for (scene, shown) in [
+        ("four-bar", "rocker_angle"),
+        ("gearshift", "M.x"),
+        ("rope-drum", "wrap"),
+    ] {
+        let text = &scenes.iter().find(|(n, _)| n == scene).unwrap().1;
+        let mut printed = solve(text, 5).unwrap();
+        for row in &mut printed.table.rows {
+            let number = |name: &str| row[name].parse::<f64>().unwrap();
+            let moved = number(shown) + 3.0 * number(&format!("bound({shown})"));
+            row.insert(shown.to_owned(), moved.to_string());
+        }
+        let ratios = judge_shown(text, &printed.table, printed.size, &printed.angles);
+        let found = ratios
+            .iter()
+            .filter(|(name, ratio)| name == shown && *ratio > 1.0);
+        assert_eq!(found.count(), 5, "{scene}: {ratios:?}");
+    }
+}
+
 /// Changes one unknown of every row, each row another one, by four times its bound.
 fn move_one_unknown_a_row(printed: &mut Printed, scene: &str) {
     let unknowns = judge::unknowns(scene);

@@ -43,7 +43,17 @@ impl SparseLu {
     /// Inverts a square column-major matrix into `inverse`, written column by column as well; `None` where it is small,
     /// dense or nearly singular.
     pub fn invert(&mut self, a: &[f64], n: usize, inverse: &mut LaneMatrix) -> Option<Pivots> {
-        let pivots = self.factor_columns(a, n)?;
+        self.invert_columns(a.chunks_exact(n.max(1)), n, inverse)
+    }
+
+    /// The same of a matrix whose columns are given one by one.
+    pub fn invert_columns<'a>(
+        &mut self,
+        columns: impl Iterator<Item = &'a [f64]> + Clone,
+        n: usize,
+        inverse: &mut LaneMatrix,
+    ) -> Option<Pivots> {
+        let pivots = self.factor(columns, n)?;
         inverse.reset(n, n);
         for k in 0..n {
             self.right_side.clear();
@@ -58,12 +68,24 @@ impl SparseLu {
 
     /// Factors a square column-major matrix; `None` where it is small, dense or nearly singular.
     pub fn factor_columns(&mut self, a: &[f64], n: usize) -> Option<Pivots> {
-        let entries = a[..n * n].iter().filter(|v| **v != 0.0).count();
-        if n < LEAST || entries > n * n / SPARSE {
+        self.factor(a.chunks_exact(n.max(1)), n)
+    }
+
+    fn factor<'a>(
+        &mut self,
+        columns: impl Iterator<Item = &'a [f64]> + Clone,
+        n: usize,
+    ) -> Option<Pivots> {
+        if n < LEAST {
+            return None;
+        }
+        let columns = columns.take(n);
+        let count = |column: &[f64]| column.iter().filter(|v| **v != 0.0).count();
+        if columns.clone().map(count).sum::<usize>() > n * n / SPARSE {
             return None;
         }
         self.begin(n);
-        for (j, column) in a.chunks_exact(n).enumerate() {
+        for (j, column) in columns.enumerate() {
             for (i, value) in column.iter().enumerate().filter(|(_, v)| **v != 0.0) {
                 self.push(i, j, *value);
             }

@@ -6,6 +6,7 @@ use crate::kinematics::certificate::rows::LARGEST_GAP;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, groups};
+use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::numbers::rounding::U;
 use wide::f64x4;
 
@@ -104,11 +105,14 @@ pub struct Kantorovich {
     /// R with one row an equation: any matrix serves the proof; how good it is is measured.
     inverse: LaneMatrix,
     elimination: Elimination,
+    sparse: SparseLu,
     /// The rows as they are taken: those of the basis, then the redundant ones.
     order: Vec<usize>,
     widened: LaneMatrix,
     /// Derivatives of these rows, one form after the other.
     columns: LaneMatrix,
+    /// Of a large block: rows and values of each form's derivatives that are not zero.
+    entries: Vec<Vec<(usize, f64)>>,
     /// Residuals and weights of the rows: residual, and weights for the rest of eta, for q, for K.
     rows: Constants,
     unknowns: Constants,
@@ -146,6 +150,7 @@ impl Kantorovich {
         if n < all {
             self.take_redundant_rows(system);
         }
+        self.list_entries(system.forms.len());
         self.weigh(system, earlier);
         self.bound_unknowns(n, system, earlier);
         let Constants { newton, rest, q, k } = &self.unknowns;
@@ -205,6 +210,18 @@ impl Kantorovich {
         }
     }
 
+    /// A form stands in a few rows of a large block.
+    fn list_entries(&mut self, forms: usize) {
+        let all = self.order.len();
+        let count = if all < LEAST { 0 } else { forms };
+        self.entries.resize(count, Vec::new());
+        for (entries, column) in self.entries.iter_mut().zip(self.columns.rows()) {
+            let column = column.as_flattened()[..all].iter().enumerate();
+            entries.clear();
+            entries.extend(column.filter(|(_, v)| **v != 0.0).map(|(row, v)| (row, *v)));
+        }
+    }
+
     /// Appends the rows that the basis leaves out, and to R what carries them: L = G' R for the rows of the basis, -1 for
     /// their own.
     fn take_redundant_rows(&mut self, system: &BlockSystem) {
@@ -248,9 +265,12 @@ impl Kantorovich {
     fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
         // The transposed matrix has the transposed inverse.
         self.derive(system, n, n);
-        let pivots = self
-            .elimination
-            .invert_matrix(&self.matrix, &mut self.inverse);
+        let columns = self.matrix.rows().map(|row| &row.as_flattened()[..n]);
+        let sparse = self.sparse.invert_columns(columns, n, &mut self.inverse);
+        let pivots = sparse.or_else(|| {
+            self.elimination
+                .invert_matrix(&self.matrix, &mut self.inverse)
+        });
         pivots.map(|_| ()).ok_or(Reason::Singular)
     }
 
@@ -349,15 +369,26 @@ impl Kantorovich {
             }
         }
         let forms = system.forms.iter().zip(&system.open);
-        for ((form, open), column) in forms.zip(self.columns.rows()) {
+        for (index, ((form, open), column)) in forms.zip(self.columns.rows()).enumerate() {
             // Where a basis leaves rows out, they do not stand in their own order.
             let rows = if n == all { form.rows.clone() } else { 0..all };
-            let column = &column.as_flattened()[rows.clone()];
             let mut product = [f64x4::ZERO; G];
-            for (row, value) in self.inverse.rows().skip(rows.start).zip(column) {
+            let mut add = |row: &[Lanes], value: f64| {
                 let row = part::<G>(row, first);
                 for g in 0..G {
-                    product[g] += row[g] * f64x4::splat(*value);
+                    product[g] += row[g] * f64x4::splat(value);
+                }
+            };
+            match self.entries.get(index) {
+                Some(entries) => entries
+                    .iter()
+                    .for_each(|(row, value)| add(self.inverse.row(*row), *value)),
+                None => {
+                    let column = &column.as_flattened()[rows.clone()];
+                    let inverse = self.inverse.rows().skip(rows.start);
+                    inverse
+                        .zip(column)
+                        .for_each(|(row, value)| add(row, *value));
                 }
             }
             add_sizes(&mut rest, &product, *open);
