@@ -1,6 +1,7 @@
 //! Nets of quadrilaterals that can only be solved as a whole.
 #![allow(dead_code)]
 
+use crate::draws::Draws;
 use std::fmt::Write;
 
 /// A direction of a bar: along the rows or the columns of the net.
@@ -13,8 +14,9 @@ enum Way {
 /// `k` × `k` cells with nodes a little off a grid. The bars across the rows are driven at both ends of every row, so that no
 /// cell can be solved before another: 2 k² unknown angles in one block.
 pub fn net(k: usize) -> String {
-    let mut text = "duration = 1\n[inputs]\ns = \"t\"\n[loops]\n".to_owned();
+    let mut text = "duration = 1\n[inputs]\ns = \"0.2*t\"\n[loops]\n".to_owned();
     let mut guess = "[guess]\n".to_owned();
+    let nodes = nodes(k);
     for i in 0..k {
         for j in 0..k {
             let around = [
@@ -24,7 +26,7 @@ pub fn net(k: usize) -> String {
                 (Way::Across, i, j, -1.0),
             ];
             let sides = around.map(|(way, i, j, sign)| {
-                let (length, direction) = bar(way, i, j);
+                let (length, direction) = bar(&nodes, way, i, j);
                 let name = angle(way, [i, j], k, direction, &mut guess);
                 format!("Rz({name}) Tx({:?}) Rz(-{name})", sign * length)
             });
@@ -34,19 +36,20 @@ pub fn net(k: usize) -> String {
     text + &guess
 }
 
-/// Where a node stands.
-fn node(i: usize, j: usize) -> [f64; 2] {
-    let off = |a: f64| 0.15 * (a * 12.9898).sin();
-    let (x, y) = (i as f64, j as f64);
-    [x + off(x + 7.1 * y + 1.0), y + off(3.3 * x + y + 2.0)]
+/// Where the nodes stand, `nodes[i][j]`.
+fn nodes(k: usize) -> Vec<Vec<[f64; 2]>> {
+    let mut draws = Draws(12345);
+    let mut node = |i: usize, j: usize| [i, j].map(|c| c as f64 + 0.15 * draws.number());
+    let mut row = |i: usize| (0..=k).map(|j| node(i, j)).collect();
+    (0..=k).map(&mut row).collect()
 }
 
 /// Length and direction of a bar at the start.
-fn bar(way: Way, i: usize, j: usize) -> (f64, f64) {
-    let from = node(i, j);
+fn bar(nodes: &[Vec<[f64; 2]>], way: Way, i: usize, j: usize) -> (f64, f64) {
+    let from = nodes[i][j];
     let to = match way {
-        Way::Along => node(i + 1, j),
-        Way::Across => node(i, j + 1),
+        Way::Along => nodes[i + 1][j],
+        Way::Across => nodes[i][j + 1],
     };
     let [x, y] = [to[0] - from[0], to[1] - from[1]];
     (x.hypot(y), y.atan2(x))
