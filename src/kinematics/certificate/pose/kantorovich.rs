@@ -1,5 +1,6 @@
 //! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
 
+use super::lane_rows::{add_part, add_sizes, part, put};
 use super::system::BlockSystem;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::certificate::rows::LARGEST_GAP;
@@ -409,39 +410,6 @@ impl Kantorovich {
         put(&mut self.unknowns.rest, first, rest);
         put(&mut self.unknowns.q, first, q);
         put(&mut self.unknowns.k, first, k);
-    }
-}
-
-/// `G` groups of a row.
-#[inline(always)]
-fn part<const G: usize>(row: &[Lanes], first: usize) -> [f64x4; G] {
-    let mut groups = [f64x4::ZERO; G];
-    for (group, lanes) in groups.iter_mut().zip(&row[first..first + G]) {
-        *group = f64x4::new(*lanes);
-    }
-    groups
-}
-
-#[inline(always)]
-fn put<const G: usize>(row: &mut [Lanes], first: usize, groups: [f64x4; G]) {
-    for (lanes, group) in row[first..first + G].iter_mut().zip(groups) {
-        *lanes = group.to_array();
-    }
-}
-
-/// Adds a multiple of groups to those of a row.
-#[inline(always)]
-fn add_part<const G: usize>(row: &mut [Lanes], first: usize, add: &[f64x4; G], factor: f64) {
-    for (lanes, group) in row[first..first + G].iter_mut().zip(add) {
-        *lanes = (f64x4::new(*lanes) + *group * f64x4::splat(factor)).to_array();
-    }
-}
-
-/// `sums += factor · |groups|`.
-#[inline(always)]
-fn add_sizes<const G: usize>(sums: &mut [f64x4; G], groups: &[f64x4; G], factor: f64) {
-    for (sum, group) in sums.iter_mut().zip(groups) {
-        *sum += group.abs() * f64x4::splat(factor);
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod chain;
 pub mod kantorovich;
+mod lane_rows;
 pub mod product;
 pub mod prover;
 pub mod system;
