@@ -115,7 +115,7 @@ fn main_direction(mut matrix: DMat3) -> DVec3 {
         if trace <= 0.0 || !trace.is_finite() {
             return DVec3::Z;
         }
-        matrix = matrix * (1.0 / trace);
+        matrix *= 1.0 / trace;
         matrix = matrix * matrix;
     }
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
