@@ -75,10 +75,14 @@ fn text(draws: &mut Draws, k: usize, minimum: f64) -> String {
 
 fn open(folder: &Path, text: &str) -> Scene {
     let source = Source {
-        name: folder.join("scene.toml").to_string_lossy().into_owned(),
-        text: text.replace("file = \"", &format!("file = \"{}/", folder.display())),
+        name: "test".to_owned(),
+        text: text.to_owned(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    let overrides = Overrides {
+        folder: folder.to_owned(),
+        ..Overrides::default()
+    };
+    load(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 /// The least distance of many poses.
