@@ -268,10 +268,8 @@ impl Kantorovich {
         self.derive(system, n, n);
         let columns = self.matrix.rows().map(|row| &row.as_flattened()[..n]);
         let sparse = self.sparse.invert_columns(columns, n, &mut self.inverse);
-        let pivots = sparse.or_else(|| {
-            self.elimination
-                .invert_matrix(&self.matrix, &mut self.inverse)
-        });
+        let dense = &mut self.elimination;
+        let pivots = sparse.or_else(|| dense.invert_matrix(&self.matrix, &mut self.inverse));
         pivots.map(|_| ()).ok_or(Reason::Singular)
     }
 
