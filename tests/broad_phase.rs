@@ -222,7 +222,7 @@ fn what_has_no_end_is_near_to_everything() {
 fn near_pairs_grow_with_the_bodies() {
     for count in [50, 200, 400] {
         let scene = open(&arms(count, 80.0, DRIVES[0]));
-        let report = check(&scene, &motion(&scene, 4), 1.0);
+        let report = check(&scene, &motion(&scene, 21), 1.0);
         assert!(
             report.judged.len() <= 200 + 4 * count,
             "{count}: {}",

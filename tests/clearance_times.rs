@@ -124,7 +124,7 @@ fn every_report_says_when() {
         "m.svg",
     ];
     let text = w.run(&args).exits(1).text();
-    let words = "below its minimum at t = 0.49";
+    let words = "below its minimum at t = 0.5";
     assert!(
         text.contains(words) && text.contains("to 2.000000 s; kept at all other times (proved)"),
         "{text}"

@@ -14,11 +14,11 @@ use program::Workspace;
 fn scene(nose: f64, rules: &str) -> String {
     format!(
         "title = \"slot\"\nduration = 2\nunits = {{ length = \"mm\", angle = \"rad\" }}\n\
-         [inputs]\nx = \"10*sin(3*t)\"\n\
+         [inputs]\nx = \"10*sin(3*t)\"\nw = \"0*t\"\n\
          [[bodies]]\nname = \"block\"\nshapes = [{{ box = {{ size = [40, 10, 10] }} }}, {{ sphere = {{ center = [40, 0, 30], radius = 2 }} }}]\n\
-         [[bodies]]\nname = \"slider one\"\nframe = \"Tx(x)\"\nshapes = [{{ sphere = {{ center = [0, 0, 6], radius = 2 }} }}, \
+         [[bodies]]\nname = \"slider one\"\nframe = \"Tx(x) Ry(w) Rz(w)\"\nshapes = [{{ sphere = {{ center = [0, 0, 6], radius = 2 }} }}, \
          {{ capsule = {{ from = [0, 0, 30], to = [{nose}, 0, 30], radius = 1 }} }}]\n\
-         [[bodies]]\nname = \"slider two\"\nframe = \"Ty(50) Tx(2*x)\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n\
+         [[bodies]]\nname = \"slider two\"\nframe = \"Ty(50) Tx(2*x) Ry(w) Rz(w)\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n\
          [clearance]\nminimum = 0.5\n{rules}\n"
     )
 }

@@ -49,6 +49,11 @@ impl Piece {
             near: None,
         }
     }
+
+    /// Where it begins and ends on its stretch.
+    pub(super) fn ends_of(&self) -> [f64; 2] {
+        [self.middle - self.half, self.middle + self.half]
+    }
 }
 
 /// What a look at a piece found.

@@ -11,7 +11,7 @@ use super::sweep::PairSweep;
 /// Most pieces looked at for one pair.
 const MOST_LOOKS: usize = 6_000;
 
-/// Times are told to this part of a stretch.
+/// Times are told to this part of a stretch of mean length.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
 /// Times are rounded, and those of jumps are known, to this part of the whole motion.
@@ -86,6 +86,8 @@ impl PairSweep<'_> {
     fn low_pieces(&self, motion: &mut Motion, goal: f64) -> Vec<Low> {
         let mut open: Vec<Piece> = (0..motion.roots).map(Piece::whole).collect();
         let (mut low, mut looks) = (Vec::new(), 0);
+        let [start, end] = motion.span();
+        let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
         while let Some(piece) = open.pop() {
             looks += 1;
             let look = self.look(motion, &piece, [goal; 2]);
@@ -98,7 +100,9 @@ impl PairSweep<'_> {
                 piece.half,
             );
             let highest = look.middle + moved.distance(self.hulls[1].ball);
-            let is_short = piece.half <= SHORTEST || looks >= MOST_LOOKS;
+            // In time, since narrower bounds are had by halving the stretch, not the piece.
+            let [from, to] = motion.times(piece.stretch, piece.ends_of());
+            let is_short = to - from <= shortest || looks >= MOST_LOOKS;
             let halves = match is_short || highest < goal {
                 true => None,
                 false => parts(motion, &piece, &look),
@@ -171,8 +175,7 @@ impl PairSweep<'_> {
 
 impl Low {
     fn new(motion: &Motion, piece: Piece, middle: f64) -> Self {
-        let ends = [piece.middle - piece.half, piece.middle + piece.half];
-        let ends = motion.times(piece.stretch, ends);
+        let ends = motion.times(piece.stretch, piece.ends_of());
         Self::over(motion, ends, middle, Some(piece))
     }
 

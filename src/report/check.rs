@@ -1,6 +1,7 @@
 //! The report on a whole motion as text and as JSON: what every part found, and the one verdict.
 
 use super::clearance;
+use super::clearance_json;
 use super::closure;
 use super::events::gaps;
 use super::freedoms;
@@ -143,7 +144,7 @@ impl<'a> MotionReport<'a> {
         let result = (verdict.result_of(CLEARANCE), self.asked.band);
         let clearance = self
             .clearances
-            .map(|found| clearance::to_json(mechanism, found, result));
+            .map(|found| clearance_json::to_json(mechanism, found, result));
         json!({
             "schema": "mechanim-check/1",
             "title": mechanism.title,

@@ -1,14 +1,11 @@
-//! The clearance report as cases of a verdict, as a table for people, as JSON and CSV. Nothing is computed here.
+//! The clearance report as cases of a verdict, as a table for people and as CSV. Nothing is computed here.
 
 use super::cells::quoted;
 use super::rounded::{at_least_three, at_most_three, not_below};
 use super::verdict::{Asked, CLEARANCE, Case, Status};
-use crate::clearance::check::{
-    ClearanceReport, FarPairs, Judgement, PairReport, Violation, Violations,
-};
+use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
-use serde_json::{Value, json};
 
 /// More excluded pairs with one reason are one line of the table. JSON and JUnit have all of them.
 const MOST_OF_ONE_REASON: usize = 3;
@@ -51,83 +48,8 @@ pub fn shape_name(mechanism: &Mechanism, body: usize, shape: usize) -> String {
     format!("{kind} {}", shape + 1)
 }
 
-fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
+pub(super) fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
     [0, 1].map(|k| shape_name(mechanism, pair.pair[k], pair.least.shapes[k]))
-}
-
-/// The report as the `clearance` object of `mechanim-check/1`; `result` is what its cases came to, and
-/// pairs within `band` of their minimum are near.
-pub fn to_json(
-    mechanism: &Mechanism,
-    report: &ClearanceReport,
-    (result, band): (Status, Option<f64>),
-) -> Value {
-    let pair = |p: &PairReport| {
-        let judged = reason(&p.judgement).is_none();
-        let mut value = json!({
-            "bodies": names(mechanism, p),
-            "verdict": word(&p.judgement),
-            "distance": p.least.distance,
-            "minimum": p.minimum,
-            "time": p.least.time,
-            "points": p.least.points.map(|q| q.to_array()),
-            "shapes": shapes(mechanism, p),
-            "inside": p.least.inside,
-        });
-        if let Some(object) = value.as_object_mut() {
-            if judged {
-                object.insert("class".to_owned(), json!(p.class(band).word()));
-                object.insert("bound".to_owned(), json!(p.least.bound));
-                object.insert("certified".to_owned(), json!(p.least.is_certified));
-                object.insert("refined".to_owned(), json!(p.least.is_refined));
-                object.insert("slack".to_owned(), json!(p.slack));
-                if let Some(violations) = &p.violations {
-                    object.insert("violations".to_owned(), violations_json(violations));
-                }
-                if let Some(farthest) = p.farthest {
-                    object.insert("farthest".to_owned(), json!(farthest));
-                }
-            }
-            if let Some(reason) = reason(&p.judgement) {
-                object.insert("reason".to_owned(), json!(reason));
-            }
-        }
-        value
-    };
-    json!({
-        "unit": mechanism.length_unit,
-        "tolerance": report.tolerance,
-        "passed": result == Status::Passed,
-        "judged": report.judged_count(),
-        "pairs": report.judged.iter().map(pair).collect::<Vec<_>>(),
-        "far": report.far.map(|far| json!({
-            "pairs": far.count,
-            "verdict": word(&far.judgement()),
-            "bound": far.apart,
-            "certified": far.is_certified,
-        })),
-        "excluded": report.excluded.iter().map(pair).collect::<Vec<_>>(),
-        "counted": report.counted.iter().map(counted).collect::<Vec<_>>(),
-        "unchecked": report.gaps,
-        "warnings": report.warnings,
-    })
-}
-
-/// When a pair is too near.
-fn violations_json(violations: &Violations) -> Value {
-    let one = |v: &Violation| {
-        json!({
-            "from": v.from,
-            "to": v.to,
-            "seen": v.is_seen,
-            "distance": v.distance,
-            "time": v.time,
-        })
-    };
-    json!({
-        "certified": violations.is_certified,
-        "intervals": violations.list.iter().map(one).collect::<Vec<_>>(),
-    })
 }
 
 /// When a pair is too near, in words; `None` if nothing is known of that.
@@ -151,15 +73,6 @@ fn violations_sentence(p: &PairReport) -> Option<String> {
         .then(|| format!("below its minimum at {shown}{more}; kept at all other times ({sure})"))
 }
 
-/// Excluded pairs of which only the number is told.
-fn counted((judgement, count): &(Judgement, usize)) -> Value {
-    json!({
-        "verdict": word(judgement),
-        "reason": reason(judgement),
-        "pairs": count,
-    })
-}
-
 /// One sentence on a pair.
 pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     let unit = &mechanism.length_unit;
@@ -180,7 +93,7 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
 }
 
 /// Why a pair is not judged: the joint, or the words of the scene.
-fn reason(judgement: &Judgement) -> Option<&str> {
+pub(super) fn reason(judgement: &Judgement) -> Option<&str> {
     match judgement {
         Judgement::Neighbours(joint) => Some(joint),
         Judgement::Ignored(reason) => Some(reason),

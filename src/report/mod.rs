@@ -4,6 +4,7 @@ pub mod assemblies;
 pub mod cells;
 pub mod check;
 pub mod clearance;
+mod clearance_json;
 pub mod closure;
 pub mod events;
 pub mod freedoms;

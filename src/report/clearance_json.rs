@@ -1,0 +1,91 @@
+//! The clearance report as an object of the JSON document.
+
+use super::clearance::{names, reason, shapes, word};
+use super::verdict::Status;
+use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
+use crate::model::mechanism::Mechanism;
+use serde_json::{Value, json};
+
+/// The report as the `clearance` object of `mechanim-check/1`; `result` is what its cases came to, and
+/// pairs within `band` of their minimum are near.
+pub fn to_json(
+    mechanism: &Mechanism,
+    report: &ClearanceReport,
+    (result, band): (Status, Option<f64>),
+) -> Value {
+    let pair = |p: &PairReport| {
+        let judged = reason(&p.judgement).is_none();
+        let mut value = json!({
+            "bodies": names(mechanism, p),
+            "verdict": word(&p.judgement),
+            "distance": p.least.distance,
+            "minimum": p.minimum,
+            "time": p.least.time,
+            "points": p.least.points.map(|q| q.to_array()),
+            "shapes": shapes(mechanism, p),
+            "inside": p.least.inside,
+        });
+        if let Some(object) = value.as_object_mut() {
+            if judged {
+                object.insert("class".to_owned(), json!(p.class(band).word()));
+                object.insert("bound".to_owned(), json!(p.least.bound));
+                object.insert("certified".to_owned(), json!(p.least.is_certified));
+                object.insert("refined".to_owned(), json!(p.least.is_refined));
+                object.insert("slack".to_owned(), json!(p.slack));
+                if let Some(violations) = &p.violations {
+                    object.insert("violations".to_owned(), violations_json(violations));
+                }
+                if let Some(farthest) = p.farthest {
+                    object.insert("farthest".to_owned(), json!(farthest));
+                }
+            }
+            if let Some(reason) = reason(&p.judgement) {
+                object.insert("reason".to_owned(), json!(reason));
+            }
+        }
+        value
+    };
+    json!({
+        "unit": mechanism.length_unit,
+        "tolerance": report.tolerance,
+        "passed": result == Status::Passed,
+        "judged": report.judged_count(),
+        "pairs": report.judged.iter().map(pair).collect::<Vec<_>>(),
+        "far": report.far.map(|far| json!({
+            "pairs": far.count,
+            "verdict": word(&far.judgement()),
+            "bound": far.apart,
+            "certified": far.is_certified,
+        })),
+        "excluded": report.excluded.iter().map(pair).collect::<Vec<_>>(),
+        "counted": report.counted.iter().map(counted).collect::<Vec<_>>(),
+        "unchecked": report.gaps,
+        "warnings": report.warnings,
+    })
+}
+
+/// When a pair is too near.
+fn violations_json(violations: &Violations) -> Value {
+    let one = |v: &Violation| {
+        json!({
+            "from": v.from,
+            "to": v.to,
+            "seen": v.is_seen,
+            "distance": v.distance,
+            "time": v.time,
+        })
+    };
+    json!({
+        "certified": violations.is_certified,
+        "intervals": violations.list.iter().map(one).collect::<Vec<_>>(),
+    })
+}
+
+/// Excluded pairs of which only the number is told.
+fn counted((judgement, count): &(Judgement, usize)) -> Value {
+    json!({
+        "verdict": word(judgement),
+        "reason": reason(judgement),
+        "pairs": count,
+    })
+}
