@@ -73,7 +73,7 @@ pub fn check(
         without_inside: Vec::new(),
         tolerance: closely.tolerance,
     };
-    let all = selection.pairs.len();
+    let (all, poses) = (selection.pairs.len(), motion.instants.len());
     for (done, &[a, b]) in selection.pairs.iter().enumerate() {
         progress(done, all);
         let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
@@ -89,6 +89,7 @@ pub fn check(
             with_times: closely.times,
         };
         let found = asked.look(&mut motion);
+        motion.forget(poses);
         let timed = |pair: PairReport| PairReport {
             seconds: begun.elapsed().as_secs_f64(),
             ..pair

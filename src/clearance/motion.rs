@@ -175,6 +175,13 @@ impl<'m> Motion<'m> {
         places.map(|place| self.samples[place]).collect()
     }
 
+    /// Forgets poses that were solved for one pair only: those of many bodies are large. Estimated stretches refer to theirs.
+    pub fn forget(&mut self, from: usize) {
+        if self.stretches.iter().all(|s| s.is_certified) {
+            self.instants.truncate(from);
+        }
+    }
+
     /// Whether all of it is proved.
     pub fn is_certified(&self) -> bool {
         let mut roots = self.stretches[..self.roots].iter();
