@@ -32,7 +32,10 @@ const BALL_PIXELS: f64 = 3.6;
 /// Height of the label as a fraction of the picture's.
 const LABEL_SIZE: f64 = 0.035;
 
-/// From one line above the picture to the next, in heights of a label.
+/// Where the lines above the picture begin, below the title: parts of its width and height.
+const CAPTION: [f64; 2] = [0.016, 0.08];
+
+/// From one of them to the next, in heights of a label.
 const CAPTION_LINE: f64 = 1.5;
 
 /// A distance that is shown.
@@ -107,19 +110,19 @@ impl Marks {
         let Some(measure) = &self.measure else {
             return Vec::new();
         };
-        let label = |text: &str, anchor: Anchor| Label {
+        let label = |text: &str, anchor: Anchor, plate: bool| Label {
             text: text.to_owned(),
             anchor,
             size: LABEL_SIZE * height,
             colour: LINE,
-            plate: true,
+            plate,
             yields: false,
         };
         let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, Anchor::Beside(middle));
+        let beside = label(&measure.text, Anchor::Beside(middle), true);
         let line = |(k, text): (usize, &String)| {
-            let top = LABEL_SIZE * (1.0 + CAPTION_LINE * k as f64);
-            label(text, Anchor::Screen([LABEL_SIZE, top]))
+            let top = CAPTION[1] + CAPTION_LINE * LABEL_SIZE * k as f64;
+            label(text, Anchor::Screen([CAPTION[0], top]), false)
         };
         let above = measure.caption.iter().enumerate().map(line);
         std::iter::once(beside).chain(above).collect()
