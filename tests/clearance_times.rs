@@ -74,8 +74,8 @@ fn times_are_those_of_the_formula() {
                 assert!(violation.is_seen, "{said}");
                 // Never inside of the truth, and near it.
                 let (early, late) = (from - violation.from, violation.to - to);
-                assert!(early >= -1e-9 && early < 2e-3, "{said} {from}");
-                assert!(late >= -1e-9 && late < 2e-3, "{said} {to}");
+                assert!((-1e-9..2e-3).contains(&early), "{said} {from}");
+                assert!((-1e-9..2e-3).contains(&late), "{said} {to}");
             }
         }
     }

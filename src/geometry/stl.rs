@@ -67,7 +67,7 @@ pub enum StlError {
         /// The file.
         path: String,
     },
-    /// A coordinate that is infinite, not a number, or beyond [`LARGEST`].
+    /// A coordinate that is infinite, not a number, or beyond `LARGEST`.
     #[error(
         "triangle {triangle} of {path} has a corner that is not a finite number, or beyond {LARGEST:e}"
     )]

@@ -10,6 +10,7 @@ use crate::kinematics::solve::assembly::smallest_gap;
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::mechanism::Kind;
 use crate::model::printed::InputReading;
 use glam::DVec3;
 
@@ -79,6 +80,19 @@ impl<'s> Recorder<'s> {
         self
     }
 
+    /// By how many radians an input turns from one sample to the next, at most.
+    fn turned(&self, before: Option<f64>, time: f64) -> f64 {
+        let actuation = self.tracker.actuation();
+        let Some(before) = before else {
+            return 0.0;
+        };
+        let inputs = self.tracker.system().mechanism().inputs.iter();
+        let ends = [before, time].map(|time| actuation.inputs_at(time));
+        let ways = inputs.zip(ends[0].iter().zip(&ends[1]));
+        let angles = ways.filter(|(input, _)| input.kind == Kind::Angle);
+        angles.map(|(_, (a, b))| (b - a).abs()).fold(0.0, f64::max)
+    }
+
     pub fn run(mut self, times: &[f64]) -> Trajectory {
         let mut last: Option<PathPoint> = None;
         let mut lost = false;
@@ -91,7 +105,8 @@ impl<'s> Recorder<'s> {
                 None => self.tracker.actuation().duration,
             };
             self.tracker.solver.iterations = 0;
-            self.tracker.budget.refill();
+            let before = index.checked_sub(1).map(|before| times[before]);
+            self.tracker.budget.refill(self.turned(before, time));
             let reached = match (&last, lost) {
                 (None, _) => self.start(time),
                 (Some(last), true) => self.resume(last.clone(), time),

@@ -11,6 +11,9 @@ const MOST_STEPS: usize = 2_000_000;
 /// it has.
 const STEPS_OF_SAMPLE: usize = 1_000;
 
+/// Steps that every radian adds which an input turns between two samples: three times what a crank takes.
+const STEPS_OF_RADIAN: f64 = 20.0;
+
 /// How many steps a motion may still take, back and forth and whoever takes them: what bounds the time it is followed.
 #[derive(Clone, Debug)]
 pub struct StepBudget(Rc<Cell<usize>>);
@@ -34,9 +37,12 @@ impl StepBudget {
         self.0.get() == 0
     }
 
-    /// Adds those of another sample.
-    pub fn refill(&self) {
-        self.0.set((self.0.get() + STEPS_OF_SAMPLE).min(MOST_STEPS));
+    /// Adds those of another sample, before which an input turns by so many radians.
+    pub fn refill(&self, turned: f64) {
+        let of_turns = (STEPS_OF_RADIAN * turned) as usize;
+        let more = STEPS_OF_SAMPLE.saturating_add(of_turns);
+        self.0
+            .set(self.0.get().saturating_add(more).min(MOST_STEPS));
     }
 }
 
@@ -104,18 +110,27 @@ mod tests {
         let budget = StepBudget::default();
         let scout = budget.clone();
         for _ in 0..3 {
-            budget.refill();
+            budget.refill(0.0);
         }
         assert_eq!(
             (0..2 * MOST_STEPS).filter(|_| scout.take()).count(),
             MOST_STEPS
         );
         assert!(budget.is_spent());
-        budget.refill();
+        budget.refill(0.0);
         assert_eq!(
             (0..MOST_STEPS).filter(|_| budget.take()).count(),
             STEPS_OF_SAMPLE
         );
+        // Turns need steps; no number of them brings more than there are at first.
+        for (turned, steps) in [
+            (1e3, 21_000),
+            (f64::INFINITY, MOST_STEPS),
+            (f64::NAN, STEPS_OF_SAMPLE),
+        ] {
+            budget.refill(turned);
+            assert_eq!((0..2 * MOST_STEPS).filter(|_| budget.take()).count(), steps);
+        }
     }
 
     /// A wall at 0.6: the steps get there to the smallest one, and the end is met exactly where there is none.
