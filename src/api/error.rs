@@ -4,6 +4,7 @@ use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest};
 use crate::export::ExportError;
 use crate::export::pump::PumpError;
 use crate::kinematics::structure::block::StructureError;
+use crate::limits::LimitExceeded;
 use crate::render::RenderError;
 use crate::scene::source::SourceError;
 use std::fmt;
@@ -22,6 +23,8 @@ pub enum ErrorKind {
     Argument,
     /// A picture or a file could not be made.
     File,
+    /// More memory, or numbers of a motion, than a process may use.
+    Limit,
 }
 
 /// Why something could not be done: a kind, a message, and hints how to mend it.
@@ -116,6 +119,12 @@ impl From<SceneError> for Error {
 impl From<StructureError> for Error {
     fn from(error: StructureError) -> Self {
         Self::new(ErrorKind::Mechanism, error.to_string(), Vec::new())
+    }
+}
+
+impl From<LimitExceeded> for Error {
+    fn from(error: LimitExceeded) -> Self {
+        Self::new(ErrorKind::Limit, error.to_string(), Vec::new())
     }
 }
 

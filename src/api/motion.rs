@@ -9,7 +9,7 @@ use crate::export::{Output, Stream};
 use crate::kinematics::certificate::rows::redundant;
 use crate::kinematics::measures::measure;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
-use crate::kinematics::motion::sampling::{MAX_SAMPLES, even_times, frame_times, only};
+use crate::kinematics::motion::sampling::{MAX_SAMPLES, allow, even_times, frame_times, only};
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::report::sentences::{gap_sentence, sentence};
 use crate::report::table::{Columns, write_csv, write_json};
@@ -32,7 +32,7 @@ pub enum Samples {
 impl Samples {
     /// Times to be kept, and times to be solved.
     ///
-    /// Errors: none, too many, out of order, outside the motion.
+    /// Errors: none, too many, out of order, outside the motion, more than the limits of a run allow.
     pub(super) fn times(&self, loaded: &Loaded) -> Result<[Vec<f64>; 2], Error> {
         let (mechanism, actuation) = (&loaded.scene.mechanism, &loaded.scene.actuation);
         let frames = || frame_times(mechanism, actuation, loaded.scene.view.fps);
@@ -61,6 +61,7 @@ impl Samples {
             solved.sort_by(f64::total_cmp);
             solved.dedup();
         }
+        allow(mechanism, solved.len())?;
         Ok([kept, solved])
     }
 }

@@ -106,7 +106,7 @@ impl<'s> Recorder<'s> {
             };
             self.tracker.solver.iterations = 0;
             let before = index.checked_sub(1).map(|before| times[before]);
-            self.tracker.budget.refill(self.turned(before, time));
+            self.tracker.budget.refill(|| self.turned(before, time));
             let reached = match (&last, lost) {
                 (None, _) => self.start(time),
                 (Some(last), true) => self.resume(last.clone(), time),

@@ -37,12 +37,15 @@ impl StepBudget {
         self.0.get() == 0
     }
 
-    /// Adds those of another sample, before which an input turns by so many radians.
-    pub fn refill(&self, turned: f64) {
-        let of_turns = (STEPS_OF_RADIAN * turned) as usize;
-        let more = STEPS_OF_SAMPLE.saturating_add(of_turns);
-        self.0
-            .set(self.0.get().saturating_add(more).min(MOST_STEPS));
+    /// Adds those of another sample, before which an input turns by so many radians; they are asked for only if it matters.
+    pub fn refill(&self, turned: impl FnOnce() -> f64) {
+        let left = self.0.get() + STEPS_OF_SAMPLE;
+        let missing = MOST_STEPS.saturating_sub(left);
+        let of_turns = match missing {
+            0 => 0,
+            _ => (STEPS_OF_RADIAN * turned()) as usize,
+        };
+        self.0.set(left.saturating_add(of_turns).min(MOST_STEPS));
     }
 }
 
@@ -110,14 +113,14 @@ mod tests {
         let budget = StepBudget::default();
         let scout = budget.clone();
         for _ in 0..3 {
-            budget.refill(0.0);
+            budget.refill(|| 0.0);
         }
         assert_eq!(
             (0..2 * MOST_STEPS).filter(|_| scout.take()).count(),
             MOST_STEPS
         );
         assert!(budget.is_spent());
-        budget.refill(0.0);
+        budget.refill(|| 0.0);
         assert_eq!(
             (0..MOST_STEPS).filter(|_| budget.take()).count(),
             STEPS_OF_SAMPLE
@@ -128,7 +131,7 @@ mod tests {
             (f64::INFINITY, MOST_STEPS),
             (f64::NAN, STEPS_OF_SAMPLE),
         ] {
-            budget.refill(turned);
+            budget.refill(|| turned);
             assert_eq!((0..2 * MOST_STEPS).filter(|_| budget.take()).count(), steps);
         }
     }
