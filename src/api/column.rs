@@ -29,8 +29,20 @@ impl Column {
         }
     }
 
+    /// Where it stands among the slots that formulas of a pose may use.
+    pub(super) fn slot(self, mechanism: &Mechanism) -> usize {
+        let unknowns = mechanism.unknowns.len();
+        let coordinates = unknowns + mechanism.inputs.len();
+        match self {
+            Self::Unknown(k) => k,
+            Self::Input(k) => unknowns + k,
+            Self::Trace(k, axis) => coordinates + 3 * k + axis,
+            Self::Output(k) => coordinates + 3 * mechanism.traces.len() + k,
+        }
+    }
+
     /// What it measures.
-    fn kind(self, mechanism: &Mechanism) -> Kind {
+    pub(super) fn kind(self, mechanism: &Mechanism) -> Kind {
         match self {
             Self::Input(k) => mechanism.inputs[k].kind,
             Self::Unknown(k) => mechanism.unknowns[k].kind,

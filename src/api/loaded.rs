@@ -1,10 +1,29 @@
 //! What a scene, its motions and its checks share.
 
+use super::error::Error;
+use crate::diag::Source;
 use crate::kinematics::structure::system::System;
-use crate::scene::Scene;
+use crate::scene::{Overrides, Scene, load};
+use std::sync::Arc;
 
 /// A scene as read, and its mechanism as analysed.
 pub(super) struct Loaded {
+    pub(super) text: Source,
+    pub(super) overrides: Overrides,
     pub(super) scene: Scene,
     pub(super) system: System,
+}
+
+impl Loaded {
+    /// Errors: mistakes in the scene; a mechanism that is not determined.
+    pub(super) fn new(text: Source, overrides: Overrides) -> Result<Self, Error> {
+        let scene = load(&text, &overrides)?;
+        let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+        Ok(Self {
+            text,
+            overrides,
+            scene,
+            system,
+        })
+    }
 }

@@ -3,11 +3,13 @@
 mod assembly;
 mod check;
 mod column;
+mod derivatives;
 mod error;
 mod film;
 mod loaded;
 mod motion;
 mod pose;
+mod rows;
 mod scene;
 
 pub use assembly::Assembly;

@@ -68,8 +68,8 @@ impl Samples {
 
 /// The motion of a scene over its drive: a value, which stays valid whatever becomes of the scene.
 pub struct Motion {
-    loaded: Arc<Loaded>,
-    trajectory: Trajectory,
+    pub(super) loaded: Arc<Loaded>,
+    pub(super) trajectory: Trajectory,
 }
 
 impl fmt::Debug for Motion {
@@ -80,11 +80,14 @@ impl fmt::Debug for Motion {
 }
 
 impl Motion {
-    pub(super) fn solve(loaded: Arc<Loaded>, samples: &Samples) -> Result<Self, Error> {
+    pub(super) fn solve(
+        loaded: Arc<Loaded>,
+        samples: &Samples,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<Self, Error> {
         let [kept, solved] = samples.times(&loaded)?;
         let actuation = &loaded.scene.actuation;
-        let never = || false;
-        let all = solve_proved(&loaded.system, actuation, &solved, Proofs::Poses, &never);
+        let all = solve_proved(&loaded.system, actuation, &solved, Proofs::Poses, cancelled);
         let trajectory = match kept.len() == solved.len() {
             true => all,
             false => only(actuation, &all, &kept),

@@ -5,6 +5,7 @@ use super::error::Error;
 use super::loaded::Loaded;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use crate::math;
 
 /// A closed pose of a motion: values, places of bodies, residual, rank, condition, branch, certificate.
 #[derive(Clone, Copy)]
@@ -104,12 +105,21 @@ impl<'m> Pose<'m> {
             let names = bodies.iter().map(|b| b.name.as_str());
             return Err(Error::unknown_name("body", body, names));
         };
-        let world_from_body = &self.pose.bodies[index];
-        let rows = world_from_body.rotation.transpose();
-        Ok(Placement {
-            rotation: rows.to_cols_array_2d(),
-            translation: world_from_body.translation.to_array(),
-        })
+        Ok(placement(&self.pose.bodies[index]))
+    }
+
+    /// Where every body is, in the order of [`Scene::bodies`](crate::Scene::bodies).
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let scene = Scene::builtin("bennett")?;
+    /// let motion = scene.solve(Samples::At(vec![0.0]))?;
+    /// let pose = motion.pose(0).ok_or("no pose")?;
+    /// assert_eq!(pose.placements()[1], pose.placement(scene.bodies()[1])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn placements(&self) -> Vec<Placement> {
+        self.pose.bodies.iter().map(placement).collect()
     }
 
     /// Largest gap of any loop relative to the mechanism's size, from an independent product.
@@ -186,5 +196,13 @@ impl<'m> Pose<'m> {
     /// ```
     pub fn certificate(&self) -> Certificate {
         self.pose.certificate
+    }
+}
+
+fn placement(world_from_body: &math::Pose) -> Placement {
+    let rows = world_from_body.rotation.transpose();
+    Placement {
+        rotation: rows.to_cols_array_2d(),
+        translation: world_from_body.translation.to_array(),
     }
 }

@@ -6,12 +6,13 @@ use super::column::columns;
 use super::error::{Error, line};
 use super::loaded::Loaded;
 use super::motion::{Motion, Samples};
+use super::rows;
 use crate::diag::Source;
-use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Kind;
-use crate::scene::{Overrides, builtin, load, source};
+use crate::scene::{Overrides, builtin, source};
 use std::fmt;
 use std::fmt::Display;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A mechanism with its drive, bodies and view, read from the text of a scene.
@@ -31,14 +32,12 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone)]
 pub struct Scene {
-    text: Source,
-    overrides: Overrides,
     loaded: Arc<Loaded>,
 }
 
 impl fmt::Debug for Scene {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Scene({})", self.text.name)
+        write!(f, "Scene({})", self.loaded.text.name)
     }
 }
 
@@ -122,6 +121,28 @@ impl Scene {
         Self::load(text, Overrides::default())
     }
 
+    /// The same, with the meshes that it names looked for in `folder`.
+    ///
+    /// Errors: mistakes, likewise.
+    ///
+    /// ```
+    /// let text = std::fs::read_to_string("scenes/four-bar.toml").unwrap_or_default();
+    /// let scene = mechanim::Scene::parse_in("scenes", "four-bar", &text)?;
+    /// assert_eq!(scene.text(), text);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn parse_in(folder: impl Into<PathBuf>, name: &str, text: &str) -> Result<Self, Error> {
+        let text = Source {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        };
+        let overrides = Overrides {
+            folder: folder.into(),
+            ..Overrides::default()
+        };
+        Self::load(text, overrides)
+    }
+
     /// The scene with a parameter changed: to a number in the scene's units, or a formula.
     ///
     /// Errors: no such parameter; values that the mechanism does not allow.
@@ -133,9 +154,7 @@ impl Scene {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn with_parameter(&self, name: &str, value: impl Display) -> Result<Self, Error> {
-        let mut overrides = self.overrides.clone();
-        set(&mut overrides.parameters, name, &value);
-        Self::load(self.text.clone(), overrides)
+        self.changed(|overrides| set(&mut overrides.parameters, name, &value))
     }
 
     /// The scene with an input driven otherwise: a formula of the time `t` in seconds.
@@ -149,9 +168,25 @@ impl Scene {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn with_input(&self, name: &str, formula: impl Display) -> Result<Self, Error> {
-        let mut overrides = self.overrides.clone();
-        set(&mut overrides.inputs, name, &formula);
-        Self::load(self.text.clone(), overrides)
+        self.changed(|overrides| set(&mut overrides.inputs, name, &formula))
+    }
+
+    /// The scene driven through rows of values: row `k` is met at `times[k]` seconds, and the way between is straight.
+    /// Every input of the scene has a column, in the scene's units.
+    ///
+    /// Errors: an input without a column, a column for none; columns of other lengths than the times, which ascend from
+    /// zero or later.
+    ///
+    /// ```
+    /// let scene = mechanim::Scene::builtin("slider-crank")?;
+    /// let driven = scene.with_rows(&[0.0, 1.0, 2.0], &[("phi", &[0.0, 0.4, 0.6])])?;
+    /// let motion = driven.solve(mechanim::Samples::At(vec![0.5, 2.0]))?;
+    /// assert_eq!(motion.values("phi")?, [0.2, 0.6]);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn with_rows(&self, times: &[f64], columns: &[(&str, &[f64])]) -> Result<Self, Error> {
+        let drives = rows::drives(&self.loaded.scene.mechanism, times, columns)?;
+        self.changed(|overrides| overrides.drives = Some(drives))
     }
 
     /// The scene with a start value for an unknown: the assembly nearest to the named start values is taken.
@@ -165,19 +200,19 @@ impl Scene {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn with_guess(&self, name: &str, value: impl Display) -> Result<Self, Error> {
-        let mut overrides = self.overrides.clone();
-        set(&mut overrides.guess, name, &value);
-        Self::load(self.text.clone(), overrides)
+        self.changed(|overrides| set(&mut overrides.guess, name, &value))
     }
 
     fn load(text: Source, overrides: Overrides) -> Result<Self, Error> {
-        let scene = load(&text, &overrides)?;
-        let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
-        Ok(Self {
-            text,
-            overrides,
-            loaded: Arc::new(Loaded { scene, system }),
-        })
+        let loaded = Arc::new(Loaded::new(text, overrides)?);
+        Ok(Self { loaded })
+    }
+
+    /// The same text with other values put in place of its own.
+    fn changed(&self, change: impl FnOnce(&mut Overrides)) -> Result<Self, Error> {
+        let mut overrides = self.loaded.overrides.clone();
+        change(&mut overrides);
+        Self::load(self.loaded.text.clone(), overrides)
     }
 
     /// Its title.
@@ -190,6 +225,26 @@ impl Scene {
         &self.loaded.scene.mechanism.title
     }
 
+    /// What messages call it: the name of a built-in scene, a path, or what was given with the text.
+    ///
+    /// ```
+    /// assert_eq!(mechanim::Scene::builtin("bennett")?.name(), "bennett");
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn name(&self) -> &str {
+        &self.loaded.text.name
+    }
+
+    /// The text that it was read from, without the values put in place of its own.
+    ///
+    /// ```
+    /// assert!(mechanim::Scene::builtin("bennett")?.text().contains("[loops]"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn text(&self) -> &str {
+        &self.loaded.text.text
+    }
+
     /// What is odd in the text, but usable: one line each with its place.
     ///
     /// ```
@@ -198,7 +253,7 @@ impl Scene {
     /// ```
     pub fn warnings(&self) -> Vec<String> {
         let sorted = self.loaded.scene.warnings.sorted();
-        sorted.iter().map(|d| line(&self.text, d)).collect()
+        sorted.iter().map(|d| line(&self.loaded.text, d)).collect()
     }
 
     /// How long the motion lasts, in seconds.
@@ -276,7 +331,26 @@ impl Scene {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn solve(&self, samples: Samples) -> Result<Motion, Error> {
-        Motion::solve(Arc::clone(&self.loaded), &samples)
+        self.solve_until(samples, &|| false)
+    }
+
+    /// The same, given up as soon as `cancelled` says so, which is asked between the steps; the samples behind have no
+    /// pose then.
+    ///
+    /// Errors: times outside the motion, or out of order.
+    ///
+    /// ```
+    /// let scene = mechanim::Scene::builtin("gearshift")?;
+    /// let motion = scene.solve_until(mechanim::Samples::Even(20), &|| true)?;
+    /// assert!(!motion.is_whole());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn solve_until(
+        &self,
+        samples: Samples,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<Motion, Error> {
+        Motion::solve(Arc::clone(&self.loaded), &samples, cancelled)
     }
 
     /// Checks all that the scene asks for: that the loops close, proofs, measures within their limits, clearances.

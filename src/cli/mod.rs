@@ -9,6 +9,7 @@ pub mod io;
 pub mod motion;
 pub mod open;
 pub mod pictures;
+pub mod program;
 pub mod study;
 mod term;
 pub mod watch;

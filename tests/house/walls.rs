@@ -13,7 +13,7 @@ struct Wall {
 const WALLS: [Wall; 19] = [
     Wall {
         words: &["nix::"],
-        rooms: &["main.rs"],
+        rooms: &["cli/program.rs"],
     },
     Wall {
         words: &["wgpu::", "pollster::", "bytemuck::"],
@@ -77,7 +77,7 @@ const WALLS: [Wall; 19] = [
     },
     Wall {
         words: &["ctrlc::"],
-        rooms: &["main.rs"],
+        rooms: &["cli/program.rs"],
     },
     // The library does not print.
     Wall {
@@ -86,7 +86,7 @@ const WALLS: [Wall; 19] = [
     },
     Wall {
         words: &["process::exit", "process::abort"],
-        rooms: &["main.rs"],
+        rooms: &["main.rs", "cli/program.rs"],
     },
 ];
 

@@ -1,0 +1,141 @@
+//! Checks and assemblies as values.
+
+use pyo3::prelude::*;
+
+/// The least distance of two bodies over the motion, and what is proved of it.
+#[pyclass(frozen, get_all, module = "mechanim")]
+pub struct PairClearance {
+    /// Names of the two bodies.
+    bodies: (String, String),
+    /// What the scene asks for, in its length unit.
+    minimum: f64,
+    /// The least distance found, negative where they cut.
+    distance: f64,
+    /// When, in seconds.
+    time: f64,
+    /// No distance at any instant is smaller, if `is_proved`.
+    bound: f64,
+    /// Whether `bound` is proved.
+    is_proved: bool,
+    /// Whether the minimum is kept, proved.
+    passed: bool,
+}
+
+#[pymethods]
+impl PairClearance {
+    fn __repr__(&self) -> String {
+        let word = if self.passed { "passed" } else { "not passed" };
+        let (a, b) = &self.bodies;
+        format!(
+            "<{a} / {b}: {:.4} at {:.4} s, {word}>",
+            self.distance, self.time
+        )
+    }
+}
+
+/// The answer to everything that a scene asks for.
+#[pyclass(frozen, module = "mechanim")]
+pub struct Check {
+    inner: mechanim::Check,
+}
+
+impl Check {
+    pub(crate) fn new(inner: mechanim::Check) -> Self {
+        Self { inner }
+    }
+}
+
+#[pymethods]
+impl Check {
+    /// Whether all of it holds.
+    #[getter]
+    fn passed(&self) -> bool {
+        self.inner.passed()
+    }
+
+    /// The report in words, as the program prints it.
+    #[getter]
+    fn text(&self) -> &str {
+        self.inner.text()
+    }
+
+    /// The report as a dictionary, by the schema `mechanim-check-1`.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?
+            .getattr("loads")?
+            .call1((self.inner.to_json(),))
+    }
+
+    /// The report as JUnit XML.
+    #[getter]
+    fn junit(&self) -> String {
+        self.inner.to_junit()
+    }
+
+    /// All judged pairs of bodies, the worst first.
+    #[getter]
+    fn pairs(&self) -> Vec<PairClearance> {
+        let pairs = self.inner.pairs().iter();
+        let pair = |p: &mechanim::PairClearance| {
+            let [a, b] = p.bodies.clone();
+            PairClearance {
+                bodies: (a, b),
+                minimum: p.minimum,
+                distance: p.distance,
+                time: p.time,
+                bound: p.bound,
+                is_proved: p.is_proved,
+                passed: p.passed,
+            }
+        };
+        pairs.map(pair).collect()
+    }
+
+    fn __bool__(&self) -> bool {
+        self.inner.passed()
+    }
+
+    fn __repr__(&self) -> String {
+        let word = if self.inner.passed() {
+            "passed"
+        } else {
+            "not passed"
+        };
+        format!("<mechanim.Check {word}>")
+    }
+}
+
+/// One of the ways in which a mechanism can be put together at the same inputs.
+#[pyclass(frozen, get_all, module = "mechanim")]
+pub struct Assembly {
+    /// Signature of the assembly mode: one sign per block of equations.
+    branch: String,
+    /// Every unknown by name, in the scene's units.
+    values: std::collections::BTreeMap<String, f64>,
+    /// Assemblies of one number put the bodies in the same places.
+    placement: usize,
+    /// Assemblies meet here, or it is a point of a continuous set.
+    is_singular: bool,
+}
+
+impl Assembly {
+    pub(crate) fn new(found: mechanim::Assembly) -> Self {
+        Self {
+            branch: found.branch,
+            values: found.values.into_iter().collect(),
+            placement: found.placement,
+            is_singular: found.is_singular,
+        }
+    }
+}
+
+#[pymethods]
+impl Assembly {
+    fn __repr__(&self) -> String {
+        format!(
+            "<mechanim.Assembly {} placement {}>",
+            self.branch, self.placement
+        )
+    }
+}

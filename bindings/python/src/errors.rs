@@ -1,0 +1,44 @@
+//! Errors of the engine as Python exceptions.
+
+use mechanim::{Error, ErrorKind};
+use pyo3::prelude::*;
+
+/// The exception for an error: a class of `mechanim` with the message, and what may help as `hints`.
+pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
+    let class = match error.kind() {
+        ErrorKind::Source | ErrorKind::Scene => "SceneError",
+        ErrorKind::Mechanism => "MechanismError",
+        ErrorKind::Limit => "LimitError",
+        ErrorKind::File => "FileError",
+        _ => "ArgumentError",
+    };
+    let made = || {
+        let class = py.import("mechanim.errors")?.getattr(class)?;
+        class.call1((error.to_string(), error.hints().to_vec()))
+    };
+    match made() {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(error) => error,
+    }
+}
+
+/// Gives a Python warning of a category of `mechanim`.
+pub fn warn(py: Python<'_>, category: &str, message: &str) -> PyResult<()> {
+    let category = py.import("mechanim.errors")?.getattr(category)?;
+    py.import("warnings")?
+        .getattr("warn")?
+        .call1((message, category, 2))?;
+    Ok(())
+}
+
+/// The value, or the exception.
+pub trait OrRaise<T> {
+    /// Turns an error of the engine into an exception.
+    fn or_raise(self, py: Python<'_>) -> PyResult<T>;
+}
+
+impl<T> OrRaise<T> for Result<T, Error> {
+    fn or_raise(self, py: Python<'_>) -> PyResult<T> {
+        self.map_err(|error| raised(py, &error))
+    }
+}

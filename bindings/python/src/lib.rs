@@ -1,0 +1,36 @@
+//! The Python module: scenes, motions as NumPy arrays, checks, pictures.
+
+mod arrow;
+mod check;
+mod errors;
+mod motion;
+mod scene;
+mod signals;
+mod sweep;
+
+use pyo3::prelude::*;
+
+/// What `import mechanim` offers; the package adds the exceptions and re-exports all of it.
+#[pymodule]
+mod _mechanim {
+    use super::{PyResult, Python, pyfunction};
+    use pyo3::types::PyAnyMethods;
+
+    #[pymodule_export]
+    use super::check::{Assembly, Check, PairClearance};
+    #[pymodule_export]
+    use super::motion::Motion;
+    #[pymodule_export]
+    use super::scene::{Scene, load, loads, scenes};
+    #[pymodule_export]
+    use super::sweep::Table;
+
+    /// Runs the `mechanim` program with the arguments of this process and ends with its exit code.
+    #[pyfunction]
+    fn program(py: Python<'_>) -> PyResult<()> {
+        let arguments: Vec<std::ffi::OsString> = py.import("sys")?.getattr("argv")?.extract()?;
+        let code = py.detach(|| mechanim::cli::program::main(arguments));
+        py.import("sys")?.getattr("exit")?.call1((code,))?;
+        Ok(())
+    }
+}

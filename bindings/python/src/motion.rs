@@ -1,0 +1,381 @@
+//! Motions as arrays.
+
+use crate::arrow::stream;
+use crate::errors::{OrRaise, warn};
+use image::{ImageFormat, RgbaImage};
+use mechanim::{Certificate, Pose};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyCapsule, PyDict};
+use std::io::Cursor;
+
+/// A solved motion: its values as arrays, one entry a sample, in the scene's units. Samples without a pose are NaN.
+#[pyclass(frozen, module = "mechanim")]
+pub struct Motion {
+    scene: mechanim::Scene,
+    inner: mechanim::Motion,
+}
+
+type Array<'py> = Bound<'py, PyAny>;
+
+/// An array of some shape.
+fn shaped<'py, T: numpy::Element>(
+    py: Python<'py>,
+    values: Vec<T>,
+    shape: &[usize],
+) -> PyResult<Array<'py>> {
+    Ok(PyArray1::from_vec(py, values)
+        .reshape(shape.to_vec())?
+        .into_any())
+}
+
+impl Motion {
+    pub(crate) fn new(
+        py: Python<'_>,
+        scene: mechanim::Scene,
+        inner: mechanim::Motion,
+    ) -> PyResult<Self> {
+        if !inner.is_whole() {
+            let missing = (0..inner.len())
+                .filter(|k| inner.pose(*k).is_none())
+                .count();
+            let events = inner.events().join("; ");
+            let message = format!(
+                "{missing} of {} samples have no pose: {events}",
+                inner.len()
+            );
+            warn(py, "MotionWarning", &message)?;
+        }
+        Ok(Self { scene, inner })
+    }
+
+    /// A number of every pose, NaN where there is none.
+    fn each<'py>(&self, py: Python<'py>, of: impl Fn(&Pose<'_>) -> f64) -> PyResult<Array<'py>> {
+        let value = |k| self.inner.pose(k).map_or(f64::NAN, |pose| of(&pose));
+        shaped(
+            py,
+            (0..self.inner.len()).map(value).collect(),
+            &[self.inner.len()],
+        )
+    }
+
+    fn picture(
+        &self,
+        py: Python<'_>,
+        sample: usize,
+        size: (u32, u32),
+        dark: bool,
+    ) -> PyResult<RgbaImage> {
+        let film = self.inner.film().size(size.0, size.1).built_in_renderer();
+        let film = if dark { film.dark() } else { film };
+        py.detach(|| film.picture(sample)).or_raise(py)
+    }
+}
+
+/// A name, or a list of names.
+#[derive(FromPyObject)]
+enum Names {
+    One(String),
+    Many(Vec<String>),
+}
+
+#[pymethods]
+impl Motion {
+    /// Names of all values: inputs, unknowns, traced points as `name.x`, outputs.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.scene
+            .quantities()
+            .into_iter()
+            .map(|q| q.name)
+            .collect()
+    }
+
+    /// Values by name, shape (n,).
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Array<'py>> {
+        let values = self.inner.values(name).or_raise(py)?;
+        shaped(py, values, &[self.inner.len()])
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn __contains__(&self, name: &str) -> bool {
+        self.scene.quantities().iter().any(|q| q.name == name)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.columns().into_pyobject(py)?.call_method0("__iter__")
+    }
+
+    /// Times of the samples in seconds, shape (n,).
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        shaped(py, self.inner.times(), &[self.inner.len()])
+    }
+
+    /// World-from-body transforms, shape (n, bodies, 4, 4), in the order of `scene.bodies`.
+    #[getter]
+    fn poses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let bodies = self.scene.bodies().len();
+        let mut values = Vec::with_capacity(self.inner.len() * bodies * 16);
+        for k in 0..self.inner.len() {
+            let Some(pose) = self.inner.pose(k) else {
+                values.extend(std::iter::repeat_n(f64::NAN, bodies * 16));
+                continue;
+            };
+            for placement in pose.placements() {
+                for (row, shift) in placement.rotation.iter().zip(placement.translation) {
+                    values.extend_from_slice(row);
+                    values.push(shift);
+                }
+                values.extend_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+            }
+        }
+        shaped(py, values, &[self.inner.len(), bodies, 4, 4])
+    }
+
+    /// Rates of an unknown per second, shape (n,).
+    fn rate<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Array<'py>> {
+        let rate = |k| match self.inner.pose(k) {
+            Some(pose) => pose.rate(name),
+            None => Ok(f64::NAN),
+        };
+        let rates: Result<Vec<f64>, _> = (0..self.inner.len()).map(rate).collect();
+        shaped(py, rates.or_raise(py)?, &[self.inner.len()])
+    }
+
+    /// What is known of every sample: "certified", "consistent", "locked", "refused", or "no pose".
+    #[getter]
+    fn status(&self) -> Vec<&'static str> {
+        let word = |k| match self.inner.pose(k).map(|pose| pose.certificate()) {
+            Some(Certificate::Certified { .. }) => "certified",
+            Some(Certificate::Consistent { .. }) => "consistent",
+            Some(Certificate::Locked { .. }) => "locked",
+            Some(Certificate::Refused { .. }) => "refused",
+            None => "no pose",
+        };
+        (0..self.inner.len()).map(word).collect()
+    }
+
+    /// Proved: no unknown is farther from an exact closed pose, shape (n,); lengths as they are, angles as radians times the
+    /// mechanism's size. NaN where nothing is proved.
+    #[getter]
+    fn error_bound<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.each(py, |pose| {
+            pose.certificate().bounds().map_or(f64::NAN, |b| b[0])
+        })
+    }
+
+    /// Proved: that pose is the only one within this distance, shape (n,).
+    #[getter]
+    fn unique_radius<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.each(py, |pose| {
+            pose.certificate().bounds().map_or(f64::NAN, |b| b[1])
+        })
+    }
+
+    /// Smallest singular value of the scaled Jacobian, shape (n,).
+    #[getter]
+    fn sigma_min<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.each(py, |pose| pose.sigma_min())
+    }
+
+    /// Condition number of the scaled Jacobian, shape (n,).
+    #[getter]
+    fn condition<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.each(py, |pose| pose.condition())
+    }
+
+    /// Signature of the assembly mode of every sample, empty without a pose.
+    #[getter]
+    fn branch(&self) -> Vec<String> {
+        let branch = |k| {
+            self.inner
+                .pose(k)
+                .map_or_else(String::new, |p| p.branch().to_owned())
+        };
+        (0..self.inner.len()).map(branch).collect()
+    }
+
+    /// Whether every sample has a pose.
+    #[getter]
+    fn is_whole(&self) -> bool {
+        self.inner.is_whole()
+    }
+
+    /// Largest closure error of all samples, in radians and sizes.
+    #[getter]
+    fn closure_error(&self) -> f64 {
+        self.inner.closure_error()
+    }
+
+    /// What happens between the samples, a sentence each: gaps, folds, changes of the assembly.
+    #[getter]
+    fn events(&self) -> Vec<String> {
+        self.inner.events()
+    }
+
+    /// Values of the scene's measures by name; None where a measure has no value.
+    #[getter]
+    fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let measures = PyDict::new(py);
+        for (name, value) in self.inner.measures() {
+            measures.set_item(name, value)?;
+        }
+        Ok(measures)
+    }
+
+    /// Exact derivatives of values by parameters through the closed loops: shape (n, parameters) for one name,
+    /// (n, names, parameters) for a list.
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        names: Names,
+        parameters: Vec<String>,
+    ) -> PyResult<Array<'py>> {
+        let list = match &names {
+            Names::One(name) => std::slice::from_ref(name),
+            Names::Many(list) => list.as_slice(),
+        };
+        let slopes = self.slopes(py, list, &parameters)?;
+        let [n, q, p] = [self.inner.len(), list.len(), parameters.len()];
+        match names {
+            Names::One(_) => shaped(py, slopes, &[n, p]),
+            Names::Many(_) => shaped(py, slopes, &[n, q, p]),
+        }
+    }
+
+    /// The gradient, by parameters, of the sum of values times `cotangents` (arrays by name): shape (parameters,). Samples
+    /// whose cotangents are all zero count for nothing, whether they have a pose or not.
+    fn vjp<'py>(
+        &self,
+        py: Python<'py>,
+        cotangents: std::collections::HashMap<String, Bound<'py, PyAny>>,
+        parameters: Vec<String>,
+    ) -> PyResult<Array<'py>> {
+        let mut weights = Vec::new();
+        for (name, values) in cotangents {
+            let values = crate::scene::numbers(py, &values)?;
+            if values.len() != self.inner.len() {
+                let [given, wanted] = [values.len(), self.inner.len()];
+                let why = format!("`{name}` has {given} cotangents for {wanted} samples");
+                return Err(PyTypeError::new_err(why));
+            }
+            weights.push((name, values));
+        }
+        weights.sort_by(|a, b| a.0.cmp(&b.0));
+        let names: Vec<String> = weights.iter().map(|(name, _)| name.clone()).collect();
+        let slopes = self.slopes(py, &names, &parameters)?;
+        let [q, p] = [names.len(), parameters.len()];
+        let mut gradient = vec![0.0; p];
+        for (k, (_, values)) in weights.iter().enumerate() {
+            for (sample, weight) in values.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+                let row = &slopes[(sample * q + k) * p..][..p];
+                gradient
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(g, s)| *g += weight * s);
+            }
+        }
+        shaped(py, gradient, &[p])
+    }
+
+    /// One sample as a picture, shape (height, width, 4), RGBA bytes.
+    #[pyo3(signature = (sample = 0, *, size = (640, 480), dark = false))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        sample: usize,
+        size: (u32, u32),
+        dark: bool,
+    ) -> PyResult<Array<'py>> {
+        let image = self.picture(py, sample, size, dark)?;
+        shaped(py, image.into_raw(), &[size.1 as usize, size.0 as usize, 4])
+    }
+
+    /// Writes the motion as an animation or a picture, by the ending of `path` (.gif, .png, .apng …); returns its bytes.
+    #[pyo3(signature = (path, *, size = (640, 480), rate = None, quality = 100, dark = false))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: std::path::PathBuf,
+        size: (u32, u32),
+        rate: Option<f64>,
+        quality: u8,
+        dark: bool,
+    ) -> PyResult<u64> {
+        let film = self
+            .inner
+            .film()
+            .size(size.0, size.1)
+            .quality(quality)
+            .built_in_renderer();
+        let film = if dark { film.dark() } else { film };
+        let film = match rate {
+            Some(rate) => film.rate(rate),
+            None => film,
+        };
+        let written = py.detach(|| film.write(&path)).or_raise(py)?;
+        Ok(written.bytes)
+    }
+
+    /// The table as the program writes it.
+    fn to_csv(&self) -> String {
+        self.inner.to_csv()
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let image = self.picture(py, 0, (480, 360), false)?;
+        let mut bytes = Cursor::new(Vec::new());
+        let written = image.write_to(&mut bytes, ImageFormat::Png);
+        written.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        Ok(PyBytes::new(py, bytes.get_ref()))
+    }
+
+    /// The values as an Arrow stream, for data frames: `polars.DataFrame(motion)`, `pyarrow.table(motion)`.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // A reader may ask for other types; one that does casts what it gets.
+        let _ = requested_schema;
+        let mut columns = vec![("time".to_owned(), "s".to_owned(), self.inner.times())];
+        for quantity in self.scene.quantities() {
+            let values = self.inner.values(&quantity.name).or_raise(py)?;
+            columns.push((quantity.name, quantity.unit, values));
+        }
+        stream(py, columns)
+    }
+
+    fn __repr__(&self) -> String {
+        let whole = if self.inner.is_whole() {
+            ""
+        } else {
+            ", not whole"
+        };
+        format!(
+            "<mechanim.Motion {}, {} samples{whole}>",
+            self.scene.name(),
+            self.inner.len()
+        )
+    }
+}
+
+impl Motion {
+    fn slopes(
+        &self,
+        py: Python<'_>,
+        names: &[String],
+        parameters: &[String],
+    ) -> PyResult<Vec<f64>> {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let parameters: Vec<&str> = parameters.iter().map(String::as_str).collect();
+        py.detach(|| self.inner.jacobian(&names, &parameters))
+            .or_raise(py)
+    }
+}

@@ -1,0 +1,427 @@
+//! Scenes: read, changed, solved, checked.
+
+use crate::check::{Assembly, Check};
+use crate::errors::{OrRaise, warn};
+use crate::motion::Motion;
+use crate::signals::interruptible;
+use crate::sweep::{self, Table};
+use mechanim::Samples;
+use numpy::PyReadonlyArray1;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// Which value of the text is replaced.
+#[derive(Clone, Copy, Hash, PartialEq, Eq)]
+enum Replaced {
+    Parameter,
+    Input,
+    Guess,
+}
+
+/// A value put in place of the text's own: what, its name, and a number or formula.
+#[derive(Clone, Hash, PartialEq, Eq)]
+struct Change(Replaced, String, String);
+
+/// A mechanism with its drive, bodies and view, read from the text of a scene. It never changes: `with_` gives another.
+///
+/// Lengths are in the scene's own unit, angles in its angle unit (degrees or radians), times in seconds. Scenes can be
+/// pickled, compared and hashed: by their text and what was put in place of its values.
+#[pyclass(frozen, module = "mechanim")]
+pub struct Scene {
+    pub(crate) inner: mechanim::Scene,
+    folder: String,
+    changes: Vec<Change>,
+}
+
+/// The scene in a file (a path), or a built-in one (a name), with parameters changed by keyword.
+///
+/// Raises SceneError with every mistake and its place.
+#[pyfunction]
+#[pyo3(signature = (path_or_name, /, **parameters))]
+pub fn load(
+    py: Python<'_>,
+    path_or_name: &Bound<'_, PyAny>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Scene> {
+    let is_text = path_or_name.is_instance_of::<PyString>();
+    let path: String = py
+        .import("os")?
+        .getattr("fspath")?
+        .call1((path_or_name,))?
+        .extract()?;
+    let builtin = is_text && mechanim::Scene::builtin_names().contains(&path.as_str());
+    let (inner, folder) = if builtin {
+        (mechanim::Scene::builtin(&path).or_raise(py)?, String::new())
+    } else {
+        let parent = std::path::Path::new(&path).parent();
+        let folder = parent.map_or_else(String::new, |p| p.to_string_lossy().into_owned());
+        (mechanim::Scene::open(&path).or_raise(py)?, folder)
+    };
+    Scene::new(py, inner, folder, parameters)
+}
+
+/// The scene that a text describes, called `name` in messages; meshes are looked for in `folder`.
+///
+/// Raises SceneError with every mistake and its place.
+#[pyfunction]
+#[pyo3(signature = (text, /, *, name = "<text>", folder = "", **parameters))]
+pub fn loads(
+    py: Python<'_>,
+    text: &str,
+    name: &str,
+    folder: &str,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Scene> {
+    let inner = mechanim::Scene::parse_in(folder, name, text).or_raise(py)?;
+    Scene::new(py, inner, folder.to_owned(), parameters)
+}
+
+/// Names of the built-in scenes.
+#[pyfunction]
+pub fn scenes() -> Vec<&'static str> {
+    mechanim::Scene::builtin_names()
+}
+
+/// A number or a formula as the engine reads it: numbers keep all their digits.
+fn written(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(text.to_string());
+    }
+    match value.extract::<f64>() {
+        Ok(number) => Ok(format!("{number:?}")),
+        Err(_) => Err(PyTypeError::new_err("a number or a formula is expected")),
+    }
+}
+
+impl Scene {
+    fn new(
+        py: Python<'_>,
+        inner: mechanim::Scene,
+        folder: String,
+        parameters: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        for warning in inner.warnings() {
+            warn(py, "SceneWarning", &warning)?;
+        }
+        let scene = Self {
+            inner,
+            folder,
+            changes: Vec::new(),
+        };
+        match parameters {
+            Some(parameters) => scene.changed(py, Replaced::Parameter, parameters),
+            None => Ok(scene),
+        }
+    }
+
+    fn changed(
+        &self,
+        py: Python<'_>,
+        what: Replaced,
+        values: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let mut scene = self.copied();
+        for (name, value) in values.iter() {
+            scene = scene.replaced(py, Change(what, name.extract()?, written(&value)?))?;
+        }
+        Ok(scene)
+    }
+
+    fn replaced(mut self, py: Python<'_>, change: Change) -> PyResult<Self> {
+        let Change(what, name, value) = &change;
+        self.inner = match what {
+            Replaced::Parameter => self.inner.with_parameter(name, value),
+            Replaced::Input => self.inner.with_input(name, value),
+            Replaced::Guess => self.inner.with_guess(name, value),
+        }
+        .or_raise(py)?;
+        let same = |c: &Change| c.0 == change.0 && c.1 == change.1;
+        self.changes.retain(|c| !same(c));
+        self.changes.push(change);
+        Ok(self)
+    }
+
+    fn copied(&self) -> Self {
+        Self {
+            inner: self.inner.clone(),
+            folder: self.folder.clone(),
+            changes: self.changes.clone(),
+        }
+    }
+
+    /// What makes two scenes the same, whatever the order of their changes.
+    fn identity(&self) -> (&str, &str, &str, Vec<&Change>) {
+        let mut changes: Vec<&Change> = self.changes.iter().collect();
+        changes.sort_by_key(|Change(what, name, _)| (*what as u8, name.clone()));
+        (&self.folder, self.inner.name(), self.inner.text(), changes)
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// The scene with parameters changed: to numbers in its units, or to formulas as text.
+    #[pyo3(signature = (**parameters))]
+    fn with_(&self, py: Python<'_>, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        match parameters {
+            Some(parameters) => self.changed(py, Replaced::Parameter, parameters),
+            None => Ok(self.copied()),
+        }
+    }
+
+    /// The scene with inputs driven otherwise: formulas of the time `t`, or numbers.
+    #[pyo3(signature = (**inputs))]
+    fn with_inputs(&self, py: Python<'_>, inputs: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        match inputs {
+            Some(inputs) => self.changed(py, Replaced::Input, inputs),
+            None => Ok(self.copied()),
+        }
+    }
+
+    /// The scene with start values for unknowns: the assembly nearest to them is taken.
+    #[pyo3(signature = (**values))]
+    fn with_guess(&self, py: Python<'_>, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        match values {
+            Some(values) => self.changed(py, Replaced::Guess, values),
+            None => Ok(self.copied()),
+        }
+    }
+
+    /// The motion: at the scene's own frames, at `samples` even times, at `times` in seconds (followed from the start of the
+    /// drive), or through rows of `inputs`, where row k is met at `times[k]`, or at second k.
+    ///
+    /// Samples without a pose are rows of NaN, and give a MotionWarning. Ctrl-C gives up within 50 ms; other threads run on.
+    #[pyo3(signature = (samples = None, *, times = None, inputs = None))]
+    fn solve(
+        &self,
+        py: Python<'_>,
+        samples: Option<usize>,
+        times: Option<&Bound<'_, PyAny>>,
+        inputs: Option<HashMap<String, Bound<'_, PyAny>>>,
+    ) -> PyResult<Motion> {
+        let times = times.map(|t| numbers(py, t)).transpose()?;
+        let (scene, asked) = match (samples, times, inputs) {
+            (None, None, None) => (self.inner.clone(), Samples::Frames),
+            (Some(count), None, None) => (self.inner.clone(), Samples::Even(count)),
+            (None, Some(times), None) => (self.inner.clone(), Samples::At(times)),
+            (None, times, Some(inputs)) => self.driven(py, times, &inputs)?,
+            _ => {
+                let why =
+                    "one of `samples`, `times` and `inputs`; `times` may stand beside `inputs`";
+                return Err(PyTypeError::new_err(why));
+            }
+        };
+        let motion = interruptible(py, |cancelled| scene.solve_until(asked, cancelled))?;
+        Motion::new(py, scene.clone(), motion.or_raise(py)?)
+    }
+
+    /// Checks all that the scene asks for: closure, proofs, measures within their limits, clearances between bodies.
+    ///
+    /// `motion`: proves the motion between the samples too. `closure`: the largest closure error, in radians or sizes.
+    /// `tolerance`: least distances are found to so many length units.
+    #[pyo3(signature = (samples = None, *, motion = false, closure = 1e-9, tolerance = 1e-3))]
+    fn check(
+        &self,
+        py: Python<'_>,
+        samples: Option<usize>,
+        motion: bool,
+        closure: f64,
+        tolerance: f64,
+    ) -> PyResult<Check> {
+        let options = mechanim::CheckOptions {
+            samples: samples.map_or(Samples::Frames, Samples::Even),
+            closure,
+            motion,
+            tolerance,
+        };
+        let check = py.detach(|| self.inner.check(&options));
+        Ok(Check::new(check.or_raise(py)?))
+    }
+
+    /// The assemblies at the inputs of a time, as far as a search from many starts finds them.
+    #[pyo3(signature = (time = 0.0))]
+    fn modes(&self, py: Python<'_>, time: f64) -> PyResult<Vec<Assembly>> {
+        let found = py.detach(|| self.inner.assemblies(time)).or_raise(py)?;
+        Ok(found.into_iter().map(Assembly::new).collect())
+    }
+
+    /// Solves one design a row: parameters by name as arrays of one length, values by name at `samples` even times.
+    ///
+    /// Every row is what `with_(...)` and `solve(...)` give; rows are shared among threads, and the bits do not depend on
+    /// their number. A row that cannot be read or closed is NaN, and its status says why.
+    #[pyo3(signature = (designs, values, *, samples = None, threads = None))]
+    fn sweep(
+        &self,
+        py: Python<'_>,
+        designs: HashMap<String, Bound<'_, PyAny>>,
+        values: Vec<String>,
+        samples: Option<usize>,
+        threads: Option<usize>,
+    ) -> PyResult<Table> {
+        let mut columns = Vec::new();
+        for (name, column) in designs {
+            columns.push((name, numbers(py, &column)?));
+        }
+        columns.sort_by(|a, b| a.0.cmp(&b.0));
+        let asked = samples.map_or(Samples::Frames, Samples::Even);
+        sweep::run(py, &self.inner, columns, values, asked, threads)
+    }
+
+    /// Its title.
+    #[getter]
+    fn title(&self) -> &str {
+        self.inner.title()
+    }
+
+    /// What messages call it.
+    #[getter]
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+
+    /// The text that it was read from.
+    #[getter]
+    fn text(&self) -> &str {
+        self.inner.text()
+    }
+
+    /// How long the motion lasts, in seconds.
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.inner.duration()
+    }
+
+    /// Names of the bodies.
+    #[getter]
+    fn bodies(&self) -> Vec<&str> {
+        self.inner.bodies()
+    }
+
+    /// Units of every value that a pose has, by name: inputs, unknowns, traced points as `name.x`, outputs.
+    #[getter]
+    fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let units = PyDict::new(py);
+        for quantity in self.inner.quantities() {
+            units.set_item(quantity.name, quantity.unit)?;
+        }
+        Ok(units)
+    }
+
+    /// Names of what is driven.
+    #[getter]
+    fn inputs(&self) -> Vec<String> {
+        self.inner.inputs().into_iter().map(|q| q.name).collect()
+    }
+
+    /// Names of what the loops determine.
+    #[getter]
+    fn unknowns(&self) -> Vec<String> {
+        self.inner.unknowns().into_iter().map(|q| q.name).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let changes: Vec<String> = self
+            .changes
+            .iter()
+            .map(|c| format!(", {}={}", c.1, c.2))
+            .collect();
+        format!("<mechanim.Scene {}{}>", self.inner.name(), changes.concat())
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.identity() == other.identity()
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.identity().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let changes = |what: Replaced| -> Vec<(String, String)> {
+            let own = self.changes.iter().filter(|c| c.0 == what);
+            own.map(|c| (c.1.clone(), c.2.clone())).collect()
+        };
+        let again = py
+            .import("mechanim._mechanim")?
+            .getattr("Scene")?
+            .getattr("_again")?;
+        let parts = (
+            self.folder.as_str(),
+            self.inner.name(),
+            self.inner.text(),
+            changes(Replaced::Parameter),
+            changes(Replaced::Input),
+            changes(Replaced::Guess),
+        );
+        Ok((again, parts.into_pyobject(py)?))
+    }
+
+    /// What a pickle calls.
+    #[staticmethod]
+    fn _again(
+        py: Python<'_>,
+        folder: String,
+        name: &str,
+        text: &str,
+        parameters: Vec<(String, String)>,
+        inputs: Vec<(String, String)>,
+        guess: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        let inner = mechanim::Scene::parse_in(&folder, name, text).or_raise(py)?;
+        let mut scene = Self {
+            inner,
+            folder,
+            changes: Vec::new(),
+        };
+        let kinds = [
+            (Replaced::Parameter, parameters),
+            (Replaced::Input, inputs),
+            (Replaced::Guess, guess),
+        ];
+        for (what, list) in kinds {
+            for (name, value) in list {
+                scene = scene.replaced(py, Change(what, name, value))?;
+            }
+        }
+        Ok(scene)
+    }
+}
+
+impl Scene {
+    /// The scene driven through rows of inputs, and the times of the rows.
+    fn driven(
+        &self,
+        py: Python<'_>,
+        times: Option<Vec<f64>>,
+        inputs: &HashMap<String, Bound<'_, PyAny>>,
+    ) -> PyResult<(mechanim::Scene, Samples)> {
+        let mut columns = Vec::new();
+        for (name, values) in inputs {
+            columns.push((name.as_str(), numbers(py, values)?));
+        }
+        let rows = columns.first().map_or(0, |(_, values)| values.len());
+        let times = times.unwrap_or_else(|| (0..rows).map(|k| k as f64).collect());
+        let slices: Vec<(&str, &[f64])> = columns.iter().map(|(n, v)| (*n, v.as_slice())).collect();
+        let scene = self.inner.with_rows(&times, &slices).or_raise(py)?;
+        Ok((scene, Samples::At(times)))
+    }
+}
+
+/// Anything that NumPy takes for a row of numbers.
+pub fn numbers(py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let numpy = py.import("numpy")?;
+    let options = PyDict::new(py);
+    options.set_item("dtype", "float64")?;
+    let array = numpy
+        .getattr("ascontiguousarray")?
+        .call((values,), Some(&options))?;
+    let array: PyReadonlyArray1<'_, f64> = array.getattr("ravel")?.call0()?.extract()?;
+    Ok(array.as_slice()?.to_vec())
+}

@@ -1,0 +1,39 @@
+//! Long work without the interpreter's lock, given up when a signal handler raises.
+
+use pyo3::prelude::*;
+use std::cell::{Cell, RefCell};
+use std::time::{Duration, Instant};
+
+/// How often signals are looked at: Ctrl-C is answered within 50 ms.
+const PERIOD: Duration = Duration::from_millis(20);
+
+/// Runs `work` while other Python threads go on. It is given a question that it asks between its steps: whether to give up.
+pub fn interruptible<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&dyn Fn() -> bool) -> T + Send,
+) -> PyResult<T> {
+    let (result, raised) = py.detach(|| {
+        let asked = Cell::new(Instant::now());
+        let raised = RefCell::new(None);
+        let cancelled = || {
+            if raised.borrow().is_some() {
+                return true;
+            }
+            if asked.get().elapsed() < PERIOD {
+                return false;
+            }
+            asked.set(Instant::now());
+            if let Err(error) = Python::attach(|py| py.check_signals()) {
+                *raised.borrow_mut() = Some(error);
+                return true;
+            }
+            false
+        };
+        let result = work(&cancelled);
+        (result, raised.into_inner())
+    });
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(result),
+    }
+}

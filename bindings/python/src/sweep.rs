@@ -1,0 +1,257 @@
+//! Many designs in one call, shared among threads.
+
+use crate::arrow::stream;
+use mechanim::{Motion, Samples, Scene};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyKeyError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::PyCapsule;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// How often signals are looked at while the threads work.
+const PERIOD: Duration = Duration::from_millis(20);
+
+/// Designs, one a row, with the values asked for.
+#[pyclass(frozen, module = "mechanim")]
+pub struct Table {
+    designs: Vec<(String, Vec<f64>)>,
+    values: Vec<String>,
+    /// Value after value of every row, all samples of each.
+    rows: Vec<Row>,
+    samples: usize,
+}
+
+/// One design: all values one after another, and a word for how it went.
+#[derive(Clone)]
+struct Row {
+    values: Vec<f64>,
+    status: String,
+}
+
+/// Solves every design. Rows do not depend on each other, so neither on the number of threads.
+pub fn run(
+    py: Python<'_>,
+    scene: &Scene,
+    designs: Vec<(String, Vec<f64>)>,
+    values: Vec<String>,
+    samples: Samples,
+    threads: Option<usize>,
+) -> PyResult<Table> {
+    let count = designs.first().map_or(0, |(_, column)| column.len());
+    if let Some((name, column)) = designs.iter().find(|(_, column)| column.len() != count) {
+        let why = format!("`{name}` has {} designs, others {count}", column.len());
+        return Err(PyTypeError::new_err(why));
+    }
+    let known = scene.quantities();
+    if let Some(name) = values
+        .iter()
+        .find(|name| known.iter().all(|q| q.name != **name))
+    {
+        return Err(PyKeyError::new_err(format!(
+            "the scene has no value `{name}`"
+        )));
+    }
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = threads.unwrap_or(cores).clamp(1, count.max(1));
+    let work = |index: usize| row(scene, &designs, &values, &samples, index);
+    let stop = AtomicBool::new(false);
+    let rows = share(py, count, threads, &stop, &work)?;
+    let width = values.len().max(1);
+    let samples = rows
+        .iter()
+        .map(|row| row.values.len() / width)
+        .max()
+        .unwrap_or(0);
+    Ok(Table {
+        designs,
+        values,
+        rows,
+        samples,
+    })
+}
+
+/// All rows in their order; the calling thread looks at signals meanwhile.
+fn share(
+    py: Python<'_>,
+    count: usize,
+    threads: usize,
+    stop: &AtomicBool,
+    work: &(dyn Fn(usize) -> Row + Sync),
+) -> PyResult<Vec<Row>> {
+    let next = AtomicUsize::new(0);
+    let mut rows: Vec<Option<Row>> = vec![None; count];
+    let outcome = py.detach(|| {
+        std::thread::scope(|scope| {
+            let (sender, done) = mpsc::channel();
+            for _ in 0..threads {
+                let (sender, next) = (sender.clone(), &next);
+                scope.spawn(move || {
+                    loop {
+                        let index = next.fetch_add(1, Ordering::Relaxed);
+                        if index >= count || stop.load(Ordering::Relaxed) {
+                            break;
+                        }
+                        if sender.send((index, work(index))).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            loop {
+                match done.recv_timeout(PERIOD) {
+                    Ok((index, row)) => rows[index] = Some(row),
+                    Err(mpsc::RecvTimeoutError::Timeout) => {
+                        if let Err(error) = Python::attach(|py| py.check_signals()) {
+                            stop.store(true, Ordering::Relaxed);
+                            return Err(error);
+                        }
+                    }
+                    Err(mpsc::RecvTimeoutError::Disconnected) => return Ok(()),
+                }
+            }
+        })
+    });
+    outcome?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// What changing the parameters and solving gives.
+fn row(
+    scene: &Scene,
+    designs: &[(String, Vec<f64>)],
+    values: &[String],
+    samples: &Samples,
+    index: usize,
+) -> Row {
+    let mut own = scene.clone();
+    for (name, column) in designs {
+        own = match own.with_parameter(name, format!("{:?}", column[index])) {
+            Ok(changed) => changed,
+            Err(error) => return Row::refused(error.to_string()),
+        };
+    }
+    match own.solve(samples.clone()) {
+        Ok(motion) => Row::of(&motion, values),
+        Err(error) => Row::refused(error.to_string()),
+    }
+}
+
+impl Row {
+    fn refused(why: String) -> Self {
+        Self {
+            values: Vec::new(),
+            status: why,
+        }
+    }
+
+    fn of(motion: &Motion, names: &[String]) -> Self {
+        let columns = names
+            .iter()
+            .map(|name| motion.values(name).unwrap_or_default());
+        let status = if motion.is_whole() {
+            "ok".to_owned()
+        } else {
+            motion
+                .events()
+                .first()
+                .cloned()
+                .unwrap_or_else(|| "not closed".to_owned())
+        };
+        Self {
+            values: columns.flatten().collect(),
+            status,
+        }
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// A parameter, shape (rows,), or a value, shape (rows, samples); NaN where a row has none.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        if let Some((_, column)) = self.designs.iter().find(|(own, _)| own == name) {
+            return Ok(PyArray1::from_slice(py, column).into_any());
+        }
+        let Some(k) = self.values.iter().position(|own| own == name) else {
+            return Err(PyKeyError::new_err(format!(
+                "the table has no column `{name}`"
+            )));
+        };
+        let mut all = Vec::with_capacity(self.rows.len() * self.samples);
+        for row in &self.rows {
+            match row.values.get(k * self.samples..(k + 1) * self.samples) {
+                Some(own) => all.extend_from_slice(own),
+                None => all.extend(std::iter::repeat_n(f64::NAN, self.samples)),
+            }
+        }
+        let shape = [self.rows.len(), self.samples];
+        Ok(PyArray1::from_vec(py, all).reshape(shape)?.into_any())
+    }
+
+    /// How every row went: "ok", or why not.
+    #[getter]
+    fn status(&self) -> Vec<&str> {
+        self.rows.iter().map(|row| row.status.as_str()).collect()
+    }
+
+    /// Names of all columns: parameters, then values.
+    #[getter]
+    fn columns(&self) -> Vec<&str> {
+        let designs = self.designs.iter().map(|(name, _)| name.as_str());
+        designs
+            .chain(self.values.iter().map(String::as_str))
+            .collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The table as an Arrow stream, one line a design and sample.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        let _ = requested_schema;
+        let spread = |column: &[f64]| -> Vec<f64> {
+            column
+                .iter()
+                .flat_map(|v| std::iter::repeat_n(*v, self.samples))
+                .collect()
+        };
+        let mut columns = Vec::new();
+        for (name, column) in &self.designs {
+            columns.push((name.clone(), String::new(), spread(column)));
+        }
+        let index: Vec<f64> = (0..self.samples).map(|k| k as f64).collect();
+        columns.push((
+            "sample".to_owned(),
+            String::new(),
+            index.repeat(self.rows.len()),
+        ));
+        for (k, name) in self.values.iter().enumerate() {
+            let own = self.rows.iter().flat_map(|row| {
+                (0..self.samples).map(move |j| {
+                    row.values
+                        .get(k * self.samples + j)
+                        .copied()
+                        .unwrap_or(f64::NAN)
+                })
+            });
+            columns.push((name.clone(), String::new(), own.collect()));
+        }
+        stream(py, columns)
+    }
+
+    fn __repr__(&self) -> String {
+        let failed = self.rows.iter().filter(|row| row.status != "ok").count();
+        format!(
+            "<mechanim.Table {} designs, {failed} not whole>",
+            self.rows.len()
+        )
+    }
+}

@@ -1,0 +1,97 @@
+//! Exact derivatives of a motion's values by parameters of its scene, through the closed loops.
+
+use super::column::Column;
+use super::error::{Error, ErrorKind};
+use super::loaded::Loaded;
+use super::motion::Motion;
+use crate::kinematics::rates::variation::Variation;
+use crate::model::mechanism::Mechanism;
+use crate::numbers::hyper_dual::HyperDual;
+use crate::scene::Overrides;
+
+impl Motion {
+    /// The derivatives of values by parameters at every sample, exact to rounding: the linearised loops are solved, no
+    /// difference is taken. The rates are those of the assembly that the motion is in, with the inputs as they are.
+    ///
+    /// Shape: samples × `names` × `parameters`, one after another with the last index fastest. Units: of the value per unit of
+    /// the parameter, as the scene has them. `NaN` where a sample has no pose, and at singular poses.
+    ///
+    /// Errors: an unknown value or parameter; a parameter that is not a plain number or decides the structure.
+    ///
+    /// ```
+    /// // h = r cos(phi) + sqrt(L² - r² sin²(phi)): at phi = 0 it grows with L one to one.
+    /// let scene = mechanim::Scene::builtin("slider-crank")?;
+    /// let motion = scene.solve(mechanim::Samples::At(vec![0.0]))?;
+    /// let slopes = motion.jacobian(&["h"], &["r", "L"])?;
+    /// assert!((slopes[1] - 1.0).abs() < 1e-12);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn jacobian(&self, names: &[&str], parameters: &[&str]) -> Result<Vec<f64>, Error> {
+        let mechanism = &self.loaded.scene.mechanism;
+        let columns: Vec<Column> = names
+            .iter()
+            .map(|name| Column::find(mechanism, name))
+            .collect::<Result<_, Error>>()?;
+        let family = varied(&self.loaded, parameters)?;
+        let varied = family.system.mechanism();
+        let own = mechanism.inputs.len();
+        let nominal = &family.scene.actuation.inputs_at(0.0)[own..];
+        let slots: Vec<usize> = columns.iter().map(|c| c.slot(varied)).collect();
+        let units = units(mechanism, varied, &columns);
+        let wanted = slots.iter().max().map_or(0, |last| last + 1);
+        let mut variation = Variation::new(&family.system);
+        let mut slopes = vec![f64::NAN; self.len() * columns.len() * parameters.len()];
+        let mut tangent = Vec::new();
+        for (row, sample) in slopes
+            .chunks_mut((columns.len() * parameters.len()).max(1))
+            .zip(&self.trajectory.samples)
+        {
+            let Some(pose) = &sample.pose else { continue };
+            let place = [pose.unknowns.as_slice(), &sample.inputs, nominal].concat();
+            let rest = vec![0.0; place.len()];
+            for k in 0..parameters.len() {
+                variation.tangent(&place, own + k, &mut tangent);
+                let values = variation.slots(&place, &tangent, &rest, wanted);
+                for (j, slot) in slots.iter().enumerate() {
+                    let entry = j * parameters.len() + k;
+                    row[entry] = first(values, *slot) * units[entry];
+                }
+            }
+        }
+        Ok(slopes)
+    }
+}
+
+/// The derivative that a slot carries; `NaN` where it has none.
+fn first(values: &[HyperDual], slot: usize) -> f64 {
+    let slope = values.get(slot).map_or(f64::NAN, |value| value.first);
+    if slope.is_finite() { slope } else { f64::NAN }
+}
+
+/// The same scene with parameters as further inputs.
+fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<Loaded, Error> {
+    for (k, name) in parameters.iter().enumerate() {
+        if parameters[..k].contains(name) {
+            let why = format!("the parameter `{name}` is named twice");
+            return Err(Error::new(ErrorKind::Argument, why, Vec::new()));
+        }
+    }
+    let overrides = Overrides {
+        vary: parameters.iter().map(|name| (*name).to_owned()).collect(),
+        // Fixed offsets become joints of this mechanism; its residuals keep their scale.
+        size: Some(loaded.scene.mechanism.size),
+        ..loaded.overrides.clone()
+    };
+    Loaded::new(loaded.text.clone(), overrides)
+}
+
+/// Factors from internal derivatives to those in the file's units, one for each pair of value and parameter.
+fn units(mechanism: &Mechanism, varied: &Mechanism, columns: &[Column]) -> Vec<f64> {
+    let parameters = &varied.inputs[mechanism.inputs.len()..];
+    let pairs = columns.iter().flat_map(|column| {
+        let value = mechanism.file_units(column.kind(mechanism));
+        let parameters = parameters.iter();
+        parameters.map(move |p| value / mechanism.file_units(p.kind))
+    });
+    pairs.collect()
+}

@@ -1,0 +1,36 @@
+//! The whole program: signals, deadline, dispatch, exit code.
+
+use super::interrupt::{CANCEL, overdue};
+use std::ffi::OsString;
+use std::panic::UnwindSafe;
+use std::sync::atomic::Ordering;
+
+/// Runs the program with the given arguments (the first is its own name) and returns its exit code. It takes over the
+/// signals of its process, and ends it where a second Ctrl-C or the limit of time says so.
+pub fn main(arguments: impl IntoIterator<Item = OsString> + UnwindSafe) -> i32 {
+    take_full_files_for_errors();
+    // The first Ctrl-C ends a run in order, or after a short while without order; a second one does not wait.
+    let handler = ctrlc::set_handler(|| {
+        let is_second = CANCEL.swap(true, Ordering::Relaxed);
+        if is_second || overdue() {
+            std::process::exit(130);
+        }
+    });
+    if let Err(error) = handler {
+        eprintln!("warning: Ctrl-C will not clean up: {error}");
+    }
+    super::watch::ends_by(|code| std::process::exit(code));
+    super::guarded(|| super::run(arguments))
+}
+
+/// A file that grows beyond `ulimit -f` is an error of the write, as on a full disk, and no signal that kills the run with
+/// its temporary file left.
+#[cfg(unix)]
+fn take_full_files_for_errors() {
+    use nix::sys::signal::{SigSet, Signal};
+    // Threads inherit it. Where it cannot be blocked the run is killed as before.
+    let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
+}
+
+#[cfg(not(unix))]
+fn take_full_files_for_errors() {}
