@@ -5,7 +5,8 @@
 //! its z axis) or `torus RING TUBE` (about its z axis), and the twelve numbers of its pose, row by row.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../tests/driven/mod.rs"]
+#[path = "../tests/suite/driven/mod.rs"]
+#[allow(dead_code)]
 mod driven;
 
 use driven::{check, frame_times, knots, solve};

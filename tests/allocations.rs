@@ -1,6 +1,8 @@
 //! Allocations: none for a pose once the buffers stand, a small constant for a sample of a solved motion.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "suite/driven/mod.rs"]
+#[allow(dead_code)]
 mod driven;
 
 use allocation_counter::measure;

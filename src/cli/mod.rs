@@ -105,7 +105,7 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
 
-    /// The other codes are tested from outside, in `tests/cli.rs`; no known input leads to this one.
+    /// The other codes are tested from outside, in `tests/suite/verbs/cli.rs`; no known input leads to this one.
     #[test]
     fn a_fault_of_the_program_has_its_own_code() {
         assert_eq!(guarded(|| 4), 4);

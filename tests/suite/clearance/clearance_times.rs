@@ -1,0 +1,141 @@
+//! When a pair is too near: the intervals of a check against times in closed form.
+
+use crate::driven;
+use crate::driven::{check, even_times, knots, solve};
+use crate::program::Workspace;
+use mechanim::clearance::check::{ClearanceReport, Closely, Violations};
+use mechanim::diag::Source;
+use mechanim::scene::{Overrides, Scene, load};
+
+/// A ball of radius 1 above a floor at 0.
+fn lift(height: &str, minimum: f64) -> String {
+    format!(
+        "title = \"lift\"\nduration = 2\nunits = {{ length = \"mm\", angle = \"rad\" }}\n\
+         [inputs]\nx = \"0.5*sin(t)\"\nz = {height}\n\
+         [[bodies]]\nname = \"floor\"\nshapes = [{{ box = {{ center = [0, 0, -50], size = [400, 400, 100] }} }}]\n\
+         [[bodies]]\nname = \"ball\"\nframe = \"Tx(x) Tz(z)\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n\
+         [clearance]\nminimum = {minimum}\n"
+    )
+}
+
+fn open(text: &str) -> Scene {
+    let source = Source {
+        name: "test".into(),
+        text: text.into(),
+    };
+    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+}
+
+fn report(scene: &Scene, samples: usize) -> ClearanceReport {
+    let times = knots(scene, &even_times(scene, samples));
+    check(scene, &solve(scene, &times).unwrap(), 1e-2)
+}
+
+fn times(text: &str, samples: usize) -> Violations {
+    let report = report(&open(text), samples);
+    report.judged[0].violations.clone().unwrap()
+}
+
+/// Heights above contact, and when they are below half a unit.
+#[test]
+fn times_are_those_of_the_formula() {
+    let half = 0.5_f64;
+    let wave = |k: f64| (1.0 + k) / 6.0;
+    // 1 + sin(w) < 0.5 between 7 pi / 6 and 11 pi / 6 of every turn, here w = 2 pi t.
+    let turns = [[wave(2.5), wave(4.5)], [1.0 + wave(2.5), 1.0 + wave(4.5)]];
+    let rows: [(&str, Vec<[f64; 2]>); 6] = [
+        ("\"2 + sin(2*pi*t)\"", turns.to_vec()),
+        ("\"2 - t\"", vec![[0.5, 2.0]]),
+        ("\"1.4 + t\"", vec![[0.0, 0.1]]),
+        (
+            "\"1 + 40*abs(t - 1.0112)\"",
+            vec![[1.0112 - half / 40.0, 1.0112 + half / 40.0]],
+        ),
+        (
+            "\"1.4 + floor(t + 0.2) - floor(t - 0.3)\"",
+            vec![[0.3, 0.8], [1.3, 1.8]],
+        ),
+        (
+            "{ keys = [[0, 3], [0.52, 1.2], [1.51, 3], [2, 3]], ease = \"step\" }",
+            vec![[0.52, 1.51]],
+        ),
+    ];
+    for (height, expected) in rows {
+        for samples in [5, 12, 41] {
+            let text = lift(height, half);
+            let found = times(&text, samples);
+            let said = format!("{height}, {samples}: {found:?}");
+            assert!(found.is_certified, "{said}");
+            assert_eq!(found.list.len(), expected.len(), "{said}");
+            for (violation, [from, to]) in found.list.iter().zip(expected.iter().copied()) {
+                assert!(violation.is_seen, "{said}");
+                // Never inside of the truth, and near it.
+                let (early, late) = (from - violation.from, violation.to - to);
+                assert!((-1e-9..2e-3).contains(&early), "{said} {from}");
+                assert!((-1e-9..2e-3).contains(&late), "{said} {to}");
+            }
+        }
+    }
+}
+
+/// Short pulses between two samples are among the times.
+#[test]
+fn a_pulse_between_samples_has_its_time() {
+    let found = times(&lift("\"20 - 19*exp(-(400*(t - 1.0112))^2)\"", 0.5), 6);
+    assert_eq!(found.list.len(), 1);
+    let [from, to] = [found.list[0].from, found.list[0].to];
+    let half = (19.0_f64 / 18.5).ln().sqrt() / 400.0;
+    assert!(
+        (1.0112 - half - from).abs() < 2e-3 && (to - 1.0112 - half).abs() < 2e-3,
+        "{found:?}"
+    );
+    assert!(from <= 1.0112 - half && to >= 1.0112 + half, "{found:?}");
+}
+
+/// Only who asks is told.
+#[test]
+fn times_are_found_on_request() {
+    let scene = open(&lift("\"2 - t\"", 0.5));
+    let motion = solve(&scene, &knots(&scene, &even_times(&scene, 5))).unwrap();
+    let report = driven::check_closely(&scene, &motion, Closely::to(1e-2));
+    assert!(report.judged[0].violations.is_none());
+}
+
+#[test]
+fn every_report_says_when() {
+    let w = Workspace::new();
+    w.write("lift.toml", lift("\"2 - t\"", 0.5));
+    let args = [
+        "check",
+        "lift.toml",
+        "--json",
+        "r.json",
+        "--junit",
+        "r.xml",
+        "--plot",
+        "r.svg",
+        "--matrix",
+        "m.svg",
+    ];
+    let text = w.run(&args).exits(1).text();
+    let words = "below its minimum at t = 0.5";
+    assert!(
+        text.contains(words) && text.contains("to 2.000000 s; kept at all other times (proved)"),
+        "{text}"
+    );
+    let read = |name: &str| std::fs::read_to_string(w.path(name)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&read("r.json")).unwrap();
+    let times = &json["clearance"]["pairs"][0]["violations"];
+    assert_eq!(times["certified"], true);
+    let first = &times["intervals"][0];
+    assert!(first["seen"] == true && first["to"] == 2.0, "{times}");
+    assert!(read("r.xml").contains(words));
+    let plot = read("r.svg");
+    for words in ["floor / ball", "a depth has no bound", "0.5 is asked"] {
+        assert!(plot.contains(words), "{words}: {plot}");
+    }
+    let matrix = read("m.svg");
+    for words in ["floor", "ball", "1 below", "0 near", "0 clear"] {
+        assert!(matrix.contains(words), "{words}: {matrix}");
+    }
+}

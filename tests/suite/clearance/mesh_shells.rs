@@ -1,0 +1,194 @@
+//! What of a mesh encloses space: cracks, facets turned round, flaps, walls inside, and what is no solid.
+
+use glam::DVec3;
+use mechanim::clearance::mesh_tree::{Enclosure, MeshTree};
+use mechanim::model::shape::TriangleSoup;
+
+type Triangles = Vec<[DVec3; 3]>;
+
+fn v(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// A cuboid, outside out; face `k` are triangles 2 k and 2 k + 1.
+fn cuboid(low: DVec3, high: DVec3) -> Triangles {
+    let at = |k: usize| {
+        let pick = |axis: usize| {
+            if k & (1 << axis) == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
+        v(pick(0), pick(1), pick(2))
+    };
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
+    let triangles = faces.into_iter().flat_map(halves);
+    triangles.map(|t| t.map(at)).collect()
+}
+
+fn cube() -> Triangles {
+    cuboid(DVec3::splat(-1.0), DVec3::ONE)
+}
+
+fn tree(triangles: &Triangles) -> MeshTree {
+    MeshTree::new(&TriangleSoup {
+        source: "test".to_owned(),
+        vertices: triangles.iter().flatten().copied().collect(),
+        triangles: (0..triangles.len() as u32)
+            .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
+            .collect(),
+        is_surface: false,
+    })
+}
+
+/// Points in the cube and beside it, also next to its faces, edges and what hangs on them.
+fn judges_the_cube(mesh: &MeshTree) {
+    for x in [-0.999, -0.5, 0.01, 0.7, 0.999] {
+        for z in [-0.999, -0.01, 0.3, 0.999] {
+            assert!(mesh.encloses(v(x, 0.02, z)), "{x} {z}");
+            for outside in [
+                v(x, 1.001, z),
+                v(1.001, x, z),
+                v(x, z, -1.001),
+                v(1.2, x, z),
+            ] {
+                assert!(!mesh.encloses(outside), "{outside}");
+            }
+        }
+    }
+}
+
+#[test]
+fn flaps_take_nothing_from_a_closed_shell() {
+    let corner = DVec3::ONE;
+    let cases: Vec<(&str, Triangles, usize)> = vec![
+        (
+            "on an edge",
+            vec![[corner, v(1.0, 1.0, -1.0), v(2.0, 1.5, 0.0)]],
+            1,
+        ),
+        (
+            "the other way round",
+            vec![[v(1.0, 1.0, -1.0), corner, v(2.0, 1.5, 0.0)]],
+            1,
+        ),
+        (
+            "at a corner",
+            vec![[corner, v(2.0, 2.0, 1.0), v(2.0, 2.0, 2.0)]],
+            1,
+        ),
+        (
+            "free",
+            vec![[v(3.0, 0.0, 0.0), v(4.0, 0.0, 0.0), v(3.0, 1.0, 0.0)]],
+            1,
+        ),
+        (
+            "inside",
+            vec![[v(0.1, 0.2, 0.0), v(0.3, 0.2, 0.1), v(0.1, -0.3, 0.4)]],
+            1,
+        ),
+        (
+            "two far from each other",
+            vec![
+                [v(9.0, 0.0, 0.0), v(9.5, 0.0, 0.0), v(9.0, 0.5, 0.0)],
+                [v(-9.0, 0.0, 0.0), v(-9.5, 0.0, 0.0), v(-9.0, 0.5, 0.0)],
+            ],
+            2,
+        ),
+        (
+            "a wall across",
+            vec![
+                [v(-1.0, -1.0, -1.0), v(1.0, 1.0, -1.0), v(1.0, 1.0, 1.0)],
+                [v(-1.0, -1.0, -1.0), v(1.0, 1.0, 1.0), v(-1.0, -1.0, 1.0)],
+            ],
+            2,
+        ),
+    ];
+    for (name, extra, count) in cases {
+        for turned in [None, Some(0), Some(7)] {
+            let mut triangles = cube();
+            if let Some(k) = turned {
+                triangles[k].swap(0, 1);
+            }
+            // A flap may stand anywhere in the file.
+            triangles.splice(5..5, extra.iter().copied());
+            let mesh = tree(&triangles);
+            let known = (mesh.enclosure, mesh.flaps, mesh.open_edges);
+            assert_eq!(known, (Enclosure::Solid, count, 0), "{name}, {turned:?}");
+            assert_eq!(mesh.len(), triangles.len());
+            judges_the_cube(&mesh);
+        }
+    }
+}
+
+#[test]
+fn what_has_a_hole_has_no_inside() {
+    let shrunk = |t: &[DVec3; 3], part: f64| {
+        let middle = (t[0] + t[1] + t[2]) / 3.0;
+        t.map(|p| middle + (p - middle) * part)
+    };
+    let mut hole = cube();
+    hole.pop();
+    let mut lid_off = cube();
+    for corner in lid_off[2..4].iter_mut().flatten() {
+        corner.z += 0.01;
+    }
+    let apart: Triangles = cube().iter().map(|t| shrunk(t, 0.99)).collect();
+    let beside = cuboid(v(3.0, -1.0, -1.0), v(5.0, 1.0, 1.0));
+    let beside_apart: Triangles = beside.iter().map(|t| shrunk(t, 0.99)).collect();
+    let mut hole_beside = beside;
+    hole_beside.pop();
+    let shell_and = |other: Triangles| [cube(), other].concat();
+    for (name, triangles) in [
+        ("a triangle is missing", hole),
+        ("the lid stands off", lid_off),
+        ("facets of their own", apart),
+        ("a closed shell and one with a hole", shell_and(hole_beside)),
+        (
+            "a closed shell and facets of another",
+            shell_and(beside_apart),
+        ),
+        ("a sheet alone", cube()[..2].to_vec()),
+    ] {
+        let mesh = tree(&triangles);
+        assert_eq!((mesh.enclosure, mesh.flaps), (Enclosure::Open, 0), "{name}");
+        assert!(
+            mesh.open_edges > 0 && !mesh.encloses(v(0.1, 0.0, 0.0)),
+            "{name}"
+        );
+    }
+}
+
+/// Corners off by what single precision leaves open, and far more.
+#[test]
+fn cracks_are_closed_as_far_as_a_file_can_be_wrong() {
+    for (crack, shift, known) in [
+        (1e-7, 0.0, Enclosure::Solid),
+        (9e-7, 0.0, Enclosure::Solid),
+        (1e-4, 1000.0, Enclosure::Solid),
+        (1e-5, 0.0, Enclosure::Open),
+        (1e-2, 1000.0, Enclosure::Open),
+    ] {
+        let mut triangles = cube();
+        for (k, t) in triangles.iter_mut().enumerate() {
+            for (j, p) in t.iter_mut().enumerate() {
+                let off = [0.3, -0.2, 0.1][(k + j) % 3] * crack;
+                *p += v(shift + off, shift - off, 0.5 * off);
+            }
+        }
+        let mesh = tree(&triangles);
+        assert_eq!(mesh.enclosure, known, "{crack} {shift}");
+        let middle = v(shift, shift, 0.0);
+        assert_eq!(mesh.encloses(middle), known == Enclosure::Solid);
+        assert!(!mesh.encloses(middle + DVec3::X * 1.1));
+    }
+}

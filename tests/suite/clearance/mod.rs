@@ -1,0 +1,16 @@
+//! Distances of shapes, at poses and over motions, and what `check` says of them.
+
+mod broad_phase;
+mod clearance_cli;
+mod clearance_half_space;
+mod clearance_mesh_motion;
+mod clearance_meshes;
+mod clearance_motion;
+mod clearance_pairs;
+mod clearance_reference;
+mod clearance_scenes;
+mod clearance_times;
+mod exclusions;
+mod gate;
+mod mesh_shells;
+mod narrow_gaps;

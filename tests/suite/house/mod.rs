@@ -1,0 +1,10 @@
+//! The walls of the house: which room may use which rooms and which libraries, that no files go round in a circle,
+//! how large files get, that each says what it holds.
+
+mod face;
+mod graph;
+mod lock;
+mod paths;
+mod rooms;
+mod source;
+mod walls;

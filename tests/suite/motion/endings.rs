@@ -1,0 +1,303 @@
+//! What a motion ends at, and what it does not end at: folds, proved; smooth singular poses, kinks, narrow swings and many
+//! turns, through which it goes on; and the places where it is given up. Against closed forms.
+
+use crate::driven::{Driven, Model, even_times, solve};
+use crate::reference::scenes::written;
+use crate::reference::{slot, turned};
+use mechanim::kinematics::motion::continuation::solve_unproved;
+use mechanim::kinematics::results::trajectory::{Ending, EventKind, Trajectory};
+use std::f64::consts::FRAC_PI_2;
+
+/// One equation in x, driven by phi over four seconds.
+fn equation(phi: &str, equation: &str, guess: f64) -> Model {
+    written(&format!(
+        "duration = 4\n[inputs]\nphi = \"{phi}\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {guess}\n"
+    ))
+}
+
+/// A case of the table: drive, equation, start value, solution, and how exact it is at the singular sample.
+type Case = (&'static str, &'static str, f64, fn(f64) -> f64, f64);
+
+fn signed_root(phi: f64) -> f64 {
+    phi.signum() * phi.abs().sqrt()
+}
+
+#[test]
+fn a_motion_goes_on_through_smooth_singular_poses_and_kinks() {
+    let cases: [Case; 15] = [
+        ("t - 2", "x^3 - phi", -1.2, f64::cbrt, 1e-7),
+        ("2 - t", "x^3 - phi", 1.2, f64::cbrt, 1e-7),
+        ("t", "x^3 - phi", 0.0, f64::cbrt, 1e-7),
+        (
+            "t - 2",
+            "x^5 - phi",
+            -1.2,
+            |p| p.signum() * p.abs().powf(0.2),
+            1e-3,
+        ),
+        ("t - 2", "x*abs(x) - phi", -1.4, signed_root, 1e-7),
+        ("2 - t", "x*abs(x) - phi", 1.4, signed_root, 1e-7),
+        ("t - 2", "x - sin(x) - phi", -2.0, |_| f64::NAN, 1e-4),
+        ("t/2 - 1", "x - asin(phi)", -1.5, f64::asin, 1e-7),
+        ("sin(2*pi*t/4)", "x - asin(phi)", 0.0, f64::asin, 1e-7),
+        (
+            "2*pi*t/4",
+            "x - asin(sin(phi))",
+            0.0,
+            |p| p.sin().asin(),
+            3e-7,
+        ),
+        (
+            "2*pi*t/4",
+            "x - acos(cos(phi))",
+            0.0,
+            |p| p.cos().acos(),
+            3e-7,
+        ),
+        ("t/4", "x - sqrt(phi)", 0.0, f64::sqrt, 1e-7),
+        (
+            "t/2 - 1",
+            "x - sqrt(1 - phi^2)",
+            0.0,
+            |p| (1.0 - p * p).sqrt(),
+            1e-7,
+        ),
+        ("t - 2", "abs(x) - phi^2", 4.0, |p| p * p, 1e-7),
+        ("t - 2", "x - abs(phi)", 2.0, f64::abs, 1e-7),
+    ];
+    for (drive, text, guess, solution, near) in cases {
+        let model = equation(drive, text, guess);
+        for samples in 3..=12 {
+            let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
+            let label = format!("{text} along {drive}, {samples} samples");
+            assert_eq!(trajectory.missing(), 0, "{label}: {:?}", trajectory.events);
+            assert!(trajectory.gaps.is_empty(), "{label}: {:?}", trajectory.gaps);
+            for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+                let (phi, x) = (sample.inputs[0], pose.unknowns[0]);
+                let expected = solution(phi);
+                // Kepler's equation has no closed form: the residual stands for it.
+                let error = match expected.is_nan() {
+                    true => x - x.sin() - phi,
+                    false => x - expected,
+                };
+                let allowed = if pose.sigma_min < 1e-4 { near } else { 1e-7 };
+                assert!(error.abs() < allowed, "{label}: {phi} {x} {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_inflection_is_passed_and_does_not_turn_the_drive_back() {
+    let model = equation("t - 2", "x^3 - phi", -1.2);
+    for samples in [3, 5, 11] {
+        let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
+        let kinds: Vec<&EventKind> = trajectory.events.iter().map(|e| &e.kind).collect();
+        assert_eq!(kinds, [&EventKind::SingularPosePassed], "{samples}");
+        assert!((trajectory.events[0].time - 2.0).abs() < 1e-6);
+    }
+}
+
+/// A Bennett ring with twists of 30 degrees and a little more, from `start` on; and the factor of its half angles.
+fn ring(more: f64, start: f64) -> (Model, f64) {
+    let (x, y) = (f64::to_radians(30.0), f64::to_radians(30.0 + more));
+    let b = y.sin() / x.sin();
+    let factor = ((y + x) / 2.0).sin() / ((y - x) / 2.0).sin();
+    let t2 = 2.0 * (factor / (start / 2.0).tan()).atan();
+    let model = written(&format!(
+        "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 4\n[inputs]\nt1 = \"{start} + 2*pi*t/4\"\n[loops]\n\
+         A = \"Rz(t1) Tx(1) Rx({x:?}) Rz(t2) Tx({b:?}) Rx({y:?}) Rz(t3) Tx(1) Rx({x:?}) Rz(t4) Tx({b:?}) Rx({y:?})\"\n\
+         [guess]\nt2 = {t2:?}\nt3 = {:?}\nt4 = {:?}\n",
+        -start, -t2
+    ));
+    (model, factor)
+}
+
+#[test]
+fn a_ring_with_nearly_equal_twists_is_followed_through_its_swing_from_any_start() {
+    for more in [1e-1, 1e-2, 5e-3, 1e-3] {
+        for start in [0.3, 1.0, 2.0, 3.0, 3.13, 4.0, 5.5] {
+            let (model, factor) = ring(more, start);
+            for samples in [20, 81] {
+                let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
+                assert_eq!(trajectory.missing(), 0, "{more} {start} {samples}");
+                assert_eq!(trajectory.events, [], "{more} {start} {samples}");
+                assert!(trajectory.gaps.is_empty());
+                let t2 = slot(&model, "t2");
+                let mut last: Option<f64> = None;
+                for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+                    let half = (sample.inputs[0] / 2.0).tan();
+                    let error = turned(pose.unknowns[t2] - 2.0 * (factor / half).atan());
+                    assert!(error.abs() < 1e-9, "{more} {start}: {error:e}");
+                    // It only ever turns backwards: no turn is lost.
+                    let is_later = last.is_none_or(|last| pose.unknowns[t2] < last);
+                    assert!(is_later, "{more} {start} {}", sample.time);
+                    last = Some(pose.unknowns[t2]);
+                }
+            }
+        }
+    }
+}
+
+/// The engine's own rounding of the angle: half a spacing of each of two.
+fn spacing(angle: f64) -> f64 {
+    2.0 * f64::EPSILON * angle.abs() + 1e-12
+}
+
+#[test]
+fn a_crank_keeps_its_poses_and_its_turns_after_a_hundred_thousand_turns() {
+    for radians in [1e3, 2e5] {
+        let model = written(&format!(
+            "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 4\n[inputs]\nphi = \"{radians:?}*t/4\"\n[loops]\n\
+             A = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 120\n"
+        ));
+        let trajectory = solve(&model, &even_times(&model, 11)).unwrap();
+        assert_eq!(
+            (trajectory.missing(), trajectory.gaps.len()),
+            (0, 0),
+            "{radians}"
+        );
+        for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+            let phi = sample.inputs[0];
+            let [alpha, h] = ["alpha", "h"].map(|name| pose.unknowns[slot(&model, name)]);
+            let swing = -(0.5 * phi.sin()).asin();
+            assert!(
+                (phi + alpha - swing).abs() < 2.0 * spacing(phi),
+                "{phi} {alpha}"
+            );
+            let expected = 40.0 * phi.cos() + 80.0 * swing.cos();
+            assert!((h - expected).abs() < 160.0 * spacing(phi), "{phi} {h}");
+        }
+    }
+}
+
+#[test]
+fn angles_too_large_to_close_a_loop_are_called_so() {
+    let model = written(
+        "units = { length = \"mm\", angle = \"rad\" }\nduration = 1\n[inputs]\nphi = \"0.3*t\"\n[loops]\n\
+         A = \"Rz(phi) Tx(40) Rz(1.7*alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 120\nalpha = 3e13\n",
+    );
+    let trajectory = solve(&model, &[0.0, 0.5, 1.0]).unwrap();
+    assert_eq!(trajectory.missing(), 3);
+    let [gap] = &trajectory.gaps[..] else {
+        panic!("{:?}", trajectory.gaps)
+    };
+    assert_eq!(gap.ending, Some(Ending::AngleTooLarge));
+    assert!(gap.is_undecided());
+}
+
+fn rod_too_short(excess: f64) -> Model {
+    written(&format!(
+        "duration = 4\n[parameters]\nL = 80\nr = \"L*(1 + {excess})\"\n[inputs]\nphi = \"2*pi*t/4\"\n[loops]\n\
+         A = \"Rz(phi) Tx(r) Rz(a) Tx(L) Rz(b) Tx(-h)\"\n[guess]\nh = 160\n"
+    ))
+}
+
+fn endings(trajectory: &Trajectory) -> Vec<(f64, Ending)> {
+    let ends = trajectory.events.iter().filter_map(|e| match &e.kind {
+        EventKind::MotionEnds(ending) => Some((e.inputs[0], ending.clone())),
+        _ => None,
+    });
+    ends.collect()
+}
+
+#[test]
+fn folds_are_located_and_proved() {
+    for excess in [0.5, 1e-2, 1e-4, 1e-6, 1e-8] {
+        let model = rod_too_short(excess);
+        let half = (excess * (2.0 + excess)).sqrt().atan();
+        for samples in [12, 80, 361] {
+            let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
+            let proved = Ending::Fold { proved: true };
+            assert_eq!(trajectory.gaps.len(), 2, "{excess} {samples}");
+            for (gap, middle) in trajectory.gaps.iter().zip([FRAC_PI_2, 3.0 * FRAC_PI_2]) {
+                let label = format!("{excess} {samples}: {gap:?}");
+                assert_eq!(gap.ending.as_ref(), Some(&proved), "{label}");
+                assert_eq!(gap.beginning.as_ref(), Some(&proved), "{label}");
+                let ends = [&gap.from, &gap.until].map(|at| at.as_ref().unwrap().inputs[0]);
+                for (end, side) in ends.iter().zip([-half, half]) {
+                    let error = end - (middle + side);
+                    assert!(error.abs() < 1e-9 + 1e-12 / half, "{label}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn folds_of_the_narrowest_gaps_are_folds() {
+    for excess in [1e-9, 1e-10] {
+        let model = rod_too_short(excess);
+        let trajectory = solve(&model, &even_times(&model, 80)).unwrap();
+        let ends = endings(&trajectory);
+        assert_eq!(ends.len(), 2);
+        for (_, ending) in ends {
+            assert!(
+                matches!(ending, Ending::Fold { .. }),
+                "{excess}: {ending:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_is_called_proved_that_nobody_proved() {
+    // No certificates are asked for; two inputs move at once.
+    let model = rod_too_short(0.1);
+    let times = even_times(&model, 80);
+    let unproved = solve_unproved(&model.system().unwrap(), model.actuation(), &times);
+    let both = written(
+        "duration = 4\n[inputs]\nphi = \"2*pi*t/4\"\nr = \"88 + t/100\"\n[loops]\n\
+         A = \"Rz(phi) Tx(r) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n[guess]\nh = 168\n",
+    );
+    for trajectory in [unproved, solve(&both, &times).unwrap()] {
+        let ends = endings(&trajectory);
+        assert_eq!(ends.len(), 2, "{ends:?}");
+        for (_, ending) in ends {
+            assert_eq!(ending, Ending::Fold { proved: false });
+        }
+    }
+}
+
+#[test]
+fn the_end_of_a_formula_is_no_fold() {
+    for (drive, text, guess) in [
+        ("1 - t/2", "x - sqrt(phi)", 1.0),
+        ("t/2", "x - asin(phi)", 0.0),
+        ("1 - t/2", "x - ln(phi + 0.1)", 0.1),
+    ] {
+        let model = equation(drive, text, guess);
+        let trajectory = solve(&model, &even_times(&model, 9)).unwrap();
+        let ends = endings(&trajectory);
+        let [(_, Ending::NoValue { name })] = &ends[..] else {
+            panic!("{text}: {ends:?}")
+        };
+        assert_eq!(name, "e");
+    }
+}
+
+#[test]
+fn what_is_given_up_is_undecided() {
+    // A step in a formula: poses exist on both of its sides.
+    let model = equation("t", "x - floor(phi)", 0.0);
+    let trajectory = solve(&model, &[0.0, 0.5, 1.5]).unwrap();
+    let ends = endings(&trajectory);
+    let [(at, Ending::GivenUp { sigma_min })] = &ends[..] else {
+        panic!("{ends:?}")
+    };
+    assert!((at - 1.0).abs() < 1e-9);
+    assert!((sigma_min - 1.0).abs() < 1e-9);
+    assert!(trajectory.gaps.iter().all(|gap| gap.is_undecided()));
+}
+
+#[test]
+fn a_drive_passes_zero_without_a_jump() {
+    // Near its zero an input has no size that its steps could be small against.
+    for rate in [1e-6_f64, 1.0, 1e6] {
+        let model = equation(&format!("{rate:?}*(t - 2)"), "x + x^3 - phi", 0.0);
+        let trajectory = solve(&model, &even_times(&model, 5)).unwrap();
+        assert_eq!(trajectory.missing(), 0);
+        let x = trajectory.samples[2].pose.as_ref().unwrap().unknowns[0];
+        assert!(x.abs() < 1e-9 * rate.max(1.0), "{rate}: {x}");
+    }
+}

@@ -1,0 +1,158 @@
+//! Where coordinates turn back while the drive goes on, against closed forms; and that a drive which turns back or
+//! rests makes no limit positions.
+
+use crate::driven::{Model, add_limits, even_times, solve};
+use mechanim::diag::Source;
+
+use mechanim::kinematics::results::trajectory::EventKind;
+
+use crate::program::Workspace;
+use crate::reference::{hard, mechanism, turned};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI};
+
+/// (input, value, is largest) of the limit positions of a coordinate.
+fn limits(mechanism: &Model, samples: usize, coordinate: &str) -> Vec<(f64, f64, bool)> {
+    let mut trajectory = solve(mechanism, &even_times(mechanism, samples)).unwrap();
+    add_limits(mechanism, &mut trajectory);
+    let times: Vec<f64> = trajectory.events.iter().map(|e| e.time).collect();
+    assert!(times.is_sorted());
+    let events = trajectory.events.iter();
+    let limits = events.filter_map(|event| match &event.kind {
+        EventKind::LimitPosition {
+            name,
+            value,
+            is_largest,
+            ..
+        } if name == coordinate => Some((event.inputs[0], *value, *is_largest)),
+        _ => None,
+    });
+    limits.collect()
+}
+
+#[test]
+fn the_slider_turns_back_at_its_dead_points() {
+    for drive in ["0.3 + 4*pi*t/4", "-4*pi*t/4 - 1", "4*pi*t/4", "2*pi*t"] {
+        let mut mechanism = hard("h01-slider-crank", &[("input", "phi", drive)]);
+        mechanism.actuation.duration = if drive.contains("/4") { 4.0 } else { 2.0 };
+        for samples in [5, 80, 1001] {
+            let found = limits(&mechanism, samples, "h");
+            assert_eq!(found.len(), 4, "{drive} {samples}: {found:?}");
+            for (phi, h, is_largest) in found {
+                let (place, stroke) = if is_largest { (0.0, 120.0) } else { (PI, 40.0) };
+                assert!(turned(phi - place) < 1e-9, "{drive} {samples}: {phi}");
+                assert!((h - stroke).abs() < 1e-12, "{h}");
+            }
+            let rod = limits(&mechanism, samples, "beta");
+            assert_eq!(rod.len(), 4, "{drive} {samples}: {rod:?}");
+            for (phi, beta, is_largest) in rod {
+                let sign = if is_largest { 1.0 } else { -1.0 };
+                assert!(turned(phi - sign * FRAC_PI_2) < 1e-9, "{phi}");
+                assert!((beta - sign * FRAC_PI_6).abs() < 1e-13);
+            }
+            assert!(limits(&mechanism, samples, "alpha").is_empty());
+        }
+    }
+}
+
+/// A rocker stands at a limit where crank and coupler are in line, their sum or difference the third side.
+#[test]
+fn a_rocker_turns_back_where_crank_and_coupler_are_in_line() {
+    for [a, b, c, d] in [
+        [20.0, 60.0, 50.0, 70.0],
+        [30.0, 100.0, 80.0, 90.0],
+        [10.0, 40.0, 40.0, 40.0],
+    ] {
+        let text = format!(
+            "duration = 4\n[inputs]\nphi = \"0.1 + 2*pi*t/4\"\n[loops]\n\
+             A = \"Rz(phi) Tx({a}) Rz(mu) Tx({b}) Rz(nu) Tx({}) Rz(-theta) Tx({})\"\n[guess]\ntheta = 1.5\n",
+            -c, -d
+        );
+        let name = "rocker".to_owned();
+        let rocker = mechanism(&Source { name, text }, &[]);
+        let corner =
+            |reach: f64| -> f64 { ((d * d + c * c - reach * reach) / (2.0 * d * c)).acos() };
+        let found = limits(&rocker, 90, "theta");
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (phi, theta, _) in found {
+            let stretched = [b + a, b - a].map(corner);
+            let off = |corner: &f64| turned(turned(theta) - (PI - corner));
+            let nearest = stretched.iter().map(off).fold(PI, f64::min);
+            assert!(nearest < 1e-12, "{theta}: {nearest:e}");
+            // The pin then lies on the line from the crank's bearing to the rocker's end.
+            let end = (d + c * theta.cos(), c * theta.sin());
+            let line = end.1.atan2(end.0);
+            let off = turned(2.0 * (phi - line));
+            assert!(off < 1e-9, "{phi}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn a_drive_that_turns_back_or_rests_makes_no_limit_positions() {
+    let text = |keys: &str| {
+        let text = format!(
+            "[inputs]\nphi = {keys}\n[loops]\nA = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 100\n"
+        );
+        mechanism(
+            &Source {
+                name: "keys".to_owned(),
+                text,
+            },
+            &[],
+        )
+    };
+    for keys in [
+        "{ keys = [[0, 0.5], [1, 1.2], [2, 0.5]], ease = \"smooth\" }",
+        "{ keys = [[0, 0.5], [1, 0.9], [2, 0.9], [3, 1.2]], ease = \"smoother\" }",
+    ] {
+        let found = limits(&text(keys), 60, "h");
+        assert!(found.is_empty(), "{keys}: {found:?}");
+    }
+}
+
+#[test]
+fn tables_and_reports_have_the_stretches_without_a_pose() {
+    let w = Workspace::new();
+    let scene = format!(
+        "{}/tests/hard/h10-rod-too-short.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let limit = 0.75_f64.asin().to_degrees();
+    let solve = ["solve", &scene, "--out", "-", "--format", "json"];
+    for arguments in [&solve[..], &["check", &scene, "--json", "-"]] {
+        let run = w
+            .run(arguments)
+            .exits(4)
+            .says(&["48.590377891 deg", "stays 20.000000 mm open"]);
+        let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        let gaps = document["gaps"].as_array().unwrap();
+        assert_eq!(gaps.len(), 2);
+        for (end, exact) in [("from", limit), ("until", 180.0 - limit)] {
+            let found = gaps[0][end]["inputs"]["phi"].as_f64().unwrap();
+            assert!((found - exact).abs() < 5e-8, "{found}");
+        }
+        assert_eq!(gaps[0]["widest"]["loop"], "A");
+    }
+    let never = ["check", &scene, "--input", "phi=90"];
+    w.run(&never)
+        .exits(4)
+        .says(&["poses were found for `phi` from -48.590377891 deg to 48.590377891 deg"]);
+}
+
+#[test]
+fn the_table_has_them_when_asked() {
+    let w = Workspace::new();
+    let arguments = ["solve", "slider-crank", "--out", "-", "--format", "json"];
+    let events = |more: &[&str]| {
+        let run = w.run(&[&arguments[..], more].concat()).exits(0);
+        let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        document["events"].as_array().unwrap().clone()
+    };
+    assert!(events(&[]).is_empty());
+    let limits = events(&["--events"]);
+    let of_h: Vec<_> = limits.iter().filter(|e| e["coordinate"] == "h").collect();
+    assert_eq!(of_h.len(), 2, "{limits:?}");
+    assert_eq!(of_h[1]["kind"], "limit-position");
+    assert_eq!(of_h[1]["extreme"], "smallest");
+    assert!((of_h[1]["value"].as_f64().unwrap() - 40.0).abs() < 1e-12);
+}

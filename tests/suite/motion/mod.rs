@@ -1,0 +1,19 @@
+//! Motions: poses, rates, events and endings against references that are not ours.
+
+mod accuracy;
+mod contacts;
+mod dense_nets;
+mod dyads;
+mod endings;
+mod gimbal;
+mod hard_cases;
+mod hard_motions;
+mod hard_rows;
+mod limit_positions;
+mod motion_events;
+mod random_starts;
+mod rates;
+mod singular_starts;
+mod solve_references;
+mod sources;
+mod unlike_lengths;

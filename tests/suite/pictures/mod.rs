@@ -1,0 +1,12 @@
+//! Pictures, films, plots, and the files that hold them.
+
+mod export_files;
+mod export_formats;
+mod export_gif;
+mod iterate_films;
+mod pictures;
+mod plots;
+mod scene_pictures;
+mod snapshots;
+mod study_pictures;
+mod views;

@@ -1,0 +1,162 @@
+//! Runs the program as its users do, each test in a folder of its own. Holds no expectations.
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+
+/// What a run left behind.
+pub struct Run {
+    pub code: i32,
+    pub stdout: Vec<u8>,
+    pub stderr: String,
+}
+
+impl Run {
+    pub fn text(&self) -> String {
+        String::from_utf8(self.stdout.clone()).unwrap()
+    }
+
+    /// Fails with everything that was said unless the exit code is `code`.
+    pub fn exits(self, code: i32) -> Self {
+        let out = String::from_utf8_lossy(&self.stdout);
+        assert_eq!(
+            self.code, code,
+            "stdout:\n{:.2000}\nstderr:\n{}",
+            out, self.stderr
+        );
+        self
+    }
+
+    /// Every one of `parts` must stand in the messages.
+    pub fn says(self, parts: &[&str]) -> Self {
+        for part in parts {
+            assert!(
+                self.stderr.contains(part),
+                "`{part}` is not in:\n{}",
+                self.stderr
+            );
+        }
+        self
+    }
+
+    /// Nothing on standard output.
+    pub fn prints_nothing(self) -> Self {
+        assert!(
+            self.stdout.is_empty(),
+            "{}",
+            String::from_utf8_lossy(&self.stdout)
+        );
+        self
+    }
+
+    /// Nothing on standard error.
+    pub fn says_nothing(self) -> Self {
+        assert_eq!(self.stderr, "");
+        self
+    }
+}
+
+/// A folder that goes away with the test.
+pub struct Workspace {
+    folder: tempfile::TempDir,
+}
+
+impl Workspace {
+    pub fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+        }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, contents).unwrap();
+        path
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap()
+    }
+
+    /// Names of all files, hidden ones too, in order.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    }
+
+    /// The program, to be started in this folder, with nothing of the caller's surroundings that changes it.
+    pub fn command<S: AsRef<OsStr>>(&self, arguments: &[S]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_mechanim"));
+        command
+            .current_dir(self.folder.path())
+            .args(arguments)
+            .env_remove("NO_COLOR")
+            .env_remove("MECHANIM_ADAPTER")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    pub fn run<S: AsRef<OsStr>>(&self, arguments: &[S]) -> Run {
+        finish(self.command(arguments).spawn().unwrap())
+    }
+
+    /// Runs with `input` on standard input.
+    pub fn run_with(&self, arguments: &[&str], input: &[u8]) -> Run {
+        let mut child = self
+            .command(arguments)
+            .stdin(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // Small enough for the pipe: no thread is needed.
+        assert!(input.len() < 60_000);
+        child.stdin.take().unwrap().write_all(input).unwrap();
+        finish(child)
+    }
+}
+
+/// Waits for the end. A signal counts as 128 and its number, as a shell says it.
+pub fn finish(child: Child) -> Run {
+    let output = child.wait_with_output().unwrap();
+    #[cfg(unix)]
+    let signal = std::os::unix::process::ExitStatusExt::signal(&output.status).map(|s| 128 + s);
+    #[cfg(not(unix))]
+    let signal = None;
+    Run {
+        code: output.status.code().or(signal).unwrap(),
+        stdout: output.stdout,
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    }
+}
+
+/// Crank and rod, 40 and 80 mm, at a constant input: closes, and is quick.
+pub const STILL: &str = r#"title = "still"
+units = { length = "mm" }
+[inputs]
+phi = 0.3
+[loops]
+A = "Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
+[guess]
+h = 100
+[[bodies]]
+name = "crank"
+frame = "Rz(phi)"
+shapes = [{ capsule = { from = [0, 0, 0], to = [40, 0, 0], radius = 5 } }]
+"#;
+
+/// The same over half a second, in four frames.
+pub fn moving() -> String {
+    STILL
+        .replace("phi = 0.3", "phi = \"2*t\"")
+        .replace("title = \"still\"", "title = \"moving\"\nduration = 0.5")
+        + "[view]\nfps = 8\n"
+}

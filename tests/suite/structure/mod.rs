@@ -1,0 +1,9 @@
+//! What a mechanism is before it moves: joints, mobility, modes of assembly, redundant equations.
+
+mod fixed_poses;
+mod joint_bodies;
+mod mobility;
+mod models;
+mod modes;
+mod redundant;
+mod walks;

@@ -1,0 +1,267 @@
+//! Measures of the gearshift's study and their exact gradients, against values computed with forty digits.
+
+use mechanim::analysis::study::{Evaluator, Family};
+use mechanim::scene::{Overrides, builtin};
+
+const DIMENSIONS: [&str; 22] = [
+    "L3k", "L4", "L5d", "XR1", "YR1", "ZR1", "L5h", "L6s", "L6v", "L7", "L4v", "L4s", "L6r", "L6h",
+    "L8r", "L8s", "XS1", "YS1", "ZS1", "xM", "yM", "zM",
+];
+
+fn table(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = std::fs::read_to_string(format!("tests/data/{name}")).unwrap();
+    let mut lines = text.lines();
+    let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+    (cells(lines.next().unwrap()), lines.map(cells).collect())
+}
+
+fn gearshift(vary: &[&str]) -> Family {
+    let source = builtin::find("gearshift").unwrap();
+    let vary: Vec<String> = vary.iter().map(|s| (*s).to_owned()).collect();
+    Family::load(&source, &Overrides::default(), &vary).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn measures_and_gradients_agree_with_forty_digits() {
+    let family = gearshift(&DIMENSIONS);
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    let found = evaluator.gradients(&stand).unwrap();
+    let measured = evaluator.measure(&stand).unwrap();
+    assert_eq!(measured.measures, found.measures);
+    let (heads, values) = table("gearshift_orig_characteristics.csv");
+    let (columns, rows) = table("gearshift_orig_sensitivity.csv");
+    for (index, measure) in family.measures.list.iter().enumerate() {
+        let column = heads.iter().position(|h| *h == measure.name).unwrap();
+        let wanted: f64 = values[0][column].parse().unwrap();
+        assert!(
+            (found.measures[index] - wanted).abs() <= 1e-11 * wanted.abs().max(1.0),
+            "{}",
+            measure.name
+        );
+        let column = columns.iter().position(|h| *h == measure.name).unwrap();
+        for (variable, row) in rows.iter().enumerate() {
+            assert_eq!(row[0], DIMENSIONS[variable]);
+            let (wanted, got): (f64, f64) =
+                (row[column].parse().unwrap(), found.rows[index][variable]);
+            let slack = 1e-9
+                * wanted
+                    .abs()
+                    .max(if measure.name == "F" { 1e-4 } else { 1e-3 });
+            assert!(
+                (got - wanted).abs() <= slack,
+                "d{}/d{}: {got} {wanted}",
+                measure.name,
+                row[0]
+            );
+        }
+    }
+}
+
+#[test]
+fn a_stand_with_other_values_has_the_measures_of_the_optimised_lever() {
+    let family = gearshift(&["L6s", "ZR1"]);
+    let mut evaluator = Evaluator::new(&family);
+    let nominal = evaluator.nominal(family.nominal().unwrap().poses);
+    let (heads, values) = table("gearshift_opt_characteristics.csv");
+    let source = std::fs::read_to_string("tests/data/gearshift_dims.csv").unwrap();
+    let of = |name: &str| -> f64 {
+        let line = source
+            .lines()
+            .find(|l| l.starts_with(&format!("{name},")))
+            .unwrap();
+        line.split(',').nth(2).unwrap().parse().unwrap()
+    };
+    let stand = evaluator.reach(&nominal, &[of("L6s"), of("ZR1")]).unwrap();
+    let measured = evaluator.measure(&stand).unwrap();
+    for (measure, got) in family.measures.list.iter().zip(&measured.measures) {
+        let column = heads.iter().position(|h| *h == measure.name).unwrap();
+        let wanted: f64 = values[0][column].parse().unwrap();
+        assert!(
+            (got - wanted).abs() <= 1e-10,
+            "{}: {got} {wanted}",
+            measure.name
+        );
+    }
+}
+
+/// The lecture's optimisation: both methods come to the same optimum, from the file's own values.
+#[test]
+fn the_slope_is_optimised_by_simplex_and_by_gradients() {
+    use mechanim::analysis::optimise::{bfgs, nelder_mead};
+    use mechanim::analysis::study::Search;
+    let family = gearshift(&["L6s", "ZR1"]);
+    let start = family.start();
+    let mut search = Search::new(&family, Box::new(|_, _, _| true)).unwrap();
+    assert!((search.value() - 5.592044069e-2).abs() < 1e-11);
+    let (bounds, scales) = (search.bounds(), search.scales());
+    let limits = nelder_mead::Limits {
+        x_tolerance: 1e-4,
+        value_tolerance: 1e-4,
+        evaluations: 1000,
+    };
+    let simplex = nelder_mead::minimise(&mut search, &start, &bounds, limits);
+    let mut search = Search::new(&family, Box::new(|_, _, _| true)).unwrap();
+    let limits = bfgs::Limits {
+        gradient_tolerance: 1e-9,
+        iterations: 200,
+        first_step: 0.05,
+    };
+    let newton = bfgs::minimise(&mut search, &start, &scales, &bounds, limits);
+    println!("simplex {simplex:?}\nbfgs {newton:?}");
+    for found in [&simplex, &newton] {
+        assert!((found.value - 6.50998e-5).abs() < 5e-10, "{found:?}");
+        assert!(
+            (found.x[0] - 62.9127).abs() < 0.05 && (found.x[1] - 236.431).abs() < 0.3,
+            "{found:?}"
+        );
+    }
+}
+
+/// Surfaces of contacts, derivatives by inputs, and angles as variables: exact gradients against differences.
+#[test]
+fn gradients_of_a_contact_agree_with_differences() {
+    let source = builtin::find("torus-torus").unwrap();
+    let family = Family::load(&source, &Overrides::default(), &[]).unwrap();
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    let exact = evaluator.gradients(&stand).unwrap();
+    for k in 0..family.study.variables.len() {
+        let mut moved = |h: f64| {
+            let mut values = family.start();
+            values[k] += h;
+            let reached = evaluator.reach(&stand, &values).unwrap();
+            evaluator.measure(&reached).unwrap().measures
+        };
+        let h = 1e-6;
+        let (up, down) = (moved(h), moved(-h));
+        for (m, measure) in family.measures.list.iter().enumerate() {
+            let slope = (up[m] - down[m]) / (2.0 * h);
+            let found = exact.rows[m][k];
+            let name = &family.study.variables[k].name;
+            assert!(
+                (slope - found).abs() <= 1e-6 * (1.0 + found.abs()),
+                "d{}/d{name}: {found} {slope}",
+                measure.name
+            );
+        }
+    }
+}
+
+/// The paper's parameters are far from the least largest deviation; a few linear programmes show it.
+#[test]
+fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
+    use mechanim::analysis::study::optimum::{Method, optimise, verify};
+    let source = builtin::find("torus-torus").unwrap();
+    let family = Family::load(&source, &Overrides::default(), &[]).unwrap();
+    let method = Method::Minimax { tolerance: 1e-9 };
+    let found = optimise(&family, method, 12, Box::new(|_, _, _| true)).unwrap();
+    assert!((found.first_value - 0.00903136).abs() < 1e-7);
+    assert!(found.minimum.value < 0.004, "{found:?}");
+    let units = |k: usize| {
+        family
+            .mechanism()
+            .file_units(family.study.variables[k].kind)
+    };
+    let parameters: Vec<(String, String)> = (0..found.minimum.x.len())
+        .map(|k| {
+            let value = found.minimum.x[k] * units(k);
+            (family.study.variables[k].name.clone(), format!("{value:?}"))
+        })
+        .collect();
+    let again = verify(&source, &Overrides::default(), parameters, &[]).unwrap();
+    assert_eq!(again.unproved, 0);
+    assert!((again.measures[0] - found.minimum.value).abs() < 1e-9);
+    assert!(again.measures[2].to_degrees() <= 60.0 + 1e-3);
+}
+
+/// At the straightened lever ±0.5 mm are small: random pieces scatter as the linear rule says, and the slopes by about
+/// a millimetre.
+#[test]
+fn small_tolerances_scatter_as_the_linear_rule_says() {
+    use mechanim::analysis::tolerance::{Batch, Distribution, linear, pieces};
+    use std::sync::atomic::AtomicBool;
+    let source = builtin::find("gearshift-optimised").unwrap();
+    let vary = DIMENSIONS.map(str::to_owned);
+    let family = Family::load(&source, &Overrides::default(), &vary).unwrap();
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    let gradients = evaluator.gradients(&stand).unwrap();
+    let tolerances = [0.5; DIMENSIONS.len()];
+    let batch = Batch {
+        samples: 3000,
+        first: 0,
+        seed: 1,
+        distribution: Distribution::Uniform,
+        threads: 2,
+    };
+    let rule = linear(&gradients, &tolerances, batch.distribution);
+    let never = AtomicBool::new(false);
+    let made = pieces(&family, &stand, &tolerances, batch, &never, &|_| {});
+    assert_eq!((made.made, made.failed), (3000, 0));
+    let of = |name: &str| {
+        let measures = &family.measures.list;
+        measures.iter().position(|m| m.name == name).unwrap()
+    };
+    for (name, wanted) in [("S_R1", 1.00), ("S_23", 1.00), ("S_45", 1.18)] {
+        let k = of(name);
+        let found = made.scatter(k, &[0.5]).unwrap();
+        assert!((rule[k].root_sum_square - wanted).abs() < 0.01, "{name}");
+        // 3000 pieces know a deviation to about one per cent.
+        let share = found.deviation / rule[k].deviation;
+        assert!((share - 1.0).abs() < 0.05, "{name}: {share}");
+        assert!((found.mean - gradients.measures[k]).abs() < 0.05, "{name}");
+    }
+    // An interrupt keeps what was made, as a beginning of the whole.
+    let raised = AtomicBool::new(true);
+    let none = pieces(&family, &stand, &tolerances, batch, &raised, &|_| {});
+    assert_eq!((none.made, none.failed, none.values.len()), (0, 0, 0));
+}
+
+/// A four-bar whose crank can turn until the coupler is shorter than 40: then it cannot pass the far side, though all four
+/// samples of the track still close on their branch.
+#[test]
+fn a_motion_that_breaks_between_the_samples_is_torn() {
+    use mechanim::analysis::study::Rejection;
+    use mechanim::diag::Source;
+    let text = "units = { length = \"mm\", angle = \"deg\" }\nduration = 4\n[parameters]\nb = 60\n[inputs]\n\
+                phi = \"45 + 360*t/4\"\n[loops]\n\
+                A = \"Rz(phi) Tx(20) Rz(mu) Tx(b) Rz(nu) Tx(-50) Rz(-theta) Tx(-70)\"\n[guess]\ntheta = 86\n\
+                [tracks]\nturn = { samples = 4, inputs = { phi = [45, 315] } }\n[measures]\n\
+                swing = { track = \"turn\", of = \"theta\", take = \"range\" }\n[study]\nminimise = \"swing\"\n\
+                [study.variables]\nb = { range = [30, 80] }\n";
+    let source = Source {
+        name: "four-bar".to_owned(),
+        text: text.to_owned(),
+    };
+    let family =
+        Family::load(&source, &Overrides::default(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let mut evaluator = Evaluator::new(&family);
+    let stand = evaluator.nominal(family.nominal().unwrap().poses);
+    assert_eq!(evaluator.whole(&stand), Ok(()));
+    for b in [75.0, 50.0, 42.0, 40.5, 39.5, 38.0, 36.0] {
+        let reached = evaluator.reach(&stand, &[b]).unwrap();
+        let torn = Rejection::Torn {
+            track: "turn".to_owned(),
+            pose: 3,
+        };
+        let wanted = if b > 40.0 { Ok(()) } else { Err(torn) };
+        assert_eq!(evaluator.whole(&reached), wanted, "{b}");
+        let motion = family.with_start(&[b]).whole_motion();
+        assert_eq!(motion.is_some(), b > 40.0, "{b}");
+    }
+}
+
+/// Joints pass through their locked angles, where coordinates leap and bodies do not: that is no tear.
+#[test]
+fn a_motion_through_locked_angles_is_whole() {
+    for name in ["sphere-sphere", "sphere-torus", "torus-torus"] {
+        let family =
+            Family::load(&builtin::find(name).unwrap(), &Overrides::default(), &[]).unwrap();
+        let mut evaluator = Evaluator::new(&family);
+        let stand = evaluator.nominal(family.nominal().unwrap().poses);
+        assert_eq!(evaluator.whole(&stand), Ok(()), "{name}");
+        let poses = family.clone().assembled().unwrap().whole_motion().unwrap();
+        assert_eq!(poses.len(), stand.poses.len(), "{name}");
+    }
+}

@@ -1,0 +1,452 @@
+//! `sensitivity`, `tolerance` and `optimise` as their users meet them.
+
+use crate::program::Workspace;
+use serde_json::Value;
+
+/// A slider-crank whose stroke is 2r, so that everything about the study is known in closed form.
+const CRANK: &str = r#"title = "stroke"
+duration = 1
+units = { length = "mm", angle = "deg" }
+[parameters]
+r = 40
+L = 80
+half = "L/2"
+turn = 360
+[inputs]
+phi = "turn*t"
+[loops]
+A = "Rz(phi) Tx(r) Rz(alpha) Tx(2*half) Rz(beta) Tx(-h)"
+[guess]
+h = 120
+[tracks]
+back = { samples = 181, inputs = { phi = [0, 180] } }
+[measures]
+stroke = { track = "back", of = "-h", take = "change" }
+speed = { track = "back", of = "h", per = "phi", take = "largest" }
+swing = { track = "back", of = "alpha", take = "max" }
+miss = "(stroke - 100)^2"
+[study]
+minimise = "miss"
+[study.variables]
+r = { range = [20, 70], tolerance = 0.1 }
+"#;
+
+fn json(w: &Workspace, arguments: &[&str]) -> Value {
+    serde_json::from_str(&w.run(arguments).exits(0).text()).unwrap()
+}
+
+fn workspace() -> Workspace {
+    let w = Workspace::new();
+    w.write("crank.toml", CRANK);
+    w
+}
+
+#[test]
+fn what_stands_beside_all_is_varied_too() {
+    let w = workspace();
+    let varied = |vary: &str| {
+        let text = w
+            .run(&["sensitivity", "crank.toml", "--vary", vary])
+            .exits(0)
+            .text();
+        ["r ", "L ", "half "]
+            .map(|name| text.lines().any(|line| line.trim_start().starts_with(name)))
+    };
+    assert_eq!(varied("all"), [true, true, false]);
+    assert_eq!(varied("all,half,r"), [true, true, true]);
+}
+
+#[test]
+fn sensitivities_of_the_stroke_are_two_and_nothing() {
+    let w = workspace();
+    let found = json(
+        &w,
+        &[
+            "sensitivity",
+            "crank.toml",
+            "--rank",
+            "stroke",
+            "--allow",
+            "stroke=1",
+            "--out",
+            "-",
+        ],
+    );
+    assert!((found["measures"]["stroke"].as_f64().unwrap() - 80.0).abs() < 1e-12);
+    let rows = found["dimensions"].as_array().unwrap();
+    let names: Vec<&str> = rows
+        .iter()
+        .map(|r| r["dimension"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        ["r", "L"],
+        "ranked, and only lengths and angles given as numbers"
+    );
+    let slope = |row: usize, measure: &str| rows[row]["derivatives"][measure].as_f64().unwrap();
+    assert!((slope(0, "stroke") - 2.0).abs() < 1e-12 && slope(1, "stroke").abs() < 1e-12);
+    // alpha falls from 0 to -180 degrees on the way.
+    assert!((found["measures"]["swing"].as_f64().unwrap()).abs() < 1e-9);
+    let text = w.run(&["sensitivity", "crank.toml"]).exits(0).text();
+    assert!(
+        text.contains("Exact derivatives, ranked by dmiss"),
+        "{text}"
+    );
+    w.run(&["sensitivity", "crank.toml", "--out", "table.csv"])
+        .exits(0);
+    let table = std::fs::read_to_string(w.path("table.csv")).unwrap();
+    assert!(
+        table.starts_with("dimension,value,dstroke,dspeed,dswing,dmiss"),
+        "{table}"
+    );
+}
+
+#[test]
+fn random_pieces_do_not_depend_on_threads_or_on_how_they_are_shared() {
+    let w = workspace();
+    let limited = CRANK.replace("\"change\" }", "\"change\", min = 79.9, max = 80.1 }");
+    w.write("limited.toml", limited);
+    let run = |more: &[&str]| {
+        let base = ["tolerance", "limited.toml", "--vary", "r", "--json", "-"];
+        json(&w, &[&base[..], more].concat())
+    };
+    let one = run(&["--samples", "1000", "--threads", "1"]);
+    let two = run(&["--samples", "1000", "--threads", "2"]);
+    assert_eq!(one, two);
+    let digest = |v: &Value| u64::from_str_radix(v["digest"].as_str().unwrap(), 16).unwrap();
+    let (a, b) = (
+        run(&["--samples", "300"]),
+        run(&["--samples", "700", "--first", "300"]),
+    );
+    assert_eq!(digest(&a).wrapping_add(digest(&b)), digest(&one));
+    assert_eq!(
+        a["good"].as_u64().unwrap() + b["good"].as_u64().unwrap(),
+        one["good"].as_u64().unwrap()
+    );
+    // Uniform within ±0.1 of r: the stroke is uniform within ±0.2, so half the pieces keep ±0.1.
+    let good = one["good"].as_f64().unwrap() / 1000.0;
+    assert!((good - 0.5).abs() < 0.05, "{good}");
+    let stroke = &one["measures"]["stroke"];
+    let deviation = 0.2 / 3.0_f64.sqrt();
+    assert!((stroke["linear_deviation"].as_f64().unwrap() - deviation).abs() < 1e-12);
+    assert!((stroke["deviation"].as_f64().unwrap() - deviation).abs() < 0.006);
+    assert!((stroke["worst_case"].as_f64().unwrap() - 0.2).abs() < 1e-12);
+    let other = run(&["--samples", "1000", "--seed", "2"]);
+    assert_ne!(digest(&other), digest(&one));
+}
+
+#[test]
+fn all_methods_find_the_crank_and_write_a_scene() {
+    let w = workspace();
+    for method in ["bfgs", "nelder-mead", "evolution"] {
+        let out = format!("{method}.toml");
+        let found = json(
+            &w,
+            &[
+                "optimise",
+                "crank.toml",
+                "--method",
+                method,
+                "--out",
+                &out,
+                "--json",
+                "-",
+            ],
+        );
+        let r = found["variables"][0]["to"].as_f64().unwrap();
+        assert!((r - 50.0).abs() < 1e-3, "{method}: {r}");
+        assert_eq!(found["verified"]["unproved"], 0);
+        assert!((found["verified"]["measures"]["stroke"].as_f64().unwrap() - 100.0).abs() < 1e-2);
+        w.run(&["check", &out]).exits(0);
+        let text = std::fs::read_to_string(w.path(&out)).unwrap();
+        assert!(
+            text.contains("half = \"L/2\""),
+            "the rest of the file is kept"
+        );
+    }
+}
+
+#[test]
+fn candidates_that_cannot_turn_are_refused_not_taken() {
+    let w = workspace();
+    // A stroke of 200 needs r = 100 > L = 80, which does not reach a half-turn: the search stops at r = L.
+    let text = CRANK
+        .replace("stroke - 100", "stroke - 200")
+        .replace("[20, 70]", "[20, 150]");
+    w.write("far.toml", &text);
+    let found = json(&w, &["optimise", "far.toml", "--json", "-"]);
+    let r = found["variables"][0]["to"].as_f64().unwrap();
+    assert!((79.0..80.0).contains(&r), "{r}");
+    assert!(found["refused"]["not_reached"].as_u64().unwrap() > 0);
+    let bounded = CRANK.replace(
+        "[study]",
+        "long = { track = \"back\", of = \"r\", take = \"max\", max = 45 }\n[study]",
+    );
+    w.write("bounded.toml", &bounded);
+    let found = json(&w, &["optimise", "bounded.toml", "--json", "-"]);
+    assert!(
+        (found["variables"][0]["to"].as_f64().unwrap() - 45.0).abs() < 1e-4,
+        "{found}"
+    );
+}
+
+#[test]
+fn an_optimum_that_comes_too_near_is_not_taken() {
+    let w = Workspace::new();
+    // At 90 degrees the pin is r from the origin, the wall's face 55, the pin's face 3 nearer: 5 are left up to r = 47.
+    let bodies = "[[bodies]]\nname = \"pin\"\nframe = \"Rz(phi) Tx(r) Rz(alpha)\"\n\
+        shapes = [{ sphere = { radius = 3 } }]\n[[bodies]]\nname = \"wall\"\n\
+        shapes = [{ sphere = { center = [0, 60, 0], radius = 5 } }]\n[clearance]\nminimum = 5\n";
+    w.write("wall.toml", format!("{CRANK}{bodies}"));
+    for method in ["bfgs", "nelder-mead"] {
+        let run = [
+            "optimise",
+            "wall.toml",
+            "--method",
+            method,
+            "--out",
+            "kept.toml",
+        ];
+        let found = json(&w, &[&run[..], &["--json", "-"]].concat());
+        let r = found["variables"][0]["to"].as_f64().unwrap();
+        assert!((46.5..=47.0).contains(&r), "{method}: {r}");
+        let miss = found["to"].as_f64().unwrap();
+        assert!((miss - (2.0 * r - 100.0).powi(2)).abs() < 1e-9);
+        assert_eq!(found["clearance"]["kept"], true);
+        w.run(&["check", "kept.toml"]).exits(0);
+    }
+    let strict = format!("{CRANK}{}", bodies.replace("minimum = 5", "minimum = 15"));
+    w.write("strict.toml", strict);
+    let text = w.run(&["optimise", "strict.toml"]).exits(1).text();
+    assert!(text.contains("Clearances are not kept"), "{text}");
+}
+
+#[test]
+fn pairs_are_ranked() {
+    let w = workspace();
+    let found = json(
+        &w,
+        &[
+            "optimise",
+            "crank.toml",
+            "--pairs",
+            "--vary",
+            "r,L",
+            "--json",
+            "-",
+        ],
+    );
+    let pair = &found["pairs"][0];
+    assert!(pair["objective"].as_f64().unwrap() < 1e-6, "{pair}");
+    assert!((pair["values"][0].as_f64().unwrap() - 50.0).abs() < 1e-3);
+}
+
+#[test]
+fn studies_start_from_other_assemblies_and_drives() {
+    let w = workspace();
+    // The slide on the other side: h is negative, and so is the stroke back.
+    w.run(&[
+        "optimise",
+        "crank.toml",
+        "--mode",
+        "1",
+        "--out",
+        "one.toml",
+        "--within",
+        "50%",
+    ])
+    .exits(0);
+    w.run(&[
+        "optimise",
+        "crank.toml",
+        "--mode",
+        "2",
+        "--out",
+        "two.toml",
+        "--within",
+        "0.5",
+    ])
+    .exits(0);
+    let value = |scene: &str| {
+        let found = json(&w, &["sensitivity", scene, "--out", "-"]);
+        found["measures"]["speed"].as_f64().unwrap()
+    };
+    assert!((value("one.toml") - value("two.toml")).abs() < 1e-6);
+    let start = |scene: &str| {
+        let table = w
+            .run(&["solve", scene, "--at", "0", "--out", "-"])
+            .exits(0)
+            .text();
+        let mut rows = table
+            .lines()
+            .map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
+        let heads = rows.next().unwrap();
+        let h = heads.iter().position(|name| name == "h").unwrap();
+        rows.next().unwrap()[h].parse::<f64>().unwrap()
+    };
+    assert!(
+        start("one.toml") * start("two.toml") < 0.0,
+        "two assemblies"
+    );
+    w.write("rows.csv", "phi\n0\n30\n60\n");
+    w.run(&["sensitivity", "crank.toml", "--inputs", "rows.csv"])
+        .exits(2)
+        .says(&["--inputs would change nothing"]);
+    let along = CRANK.replace("swing = { track = \"back\",", "swing = {");
+    w.write(
+        "along.toml",
+        along.replace("take = \"max\"", "take = \"last\""),
+    );
+    let found = json(
+        &w,
+        &[
+            "sensitivity",
+            "along.toml",
+            "--inputs",
+            "rows.csv",
+            "--out",
+            "-",
+        ],
+    );
+    // At 60 degrees: alpha = -60 - asin(sin 60 / 2).
+    let alpha = -60.0 - (60f64.to_radians().sin() / 2.0).asin().to_degrees();
+    let swing = found["measures"]["swing"].as_f64().unwrap();
+    assert!((swing - alpha).abs() < 1e-9, "{swing} {alpha}");
+}
+
+/// A crank longer than its rod stops short of the square position and is feasible again behind it, on either branch: none of
+/// the samples falls into the gap, but no motion leads across it.
+#[test]
+fn a_track_with_a_gap_between_two_samples_is_no_motion() {
+    let w = Workspace::new();
+    let parted = CRANK
+        .replace("r = 40", "r = 80.02")
+        .replace("turn = 360", "turn = 1.5")
+        .replace("samples = 181", "samples = 60")
+        .replace("[0, 180]", "[1.5, 178.5]")
+        .replace("[20, 70]", "[20, 90]");
+    w.write("parted.toml", &parted);
+    for arguments in [
+        &["sensitivity", "parted.toml"][..],
+        &["tolerance", "parted.toml", "--tolerance", "0.1"],
+        &["optimise", "parted.toml", "--out", "found.toml"],
+    ] {
+        w.run(arguments)
+            .exits(4)
+            .says(&["track `back`", "no motion leads to pose 31"]);
+    }
+    let text = w.run(&["check", "parted.toml"]).exits(1).text();
+    assert!(text.contains("stroke           no value"), "{text}");
+    // A crank that is shorter than the rod goes round.
+    let short = parted.replace("r = 80.02", "r = 79.9");
+    w.write("short.toml", &short);
+    let found = json(&w, &["sensitivity", "short.toml", "--out", "-"]);
+    assert!(found["measures"]["stroke"].as_f64().unwrap() > 159.0);
+}
+
+#[test]
+fn mistakes_of_a_study_are_said_with_their_place() {
+    let w = Workspace::new();
+    for (from, to, says) in [
+        ("[20, 70]", "[70, 20]", "the range of `r` must ascend"),
+        ("[20, 70]", "[50, 70]", "`r` starts outside its range"),
+        (
+            "tolerance = 0.1",
+            "tolerance = -1",
+            "a tolerance is not negative",
+        ),
+        ("per = \"phi\"", "per = \"psi\"", "`psi` is none"),
+        (
+            "take = \"largest\"",
+            "take = \"norm\", power = 0.5",
+            "at least 1",
+        ),
+        (
+            "take = \"max\"",
+            "take = \"norms\"",
+            "`norms` cannot be taken",
+        ),
+        (
+            "minimise = \"miss\"",
+            "minimise = \"mist\"",
+            "there is no measure `mist`",
+        ),
+        (
+            "[study.variables]\nr =",
+            "[study.variables]\ns =",
+            "`s` is none",
+        ),
+        (
+            "{ range = [20, 70], tolerance = 0.1 }",
+            "[20, 70]",
+            "must be a table",
+        ),
+        (
+            "[study.variables]",
+            "[study.variablez]",
+            "unknown key `variablez`",
+        ),
+    ] {
+        assert!(CRANK.contains(from), "{from}");
+        w.write("bad.toml", CRANK.replace(from, to));
+        w.run(&["solve", "bad.toml", "--out", "-"])
+            .exits(2)
+            .says(&[says, "bad.toml:"]);
+    }
+    w.write("crank.toml", CRANK);
+    for (arguments, says) in [
+        (
+            &["sensitivity", "crank.toml", "--vary", "q"][..],
+            "no such parameter",
+        ),
+        (
+            &["sensitivity", "crank.toml", "--rank", "q"],
+            "no measure `q`",
+        ),
+        (&["tolerance", "crank.toml"], "no tolerance is known of L"),
+        (
+            &["tolerance", "crank.toml", "--samples", "0"],
+            "whole number",
+        ),
+        (
+            &["tolerance", "crank.toml", "--samples", "1000000000000"],
+            "whole number",
+        ),
+        (&["optimise", "crank.toml", "--vary", "r,r"], "varied twice"),
+        (&["optimise", "slider-crank"], "nothing is to be varied"),
+        (
+            &["optimise", "crank.toml", "--out", "crank.toml"],
+            "is an input",
+        ),
+    ] {
+        w.run(arguments).exits(2).says(&[says]);
+    }
+    w.write(
+        "nothing.toml",
+        CRANK.replace("(stroke - 100)^2", "sqrt(-stroke)"),
+    );
+    w.run(&["optimise", "nothing.toml"])
+        .exits(2)
+        .says(&["`miss` has no value: sqrt of -80"]);
+    let faulty = CRANK.replace("of = \"alpha\"", "of = \"ln(h - 80)\"");
+    w.write("faulty.toml", &faulty);
+    for verb in [
+        &["sensitivity"][..],
+        &["tolerance", "--tolerance", "1"],
+        &["optimise"],
+    ] {
+        w.run(&[verb, &["faulty.toml"]].concat()).exits(2).says(&[
+            "`swing` has no value: ln of ",
+            "at pose ",
+            " of back",
+        ]);
+    }
+    // No stroke of 500 is within reach: what comes nearest is shown, with the limit that it breaks.
+    let far = CRANK.replace("\"change\" }", "\"change\", min = 500 }");
+    w.write("far.toml", far);
+    let text = w.run(&["optimise", "far.toml"]).exits(1).text();
+    assert!(
+        text.contains("No candidate keeps all constraints; with this one `stroke` misses its bound by 72.000 %"),
+        "{text}"
+    );
+}
