@@ -1,15 +1,16 @@
-//! Animated GIF: one palette, changed rectangles, absolute times. Byte layout, LZW and colour live next door.
+//! Animated GIF: one palette, changed rectangles, absolute times. The container, LZW and colour live next door.
 
 use super::costs::{Loss, Pixel};
 use super::delta::Area;
 use super::error::ExportError;
+use super::gif_file::GifFile;
 use super::mapping::Mapper;
 use super::matching::Matcher;
 use super::palette::Palette;
 use super::screen::Screen;
 use super::target::Output;
 use super::timing::Schedule;
-use super::{ExportSummary, FrameCoder, FrameSink, gif_blocks as blocks};
+use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
 use std::sync::Arc;
 
@@ -75,15 +76,14 @@ pub struct GifSettings {
 
 /// Writes a GIF frame by frame. Memory does not grow with the number of frames.
 pub struct GifSink {
-    output: Box<dyn Output>,
+    file: GifFile,
     settings: GifSettings,
     palette: Arc<Palette>,
-    transparent: u8,
     screen: Screen,
     matcher: Matcher,
     sent: Vec<u8>,
-    /// The frame waiting for its delay: equal frames that follow lengthen it.
-    pending: Vec<u8>,
+    /// The frame waiting for its delay, where and as LZW: equal frames that follow lengthen it.
+    pending: (Area, Vec<u8>),
     delay: u32,
     summary: ExportSummary,
 }
@@ -119,7 +119,6 @@ impl GifSink {
         }
         let colours = palette.colours();
         // The first index after the colours means "as before"; there is always room for it.
-        let transparent = colours.len().min(255) as u8;
         let bits = ((colours.len() + 1).next_power_of_two().trailing_zeros() as u8).clamp(1, 8);
         let loss = if palette.is_exact() {
             Loss::NONE
@@ -127,28 +126,20 @@ impl GifSink {
             settings.quality.loss()
         };
         let size = settings.size.map(|s| s as u16);
-        let header = blocks::header(size, colours, bits, settings.repeat && frames > 1);
-        let mut sink = Self {
-            output,
-            transparent,
+        let file = GifFile::new(output, size, colours, bits, settings.repeat && frames > 1)?;
+        let transparent = file.transparent();
+        Ok(Self {
+            file,
             screen: Screen::new(settings.size.map(|s| s as usize), transparent),
             // LZW needs two bits even where one would do.
             matcher: Matcher::new(colours, transparent, bits.max(2), loss),
             settings,
             palette,
             sent: Vec::new(),
-            pending: Vec::new(),
+            pending: (Area::whole([1, 1]), Vec::new()),
             delay: 0,
             summary: ExportSummary::default(),
-        };
-        sink.put(&header)?;
-        Ok(sink)
-    }
-
-    fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
-        self.output.emit(bytes)?;
-        self.summary.bytes += bytes.len() as u64;
-        Ok(())
+        })
     }
 
     /// Writes the waiting frame with all its delay; what exceeds the longest delay goes to frames that change
@@ -160,26 +151,23 @@ impl GifSink {
             if self.delay - delay == 1 {
                 delay -= 1;
             }
-            self.put(&blocks::control(delay as u16, self.transparent))?;
-            let frame = std::mem::take(&mut self.pending);
-            self.put(&frame)?;
+            let (area, codes) = &self.pending;
+            self.file.add_frame(area, delay as u16, codes)?;
             self.delay -= delay;
             if self.delay > 0 {
-                self.pending = self.unchanged_frame();
-            } else {
-                self.pending = frame;
-                self.pending.clear();
+                self.keep_unchanged();
             }
         }
         Ok(())
     }
 
-    /// A frame of one transparent pixel.
-    fn unchanged_frame(&mut self) -> Vec<u8> {
-        let mut frame = blocks::descriptor(&Area::whole([1, 1])).to_vec();
+    /// Lets a frame of one transparent pixel wait.
+    fn keep_unchanged(&mut self) {
+        let (area, codes) = &mut self.pending;
+        *area = Area::whole([1, 1]);
+        codes.clear();
         self.matcher
-            .encode(&[Pixel::STRETCH], &mut self.sent, &mut frame);
-        frame
+            .encode(&[Pixel::STRETCH], &mut self.sent, codes);
     }
 }
 
@@ -199,18 +187,15 @@ impl FrameSink for GifSink {
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {
         let (pixels, _) = coded.as_chunks::<4>();
         // Whether there is anything to send decides if the waiting frame is complete.
-        let area = match self.screen.changes(pixels) {
-            None => None,
-            Some((area, pixels)) => {
-                let mut frame = blocks::descriptor(&area).to_vec();
-                self.matcher.encode(pixels, &mut self.sent, &mut frame);
-                Some((area, frame))
-            }
-        };
-        if let Some((area, frame)) = area {
+        let changed = self.screen.changes(pixels).map(|(area, pixels)| {
+            let mut codes = Vec::new();
+            self.matcher.encode(pixels, &mut self.sent, &mut codes);
+            (area, codes)
+        });
+        if let Some((area, codes)) = changed {
             self.screen.show(&area, &self.sent);
             self.flush_pending()?;
-            self.pending = frame;
+            self.pending = (area, codes);
         }
         let delay = self.settings.schedule.delay(index);
         self.delay = self.delay.saturating_add(delay);
@@ -221,8 +206,7 @@ impl FrameSink for GifSink {
 
     fn finish(mut self: Box<Self>) -> Result<ExportSummary, ExportError> {
         self.flush_pending()?;
-        self.put(&blocks::TRAILER)?;
-        self.output.commit()?;
+        self.summary.bytes = self.file.commit()?;
         Ok(self.summary)
     }
 }

@@ -194,25 +194,20 @@ impl Dictionary {
     }
 }
 
-/// Codes of varying width, least significant bit first, in GIF's sub-blocks of up to 255 bytes.
+/// Codes of varying width, least significant bit first.
 pub(super) struct BitWriter<'a> {
     out: &'a mut Vec<u8>,
     bits: u64,
     filled: u32,
-    /// Where the length byte of the open sub-block stands.
-    block: usize,
 }
 
 impl<'a> BitWriter<'a> {
     /// Starts a stream at the end of `out`.
     pub(super) fn new(out: &'a mut Vec<u8>) -> Self {
-        let block = out.len();
-        out.push(0);
         Self {
             out,
             bits: 0,
             filled: 0,
-            block,
         }
     }
 
@@ -231,22 +226,12 @@ impl<'a> BitWriter<'a> {
         self.out.push(self.bits as u8);
         self.bits >>= 8;
         self.filled = self.filled.saturating_sub(8);
-        if self.out.len() - self.block > 255 {
-            self.out[self.block] = 255;
-            self.block = self.out.len();
-            self.out.push(0);
-        }
     }
 
-    /// Flushes the last bits and ends the chain of sub-blocks.
+    /// Flushes the last bits.
     pub(super) fn finish(mut self) {
         if self.filled > 0 {
             self.byte();
-        }
-        let length = self.out.len() - self.block - 1;
-        self.out[self.block] = length as u8;
-        if length > 0 {
-            self.out.push(0);
         }
     }
 }

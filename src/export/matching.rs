@@ -83,7 +83,7 @@ impl Matcher {
         }
     }
 
-    /// Appends to `out` the LZW code size byte and the coded `pixels`; `chosen` receives the index sent for each.
+    /// Appends to `out` the size of the symbols in bits and the LZW stream of `pixels`; `chosen` receives the index sent for each.
     pub(super) fn encode(&mut self, pixels: &[Pixel], chosen: &mut Vec<u8>, out: &mut Vec<u8>) {
         out.push(self.dictionary.root_bits());
         chosen.clear();

@@ -17,7 +17,7 @@ pub mod error;
 pub mod film;
 pub mod format;
 pub mod gif;
-mod gif_blocks;
+mod gif_file;
 pub mod glb;
 mod glb_buffer;
 mod histogram;

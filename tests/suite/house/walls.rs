@@ -44,7 +44,7 @@ const WALLS: [Wall; 19] = [
         rooms: &["export/"],
     },
     Wall {
-        words: &["use png::"],
+        words: &["use png::", "use gif::"],
         rooms: &["export/"],
     },
     Wall {

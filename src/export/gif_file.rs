@@ -1,0 +1,122 @@
+//! The GIF around the compressed pixels: the `gif` crate's container over an output of ours.
+
+use super::delta::Area;
+use super::error::ExportError;
+use super::target::Output;
+use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+/// A GIF under construction.
+pub(super) struct GifFile {
+    encoder: Encoder<Counted>,
+    /// The index that leaves a pixel as it is.
+    transparent: u8,
+}
+
+impl GifFile {
+    /// Writes the head: screen of `size` pixels, global table of 2^`bits` colours (1 to 8), and, to play without end, the
+    /// loop extension that every viewer knows by Netscape's name.
+    pub(super) fn new(
+        output: Box<dyn Output>,
+        size: [u16; 2],
+        colours: &[[u8; 3]],
+        bits: u8,
+        repeat: bool,
+    ) -> Result<Self, ExportError> {
+        let name = output.name().to_owned();
+        let mut table = colours.as_flattened().to_vec();
+        // Room for the transparent index, which may be the first after the colours.
+        table.resize(3 << bits, 0);
+        let file = Counted {
+            output,
+            bytes: 0,
+            open: true,
+        };
+        let start = || {
+            let mut encoder = Encoder::new(file, size[0], size[1], &table)?;
+            if repeat {
+                encoder.set_repeat(Repeat::Infinite)?;
+            }
+            encoder.get_mut().open = false;
+            Ok(encoder)
+        };
+        Ok(Self {
+            encoder: start().map_err(|error| failed(&name, error))?,
+            transparent: colours.len().min(255) as u8,
+        })
+    }
+
+    /// The index that leaves a pixel as it is.
+    pub(super) fn transparent(&self) -> u8 {
+        self.transparent
+    }
+
+    /// Adds a frame over `area`, shown for `delay` hundredths and left in place: `codes` is the size of the symbols in bits
+    /// and the LZW stream.
+    pub(super) fn add_frame(
+        &mut self,
+        area: &Area,
+        delay: u16,
+        codes: &[u8],
+    ) -> Result<(), ExportError> {
+        let frame = Frame {
+            delay,
+            dispose: DisposalMethod::Keep,
+            transparent: Some(self.transparent),
+            left: area.left as u16,
+            top: area.top as u16,
+            width: area.width as u16,
+            height: area.height as u16,
+            buffer: Cow::Borrowed(codes),
+            ..Frame::default()
+        };
+        self.encoder.get_mut().open = true;
+        let written = self.encoder.write_lzw_pre_encoded_frame(&frame);
+        let file = self.encoder.get_mut();
+        file.open = false;
+        written.map_err(|error| failed(file.output.name(), error))
+    }
+
+    /// Ends the file and makes it final; returns its length in bytes.
+    pub(super) fn commit(mut self) -> Result<u64, ExportError> {
+        let name = self.encoder.get_ref().output.name().to_owned();
+        self.encoder.get_mut().open = true;
+        let file = self.encoder.into_inner();
+        let file = file.map_err(|error| failed(&name, error))?;
+        file.output.commit()?;
+        Ok(file.bytes)
+    }
+}
+
+/// The error of a container as ours; what is no fault of the file cannot happen with the frames that are given here.
+fn failed(name: &str, error: EncodingError) -> ExportError {
+    let source = match error {
+        EncodingError::Io(source) => source,
+        other => io::Error::other(other),
+    };
+    ExportError::write(name, source)
+}
+
+/// The output below the container. It takes bytes only while a call of [`GifFile`] is at work: an encoder that is dropped
+/// writes the end of the file, and a film that was cut short must not end like a whole one.
+struct Counted {
+    output: Box<dyn Output>,
+    bytes: u64,
+    open: bool,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if !self.open {
+            return Ok(bytes.len());
+        }
+        let written = self.output.write(bytes)?;
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.output.flush()
+    }
+}
