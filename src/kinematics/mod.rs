@@ -5,6 +5,7 @@
 pub mod assemblies;
 pub mod ball;
 pub mod certificate;
+pub mod enclosure;
 pub mod freedoms;
 pub mod loops;
 pub mod measures;

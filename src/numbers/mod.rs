@@ -1,6 +1,7 @@
 //! Numbers, and the trait that all formulas are written in: constants with their error, Taylor series, hyper-dual numbers,
-//! intervals, double-doubles.
+//! intervals, affine forms, double-doubles.
 
+pub mod affine_form;
 pub mod constant;
 pub mod double_double;
 pub mod hyper_dual;

@@ -1,0 +1,12 @@
+//! Boxes around the poses of all pieces: dimensions lie anywhere in their intervals, and the unknowns, traced points and
+//! outputs of every such piece lie in the box.
+//!
+//! Everything is a function of the dimensions: its value, its derivatives as affine forms, so that mixed second derivatives
+//! are kept, and a bound of the rest, which is of third order. [`block`] has the test, [`quadratic`] the ranges.
+
+pub mod block;
+pub mod pose;
+pub mod quadratic;
+pub mod region;
+pub mod rows;
+mod twists;

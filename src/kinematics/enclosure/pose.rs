@@ -1,0 +1,161 @@
+//! A pose for all dimensions in their intervals: unknowns, traced points, outputs, and any formula of them.
+
+use super::block::{Unbounded, enclose};
+use super::quadratic::Quadratic;
+use super::region::{Region, Tolerance};
+use super::rows::{Layout, Rates, gradient};
+use super::twists::Twists;
+use crate::kinematics::loops::observed::{arguments, observed_slots};
+use crate::kinematics::structure::system::System;
+use crate::model::expression::Expression;
+use crate::model::mechanism::Mechanism;
+use crate::numbers::affine_form::AffineForm;
+use crate::numbers::interval::Interval;
+
+/// Encloses poses of one system. Laid out once.
+#[derive(Clone, Debug)]
+pub struct Encloser<'s> {
+    system: &'s System,
+    layouts: Vec<Layout<'s>>,
+}
+
+/// The poses of all pieces at one place of the drive.
+#[derive(Clone, Debug)]
+pub struct PoseEnclosure<const N: usize> {
+    region: Region<N>,
+    coordinates: usize,
+}
+
+impl<'s> Encloser<'s> {
+    /// Prepares the proofs.
+    pub fn new(system: &'s System) -> Self {
+        let blocks = system.blocks().iter();
+        let layouts = blocks.map(|block| Layout::new(system.mechanism(), block));
+        Self {
+            layouts: layouts.collect(),
+            system,
+        }
+    }
+
+    /// Encloses the poses beside the closed one at `pose` (unknowns, then inputs), where inputs are meant within `input_open` of
+    /// their values. `bases` are the rows that each block is proved on.
+    ///
+    /// # Errors
+    /// No box is proved.
+    pub fn enclose<const N: usize>(
+        &self,
+        pose: &[f64],
+        input_open: &[f64],
+        tolerances: &[Tolerance],
+        bases: &[Vec<usize>],
+    ) -> Result<PoseEnclosure<N>, Unbounded> {
+        let mechanism = self.system.mechanism();
+        let mut region = Region::new(pose, mechanism.unknowns.len(), input_open, tolerances);
+        for (layout, basis) in self.layouts.iter().zip(bases) {
+            enclose(mechanism, layout, basis, &mut region)?;
+        }
+        let coordinates = region.slots.len();
+        let centre = observed_slots(mechanism, &region.centre());
+        show_traces(mechanism, &mut region, &centre);
+        for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
+            let rates = region.chain(&gradient(&output.expression, &region.slots));
+            region.push(centre[place], rates);
+        }
+        Ok(PoseEnclosure {
+            region,
+            coordinates,
+        })
+    }
+}
+
+/// Appends x, y, z of every trace.
+fn show_traces<const N: usize>(
+    mechanism: &Mechanism,
+    region: &mut Region<N>,
+    centre: &[Interval],
+) {
+    let coordinates = region.slots.len();
+    for trace in &mechanism.traces {
+        let chain = &mechanism.bodies[trace.body].world_from_body;
+        let used = chain.arguments();
+        let known = &region.slots[..coordinates];
+        let (values, rates) = (
+            arguments(mechanism, &used, known),
+            Rates::new(mechanism, &used, known),
+        );
+        let twists = Twists::new(&chain.steps, &values);
+        let point = twists.end.point(trace.point.to_array());
+        let mut gradients: [Vec<(usize, AffineForm<N>)>; 3] = Default::default();
+        twists.velocities(point, |argument, velocity| {
+            for (slot, rate) in rates.of(argument) {
+                for (gradient, along) in gradients.iter_mut().zip(velocity) {
+                    let part = along * *rate;
+                    match gradient.iter_mut().find(|(known, _)| known == slot) {
+                        Some((_, sum)) => *sum = *sum + part,
+                        None => gradient.push((*slot, part)),
+                    }
+                }
+            }
+        });
+        for gradient in gradients {
+            let rates = region.chain(&gradient);
+            region.push(centre[region.slots.len()], rates);
+        }
+    }
+}
+
+impl<const N: usize> PoseEnclosure<N> {
+    /// Slot `index` (coordinates, x, y, z of the traces, outputs) as a function of the dimensions.
+    pub fn slot(&self, index: usize) -> Quadratic<N> {
+        Quadratic {
+            value: self.region.slots[index].value,
+            open: self.region.open[index],
+            rates: self.region.rates_of(index).to_vec(),
+        }
+    }
+
+    /// Slot `index` to the first order.
+    pub fn form(&self, index: usize) -> AffineForm<N> {
+        self.region.slots[index]
+    }
+
+    /// Number of slots.
+    pub fn len(&self) -> usize {
+        self.region.slots.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A formula of the slots as a function of the dimensions, to the first order.
+    pub fn formula(&self, expression: &Expression) -> AffineForm<N> {
+        let mut region = self.region.clone();
+        let rates = region.chain(&gradient(expression, &region.slots));
+        let place = region.slots.len();
+        region.push(expression.value(&region.centre()), rates);
+        region.slots[place]
+    }
+
+    /// The coordinates at δ to the second order.
+    pub fn coordinates_at(&self, place: &[f64]) -> Vec<f64> {
+        let of = |slot: usize| {
+            let mut value = self.region.slots[slot].value;
+            for (rate, d) in self.region.rates_of(slot).iter().zip(place) {
+                let bend: f64 = rate.slopes.iter().zip(place).map(|(s, e)| s * e).sum();
+                value += d * (rate.value + 0.5 * bend);
+            }
+            value
+        };
+        (0..self.coordinates).map(of).collect()
+    }
+
+    /// Whether coordinates lie in the box, in which there is one pose for every δ.
+    pub fn holds(&self, coordinates: &[f64]) -> bool {
+        let pairs = coordinates.iter().zip(&self.region.slots);
+        pairs
+            .into_iter()
+            .all(|(x, form)| (x - form.value).abs() <= form.deviation())
+    }
+}

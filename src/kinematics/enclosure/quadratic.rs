@@ -1,0 +1,148 @@
+//! A function of the dimensions to the second order with a bound of the rest, and its range over their intervals.
+//!
+//! Where a derivative has one sign on the whole box the extremes lie on a face of it, which is looked at in turn. What
+//! is left open after that is bounded term by term.
+
+use crate::numbers::affine_form::AffineForm;
+use crate::numbers::rounding::GROW;
+
+/// A function of δ in [-1, 1]ⁿ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quadratic<const N: usize> {
+    /// At δ = 0.
+    pub value: f64,
+    /// Bound of the error of that.
+    pub open: f64,
+    /// Derivatives by every δ.
+    pub rates: Vec<AffineForm<N>>,
+}
+
+/// A range, and where its ends are about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// No value is lower.
+    pub lo: f64,
+    /// No value is higher.
+    pub hi: f64,
+    /// δ near which the least value lies.
+    pub lowest: Vec<f64>,
+    /// δ near which the greatest lies.
+    pub highest: Vec<f64>,
+}
+
+/// Rounding of the sums of a bound, relative to the sum of magnitudes.
+const SUMS: f64 = 1e-13;
+
+/// Times that all dimensions are looked at for a better place.
+const ROUNDS: usize = 6;
+
+impl<const N: usize> Quadratic<N> {
+    /// Its range.
+    pub fn range(&self) -> Range {
+        let (above, highest) = self.greatest(1.0);
+        let (below, lowest) = self.greatest(-1.0);
+        Range {
+            lo: -below,
+            hi: above,
+            lowest,
+            highest,
+        }
+    }
+
+    /// A bound of `sign` times the function, and where that is greatest about.
+    fn greatest(&self, sign: f64) -> (f64, Vec<f64>) {
+        let mut fixed = self.monotone(sign);
+        let bound = self.bound(sign, &fixed);
+        self.climb(sign, &mut fixed);
+        let place = fixed.into_iter().map(|d| d.unwrap_or(0.0));
+        (bound, place.collect())
+    }
+
+    /// Ends at which dimensions must stand where the function is greatest; `None` where that is open.
+    fn monotone(&self, sign: f64) -> Vec<Option<f64>> {
+        let mut fixed: Vec<Option<f64>> = vec![None; self.rates.len()];
+        loop {
+            let before = fixed.clone();
+            for (k, rate) in self.rates.iter().enumerate() {
+                if before[k].is_some() {
+                    continue;
+                }
+                let (mut middle, mut open) = (rate.value, rate.error);
+                for (slope, at) in rate.slopes.iter().zip(&fixed) {
+                    middle += slope * at.unwrap_or(0.0);
+                    open += if at.is_none() { slope.abs() } else { 0.0 };
+                }
+                let slack = SUMS * (rate.value.abs() + rate.radius());
+                if middle.abs() > (open + slack) * GROW {
+                    fixed[k] = Some((sign * middle).signum());
+                }
+            }
+            if fixed == before {
+                return fixed;
+            }
+        }
+    }
+
+    /// Bounds `sign` times the function on the face where the fixed dimensions stand.
+    fn bound(&self, sign: f64, fixed: &[Option<f64>]) -> f64 {
+        let (mut sum, mut size) = (sign * self.value, self.value.abs());
+        let mut rest = self.open;
+        for (k, rate) in self.rates.iter().enumerate() {
+            size += rate.value.abs() + rate.radius();
+            rest += rate.error;
+            let half = |j: usize| 0.5 * sign * rate.slopes[j];
+            let Some(here) = fixed[k] else {
+                // Both halves of what this one shares with the fixed ones.
+                let (linear, square) = (self.along(sign, k, fixed), half(k));
+                sum += greatest_of(linear, square);
+                let others = (0..fixed.len()).filter(|j| *j != k && fixed[*j].is_none());
+                rest += others.map(|j| half(j).abs()).sum::<f64>();
+                continue;
+            };
+            sum += sign * rate.value * here;
+            let known = fixed.iter().enumerate();
+            sum += known
+                .filter_map(|(j, at)| Some(half(j) * here * (*at)?))
+                .sum::<f64>();
+        }
+        (sum + (rest + SUMS * size) * GROW).next_up()
+    }
+
+    /// Derivative of `sign` times the function by δₖ at δₖ = 0, other open dimensions at zero.
+    fn along(&self, sign: f64, k: usize, at: &[Option<f64>]) -> f64 {
+        let mut slope = self.rates[k].value;
+        for (j, place) in at.iter().enumerate() {
+            if j != k {
+                let both = 0.5 * (self.rates[k].slopes[j] + self.rates[j].slopes[k]);
+                slope += both * place.unwrap_or(0.0);
+            }
+        }
+        sign * slope
+    }
+
+    /// Moves the open dimensions one after the other to where the function is greatest, the rest left out.
+    fn climb(&self, sign: f64, at: &mut [Option<f64>]) {
+        let open: Vec<usize> = (0..at.len()).filter(|k| at[*k].is_none()).collect();
+        for _ in 0..ROUNDS {
+            for &k in &open {
+                let (linear, square) = (self.along(sign, k, at), sign * self.rates[k].slopes[k]);
+                let end = if linear < 0.0 { -1.0 } else { 1.0 };
+                let inside = -linear / square;
+                at[k] = Some(match square < 0.0 && inside.abs() < 1.0 {
+                    true => inside,
+                    false => end,
+                });
+            }
+        }
+    }
+}
+
+/// The greatest value of `linear` δ + `square` δ² for |δ| ≤ 1.
+fn greatest_of(linear: f64, square: f64) -> f64 {
+    let top = -0.5 * linear / square;
+    if square < 0.0 && top.abs() < 1.0 {
+        0.5 * linear * top
+    } else {
+        linear.abs() + square
+    }
+}

@@ -1,0 +1,137 @@
+//! The equations of a block and their derivatives by all coordinates that they depend on, in any arithmetic.
+
+use super::twists::Twists;
+use crate::kinematics::loops::observed::arguments;
+use crate::kinematics::structure::block::Block;
+use crate::model::chain::Argument;
+use crate::model::expression::Expression;
+use crate::model::mechanism::Mechanism;
+use crate::numbers::scalar::Scalar;
+
+/// A block laid out: which coordinates it depends on.
+#[derive(Clone, Debug)]
+pub struct Layout<'m> {
+    mechanism: &'m Mechanism,
+    /// The block.
+    pub block: &'m Block,
+    /// Coordinates of the columns: the block's own unknowns, then all others.
+    pub slots: Vec<usize>,
+    column_of: Vec<Option<usize>>,
+}
+
+/// Residuals and derivatives, row after row.
+#[derive(Clone, Debug)]
+pub struct Rows<S> {
+    /// One a row.
+    pub residual: Vec<S>,
+    /// Row after row, one a column.
+    pub jacobian: Vec<S>,
+}
+
+impl<'m> Layout<'m> {
+    /// Lays out a block.
+    pub fn new(mechanism: &'m Mechanism, block: &'m Block) -> Self {
+        let arguments = block.arguments.iter();
+        let of_arguments = arguments.flat_map(|a| mechanism.arguments[*a].coordinates());
+        let equations = block.equations.iter();
+        let of_equations = equations.flat_map(|e| mechanism.equations[*e].expression.slots());
+        let mut others: Vec<usize> = of_arguments.chain(of_equations).collect();
+        others.sort_unstable();
+        others.dedup();
+        others.retain(|slot| block.column_of[*slot].is_none());
+        let slots = [block.unknowns.clone(), others].concat();
+        let mut column_of = vec![None; mechanism.coordinate_count()];
+        for (column, slot) in slots.iter().enumerate() {
+            column_of[*slot] = Some(column);
+        }
+        Self {
+            mechanism,
+            block,
+            slots,
+            column_of,
+        }
+    }
+
+    /// Number of own unknowns.
+    pub fn own(&self) -> usize {
+        self.block.unknowns.len()
+    }
+
+    /// Evaluates all rows at coordinates (unknowns, then inputs).
+    pub fn rows<S: Scalar>(&self, coordinates: &[S]) -> Rows<S> {
+        let (count, columns) = (self.block.rows(), self.slots.len());
+        let zero = S::number(0.0);
+        let mut rows = Rows {
+            residual: Vec::with_capacity(count),
+            jacobian: vec![zero; count * columns],
+        };
+        let values = arguments(self.mechanism, &self.block.arguments, coordinates);
+        let rates = Rates::new(self.mechanism, &self.block.arguments, coordinates);
+        for part in &self.block.loops {
+            let item = &self.mechanism.loops[part.index];
+            let twists = Twists::new(&item.chain.steps, &values);
+            let (first, per_size) = (rows.residual.len(), 1.0 / item.size);
+            let components = &part.components;
+            let residuals = components.iter().map(|c| twists.residual(*c, per_size));
+            rows.residual.extend(residuals);
+            twists.columns(per_size, |argument, by_argument| {
+                for (slot, rate) in rates.of(argument) {
+                    let Some(column) = self.column_of[*slot] else {
+                        continue;
+                    };
+                    for (row, component) in components.iter().enumerate() {
+                        let entry = &mut rows.jacobian[(first + row) * columns + column];
+                        *entry = *entry + by_argument[*component] * *rate;
+                    }
+                }
+            });
+        }
+        for index in &self.block.equations {
+            let expression = &self.mechanism.equations[*index].expression;
+            let weight = self.mechanism.weight_of(*index);
+            let row = rows.residual.len();
+            rows.residual.push(expression.value(coordinates).scale(weight));
+            for (slot, rate) in gradient(expression, coordinates) {
+                if let Some(column) = self.column_of[slot] {
+                    rows.jacobian[row * columns + column] = rate.scale(weight);
+                }
+            }
+        }
+        rows
+    }
+}
+
+/// Derivatives of arguments by the coordinates that each depends on.
+#[derive(Clone, Debug)]
+pub struct Rates<S> {
+    of_argument: Vec<Vec<(usize, S)>>,
+}
+
+impl<S: Scalar> Rates<S> {
+    /// Of the arguments in `used`; the others have none.
+    pub fn new(mechanism: &Mechanism, used: &[usize], coordinates: &[S]) -> Self {
+        let mut of_argument = vec![Vec::new(); mechanism.arguments.len()];
+        for index in used {
+            of_argument[*index] = match &mechanism.arguments[*index] {
+                Argument::Affine(affine) => {
+                    let terms = affine.terms.iter();
+                    terms.map(|(slot, c)| (*slot, S::from_constant(*c))).collect()
+                }
+                Argument::Formula(expression) => gradient(expression, coordinates),
+            };
+        }
+        Self { of_argument }
+    }
+
+    /// Coordinates and rates of an argument.
+    pub fn of(&self, argument: usize) -> &[(usize, S)] {
+        &self.of_argument[argument]
+    }
+}
+
+/// The derivatives of a formula by the slots that it depends on.
+pub fn gradient<S: Scalar>(expression: &Expression, slots: &[S]) -> Vec<(usize, S)> {
+    let all = expression.gradient(slots);
+    let used = expression.slots().into_iter();
+    used.map(|slot| (slot, all[slot])).collect()
+}

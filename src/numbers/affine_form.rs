@@ -1,0 +1,408 @@
+//! Affine forms: how a number changes with N others to the first order, and a bound of all the rest.
+//!
+//! A form `value + Σ slopesₖ δₖ ± error` encloses a function of δ in [-1, 1]ᴺ. What two forms share in the first order
+//! cancels, which intervals forget; what is of second order or rounded goes into the error. Affine arithmetic of de
+//! Figueiredo and Stolfi (Numerical Algorithms 37, 2004) with functions by the mean value theorem.
+
+use super::constant::Constant;
+use super::interval::Interval;
+use super::rounding::{GROW, OPERATION, UNDERFLOW};
+use super::scalar::{Ring, Scalar};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// An enclosure of a function of δ in [-1, 1]ᴺ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AffineForm<const N: usize> {
+    /// At δ = 0.
+    pub value: f64,
+    /// Change along each δ.
+    pub slopes: [f64; N],
+    /// Bound of the difference between the function and the linear one.
+    pub error: f64,
+}
+
+/// Operations in one slope of a product.
+const OF_PRODUCT: f64 = 4.0 * OPERATION;
+
+impl<const N: usize> AffineForm<N> {
+    /// Exactly zero.
+    pub const ZERO: Self = Self {
+        value: 0.0,
+        slopes: [0.0; N],
+        error: 0.0,
+    };
+
+    /// A number that stays within `error` of `value`.
+    pub const fn within(value: f64, error: f64) -> Self {
+        Self {
+            value,
+            slopes: [0.0; N],
+            error,
+        }
+    }
+
+    /// All numbers of an interval.
+    pub fn of_interval(interval: Interval) -> Self {
+        let value = interval.middle();
+        match interval.is_finite() {
+            true => Self::within(value, interval.distance(value)),
+            false => Self::undefined(),
+        }
+    }
+
+    /// The same with `half_width` δ of number `index` added.
+    pub fn moving(mut self, index: usize, half_width: f64) -> Self {
+        self.slopes[index] += half_width;
+        self
+    }
+
+    /// Adds `factor` times `b`.
+    #[inline]
+    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
+        if factor == 0.0 {
+            // What is not known stays so.
+            self.error += if b.error.is_finite() { 0.0 } else { b.error };
+            return;
+        }
+        let before = self.value.abs();
+        self.value += factor * b.value;
+        let mut size = before + 2.0 * (factor * b.value).abs();
+        for (s, slope) in self.slopes.iter_mut().zip(&b.slopes) {
+            let added = factor * slope;
+            *s += added;
+            size += s.abs() + added.abs();
+        }
+        self.error += (factor.abs() * b.error + OPERATION * size + UNDERFLOW) * GROW;
+        self.error *= GROW;
+    }
+
+    /// Bound of the linear part.
+    #[inline]
+    pub fn radius(&self) -> f64 {
+        self.slopes.iter().map(|s| s.abs()).sum::<f64>() * GROW
+    }
+
+    /// Bound of the difference from the value.
+    #[inline]
+    pub fn deviation(&self) -> f64 {
+        (self.radius() + self.error) * GROW
+    }
+
+    /// Bound of the magnitude.
+    pub fn magnitude(&self) -> f64 {
+        (self.value.abs() + self.deviation()) * GROW
+    }
+
+    /// All its values.
+    pub fn range(&self) -> Interval {
+        Interval::point(self.value) + Interval::around_zero(self.deviation())
+    }
+
+    /// Exactly zero, so that products with it are zero as well.
+    fn is_zero(&self) -> bool {
+        self.value == 0.0 && self.error == 0.0 && self.slopes == [0.0; N]
+    }
+
+    /// A function of it: its value here and its derivative on the whole range.
+    fn through(self, value: Interval, derivative: Interval) -> Self {
+        let slope = derivative.middle();
+        if !(value.is_finite() && derivative.is_finite()) {
+            return Self::undefined();
+        }
+        let middle = value.middle();
+        let slopes = self.slopes.map(|s| slope * s);
+        let open = derivative.distance(slope) * self.deviation() + slope.abs() * self.error;
+        let rounding = OPERATION * slope.abs() * self.radius();
+        Self {
+            value: middle,
+            slopes,
+            error: (value.distance(middle) + open + rounding + UNDERFLOW) * GROW,
+        }
+    }
+
+    /// A function of intervals and its derivative.
+    fn function(
+        self,
+        value: impl Fn(Interval) -> Interval,
+        derivative: impl Fn(Interval) -> Interval,
+    ) -> Self {
+        if !self.is_finite() {
+            return Self::undefined();
+        }
+        self.through(value(Interval::point(self.value)), derivative(self.range()))
+    }
+}
+
+impl<const N: usize> Ring for AffineForm<N> {
+    fn number(value: f64) -> Self {
+        Self::within(value, 0.0)
+    }
+
+    #[inline]
+    fn scale(self, factor: f64) -> Self {
+        if factor.abs() == 1.0 {
+            return if factor < 0.0 { -self } else { self };
+        }
+        if factor == 0.0 && self.is_finite() || self.is_zero() {
+            return Self::ZERO;
+        }
+        let size = self.value.abs() + self.radius();
+        let rounding = OPERATION * size + self.error;
+        Self {
+            value: factor * self.value,
+            slopes: self.slopes.map(|s| factor * s),
+            error: (factor.abs() * rounding + UNDERFLOW) * GROW,
+        }
+    }
+
+    fn scale_by(self, factor: Constant) -> Self {
+        match factor.is_exact() {
+            true => self.scale(factor.number()),
+            false => self * Self::from_constant(factor),
+        }
+    }
+}
+
+impl<const N: usize> Scalar for AffineForm<N> {
+    fn from_constant(constant: Constant) -> Self {
+        match constant.is_exact() {
+            true => Self::number(constant.number()),
+            false => Self::within(constant.number(), constant.open()),
+        }
+    }
+
+    fn undefined() -> Self {
+        Self::within(0.0, f64::INFINITY)
+    }
+
+    fn is_finite(self) -> bool {
+        self.value.is_finite() && self.deviation().is_finite()
+    }
+
+    fn as_number(self) -> Option<f64> {
+        (self == Self::number(self.value)).then_some(self.value)
+    }
+
+    fn is_below_zero(self) -> Option<bool> {
+        self.range().is_below_zero()
+    }
+
+    fn square(self) -> Self {
+        self * self
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        if self.is_zero() {
+            return (self, Self::number(1.0));
+        }
+        let here = Interval::point(self.value).sin_cos();
+        let over = self.range().sin_cos();
+        if !self.is_finite() {
+            return (Self::undefined(), Self::undefined());
+        }
+        (self.through(here.0, over.1), self.through(here.1, -over.0))
+    }
+
+    fn exp(self) -> Self {
+        self.function(Scalar::exp, Scalar::exp)
+    }
+
+    fn ln(self) -> Self {
+        self.function(Scalar::ln, |x| Interval::ONE / x)
+    }
+
+    fn sqrt(self) -> Self {
+        self.function(Scalar::sqrt, |x| Interval::point(0.5) / x.sqrt())
+    }
+
+    fn asin(self) -> Self {
+        let slope = |x: Interval| Interval::ONE / (Interval::ONE - x.square()).sqrt();
+        self.function(Scalar::asin, slope)
+    }
+
+    fn acos(self) -> Self {
+        let slope = |x: Interval| Interval::ONE / (Interval::ONE - x.square()).sqrt();
+        self.function(Scalar::acos, |x| -slope(x))
+    }
+
+    fn atan(self) -> Self {
+        let slope = |x: Interval| Interval::ONE / (Interval::ONE + x.square());
+        self.function(Scalar::atan, slope)
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        if !(self.is_finite() && x.is_finite()) {
+            return Self::undefined();
+        }
+        let (along, up) = (x.range(), self.range());
+        // The range has no cut inside, or the derivatives would not tell how the angle changes.
+        if !up.atan2(along).is_finite() {
+            return Self::undefined();
+        }
+        let square = along.square() + up.square();
+        let here = Interval::point(self.value).atan2(Interval::point(x.value));
+        let by_up = self.through(here, along / square);
+        by_up + x.through(Interval::ZERO, -up / square)
+    }
+
+    fn floor(self) -> Self {
+        match self.range().floor().as_number() {
+            Some(whole) => Self::number(whole),
+            None => Self::undefined(),
+        }
+    }
+}
+
+impl<const N: usize> Neg for AffineForm<N> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self {
+            value: -self.value,
+            slopes: self.slopes.map(|s| -s),
+            error: self.error,
+        }
+    }
+}
+
+impl<const N: usize> Add for AffineForm<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, b: Self) -> Self {
+        let mut sum = self;
+        sum.value += b.value;
+        let mut size = sum.value.abs();
+        for (s, slope) in sum.slopes.iter_mut().zip(&b.slopes) {
+            *s += slope;
+            size += s.abs();
+        }
+        // What is added to zero is not rounded.
+        if !(self.is_zero() || b.is_zero()) {
+            sum.error = (self.error + b.error + OPERATION * size) * GROW;
+        } else {
+            sum.error = self.error + b.error;
+        }
+        sum
+    }
+}
+
+impl<const N: usize> Sub for AffineForm<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, b: Self) -> Self {
+        self + -b
+    }
+}
+
+impl<const N: usize> Mul for AffineForm<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, b: Self) -> Self {
+        if self.is_zero() && b.is_finite() || b.is_zero() && self.is_finite() {
+            return Self::ZERO;
+        }
+        let (u, v) = (self.value, b.value);
+        let mut slopes = [0.0; N];
+        let (mut of_self, mut of_b) = (0.0, 0.0);
+        for ((slope, x), y) in slopes.iter_mut().zip(&self.slopes).zip(&b.slopes) {
+            *slope = u * y + v * x;
+            of_self += x.abs();
+            of_b += y.abs();
+        }
+        let (far, wide) = (of_self + self.error, of_b + b.error);
+        let rounding = OF_PRODUCT * (u.abs() * (v.abs() + of_b) + v.abs() * of_self);
+        let open = u.abs() * b.error + v.abs() * self.error + far * wide;
+        Self {
+            value: u * v,
+            slopes,
+            error: (open + rounding + UNDERFLOW) * GROW,
+        }
+    }
+}
+
+impl<const N: usize> Div for AffineForm<N> {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        let one = Interval::ONE;
+        self * b.function(|x| one / x, |x| -(one / x.square()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Form = AffineForm<2>;
+
+    fn random(state: &mut u64) -> f64 {
+        *state ^= *state << 13;
+        *state ^= *state >> 7;
+        *state ^= *state << 17;
+        (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Values of x + 0.1 δ₀ and y + 0.2 δ₁ through every operation lie within the form's linear part and its error.
+    #[test]
+    fn forms_hold_what_they_enclose() {
+        let mut state = 0x51_ced1;
+        for _ in 0..2000 {
+            let (x, y) = (0.5 + 0.2 * random(&mut state), 0.6 + 0.2 * random(&mut state));
+            let (tx, ty) = (0.1 * random(&mut state).abs(), 0.2 * random(&mut state).abs());
+            let a = Form::number(x).moving(0, tx) + Form::number(0.25).moving(1, 0.5 * ty);
+            let b = Form::number(y).moving(1, ty);
+            let d = [random(&mut state), random(&mut state)];
+            let (p, q) = (x + 0.25 + tx * d[0] + 0.5 * ty * d[1], y + ty * d[1]);
+            let holds = |form: Form, value: f64| {
+                let line = form.value + form.slopes[0] * d[0] + form.slopes[1] * d[1];
+                let off = (line - value).abs();
+                assert!(off <= form.error + 4e-16, "{form:?} at {d:?}: {value}");
+            };
+            holds(a + b, p + q);
+            holds(a - b, p - q);
+            holds(a * b, p * q);
+            holds(a / b, p / q);
+            holds(a.square(), p * p);
+            holds(a.scale(-1.7), -1.7 * p);
+            holds(a.sin(), libm::sin(p));
+            holds(a.cos(), libm::cos(p));
+            holds(a.exp(), libm::exp(p));
+            holds(a.ln(), libm::log(p));
+            holds(a.sqrt(), p.sqrt());
+            holds((a.scale(0.5)).asin(), libm::asin(0.5 * p));
+            holds((a.scale(0.5)).acos(), libm::acos(0.5 * p));
+            holds(a.atan(), libm::atan(p));
+            holds(a.atan2(b), libm::atan2(p, q));
+            holds(a.hypot(b), libm::hypot(p, q));
+        }
+    }
+
+    #[test]
+    fn errors_are_of_second_order_and_common_parts_cancel() {
+        let [wide, narrow] = [1e-2, 1e-3].map(|t| Form::number(0.7).moving(0, t));
+        for f in [Scalar::sin, Scalar::exp, Scalar::sqrt, Scalar::ln, Scalar::square] {
+            let ratio = f(wide).error / f(narrow).error;
+            assert!((90.0..110.0).contains(&ratio), "{ratio}");
+        }
+        assert!((wide - wide).deviation() < 1e-15);
+    }
+
+    #[test]
+    fn nothing_is_made_up() {
+        let around_zero = Form::number(0.0).moving(0, 1.0);
+        for none in [
+            Form::number(1.0) / around_zero,
+            around_zero.ln(),
+            around_zero.sqrt(),
+            around_zero.atan2(Form::number(-1.0)),
+            around_zero.floor(),
+            around_zero.abs(),
+            Form::number(1.0).asin(),
+            Form::undefined() * Form::ZERO,
+            Form::undefined() + Form::number(1.0),
+        ] {
+            assert!(!none.is_finite(), "{none:?}");
+        }
+        assert_eq!(Form::ZERO * around_zero, Form::ZERO);
+        assert_eq!(Form::ZERO.sin_cos(), (Form::ZERO, Form::number(1.0)));
+    }
+}
