@@ -1,6 +1,7 @@
 //! Studies of the solver itself and of mechanisms: loops around solving, never a second engine.
 
 pub mod cloud;
+pub mod enclosure;
 pub mod observer;
 pub mod optimise;
 pub mod random;

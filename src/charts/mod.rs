@@ -2,6 +2,7 @@
 //!
 //! Values in, a [`Chart`](crate::plot::Chart) out; drawing it is [`plot`](crate::plot)'s.
 
+pub mod bands;
 pub mod clearance;
 pub mod clearance_matrix;
 pub mod cloud;

@@ -20,7 +20,7 @@ use clap::{CommandFactory, FromArgMatches};
 use files::{diff, encode, snapshot};
 use motion::{modes, plot, render, solve};
 use std::ffi::OsString;
-use study::{accuracy, optimise, sensitivity, synthesise, tolerance};
+use study::{accuracy, enclose, optimise, sensitivity, synthesise, tolerance};
 pub use term::outcome::{Failure, Outcome};
 use term::{Term, outcome};
 
@@ -54,6 +54,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Snapshot(args) => snapshot::run(&args, &term),
         Command::Sensitivity(args) => sensitivity::run(&args, &term),
         Command::Tolerance(args) => tolerance::run(&args, &term),
+        Command::Enclose(args) => enclose::run(&args, &term),
         Command::Optimise(args) => optimise::run(&args, &term),
         Command::Synthesise(args) => synthesise::run(&args, &term),
         Command::Scenes { name } => scenes::run(name.as_deref()),

@@ -346,8 +346,14 @@ mod tests {
     fn forms_hold_what_they_enclose() {
         let mut state = 0x51_ced1;
         for _ in 0..2000 {
-            let (x, y) = (0.5 + 0.2 * random(&mut state), 0.6 + 0.2 * random(&mut state));
-            let (tx, ty) = (0.1 * random(&mut state).abs(), 0.2 * random(&mut state).abs());
+            let (x, y) = (
+                0.5 + 0.2 * random(&mut state),
+                0.6 + 0.2 * random(&mut state),
+            );
+            let (tx, ty) = (
+                0.1 * random(&mut state).abs(),
+                0.2 * random(&mut state).abs(),
+            );
             let a = Form::number(x).moving(0, tx) + Form::number(0.25).moving(1, 0.5 * ty);
             let b = Form::number(y).moving(1, ty);
             let d = [random(&mut state), random(&mut state)];
@@ -379,7 +385,13 @@ mod tests {
     #[test]
     fn errors_are_of_second_order_and_common_parts_cancel() {
         let [wide, narrow] = [1e-2, 1e-3].map(|t| Form::number(0.7).moving(0, t));
-        for f in [Scalar::sin, Scalar::exp, Scalar::sqrt, Scalar::ln, Scalar::square] {
+        for f in [
+            Scalar::sin,
+            Scalar::exp,
+            Scalar::sqrt,
+            Scalar::ln,
+            Scalar::square,
+        ] {
             let ratio = f(wide).error / f(narrow).error;
             assert!((90.0..110.0).contains(&ratio), "{ratio}");
         }

@@ -6,6 +6,7 @@ pub mod check;
 pub mod clearance;
 mod clearance_json;
 pub mod closure;
+pub mod enclosure;
 pub mod events;
 pub mod freedoms;
 pub mod iterates;

@@ -4,11 +4,31 @@ use crate::diag::Diagnostics;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
 use crate::model::measure::Measures;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::Plot;
 use crate::model::study::Study;
 use crate::model::view::View;
 use std::sync::Arc;
+
+/// Where a scene keeps the file's value of a parameter that is varied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptIn {
+    /// In the drive of an input.
+    Drive,
+    /// In the ends of a track.
+    Track,
+    /// In a measure, by a parameter that is computed from it.
+    Measure,
+}
+
+/// A varied parameter whose file's value is kept somewhere.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Kept {
+    /// The parameter.
+    pub name: String,
+    /// Where.
+    pub place: KeptIn,
+}
 
 /// A scene ready to be solved and drawn.
 #[derive(Clone, Debug)]
@@ -31,6 +51,10 @@ pub struct Scene {
     pub study: Option<Study>,
     /// Lengths and angles that the file gives as numbers: what else could be varied.
     pub dimensions: Vec<String>,
+    /// What every parameter measures, as far as known.
+    pub kinds: Vec<(String, Kind)>,
+    /// Varied parameters whose file's values are kept somewhere.
+    pub kept: Vec<Kept>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }

@@ -47,6 +47,17 @@ pub enum MeasureSourceFile {
     },
 }
 
+impl MeasureFile {
+    /// The formulas that it is made of.
+    pub fn formulas(&self) -> &[FormulaText] {
+        match &self.source {
+            None => &[],
+            Some(MeasureSourceFile::Formula(text)) => std::slice::from_ref(text),
+            Some(MeasureSourceFile::Over { of, .. }) => of,
+        }
+    }
+}
+
 /// Reads an entry of `[tracks]`.
 pub fn track(r: &mut TableReader, name: Spanned<String>) -> TrackFile {
     let samples = required(r, "samples", |r, k| r.formula(k));

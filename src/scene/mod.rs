@@ -22,7 +22,7 @@ pub mod values;
 pub mod views;
 
 use crate::diag::{Diagnostics, SceneError, Source};
-pub use loaded::Scene;
+pub use loaded::{Kept, KeptIn, Scene};
 pub use overrides::{OtherDrives, Overrides, PlotText};
 
 /// Reads and resolves `source`; all mistakes found are in the error.

@@ -13,7 +13,7 @@ use crate::model::drive::Drive;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::study::Study;
-use crate::scene::{Overrides, load};
+use crate::scene::{Kept, Overrides, load};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -31,6 +31,8 @@ pub struct Family {
     pub measures: Measures,
     /// What is varied and asked.
     pub study: Study,
+    /// Variables whose file's values are kept somewhere.
+    pub kept: Vec<Kept>,
     /// Number of poses of every track, and of the drive behind them if a measure looks along it.
     counts: Vec<usize>,
 }
@@ -85,7 +87,7 @@ impl Family {
     /// Reads the scene with the parameters called `vary` as variables, or with those of its `[study]`.
     ///
     /// # Errors
-    /// Mistakes in the scene; nothing to vary; a mechanism that is not determined.
+    /// Mistakes in the scene; nothing to vary or to measure; a mechanism that is not determined.
     pub fn load(
         source: &Source,
         overrides: &Overrides,
@@ -103,24 +105,50 @@ impl Family {
                 "nothing is to be varied: name parameters in `[study.variables]` or with --vary";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
+        let family = Self::of(source, overrides, names, nominal.mechanism.size)?;
+        if family.measures.list.is_empty() {
+            let message = "the scene has no `[measures]`: a study asks what becomes of them";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        Ok(family)
+    }
+
+    /// The scene with the parameters called `names` as variables, whether it has measures or not.
+    ///
+    /// # Errors
+    /// Mistakes in the scene; a mechanism that is not determined.
+    pub fn varying(
+        source: &Source,
+        overrides: &Overrides,
+        names: &[String],
+    ) -> Result<Self, FamilyError> {
+        let nominal = load(source, overrides).map_err(Box::new)?;
+        Self::of(source, overrides, names.to_vec(), nominal.mechanism.size)
+    }
+
+    fn of(
+        source: &Source,
+        overrides: &Overrides,
+        names: Vec<String>,
+        size: f64,
+    ) -> Result<Self, FamilyError> {
         let overrides = Overrides {
             vary: names,
             // Fixed offsets become joints of this mechanism; its residuals keep their scale.
-            size: Some(nominal.mechanism.size),
+            size: Some(size),
             ..overrides.clone()
         };
         let scene = load(source, &overrides).map_err(Box::new)?;
         let system = System::new(scene.mechanism, &scene.actuation)?;
         let mut measures = scene.measures;
-        let study = scene.study.unwrap_or_default();
+        let mut study = scene.study.unwrap_or_default();
+        if overrides.vary.is_empty() {
+            study.variables.clear();
+        }
         for (index, [min, max]) in &study.limits {
             let measure = &mut measures.list[*index];
             measure.min = min.or(measure.min);
             measure.max = max.or(measure.max);
-        }
-        if measures.list.is_empty() {
-            let message = "the scene has no `[measures]`: a study asks what becomes of them";
-            return Err(FamilyError::Lacks(message.to_owned()));
         }
         let mut counts: Vec<usize> = measures.tracks.iter().map(|t| t.samples).collect();
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
@@ -132,6 +160,7 @@ impl Family {
             actuation: scene.actuation,
             measures,
             study,
+            kept: scene.kept,
             counts,
         })
     }

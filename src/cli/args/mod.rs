@@ -1,6 +1,7 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
 pub mod charts;
+pub mod enclose;
 pub mod files;
 pub mod motion;
 pub mod scene;
@@ -11,6 +12,7 @@ pub mod view;
 use crate::limits::Limits;
 use charts::{AccuracyArgs, PlotArgs};
 use clap::{Parser, Subcommand, ValueEnum};
+use enclose::EncloseArgs;
 use files::{DiffArgs, EncodeArgs, SnapshotArgs};
 use motion::{CheckArgs, ModesArgs, RenderArgs, SolveArgs};
 use std::path::PathBuf;
@@ -72,6 +74,8 @@ pub enum Command {
     Sensitivity(SensitivityArgs),
     /// Tolerance analysis of the study's measures: worst case, root-sum-square and Monte Carlo.
     Tolerance(ToleranceArgs),
+    /// Bands that no piece within its tolerances leaves: the motion and its measures for all dimensions in their intervals.
+    Enclose(EncloseArgs),
     /// Minimise the study's objective over its design variables.
     Optimise(OptimiseArgs),
     /// Search dimensions from many starts, prove the best, and compare scenes of one task.

@@ -5,7 +5,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Which scene, and what is changed in it.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
     /// Name of a built-in scene, path of a scene file, or `-` for standard input.
     pub scene: String,

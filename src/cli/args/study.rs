@@ -228,7 +228,7 @@ fn iterations(text: &str) -> Result<usize, String> {
     whole(text, 1, 1_000_000)
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub(super) fn threads(text: &str) -> Result<usize, String> {
     whole(text, 1, 256)
 }
 
@@ -239,7 +239,7 @@ fn whole(text: &str, low: usize, high: usize) -> Result<usize, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
         _ => Err("a positive number".to_owned()),
@@ -254,7 +254,7 @@ fn share(text: &str) -> Result<f64, String> {
     value.map_err(|_| "a positive share, 0.2 or 20%".to_owned())
 }
 
-fn limit(text: &str) -> Result<(String, f64), String> {
+pub(super) fn limit(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write MEASURE=VALUE")?;
     Ok((name.trim().to_owned(), positive(value.trim())?))
 }

@@ -2,6 +2,7 @@
 
 mod cells;
 pub mod inputs_table;
+pub mod intervals;
 pub mod mode;
 pub mod scene;
 pub mod study;

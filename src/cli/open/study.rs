@@ -32,10 +32,31 @@ pub fn open(
     all_by_default: bool,
     term: &Term,
 ) -> Result<Opened, Failure> {
+    let (source, overrides, nominal) = nominal(scene, term)?;
+    let names = names(vary, all_by_default, nominal)?;
+    let family = Family::load(&source, &overrides, &names)?;
+    Ok(Opened {
+        source,
+        overrides,
+        family,
+    })
+}
+
+/// The scene as it is without variables.
+pub fn nominal(scene: &SceneArgs, term: &Term) -> Result<(Source, Overrides, Scene), Failure> {
     let (source, mut overrides) = open_scene::text_of(scene)?;
     let mut nominal = load(&source, &overrides).map_err(Box::new)?;
     apply(scene, &mut nominal, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);
+    Ok((source, overrides, nominal))
+}
+
+/// What `--vary` names.
+pub fn names(
+    vary: &VaryArgs,
+    all_by_default: bool,
+    nominal: Scene,
+) -> Result<Vec<String>, Failure> {
     let all = vary.vary.iter().any(|v| v == ALL) || (vary.vary.is_empty() && all_by_default);
     let mut names = if all { nominal.dimensions } else { Vec::new() };
     // What stands beside `all` may be one of them.
@@ -50,12 +71,7 @@ pub fn open(
             ));
         }
     }
-    let family = Family::load(&source, &overrides, &names)?;
-    Ok(Opened {
-        source,
-        overrides,
-        family,
-    })
+    Ok(names)
 }
 
 /// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.

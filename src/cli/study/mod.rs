@@ -1,6 +1,7 @@
 //! The verbs on studies: sensitivity, tolerance, optimisation, synthesis, accuracy.
 
 pub mod accuracy;
+pub mod enclose;
 pub mod kept_clearances;
 pub mod method;
 pub mod optimise;

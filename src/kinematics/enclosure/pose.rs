@@ -69,11 +69,7 @@ impl<'s> Encloser<'s> {
 }
 
 /// Appends x, y, z of every trace.
-fn show_traces<const N: usize>(
-    mechanism: &Mechanism,
-    region: &mut Region<N>,
-    centre: &[Interval],
-) {
+fn show_traces<const N: usize>(mechanism: &Mechanism, region: &mut Region<N>, centre: &[Interval]) {
     let coordinates = region.slots.len();
     for trace in &mechanism.traces {
         let chain = &mechanism.bodies[trace.body].world_from_body;

@@ -41,9 +41,10 @@ impl<const N: usize> Quadratic<N> {
     pub fn range(&self) -> Range {
         let (above, highest) = self.greatest(1.0);
         let (below, lowest) = self.greatest(-1.0);
+        let known = |bound: f64| if bound.is_nan() { f64::INFINITY } else { bound };
         Range {
-            lo: -below,
-            hi: above,
+            lo: -known(below),
+            hi: known(above),
             lowest,
             highest,
         }

@@ -90,7 +90,8 @@ impl<'m> Layout<'m> {
             let expression = &self.mechanism.equations[*index].expression;
             let weight = self.mechanism.weight_of(*index);
             let row = rows.residual.len();
-            rows.residual.push(expression.value(coordinates).scale(weight));
+            rows.residual
+                .push(expression.value(coordinates).scale(weight));
             for (slot, rate) in gradient(expression, coordinates) {
                 if let Some(column) = self.column_of[slot] {
                     rows.jacobian[row * columns + column] = rate.scale(weight);
@@ -115,7 +116,9 @@ impl<S: Scalar> Rates<S> {
             of_argument[*index] = match &mechanism.arguments[*index] {
                 Argument::Affine(affine) => {
                     let terms = affine.terms.iter();
-                    terms.map(|(slot, c)| (*slot, S::from_constant(*c))).collect()
+                    terms
+                        .map(|(slot, c)| (*slot, S::from_constant(*c)))
+                        .collect()
                 }
                 Argument::Formula(expression) => gradient(expression, coordinates),
             };

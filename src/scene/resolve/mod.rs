@@ -54,6 +54,7 @@ pub fn resolve(
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
+    let kept = varied::kept(&parsed, varied);
     varied::expand_dependents(&mut parsed, varied, diagnostics);
     let varied_values = names.promote(varied);
     contacts::parallel::settle(&parsed, &mut names, &angle_unit);
@@ -162,6 +163,8 @@ pub fn resolve(
         view,
         study,
         dimensions: names.dimensions(&parsed),
+        kinds: names.parameter_kinds(),
+        kept,
         clearance,
         plots,
         warnings: Diagnostics::default(),

@@ -227,6 +227,7 @@ impl Names {
         let pairs = parsed.contacts.iter().filter(|c| c.is_of_spheres());
         let radii = pairs.flat_map(|c| c.sides.iter().flat_map(|side| side.surface.sizes()));
         sites.extend(radii.map(|(_, node)| (node, Some(Kind::Length))));
+        sites.extend(parsed.points.iter().map(|node| (node, Some(Kind::Length))));
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
         }

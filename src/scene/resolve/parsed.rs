@@ -3,6 +3,7 @@
 use super::super::file::{InputFile, SceneFile};
 use super::super::formula::chain::{Factor, Item, parse as parse_chain};
 use super::super::formula::expression::Node;
+use super::super::measures::MeasureFile;
 use super::contacts::chains::{ContactItems, ParsedContact};
 use super::parsing::{Named, expand_items, expression, note};
 use crate::diag::Diagnostics;
@@ -21,6 +22,11 @@ pub struct Parsed {
     pub contacts: Vec<ParsedContact>,
     /// One per body of the file; empty for a body that stands in the world.
     pub frames: Vec<Vec<Factor>>,
+    /// Coordinates of the traced points.
+    pub points: Vec<Node>,
+    /// What says which poses are looked at beside the drive, and what of them: ends of tracks, and measures.
+    pub tracks: Vec<Node>,
+    pub measures: Vec<Node>,
     /// Named chains, for placing shapes.
     pub chains: Vec<Named<Vec<Item>>>,
     /// Every loop and equation could be read: only then is it known which names are unknowns.
@@ -91,7 +97,12 @@ impl Parsed {
             let items = [Item::Reference(name.value.clone(), name.span.clone())];
             let _ = expand_items(&items, &chains, diagnostics);
         }
+        let points = file.traces.iter().flat_map(|trace| trace.point.iter());
+        let ends = file.tracks.iter().flat_map(|track| &track.inputs);
         Self {
+            points: unreported(points.flatten()),
+            tracks: unreported(ends.flat_map(|(_, ends)| ends)),
+            measures: unreported(file.measures.iter().flat_map(MeasureFile::formulas)),
             parameters,
             inputs,
             loops,
@@ -113,6 +124,14 @@ impl Parsed {
     ) -> Option<Vec<Factor>> {
         expanded(text, &self.chains, diagnostics)
     }
+}
+
+/// Formulas whose mistakes are reported where they are resolved.
+fn unreported<'t>(texts: impl Iterator<Item = &'t FormulaText>) -> Vec<Node> {
+    let mut silent = Diagnostics::default();
+    texts
+        .filter_map(|text| expression(text, &mut silent))
+        .collect()
 }
 
 fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<ParsedInput> {

@@ -6,11 +6,12 @@ use super::super::formula::chain::Factor;
 use super::super::formula::expression::{Node, NodeKind};
 use super::joints::Joints;
 use super::names::{Names, Parameter};
-use super::parsed::Parsed;
+use super::parsed::{Parsed, ParsedInput};
 use super::parsing::{Named, expression};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::chain::Motion;
 use crate::model::mechanism::{Body, Coordinate, Kind, Trace};
+use crate::scene::loaded::{Kept, KeptIn};
 
 impl Names {
     /// Whether a slot of coordinates is a varied parameter.
@@ -51,6 +52,13 @@ impl Names {
             });
         }
         values
+    }
+
+    /// What every parameter measures, as far as known.
+    pub fn parameter_kinds(&self) -> Vec<(String, Kind)> {
+        let list = self.parameters.iter();
+        list.filter_map(|p| Some((p.name.clone(), p.kind?)))
+            .collect()
     }
 
     /// Parameters that are lengths or angles and given as numbers.
@@ -106,6 +114,55 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
     }
     let formulas = parsed.equations.iter_mut().chain(&mut parsed.outputs);
     formulas.for_each(|(_, node)| expand(node));
+}
+
+/// Varied parameters whose file's values are kept somewhere: in drives and ends of tracks, and where a measure uses a
+/// parameter that is computed from them. What is said of a motion or a measure holds for those values only.
+pub fn kept(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
+    let dependents = dependents(&parsed.parameters, varied);
+    let mut kept: Vec<Kept> = Vec::new();
+    let mut note = |node: &Node, place: KeptIn, directly: bool| {
+        let mut node = node.clone();
+        let mut used: Vec<String> = Vec::new();
+        node.visit_names(&mut |name, _| {
+            if dependents.iter().any(|(d, _)| d == name)
+                || directly && varied.iter().any(|v| v == name)
+            {
+                used.push(name.to_owned());
+            }
+        });
+        if used.is_empty() {
+            return;
+        }
+        substitute(&mut node, &dependents, MAX_DEPTH);
+        node.visit_names(&mut |name, _| {
+            let item = Kept {
+                name: name.to_owned(),
+                place,
+            };
+            if varied.iter().any(|v| v == name) && !kept.contains(&item) {
+                kept.push(item);
+            }
+        });
+    };
+    for (_, input) in &parsed.inputs {
+        match input {
+            ParsedInput::Formula(node) => note(node, KeptIn::Drive, true),
+            ParsedInput::Keys(keys) => keys
+                .iter()
+                .flatten()
+                .for_each(|node| note(node, KeptIn::Drive, true)),
+        }
+    }
+    parsed
+        .tracks
+        .iter()
+        .for_each(|node| note(node, KeptIn::Track, true));
+    parsed
+        .measures
+        .iter()
+        .for_each(|node| note(node, KeptIn::Measure, false));
+    kept
 }
 
 /// Parameters, not varied themselves, whose formulas use a varied one.

@@ -1,0 +1,124 @@
+//! The inverse question: how large tolerances may be for every piece to stay near the motion as drawn.
+
+use super::measures::enclose_measures;
+use super::motion::{enclose_motion, shown_names};
+use super::plan::Plan;
+use crate::analysis::study::{FamilyError, Nominal};
+use crate::model::mechanism::Kind;
+
+/// Tolerances that keep a limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allowed {
+    /// Share of the plan's tolerances that is proved to be small enough; zero if none was found.
+    pub factor: f64,
+    /// A share for which the bound does not keep the limit.
+    pub too_large: f64,
+    /// How far the bound leaves the motion as drawn at the first, in the file's unit.
+    pub reached: f64,
+}
+
+/// Halvings of the way between a share that is small enough and one that is too large, relative.
+const SHARPNESS: f64 = 1e-4;
+
+/// Shares that are tried lie between these.
+const SHARES: [f64; 2] = [1e-12, 1e6];
+
+/// The largest share of the plan's tolerances for which what is called `name` (an unknown, a traced point, one of its
+/// coordinates, an output, a measure) stays within `limit`, in the file's unit, of its own value with the file's dimensions;
+/// `None` if there is no such name.
+///
+/// # Errors
+/// A track that has no pose with the file's dimensions.
+pub fn allowed_motion(
+    plan: &Plan,
+    name: &str,
+    limit: f64,
+    times: &[f64],
+    threads: usize,
+) -> Result<Option<Allowed>, FamilyError> {
+    let names = shown_names(plan.family.mechanism());
+    let part = format!("{name}.");
+    let wanted: Vec<(usize, Kind)> = names
+        .iter()
+        .enumerate()
+        .filter(|(_, (n, _))| n == name || n.starts_with(&part))
+        .map(|(k, (_, kind))| (k, *kind))
+        .collect();
+    let mut measures = plan.family.measures.list.iter();
+    let measure = measures.position(|m| m.name == name);
+    let reach: Box<dyn Fn(f64) -> f64> = if !wanted.is_empty() {
+        Box::new(|factor| of_motion(&plan.scaled(factor), &wanted, times, threads))
+    } else if let Some(index) = measure {
+        let nominal = plan.family.nominal()?;
+        Box::new(move |factor| of_measure(&plan.scaled(factor), &nominal, index))
+    } else {
+        return Ok(None);
+    };
+    Ok(Some(search(&reach, limit)))
+}
+
+/// The largest share whose reach keeps the limit.
+fn search(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
+    let (mut low, mut at_low, mut high) = (0.0, 0.0, f64::INFINITY);
+    let mut share = 1.0;
+    loop {
+        let here = reach(share);
+        if here <= limit {
+            (low, at_low) = (share, here);
+        } else {
+            high = share;
+        }
+        if high - low <= SHARPNESS * low || !(SHARES[0]..=SHARES[1]).contains(&share) {
+            break;
+        }
+        // The bound is nearly proportional: a step by its ratio, then halves.
+        share = match (low > 0.0, high.is_finite()) {
+            (true, true) => 0.5 * (low + high),
+            (true, false) => share * (limit / here.max(1e-300)).clamp(1.001, 100.0),
+            (false, _) if here.is_finite() => share * (limit / here).clamp(0.01, 0.999),
+            (false, _) => 0.1 * share,
+        };
+    }
+    Allowed {
+        factor: low,
+        too_large: high,
+        reached: at_low,
+    }
+}
+
+/// How far the bands leave the motion as drawn, in the file's unit; infinite where a sample has none.
+fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usize) -> f64 {
+    let mechanism = plan.family.mechanism();
+    let mut reach = 0.0_f64;
+    for enclosed in enclose_motion(plan, times, threads, false) {
+        let Ok(bands) = enclosed.bands else {
+            return f64::INFINITY;
+        };
+        for (index, kind) in wanted {
+            let band = &bands.list[*index];
+            let unit = mechanism.file_units(*kind) * (1.0 + 1e-14);
+            let apart = (band.hi - band.nominal).max(band.nominal - band.lo) * unit;
+            if apart.is_nan() {
+                return f64::INFINITY;
+            }
+            reach = reach.max(apart);
+        }
+    }
+    reach
+}
+
+/// The same of a measure: half of what its band is wide, and what it lies beside its value.
+fn of_measure(plan: &Plan, nominal: &Nominal, index: usize) -> f64 {
+    let still = plan.scaled(0.0);
+    let (Ok(bands), Ok(own)) = (
+        enclose_measures(plan, nominal),
+        enclose_measures(&still, nominal),
+    ) else {
+        return f64::INFINITY;
+    };
+    let mechanism = plan.family.mechanism();
+    let unit = mechanism.file_units(plan.family.measures.list[index].kind) * (1.0 + 1e-14);
+    let (band, own) = (bands[index], own[index]);
+    let apart = (band.hi - own.lo).max(own.hi - band.lo) * unit;
+    if apart.is_nan() { f64::INFINITY } else { apart }
+}

@@ -1,0 +1,12 @@
+//! What tolerances of the dimensions do to a motion and its measures, proved: bands that no piece leaves, beside the range
+//! that pieces were found to take.
+
+mod allowed;
+mod measures;
+mod motion;
+mod plan;
+
+pub use allowed::{Allowed, allowed_motion};
+pub use measures::{MeasureBand, enclose_measures};
+pub use motion::{Band, Bands, Enclosed, Obstacle, enclose_motion, shown_names};
+pub use plan::{Dimension, MOST_DIMENSIONS, Plan};

@@ -1,0 +1,174 @@
+//! Bands of a motion: at every sample a range of every unknown, traced point and output that no piece leaves, and the
+//! range that pieces take.
+
+use super::plan::{Plan, sized};
+use crate::jobs::share;
+use crate::kinematics::enclosure::block::Unbounded;
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::motion::continuation::solve_unproved;
+use crate::kinematics::results::certificate::Reason;
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::model::mechanism::{Kind, Mechanism};
+
+/// The range of one number over all pieces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// With the file's dimensions.
+    pub nominal: f64,
+    /// No piece is lower.
+    pub lo: f64,
+    /// No piece is higher.
+    pub hi: f64,
+    /// The least and the greatest value of a piece that was found.
+    pub found: [f64; 2],
+}
+
+/// The bands at one sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bands {
+    /// Unknowns, x, y, z of the traced points, outputs.
+    pub list: Vec<Band>,
+}
+
+/// Why a sample has no bands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Obstacle {
+    /// There is no pose with the file's dimensions.
+    NoPose,
+    /// The box is not proved.
+    Test {
+        /// In the words of certificates.
+        reason: Reason,
+        /// The dimension that takes the mechanism farthest towards where it fails.
+        dimension: Option<usize>,
+    },
+}
+
+impl From<Unbounded> for Obstacle {
+    fn from(unbounded: Unbounded) -> Self {
+        Self::Test {
+            reason: unbounded.reason,
+            dimension: unbounded.dimension,
+        }
+    }
+}
+
+/// One instant of the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Enclosed {
+    /// Seconds.
+    pub time: f64,
+    /// All inputs, the dimensions among them.
+    pub inputs: Vec<f64>,
+    /// The bands, or why there are none.
+    pub bands: Result<Bands, Obstacle>,
+}
+
+/// Names and kinds of what has a band.
+pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
+    let unknowns = mechanism.unknowns.iter().map(|u| (u.name.clone(), u.kind));
+    let traces = mechanism.traces.iter().flat_map(|trace| {
+        ["x", "y", "z"].map(|axis| (format!("{}.{axis}", trace.name), Kind::Length))
+    });
+    let outputs = mechanism.outputs.iter().map(|o| (o.name.clone(), o.kind));
+    unknowns.chain(traces).chain(outputs).collect()
+}
+
+/// Bands at `times`. `search` asks for the range that is found, too.
+pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) -> Vec<Enclosed> {
+    let family = plan.family;
+    let motion = solve_unproved(family.system(), &family.actuation, times);
+    let samples = motion.of_one_motion();
+    let encloser = Encloser::new(family.system());
+    let work = |solver: &mut PoseSolver, index: usize| {
+        let sample = &samples[index];
+        let bands = match &sample.pose {
+            None => Err(Obstacle::NoPose),
+            Some(pose) => {
+                let pose = [pose.unknowns.as_slice(), &sample.inputs].concat();
+                sized!(plan.dimensions.len(), N => bands::<N>(plan, &encloser, solver, &pose, search))
+            }
+        };
+        Some(Enclosed {
+            time: sample.time,
+            inputs: sample.inputs.clone(),
+            bands,
+        })
+    };
+    let make = || PoseSolver::new(family.system());
+    let list = share(samples.len(), threads, make, work);
+    list.into_iter().map(|(_, enclosed)| enclosed).collect()
+}
+
+/// The enclosure of all pieces beside a closed pose.
+pub(super) fn enclosed<const N: usize>(
+    plan: &Plan,
+    encloser: &Encloser,
+    solver: &mut PoseSolver,
+    pose: &[f64],
+) -> Result<PoseEnclosure<N>, Obstacle> {
+    let bases = solver.best_rows(pose);
+    let (open, tolerances) = (plan.input_open(pose), plan.tolerances(pose));
+    Ok(encloser.enclose(pose, &open, &tolerances, &bases)?)
+}
+
+fn bands<const N: usize>(
+    plan: &Plan,
+    encloser: &Encloser,
+    solver: &mut PoseSolver,
+    pose: &[f64],
+    search: bool,
+) -> Result<Bands, Obstacle> {
+    let mechanism = plan.family.mechanism();
+    let enclosure = enclosed::<N>(plan, encloser, solver, pose)?;
+    let shown = (0..mechanism.unknowns.len()).chain(mechanism.coordinate_count()..enclosure.len());
+    let band = |slot: usize| {
+        let function = enclosure.slot(slot);
+        let range = function.range();
+        let nominal = function.value;
+        let mut found = [nominal; 2];
+        if search {
+            for place in [&range.lowest, &range.highest] {
+                if let Some(value) = piece(plan, solver, &enclosure, place, slot) {
+                    found = [found[0].min(value), found[1].max(value)];
+                }
+            }
+        }
+        Band {
+            nominal,
+            lo: range.lo,
+            hi: range.hi,
+            found,
+        }
+    };
+    Ok(Bands {
+        list: shown.map(band).collect(),
+    })
+}
+
+/// The value of a slot for the piece whose dimensions are at `place` within their tolerances; `None` if it does not close.
+fn piece<const N: usize>(
+    plan: &Plan,
+    solver: &mut PoseSolver,
+    enclosure: &PoseEnclosure<N>,
+    place: &[f64],
+    slot: usize,
+) -> Option<f64> {
+    let mut coordinates = enclosure.coordinates_at(place);
+    for (dimension, d) in plan.dimensions.iter().zip(place) {
+        // The piece is one of those asked for, to the last bit.
+        let nominal = enclosure.form(dimension.slot).value;
+        coordinates[dimension.slot] = nominal + d * dimension.tolerance;
+    }
+    let closed = solver.closed(&mut coordinates, Pace::Brisk) && enclosure.holds(&coordinates);
+    if !closed {
+        return None;
+    }
+    if slot < coordinates.len() {
+        return Some(coordinates[slot]);
+    }
+    let value = observed_slots(plan.family.mechanism(), &coordinates)[slot];
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,113 @@
+//! Which dimensions have which tolerances.
+
+use crate::analysis::study::Family;
+use crate::kinematics::enclosure::region::Tolerance;
+use crate::model::mechanism::Kind;
+use crate::model::printed::rounding;
+use crate::numbers::rounding::{DECIMAL, GROW};
+
+/// Most dimensions that are enclosed together.
+pub const MOST_DIMENSIONS: usize = 128;
+
+/// A dimension with its tolerance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dimension {
+    /// Name of the parameter, or of the input.
+    pub name: String,
+    /// What it measures.
+    pub kind: Kind,
+    /// Half the width of its interval, in internal units.
+    pub tolerance: f64,
+    /// The coordinate that stands for it.
+    pub slot: usize,
+}
+
+/// A family with tolerances.
+#[derive(Clone, Debug)]
+pub struct Plan<'f> {
+    /// Its dimensions are inputs.
+    pub family: &'f Family,
+    /// Those with a tolerance.
+    pub dimensions: Vec<Dimension>,
+}
+
+impl<'f> Plan<'f> {
+    /// The family's variables and its own inputs with the tolerances given by name, in internal units.
+    pub fn new(family: &'f Family, tolerances: &[(String, f64)]) -> Self {
+        let mechanism = family.mechanism();
+        let first = mechanism.unknowns.len();
+        let inputs = mechanism.inputs.iter().zip(first..);
+        let dimensions = inputs.filter_map(|(input, slot)| {
+            let (_, tolerance) = tolerances.iter().find(|(name, _)| *name == input.name)?;
+            Some(Dimension {
+                name: input.name.clone(),
+                kind: input.kind,
+                tolerance: *tolerance,
+                slot,
+            })
+        });
+        Self {
+            family,
+            dimensions: dimensions.collect(),
+        }
+    }
+
+    /// The same with all tolerances `factor` times as large.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut plan = self.clone();
+        for dimension in &mut plan.dimensions {
+            dimension.tolerance *= factor;
+        }
+        plan
+    }
+
+    /// The intervals at a pose: a decimal that is meant lies within them, not only its nearest f64.
+    pub fn tolerances(&self, pose: &[f64]) -> Vec<Tolerance> {
+        let of = |dimension: &Dimension| Tolerance {
+            slot: dimension.slot,
+            half_width: (dimension.tolerance * (1.0 + 2.0 * DECIMAL)
+                + 2.0 * DECIMAL * pose[dimension.slot].abs())
+                * GROW,
+        };
+        self.dimensions.iter().map(of).collect()
+    }
+
+    /// How far the inputs may be meant from their f64: as a table prints them.
+    pub fn input_open(&self, pose: &[f64]) -> Vec<f64> {
+        let mechanism = self.family.mechanism();
+        let values = &pose[mechanism.unknowns.len()..];
+        let pairs = mechanism.inputs.iter().zip(values);
+        pairs
+            .map(|(input, value)| rounding(*value, mechanism.unit_of(input.kind)))
+            .collect()
+    }
+}
+
+/// Runs `$call` with N the least size of affine forms that holds `$count` dimensions.
+macro_rules! sized {
+    ($count:expr, $N:ident => $call:expr) => {
+        match $count {
+            0..=4 => {
+                const $N: usize = 4;
+                $call
+            }
+            5..=8 => {
+                const $N: usize = 8;
+                $call
+            }
+            9..=24 => {
+                const $N: usize = 24;
+                $call
+            }
+            25..=48 => {
+                const $N: usize = 48;
+                $call
+            }
+            _ => {
+                const $N: usize = crate::analysis::enclosure::plan::MOST_DIMENSIONS;
+                $call
+            }
+        }
+    };
+}
+pub(super) use sized;

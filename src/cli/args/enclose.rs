@@ -1,0 +1,55 @@
+//! The argument table of `mechanim enclose`.
+
+use super::scene::SceneArgs;
+use super::study::{VaryArgs, limit, positive, threads};
+use super::values::{ThemeArg, frame_count};
+use clap::Args;
+use std::path::PathBuf;
+
+/// `mechanim enclose`
+#[derive(Debug, Args)]
+pub struct EncloseArgs {
+    /// The scene; `--param NAME=880+-0.2` and `--param NAME=879.8..880.2` give a parameter an interval.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What has a tolerance: parameters and inputs. If absent, those with an interval or a tolerance of their own; if there
+    /// are none, every length and angle.
+    #[command(flatten)]
+    pub vary: VaryArgs,
+    /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
+    #[arg(long, value_name = "VALUE", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Number of samples, spread evenly over the motion.
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = frame_count)]
+    pub samples: usize,
+    /// Times of the samples in seconds, separated by commas, in place of even ones.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        value_delimiter = ',',
+        conflicts_with = "samples"
+    )]
+    pub at: Vec<f64>,
+    /// Find how much larger or smaller all tolerances may be for a band to stay within this of the motion as drawn (of an
+    /// unknown, a traced point or an output), or of a measure's value: NAME=VALUE.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = limit)]
+    pub allow: Option<(String, f64)>,
+    /// Do not look for pieces near the ends of the bands.
+    #[arg(long)]
+    pub no_search: bool,
+    /// Worker threads; all cores if absent. The numbers do not depend on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Write the bands of every sample: .csv or .json; `-` for CSV on standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Draw the bands over time, about the motion as drawn: .svg or .png.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// What is drawn, separated by commas; outputs and traced points if absent.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "plot")]
+    pub only: Vec<String>,
+    /// Dark on white, or light on nearly black.
+    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
+    pub theme: ThemeArg,
+}

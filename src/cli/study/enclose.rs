@@ -1,0 +1,338 @@
+//! `mechanim enclose`: bands of the motion and its measures that no piece within its tolerances leaves.
+
+use crate::analysis::enclosure::{
+    Enclosed, MOST_DIMENSIONS, MeasureBand, Obstacle, Plan, allowed_motion, enclose_measures,
+    enclose_motion, shown_names,
+};
+use crate::analysis::study::{Family, Nominal};
+use crate::charts::bands;
+use crate::cli::args::enclose::EncloseArgs;
+use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::io;
+use crate::cli::open::intervals::middles;
+use crate::cli::open::study::{names, nominal};
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::jobs::cores;
+use crate::kinematics::motion::sampling;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::report::enclosure as report;
+use crate::scene::{KeptIn, Scene};
+use std::path::Path;
+
+/// Refusals that are told one by one.
+const MOST_TOLD: usize = 5;
+
+/// Runs the verb.
+pub fn run(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> {
+    let reports = [
+        ("--out", args.out.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
+    let (scene, own) = middles(&args.scene)?;
+    io::refuse_clashes(&[&scene], &reports)?;
+    let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
+    let (source, overrides, drawn) = nominal(&scene, term)?;
+    let tolerances = tolerances(args, own, &drawn)?;
+    let parameters: Vec<String> = tolerances
+        .iter()
+        .map(|(name, _)| name.clone())
+        .filter(|name| !is_input(&drawn.mechanism, name))
+        .collect();
+    let family = Family::varying(&source, &overrides, &parameters)?;
+    refuse_kept(&family)?;
+    let plan = Plan::new(&family, &tolerances);
+    let times = times(args, &family)?;
+    let threads = args.threads.unwrap_or_else(cores);
+    if let Some((name, limit)) = &args.allow {
+        return allow(&plan, name, *limit, &times, threads, term);
+    }
+    let motion = enclose_motion(&plan, &times, threads, !args.no_search);
+    let measures = measures_of(&plan)?;
+    if let Some(path) = &args.out {
+        write_out(
+            args,
+            path,
+            &plan,
+            &motion,
+            measures.as_ref().map(|m| &m.1[..]),
+        )?;
+    }
+    if let (Some(path), Some(format)) = (&args.plot, format) {
+        let wanted = wanted(&args.only, plan.family.mechanism())?;
+        let chart = bands::chart(&plan, &motion, &wanted);
+        let mut output = io::open(path)?;
+        let written = write(&chart, format, None, args.theme, output.as_mut());
+        io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))?;
+    }
+    let mut text = report::summary(&plan, &motion, !args.no_search);
+    if let Some((poses, list)) = &measures {
+        if !list.is_empty() {
+            text += &format!(
+                "\nMeasures over {poses} poses\n{}",
+                report::measures(&plan, list)
+            );
+        }
+    }
+    let refused: Vec<String> = motion
+        .iter()
+        .filter_map(|e| report::refusal(&plan, e))
+        .collect();
+    for line in refused.iter().take(MOST_TOLD) {
+        text += &format!("\n  {line}");
+    }
+    if refused.len() > MOST_TOLD {
+        text += &format!("\n  and at {} samples more", refused.len() - MOST_TOLD);
+    }
+    if !refused.is_empty() {
+        text.push('\n');
+    }
+    io::print_beside(term, args.out.as_deref(), &text)?;
+    Ok(outcome(&plan, &motion, measures.as_ref().map(|m| &m.1[..])))
+}
+
+/// Whether everything that was asked is proved.
+fn outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureBand]>) -> Outcome {
+    let is_refused = |e: &Enclosed| matches!(e.bands, Err(Obstacle::Test { .. }));
+    let list = plan.family.measures.list.iter();
+    let mut limited = list.zip(measures.into_iter().flatten());
+    let breaks = limited.any(|(measure, band)| {
+        let is_limited = measure.min.is_some() || measure.max.is_some();
+        is_limited && !(measure.allows(band.lo) && measure.allows(band.hi))
+    });
+    if breaks || motion.iter().any(is_refused) {
+        return Outcome::CheckFailed;
+    }
+    let is_missing = |e: &Enclosed| e.bands == Err(Obstacle::NoPose);
+    match motion.iter().any(is_missing) {
+        true => Outcome::NotClosed,
+        false => Outcome::Done,
+    }
+}
+
+/// The bands of the measures and the number of poses they are taken over; `None` where the scene has none, or a pose of
+/// a track has no box.
+fn measures_of(plan: &Plan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure> {
+    if plan.family.measures.list.is_empty() {
+        return Ok(None);
+    }
+    let nominal: Nominal = plan.family.nominal()?;
+    let poses = nominal.poses.len();
+    match enclose_measures(plan, &nominal) {
+        Ok(bands) => Ok(Some((poses, bands))),
+        Err((pose, _)) => {
+            let count = plan.family.measures.list.len();
+            let unknown = MeasureBand {
+                lo: f64::NEG_INFINITY,
+                hi: f64::INFINITY,
+            };
+            let _ = pose;
+            Ok(Some((poses, vec![unknown; count])))
+        }
+    }
+}
+
+/// Tolerances by name, in internal units.
+fn tolerances(
+    args: &EncloseArgs,
+    own: Vec<(String, f64)>,
+    drawn: &Scene,
+) -> Result<Vec<(String, f64)>, Failure> {
+    let mechanism = &drawn.mechanism;
+    let study = drawn.study.iter().flat_map(|s| &s.variables);
+    let of_study: Vec<(&str, f64)> = study
+        .filter_map(|v| Some((v.name.as_str(), v.tolerance?)))
+        .collect();
+    let listed = if !args.vary.vary.is_empty() {
+        names(&args.vary, false, drawn.clone())?
+    } else if own.is_empty() && of_study.is_empty() {
+        drawn.dimensions.clone()
+    } else {
+        of_study
+            .iter()
+            .map(|(name, _)| (*name).to_owned())
+            .collect()
+    };
+    let mut all: Vec<String> = own.iter().map(|(name, _)| name.clone()).collect();
+    all.extend(
+        listed
+            .into_iter()
+            .filter(|name| !own.iter().any(|(n, _)| n == name)),
+    );
+    if all.is_empty() {
+        let message =
+            "nothing has a tolerance: name parameters with --vary, or write --param NAME=880+-0.2";
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    if all.len() > MOST_DIMENSIONS {
+        let message = format!(
+            "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}",
+            all.len()
+        );
+        return Err(Failure::usage(
+            message,
+            vec!["name fewer with --vary".to_owned()],
+        ));
+    }
+    let mut missing = Vec::new();
+    let mut list = Vec::new();
+    for name in all {
+        let kind = kind_of(drawn, &name);
+        let unit = mechanism.unit_of(kind).number();
+        let given = own.iter().find(|(n, _)| *n == name).map(|(_, t)| t * unit);
+        let of_study = of_study.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
+        let general = args.tolerance.map(|t| t * unit);
+        match given
+            .or(of_study)
+            .or(general)
+            .or(args.allow.as_ref().map(|_| unit))
+        {
+            Some(tolerance) => list.push((name, tolerance)),
+            None => missing.push(name),
+        }
+    }
+    if missing.is_empty() {
+        return Ok(list);
+    }
+    Err(Failure::usage(
+        format!("no tolerance is known of {}", missing.join(", ")),
+        vec![
+            "give one for all with --tolerance 0.1, or each its own: --param NAME=880+-0.2, or \
+             `[study.variables]` NAME = { tolerance = 0.1 }"
+                .to_owned(),
+        ],
+    ))
+}
+
+fn is_input(mechanism: &Mechanism, name: &str) -> bool {
+    mechanism.inputs.iter().any(|input| input.name == name)
+}
+
+/// What a parameter or input measures.
+fn kind_of(drawn: &Scene, name: &str) -> Kind {
+    let inputs = drawn.mechanism.inputs.iter();
+    let input = inputs.filter(|i| i.name == name).map(|i| i.kind).next();
+    let study = drawn.study.iter().flat_map(|s| &s.variables);
+    let variable = study.filter(|v| v.name == name).map(|v| v.kind).next();
+    let parameter = drawn.kinds.iter().find(|(n, _)| n == name).map(|(_, k)| *k);
+    input.or(variable).or(parameter).unwrap_or(Kind::Number)
+}
+
+/// Drives and tracks keep the file's dimensions, and a computed one may stand in a measure: nothing would be true of
+/// other pieces there.
+fn refuse_kept(family: &Family) -> Result<(), Failure> {
+    let Some(kept) = family.kept.first() else {
+        return Ok(());
+    };
+    let place = match kept.place {
+        KeptIn::Drive => "in a drive",
+        KeptIn::Track => "in the ends of a track",
+        KeptIn::Measure => "in a measure, by a parameter that is computed from it",
+    };
+    Err(Failure::usage(
+        format!(
+            "`{}` stands {place}, where its tolerance would be left out",
+            kept.name
+        ),
+        vec!["leave it out with --vary, or write the number there".to_owned()],
+    ))
+}
+
+/// The samples asked for.
+fn times(args: &EncloseArgs, family: &Family) -> Result<Vec<f64>, Failure> {
+    let mut times = args.at.clone();
+    let last = family.actuation.duration;
+    if let Some(bad) = times.iter().find(|t| !(0.0..=last).contains(*t)) {
+        let message = format!("--at {bad}: the motion lasts from 0 to {last} s");
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    if times.is_empty() {
+        times = sampling::even_times(family.mechanism(), &family.actuation, args.samples);
+    }
+    sampling::allow(family.mechanism(), times.len())?;
+    Ok(times)
+}
+
+fn write_out(
+    args: &EncloseArgs,
+    path: &Path,
+    plan: &Plan,
+    motion: &[Enclosed],
+    measures: Option<&[MeasureBand]>,
+) -> Result<(), Failure> {
+    let searched = !args.no_search;
+    let is_json = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    match is_json {
+        true => io::write_json(
+            &args.scene,
+            path,
+            &report::document(plan, motion, measures, searched),
+        ),
+        false => io::write_text(&args.scene, path, &report::csv(plan, motion, searched)),
+    }
+}
+
+/// Indices of the quantities that are drawn.
+fn wanted(only: &[String], mechanism: &Mechanism) -> Result<Vec<usize>, Failure> {
+    let names: Vec<String> = shown_names(mechanism).into_iter().map(|(n, _)| n).collect();
+    if only.is_empty() {
+        let unknowns = mechanism.unknowns.len();
+        let all = if names.len() > unknowns {
+            unknowns..names.len()
+        } else {
+            0..unknowns
+        };
+        return Ok(all.collect());
+    }
+    let mut wanted = Vec::new();
+    for name in only {
+        let part = format!("{name}.");
+        let found = names.iter().enumerate();
+        let before = wanted.len();
+        wanted.extend(
+            found
+                .filter(|(_, n)| *n == name || n.starts_with(&part))
+                .map(|(k, _)| k),
+        );
+        if wanted.len() == before {
+            return Err(unknown_name(name, &names));
+        }
+    }
+    Ok(wanted)
+}
+
+fn unknown_name(name: &str, names: &[String]) -> Failure {
+    Failure::usage(
+        format!("`{name}` is no unknown, traced point or output"),
+        vec![format!("there are: {}", names.join(", "))],
+    )
+}
+
+/// `--allow`: how large all tolerances may be together.
+fn allow(
+    plan: &Plan,
+    name: &str,
+    limit: f64,
+    times: &[f64],
+    threads: usize,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    let found = allowed_motion(plan, name, limit, times, threads)?;
+    let Some(found) = found else {
+        let names = shown_names(plan.family.mechanism())
+            .into_iter()
+            .map(|(n, _)| n);
+        let measures = plan.family.measures.list.iter().map(|m| m.name.clone());
+        let all: Vec<String> = names.chain(measures).collect();
+        return Err(unknown_name(name, &all));
+    };
+    io::print_beside(term, None, &report::allowed(plan, name, limit, &found))?;
+    Ok(match found.factor > 0.0 {
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    })
+}

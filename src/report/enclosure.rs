@@ -1,0 +1,372 @@
+//! Bands of a motion in words, CSV and JSON. Ends of bands are rounded outwards, so that what is read holds as well.
+
+use super::cells::{aligned, quoted, six};
+use crate::analysis::enclosure::{
+    Allowed, Band, Enclosed, MeasureBand, Obstacle, Plan, shown_names,
+};
+use crate::kinematics::results::certificate::Reason;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::printed::{in_unit, shortest};
+use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
+use serde_json::{Map, Value, json};
+
+/// The lower (-1) or upper (+1) end of a band as a decimal in the scene's unit that is not inside.
+pub fn end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
+    let unit = Interval::from_constant(mechanism.unit_of(kind));
+    let exact = Interval::point(value) / unit;
+    // The shortest decimal is nearer to its f64 than the next one.
+    match side < 0.0 {
+        true => shortest(exact.lo.next_down()),
+        false => shortest(exact.hi.next_up()),
+    }
+}
+
+/// The word for a sample.
+pub fn status(enclosed: &Enclosed) -> &'static str {
+    match &enclosed.bands {
+        Ok(_) => "enclosed",
+        Err(Obstacle::NoPose) => "no-pose",
+        Err(Obstacle::Test { reason, .. }) => reason.word(),
+    }
+}
+
+/// Why a sample has no band, with the dimension and the time.
+pub fn refusal(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
+    match &enclosed.bands {
+        Ok(_) => None,
+        Err(Obstacle::NoPose) => Some(format!(
+            "t = {} s: there is no pose",
+            shortest(enclosed.time)
+        )),
+        Err(Obstacle::Test { reason, dimension }) => {
+            let name = dimension.and_then(|k| plan.dimensions.get(k)).map(|d| {
+                format!("; within its tolerance `{}` takes the mechanism farthest towards a fold or change point", d.name)
+            });
+            Some(format!(
+                "t = {} s: no box is proved: {}{}",
+                shortest(enclosed.time),
+                words(*reason),
+                name.unwrap_or_default()
+            ))
+        }
+    }
+}
+
+/// Why a box is not proved.
+const fn words(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Formula => "a formula has no bounded derivatives there",
+        Reason::GimbalLock => "the angles of a ball joint are locked",
+        _ => "a piece may be singular there, or the box is too coarse to tell",
+    }
+}
+
+/// The bands as CSV.
+pub fn csv(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
+    let mechanism = plan.family.mechanism();
+    let mut text = header(plan, searched)
+        .iter()
+        .map(|n| quoted(n))
+        .collect::<Vec<_>>()
+        .join(",");
+    text.push('\n');
+    for enclosed in motion {
+        let cells: Vec<String> = cells(mechanism, plan, enclosed, searched)
+            .into_iter()
+            .map(|cell| quoted(&cell))
+            .collect();
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// Names of the columns.
+fn header(plan: &Plan, searched: bool) -> Vec<String> {
+    let mechanism = plan.family.mechanism();
+    let own = mechanism.inputs.iter().take(plan.family.own_inputs());
+    let mut names = vec!["time".to_owned()];
+    names.extend(own.map(|input| input.name.clone()));
+    for (name, _) in shown_names(mechanism) {
+        names.extend([name.clone(), format!("{name}.lo"), format!("{name}.hi")]);
+        if searched {
+            names.extend([format!("{name}.least"), format!("{name}.greatest")]);
+        }
+    }
+    names.push("status".to_owned());
+    names
+}
+
+fn cells(mechanism: &Mechanism, plan: &Plan, enclosed: &Enclosed, searched: bool) -> Vec<String> {
+    let inputs = mechanism.inputs.iter().zip(&enclosed.inputs);
+    let mut cells = vec![shortest(enclosed.time)];
+    cells.extend(
+        inputs
+            .take(plan.family.own_inputs())
+            .map(|(input, v)| number(*v, input.kind, mechanism)),
+    );
+    let names = shown_names(mechanism);
+    let each = if searched { 5 } else { 3 };
+    match &enclosed.bands {
+        Err(_) => cells.resize(cells.len() + each * names.len(), String::new()),
+        Ok(bands) => {
+            for (band, (_, kind)) in bands.list.iter().zip(&names) {
+                cells.push(number(band.nominal, *kind, mechanism));
+                cells.push(bounded(band.lo, *kind, mechanism, -1.0));
+                cells.push(bounded(band.hi, *kind, mechanism, 1.0));
+                if searched {
+                    cells.extend(band.found.map(|v| number(v, *kind, mechanism)));
+                }
+            }
+        }
+    }
+    cells.push(status(enclosed).to_owned());
+    cells
+}
+
+fn number(value: f64, kind: Kind, mechanism: &Mechanism) -> String {
+    if value.is_finite() {
+        shortest(in_unit(value, mechanism.unit_of(kind)))
+    } else {
+        String::new()
+    }
+}
+
+/// An end; empty where nothing is known.
+fn bounded(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
+    if value.is_finite() {
+        end(value, kind, mechanism, side)
+    } else {
+        String::new()
+    }
+}
+
+/// The bands as one JSON document.
+pub fn document(
+    plan: &Plan,
+    motion: &[Enclosed],
+    measures: Option<&[MeasureBand]>,
+    searched: bool,
+) -> Value {
+    let mechanism = plan.family.mechanism();
+    let names = header(plan, searched);
+    let value = |cell: String| match cell.parse::<f64>() {
+        Ok(v) => json!(v),
+        Err(_) if cell.is_empty() => Value::Null,
+        Err(_) => Value::String(cell),
+    };
+    let rows = motion.iter().map(|enclosed| {
+        let cells = cells(mechanism, plan, enclosed, searched).into_iter();
+        Value::Object(names.iter().cloned().zip(cells.map(value)).collect())
+    });
+    let dimensions: Map<String, Value> = plan
+        .dimensions
+        .iter()
+        .map(|d| {
+            let tolerance = in_unit(d.tolerance, mechanism.unit_of(d.kind));
+            (d.name.clone(), json!(tolerance))
+        })
+        .collect();
+    let mut document = json!({
+        "schema": "mechanim-enclosure/1",
+        "title": mechanism.title,
+        "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name, "time": "s" },
+        "tolerances": dimensions,
+        "columns": names,
+        "samples": rows.collect::<Vec<_>>(),
+    });
+    if let Some(bands) = measures {
+        let list = plan.family.measures.list.iter().zip(bands);
+        let list: Map<String, Value> = list
+            .map(|(measure, band)| {
+                let side = |v: f64, side: f64| value(bounded(v, measure.kind, mechanism, side));
+                let ends = json!({ "lo": side(band.lo, -1.0), "hi": side(band.hi, 1.0) });
+                (measure.name.clone(), ends)
+            })
+            .collect();
+        document["measures"] = Value::Object(list);
+    }
+    document
+}
+
+/// What a quantity does over the whole motion.
+struct Summary {
+    below: f64,
+    above: f64,
+    found: [f64; 2],
+    ratio: f64,
+    time: f64,
+}
+
+/// The summary: how far below and above the motion as drawn every quantity can be, and is found to be.
+pub fn summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
+    let mechanism = plan.family.mechanism();
+    let done = motion.iter().filter(|e| e.bands.is_ok()).count();
+    let mut text = format!(
+        "{}\n  {} dimensions, {done} of {} samples enclosed\n\n",
+        mechanism.title,
+        plan.dimensions.len(),
+        motion.len()
+    );
+    let mut rows = vec![vec!["about the motion as drawn".to_owned()]];
+    rows[0].extend(["never below", "never above"].map(str::to_owned));
+    if searched {
+        rows[0].extend(["least found", "greatest found", "bound/found"].map(str::to_owned));
+    }
+    rows[0].push("widest at [s]".to_owned());
+    for (index, (name, kind)) in shown_names(mechanism).into_iter().enumerate() {
+        let Some(all) = over_motion(motion, index) else {
+            continue;
+        };
+        let unit = mechanism.file_units(kind);
+        let mut row = vec![name, outer(-all.below * unit), outer(all.above * unit)];
+        if searched {
+            let ratio = if all.ratio.is_finite() {
+                format!("{:.4}", all.ratio)
+            } else {
+                "-".to_owned()
+            };
+            row.extend([six(-all.found[0] * unit), six(all.found[1] * unit), ratio]);
+        }
+        row.push(six(all.time));
+        rows.push(row);
+    }
+    text.push_str(&aligned(&rows));
+    text
+}
+
+/// Six digits, rounded away from zero.
+fn outer(value: f64) -> String {
+    if !value.is_finite() {
+        return "unbounded".to_owned();
+    }
+    let shown = six(value);
+    let reads: f64 = shown.parse().unwrap_or(value);
+    match reads.abs() >= value.abs() {
+        true => shown,
+        false => six(value * (1.0 + 1.1e-5)),
+    }
+}
+
+fn over_motion(motion: &[Enclosed], index: usize) -> Option<Summary> {
+    let mut all: Option<Summary> = None;
+    for enclosed in motion {
+        let Ok(bands) = &enclosed.bands else { continue };
+        let band = bands.list.get(index)?;
+        if !band.nominal.is_finite() {
+            continue;
+        }
+        let one = of_band(band, enclosed.time);
+        all = Some(match all {
+            None => one,
+            Some(before) => Summary {
+                below: before.below.max(one.below),
+                above: before.above.max(one.above),
+                found: [0, 1].map(|k| before.found[k].max(one.found[k])),
+                ratio: before.ratio.max(one.ratio),
+                time: match one.below + one.above > before.below + before.above {
+                    true => one.time,
+                    false => before.time,
+                },
+            },
+        });
+    }
+    all
+}
+
+fn of_band(band: &Band, time: f64) -> Summary {
+    let width = band.found[1] - band.found[0];
+    // A quantity that does not move is bounded by rounding alone.
+    let still = 1e-9 * band.nominal.abs().max(1.0);
+    let ratio = if width > still {
+        (band.hi - band.lo) / width
+    } else {
+        f64::NEG_INFINITY
+    };
+    Summary {
+        below: band.nominal - band.lo,
+        above: band.hi - band.nominal,
+        found: [band.nominal - band.found[0], band.found[1] - band.nominal],
+        ratio,
+        time,
+    }
+}
+
+/// The measures: what no piece goes beyond, against their limits.
+pub fn measures(plan: &Plan, bands: &[MeasureBand]) -> String {
+    let mechanism = plan.family.mechanism();
+    let mut rows = vec![vec![
+        "measure".to_owned(),
+        "never below".to_owned(),
+        "never above".to_owned(),
+        "limits".to_owned(),
+    ]];
+    for (measure, band) in plan.family.measures.list.iter().zip(bands) {
+        let unit = mechanism.file_units(measure.kind);
+        let lo = bounded(band.lo, measure.kind, mechanism, -1.0);
+        let hi = bounded(band.hi, measure.kind, mechanism, 1.0);
+        let shown = |text: String| {
+            if text.is_empty() {
+                "not bounded".to_owned()
+            } else {
+                text
+            }
+        };
+        let limits = [
+            measure.min.map(|v| format!("at least {}", six(v * unit))),
+            measure.max.map(|v| format!("at most {}", six(v * unit))),
+        ];
+        let limits: Vec<String> = limits.into_iter().flatten().collect();
+        let kept = measure.allows(band.lo) && measure.allows(band.hi);
+        let verdict = match (limits.is_empty(), kept) {
+            (true, _) => String::new(),
+            (false, true) => format!("{}: kept by every piece", limits.join(", ")),
+            (false, false) => format!("{}: not proved", limits.join(", ")),
+        };
+        rows.push(vec![measure.name.clone(), shown(lo), shown(hi), verdict]);
+    }
+    aligned(&rows)
+}
+
+/// What `--allow` found.
+pub fn allowed(plan: &Plan, name: &str, limit: f64, found: &Allowed) -> String {
+    let mechanism = plan.family.mechanism();
+    let mut text = mechanism.title.clone();
+    if found.factor == 0.0 {
+        text += &format!(
+            "\n  no tolerances are proved to keep `{name}` within {}\n",
+            six(limit)
+        );
+        return text;
+    }
+    text += &format!(
+        "\n  every piece keeps `{name}` within {} of the drawing with these tolerances ({} reached)\n\n",
+        six(limit),
+        outer(found.reached)
+    );
+    let rows: Vec<Vec<String>> = plan
+        .dimensions
+        .iter()
+        .map(|d| {
+            let value = d.tolerance * found.factor * mechanism.file_units(d.kind);
+            vec![
+                d.name.clone(),
+                format!("+-{}", inner(value)),
+                mechanism.unit_name(d.kind).to_owned(),
+            ]
+        })
+        .collect();
+    text.push_str(&aligned(&rows));
+    text
+}
+
+/// Six digits, rounded towards zero.
+fn inner(value: f64) -> String {
+    let shown = six(value);
+    let reads: f64 = shown.parse().unwrap_or(value);
+    match reads <= value {
+        true => shown,
+        false => six(value * (1.0 - 1.1e-5)),
+    }
+}
