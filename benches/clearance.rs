@@ -12,9 +12,9 @@ mod driven;
 use driven::{check, frame_times, knots, solve};
 use glam::{DMat3, DVec3};
 
-use mechanim::clearance::core::{Element, elements};
-use mechanim::clearance::pair::distance;
 use mechanim::diag::Source;
+use mechanim::distance::core::{Element, elements};
+use mechanim::distance::pair::distance;
 
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};

@@ -61,6 +61,8 @@ pub mod compare;
 #[doc(hidden)]
 pub mod diag;
 #[doc(hidden)]
+pub mod distance;
+#[doc(hidden)]
 pub mod export;
 #[doc(hidden)]
 pub mod geometry;

@@ -5,7 +5,7 @@ use super::loaded::Loaded;
 use super::motion::Samples;
 use crate::clearance::check::{ClearanceReport, Closely, PairReport, check};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
-use crate::kinematics::motion::sampling::{knots, only};
+use crate::kinematics::motion::sampling::knots;
 use crate::report::check::{MotionReport, without_pose};
 use crate::report::junit::to_junit;
 use crate::report::verdict::{Asked, Status, Verdict};
@@ -93,7 +93,8 @@ impl Check {
                 pairs: Vec::new(),
             });
         }
-        let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));
+        let tolerance = options.tolerance;
+        let measured = measures::take_whole(system, scene, &trajectory, &times, tolerance);
         let clearances = scene.clearance.as_ref().map(|rules| {
             // All pairs are handed out, one by one.
             let closely = Closely {

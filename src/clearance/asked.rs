@@ -1,15 +1,17 @@
 //! One pair of bodies: what the scene asks of it, and how it comes out.
 
-use super::bodies::Hull;
 use super::contact::AT_LEAST;
-use super::found::{Judgement, PairReport};
+use super::found::{Judgement, PairReport, Violation, Violations};
+use super::joint_region::JointRegion;
 use super::motion::Motion;
 use super::neighbours::{Neighbours, neighbours};
-use super::sweep::PairSweep;
+use super::sweep::{Least, PairSweep};
+use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
-/// Most instants at which an excluded pair is looked at: it is reported, not judged.
-const LOOKS_AT_EXCLUDED: usize = 24;
+/// Shapes that touch at a joint may come deeper into each other than at the first pose by this part of the pair's lengths:
+/// rounding of depths, which are found by a search.
+const DEEPER: f64 = 1e-6;
 
 /// Bodies that are meant to touch may be this far apart or in each other at the sampled times, in mechanism sizes: far more
 /// than rounding.
@@ -40,8 +42,12 @@ impl<'a> AskedPair<'a> {
     }
 
     fn sweep(&self, motion: &Motion) -> PairSweep<'a> {
-        let minimum = self.minimum();
-        PairSweep::new(motion, self.bodies, self.hulls, self.tolerance, minimum)
+        self.sweep_of(motion, self.hulls)
+    }
+
+    /// With the shapes in other parts.
+    fn sweep_of<'h>(&self, motion: &Motion, hulls: [&'h Hull; 2]) -> PairSweep<'h> {
+        PairSweep::new(motion, self.bodies, hulls, self.tolerance, self.minimum())
     }
 
     /// The rules in their order: what the scene says of the pair itself comes first.
@@ -67,16 +73,64 @@ impl<'a> AskedPair<'a> {
             None => found.judged.extend(self.judge(motion, &whole)),
             Some(Neighbours::Rigid) => {
                 let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
-                found.excluded = look_at_excluded(motion, &whole, minimum, judgement);
+                let first = motion.samples.first().copied();
+                let least = first.and_then(|k| whole.sampled(motion, &[k], None));
+                found.excluded = least.map(|least| excluded(&whole, minimum, least, judgement));
             }
-            Some(Neighbours::Joined { words, touching }) => {
-                let rest = whole.without(&touching);
+            Some(Neighbours::Joined { words, region }) => {
+                let rest = self
+                    .sweep_of(motion, region.hulls.each_ref())
+                    .without(&region.touching);
                 found.judged.extend(self.judge(motion, &rest));
-                let judgement = Judgement::Neighbours(words);
-                found.excluded = look_at_excluded(motion, &rest.complement(), minimum, judgement);
+                self.look_at_joint(motion, words, &region, &mut found);
             }
         }
         found
+    }
+
+    /// What touches at a joint is left out as long as it comes no deeper into each other than it is at the first pose: each
+    /// pair of parts for itself.
+    fn look_at_joint(
+        &self,
+        motion: &mut Motion,
+        words: &'static str,
+        region: &JointRegion,
+        found: &mut Found,
+    ) {
+        let Some(&first) = motion.samples.first() else {
+            return;
+        };
+        let hulls = region.hulls.each_ref();
+        let judgement = Judgement::Neighbours(words);
+        let mut reports: Vec<PairReport> = Vec::new();
+        for pair in &region.touching {
+            let only = self.sweep_of(motion, hulls).without(&[*pair]).complement();
+            let Some(assembled) = only.sampled(motion, &[first], None) else {
+                continue;
+            };
+            let Some(least) = only.searched(motion) else {
+                continue;
+            };
+            let allowed = assembled.distance;
+            let is_deeper = least.distance < allowed - DEEPER * only.extent();
+            let minimum = if is_deeper { allowed } else { self.minimum() };
+            let word = if is_deeper {
+                Judgement::Failed
+            } else {
+                judgement.clone()
+            };
+            reports.push(excluded(&only, minimum, least, word));
+        }
+        let left_out = reports.iter().map(|r| r.least.shapes).collect();
+        let (deeper, kept): (Vec<_>, Vec<_>) = reports
+            .into_iter()
+            .partition(|r| r.judgement == Judgement::Failed);
+        found.judged.extend(deeper);
+        let lowest = |p: &PairReport, q: &PairReport| p.least.distance.total_cmp(&q.least.distance);
+        found.excluded = kept
+            .into_iter()
+            .min_by(lowest)
+            .map(|report| PairReport { left_out, ..report });
     }
 
     /// A pair that the scene leaves out: with all of its shapes or some, down to any depth or not.
@@ -90,14 +144,22 @@ impl<'a> AskedPair<'a> {
         let minimum = self.minimum();
         let mut out = self.sweep(motion);
         if !ignored.shapes.is_empty() {
-            let mut left_out = self.elements_of(&ignored.shapes);
+            let left_out = self.elements_of(&ignored.shapes);
             let excluded = self.sweep(motion).without(&left_out).complement_pairs();
-            if let Some(Neighbours::Joined { touching, .. }) = near {
-                left_out.extend(touching);
-            }
-            if near != Some(&Neighbours::Rigid) {
-                let rest = self.sweep(motion).without(&left_out);
-                found.judged.extend(self.judge(motion, &rest));
+            match near {
+                Some(Neighbours::Rigid) => {}
+                Some(Neighbours::Joined { region, .. }) => {
+                    let parts = region.hulls.each_ref();
+                    let asked = |pair| ignored.shapes.contains(&pair);
+                    let mut without: Vec<_> = Hull::pairs_of(parts, asked).collect();
+                    without.extend(&region.touching);
+                    let rest = self.sweep_of(motion, parts).without(&without);
+                    found.judged.extend(self.judge(motion, &rest));
+                }
+                None => {
+                    let rest = self.sweep(motion).without(&left_out);
+                    found.judged.extend(self.judge(motion, &rest));
+                }
             }
             out = out.without(&excluded);
         }
@@ -111,7 +173,8 @@ impl<'a> AskedPair<'a> {
             }
         }
         let judgement = Judgement::Ignored(ignored.reason.clone());
-        found.excluded = look_at_excluded(motion, &out, minimum, judgement);
+        let least = out.searched(motion);
+        found.excluded = least.map(|least| excluded(&out, minimum, least, judgement));
         let is_all = ignored.shapes.is_empty() && ignored.down_to.is_none();
         if is_all && !ignored.is_one_of_many {
             found.warning = self.needless(motion, near);
@@ -120,21 +183,18 @@ impl<'a> AskedPair<'a> {
 
     /// Pairs of elements that belong to pairs of shapes.
     fn elements_of(&self, shapes: &[[usize; 2]]) -> Vec<[usize; 2]> {
-        let [first, second] = self.hulls.map(|hull| &hull.elements);
-        let mut list = Vec::new();
-        for (i, a) in first.iter().enumerate() {
-            for (j, b) in second.iter().enumerate() {
-                list.extend(shapes.contains(&[a.shape, b.shape]).then_some([i, j]));
-            }
-        }
-        list
+        Hull::pairs_of(self.hulls, |pair| shapes.contains(&pair)).collect()
     }
 
     /// Judges the pair, and finds out when it is too near.
     fn judge(&self, motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
         let mut report = judge(motion, sweep, self.minimum())?;
         let is_wanted = self.with_times && !report.judgement.is_kept();
-        report.violations = is_wanted.then(|| sweep.violations(motion, report.least.is_enclosed));
+        if is_wanted {
+            let mut violations = sweep.violations(motion, report.least.is_enclosed);
+            reconcile(motion, sweep, &mut report, &mut violations);
+            report.violations = Some(violations);
+        }
         Some(report)
     }
 
@@ -144,33 +204,34 @@ impl<'a> AskedPair<'a> {
             .bodies
             .map(|k| &motion.system.mechanism().bodies[k].name);
         let needless = format!("`{a}` and `{b}` need no `ignore`: ");
-        let touching: &[[usize; 2]] = match near {
+        let rest = match near {
             Some(Neighbours::Rigid) => return Some(needless + "they are one rigid part"),
-            Some(Neighbours::Joined { touching, .. }) => touching,
-            None => &[],
+            Some(Neighbours::Joined { region, .. }) => self
+                .sweep_of(motion, region.hulls.each_ref())
+                .without(&region.touching),
+            None => self.sweep(motion),
         };
-        let rest = self.sweep(motion).without(touching);
         let samples = motion.samples.clone();
         match rest.sampled(motion, &samples, None) {
             Some(least) if least.distance < self.minimum() => return None,
             Some(_) => {}
             None => return Some(needless + "only shapes at their joint touch"),
         }
+        if let Some(Neighbours::Joined { words, region }) = near {
+            let mut at_joint = Found::default();
+            self.look_at_joint(motion, words, region, &mut at_joint);
+            if !at_joint.judged.is_empty() {
+                return None;
+            }
+        }
         let found = judge(motion, &rest, self.minimum())?;
         (found.judgement == Judgement::Passed).then(|| needless + "without it they pass")
     }
 }
 
-fn look_at_excluded(
-    motion: &mut Motion,
-    sweep: &PairSweep,
-    minimum: f64,
-    judgement: Judgement,
-) -> Option<PairReport> {
-    let stride = motion.samples.len().div_ceil(LOOKS_AT_EXCLUDED).max(1);
-    let instants: Vec<usize> = motion.samples.iter().copied().step_by(stride).collect();
-    let least = sweep.sampled(motion, &instants, None)?;
-    Some(PairReport {
+/// The report of a pair that is not judged.
+fn excluded(sweep: &PairSweep, minimum: f64, least: Least, judgement: Judgement) -> PairReport {
+    PairReport {
         pair: sweep.bodies(),
         minimum,
         least,
@@ -180,7 +241,8 @@ fn look_at_excluded(
         seconds: 0.0,
         slack: sweep.slack(),
         violations: None,
-    })
+        left_out: Vec::new(),
+    }
 }
 
 /// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
@@ -205,6 +267,7 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
             seconds: 0.0,
             slack: sweep.slack(),
             violations: None,
+            left_out: Vec::new(),
         });
     }
     let contact = sweep.contact_over(motion);
@@ -231,7 +294,38 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
         seconds: 0.0,
         slack: sweep.slack(),
         violations: None,
+        left_out: Vec::new(),
     })
+}
+
+/// The least distance and the times of violations are looked for apart: what either has seen counts for both.
+fn reconcile(
+    motion: &mut Motion,
+    sweep: &PairSweep,
+    report: &mut PairReport,
+    violations: &mut Violations,
+) {
+    let seen = violations.list.iter().filter(|v| v.is_seen);
+    let lowest = seen.min_by(|p, q| p.distance.total_cmp(&q.distance));
+    let lower = lowest.filter(|v| v.distance < report.least.distance);
+    let lower = lower.and_then(|v| motion.instants.iter().position(|i| i.time == v.time));
+    if let Some(least) = lower.and_then(|instant| sweep.sampled(motion, &[instant], None)) {
+        report.least = Least {
+            bound: report.least.bound.min(least.distance),
+            is_certified: report.least.is_certified,
+            is_refined: report.least.is_refined,
+            ..least
+        };
+        if report.least.distance < sweep.enough() {
+            report.judgement = Judgement::Failed;
+        }
+    }
+    let Least { distance, time, .. } = report.least;
+    let holds = |v: &&mut Violation| (v.from..=v.to).contains(&time) && distance < v.distance;
+    for violation in violations.list.iter_mut().filter(holds) {
+        (violation.distance, violation.time) = (distance, time);
+        violation.is_seen |= distance < sweep.enough();
+    }
 }
 
 fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairReport> {
@@ -242,8 +336,7 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
         let samples = motion.samples.clone();
         least = sweep.sampled(motion, &samples, None)?;
     }
-    // Exactly the minimum cannot be proved, only to within rounding.
-    let enough = minimum - sweep.slack();
+    let enough = sweep.enough();
     let judgement = if least.distance < enough || least.is_enclosed {
         Judgement::Failed
     } else if least.bound >= enough {
@@ -263,5 +356,6 @@ fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairRep
         seconds: 0.0,
         slack: sweep.slack(),
         violations: None,
+        left_out: Vec::new(),
     })
 }

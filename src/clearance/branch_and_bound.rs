@@ -7,11 +7,11 @@
 //! First the minimum is proved everywhere, which is what the verdict rests on; then the bound is brought as near to the
 //! distance as was asked. A search that is cut off has what was proved until then.
 
-use super::bodies::{apart, nearest};
-use super::core::{Core, Element};
 use super::meeting::Meeting;
 use super::motion::Motion;
 use super::sweep::{Best, Least, PairSweep};
+use crate::distance::bodies::{apart, nearest};
+use crate::distance::core::{Core, Element};
 use std::rc::Rc;
 
 /// Most pieces of time looked at for one pair.
@@ -41,10 +41,15 @@ pub(super) struct Piece {
 impl Piece {
     /// A whole stretch of which nothing is known.
     pub(super) fn whole(stretch: usize) -> Self {
+        Self::part(stretch, 0.0, 1.0)
+    }
+
+    /// A part of a stretch.
+    pub(super) fn part(stretch: usize, middle: f64, half: f64) -> Self {
         Self {
             stretch,
-            middle: 0.0,
-            half: 1.0,
+            middle,
+            half,
             ends: f64::NEG_INFINITY,
             near: None,
         }
@@ -63,8 +68,8 @@ pub(super) struct Look {
     /// No pose of the motion in the middle of the piece is farther apart than this.
     pub(super) middle: f64,
     /// Narrower bounds of the motion would help more than shorter pieces.
-    is_blurred: bool,
-    near: Option<Rc<[[usize; 2]]>>,
+    pub(super) is_blurred: bool,
+    pub(super) near: Option<Rc<[[usize; 2]]>>,
 }
 
 /// What is to be proved.
@@ -123,8 +128,8 @@ impl PairSweep<'_> {
     /// What the bound of a piece must reach.
     fn value_of(&self, motion: &Motion, goal: Goal, best: &Best) -> f64 {
         match goal {
-            Goal::Minimum if best.found.proximity.distance >= self.minimum() => {
-                self.minimum() - self.slack() + self.pose_slack(motion)
+            Goal::Minimum if best.found.proximity.distance >= self.enough() => {
+                self.enough() + self.pose_slack(motion)
             }
             _ => self.target(best),
         }
@@ -175,7 +180,9 @@ impl PairSweep<'_> {
     /// A lower distance counts once it is that of an exact pose.
     fn measure(&self, motion: &mut Motion, piece: &Piece, look: &Look, best: &mut Best) {
         let near = best.found.proximity.distance;
-        if look.middle >= near - WORTH_A_POSE * (near - self.target(best)) {
+        // However little lower: a pose below the minimum decides.
+        let decides = near >= self.enough() && look.middle < self.enough();
+        if !decides && look.middle >= near - WORTH_A_POSE * (near - self.target(best)) {
             return;
         }
         let Some(instant) = motion.pose_at(piece.stretch, piece.middle) else {

@@ -4,11 +4,11 @@
 //! farthest way of its points. So two bodies whose boxes are apart are as far apart, and that is proved as far as the
 //! stretch is. Boxes are sorted along an axis and compared with those that follow (sweep and prune).
 
-use super::bodies::Hull;
-use super::core::Element;
 use super::motion::Motion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
+use crate::distance::bodies::Hull;
+use crate::distance::core::Element;
 use crate::kinematics::certificate::tube::Model;
 use crate::math::Pose;
 use crate::model::chain::Chain;

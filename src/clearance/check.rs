@@ -1,7 +1,6 @@
 //! The whole check: every pair of bodies, judged, excluded by rule or by the scene, and in what order to report them.
 
 use super::asked::AskedPair;
-use super::bodies::Hull;
 use super::broad_phase::BroadPhase;
 pub use super::contact::BETWEEN_SAMPLES;
 pub use super::found::{
@@ -10,6 +9,7 @@ pub use super::found::{
 use super::mesh_faults::{mesh_warnings, without_inside};
 use super::motion::Motion;
 use super::neighbours::Neighbours;
+use crate::distance::bodies::Hull;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

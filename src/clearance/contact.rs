@@ -1,10 +1,11 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
-use super::bodies::apart;
+use super::branch_and_bound::{Look, Piece, parts};
 use super::meeting::Meeting;
 use super::motion::Motion;
 use super::relative::{RelativeChain, RelativeMove};
 use super::sweep::PairSweep;
+use crate::distance::bodies::apart;
 
 /// How near to touching two bodies in contact should be proved to stay between the samples, in mechanism sizes. At the samples
 /// they are known to rounding.
@@ -25,6 +26,13 @@ const HALVINGS: u32 = 6;
 
 /// The same if they are as near as they must be.
 const MORE_HALVINGS: u32 = 4;
+
+/// Stretches of this share of the motion and shorter ones are halved as often as the constants above say, longer ones once
+/// more for each time that they are twice as long: how near the bounds come does not depend on the samples.
+const SHORT: f64 = 1.0 / 128.0;
+
+/// Where the bounds of the motion take up more than this part of what is allowed, narrower ones are proved.
+const BLURRED: f64 = 0.25;
 
 /// Most pieces looked at for one pair; bounds are as near as they are by then.
 const MOST_LOOKS: usize = 100_000;
@@ -49,10 +57,22 @@ impl Contact {
     }
 }
 
+/// How often a stretch is halved until it is short.
+fn halvings_of_long(motion: &Motion, root: usize) -> u32 {
+    let [start, end] = motion.span();
+    let [from, to] = motion.times(root, [-1.0, 1.0]);
+    let short = (to - from) / (SHORT * (end - start));
+    if short > 1.0 {
+        short.log2().ceil() as u32
+    } else {
+        0
+    }
+}
+
 impl PairSweep<'_> {
     /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
     /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
-    pub fn contact_over(&self, motion: &Motion) -> Contact {
+    pub fn contact_over(&self, motion: &mut Motion) -> Contact {
         let size = motion.system.mechanism().size;
         let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack(motion));
         let mut contact = Contact {
@@ -67,18 +87,21 @@ impl PairSweep<'_> {
         let back = RelativeChain::new(b, a);
         let half = 1.0 / f64::from(PIECES);
         let mut looks = 0;
-        for (index, stretch) in motion.stretches[..motion.roots].iter().enumerate() {
-            contact.is_certified &= stretch.is_certified;
-            let first = (0..PIECES).map(|k| (-1.0 + (2.0 * f64::from(k) + 1.0) * half, half, 0));
-            let mut open: Vec<(f64, f64, u32)> = first.collect();
-            while let Some((s, half, depth)) = open.pop() {
+        for root in 0..motion.roots {
+            contact.is_certified &= motion.stretches[root].is_certified;
+            let longer = halvings_of_long(motion, root);
+            let middle = |k: u32| -1.0 + (2.0 * f64::from(k) + 1.0) * half;
+            let first = (0..PIECES).map(|k| (Piece::part(root, middle(k), half), 0));
+            let mut open: Vec<(Piece, u32)> = first.collect();
+            while let Some((piece, depth)) = open.pop() {
                 looks += 1;
-                let moved = self.chain.around(&stretch.arguments, s, half);
-                let back = || back.around(&stretch.arguments, s, half);
+                let arguments = &motion.stretches[piece.stretch].arguments;
+                let moved = self.chain.around(arguments, piece.middle, piece.half);
+                let back = || back.around(arguments, piece.middle, piece.half);
                 let [below, above] = self.contact_around(&moved, back, slack - allowed);
                 let [low, high] = [below - slack, above + slack];
                 if low > allowed || high < -allowed {
-                    contact.broken = Some((index, s));
+                    contact.broken = Some((piece.stretch, piece.middle));
                 }
                 let is_within = |allowed: f64| low >= -allowed && high <= allowed;
                 let most = if is_within(AT_LEAST * size) {
@@ -87,12 +110,22 @@ impl PairSweep<'_> {
                     HALVINGS
                 };
                 let ends = looks >= MOST_LOOKS || contact.broken.is_some();
-                if is_within(allowed) || depth >= most || ends {
-                    contact.low = contact.low.min(low);
-                    contact.high = contact.high.max(high);
-                } else {
-                    let half = 0.5 * half;
-                    open.extend([s - half, s + half].map(|s| (s, half, depth + 1)));
+                let is_settled = is_within(allowed) || depth >= most + longer || ends;
+                let look = Look {
+                    lowest: low,
+                    middle: high,
+                    is_blurred: self.chain.blur(arguments, self.hulls[1].ball) > BLURRED * allowed,
+                    near: None,
+                };
+                let halves = (!is_settled)
+                    .then(|| parts(motion, &piece, &look))
+                    .flatten();
+                match halves {
+                    Some(halves) => open.extend(halves.map(|half| (half, depth + 1))),
+                    None => {
+                        contact.low = contact.low.min(low);
+                        contact.high = contact.high.max(high);
+                    }
                 }
             }
         }

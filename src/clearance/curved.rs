@@ -7,11 +7,11 @@
 //! f + K u² |X|²/2 is convex: for convex cores with K = 0; of a circle f bends down only inside of it, by no more than the
 //! inverse of the distance from its axis. So f is nowhere less on the way than 2 f(q) - f(q ± X) - K |X|², or than f(q) - K |X|².
 
-use super::core::{Circle, Core};
 use super::meeting::Meeting;
-use super::point::{PointHit, point_to, to_circle, to_disc};
 use super::relative::RelativeMove;
-use super::search::{Spot, grid, least, least_on_circle};
+use crate::distance::core::{Circle, Core};
+use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
+use crate::distance::search::{Spot, grid, least, least_on_circle};
 use glam::DVec3;
 use std::f64::consts::TAU;
 

@@ -107,6 +107,8 @@ pub struct PairReport {
     pub slack: f64,
     /// When it is nearer than the minimum, or may be: of pairs that fail or are undecided, if that was asked.
     pub violations: Option<Violations>,
+    /// Of neighbours: the pairs of shapes that are left out around the joint.
+    pub left_out: Vec<[usize; 2]>,
 }
 
 /// Pairs of bodies that were not looked at one by one, since what they sweep stays apart.

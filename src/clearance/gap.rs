@@ -1,11 +1,11 @@
 //! Bounds of the distance of two elements while one of them moves for a short time.
 
-use super::core::Core;
 use super::curved;
 use super::meeting::Meeting;
 use super::mesh_meeting;
-use super::point::point_to;
 use super::slab::{Control, Slab};
+use crate::distance::core::Core;
+use crate::distance::point::point_to;
 use glam::DVec3;
 
 impl Meeting<'_> {
@@ -101,10 +101,10 @@ impl Meeting<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::core::{Block, Circle, Element, Frustum, HalfSpace};
-    use super::super::mesh_tree::MeshTree;
-    use super::super::pair::distance;
     use super::super::relative::RelativeChain;
+    use super::crate::distance::core::{Block, Circle, Element, Frustum, HalfSpace};
+    use super::crate::distance::mesh_tree::MeshTree;
+    use super::crate::distance::pair::distance;
     use super::*;
     use crate::kinematics::certificate::tube::Model;
     use crate::math::Pose;

@@ -1,8 +1,8 @@
 //! Two elements of which one moves for a short time, and where they are in the middle of it.
 
-use super::core::Element;
-use super::pair::{Proximity, distance};
 use super::relative::RelativeMove;
+use crate::distance::core::Element;
+use crate::distance::pair::{Proximity, distance};
 use glam::DVec3;
 
 /// Two elements, the second of which moves for a short time.

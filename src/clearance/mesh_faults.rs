@@ -1,8 +1,8 @@
 //! What is odd about the meshes of a check, and what is wrong with them.
 
-use super::bodies::Hull;
-use super::core::Core;
-use super::mesh_tree::{Enclosure, MeshTree};
+use crate::distance::bodies::Hull;
+use crate::distance::core::Core;
+use crate::distance::mesh_tree::{Enclosure, MeshTree};
 use crate::model::mechanism::Mechanism;
 
 /// Every mesh of a body.

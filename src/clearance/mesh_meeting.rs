@@ -4,12 +4,12 @@
 //! plane bounds that of all that two nodes hold, by their boxes or by what reaches farthest of them; only nodes that it does
 //! not part are split, down to pairs of triangles with planes of their own.
 
-use super::boxes::OrientedBox;
-use super::core::{Core, Element};
 use super::meeting::Meeting;
-use super::mesh_tree::{Content, MeshTree, nearer_first, support};
-use super::point::point_to;
 use super::slab::Slab;
+use crate::distance::boxes::OrientedBox;
+use crate::distance::core::{Core, Element};
+use crate::distance::mesh_tree::{Content, MeshTree, nearer_first, support};
+use crate::distance::point::point_to;
 use crate::math::Pose;
 use glam::DVec3;
 

@@ -1,13 +1,14 @@
-//! Neighbours: two bodies that one joint connects. Their shapes that touch at the joint itself are left out of the check,
-//! everything else of them is judged.
+//! Neighbours: two bodies that one joint connects. The parts of their shapes that touch at the joint itself are left out of
+//! the check, everything else of them is judged.
 //!
 //! A body that belongs to a link between two others parts them, however near their axes are: they must clear each other.
 
-use super::bodies::Hull;
-use super::core::Element;
-use super::mesh;
+use super::joint_region::{JointRegion, Place};
 use super::motion::Motion;
-use super::pair::distance;
+use crate::distance::bodies::Hull;
+use crate::distance::core::Element;
+use crate::distance::mesh;
+use crate::distance::pair::distance;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Motion as StepMotion};
 use crate::model::joints::{Joint, JointKind, Joints};
@@ -21,7 +22,7 @@ const TOUCH: f64 = 1e-9;
 const AROUND: f64 = 2.0;
 
 /// Two bodies with nothing but a joint between, or not even that.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Neighbours {
     /// One link: nothing moves between them.
     Rigid,
@@ -29,8 +30,8 @@ pub enum Neighbours {
     Joined {
         /// What kind of joint.
         words: &'static str,
-        /// Elements of the first and the second body that touch there at the first pose.
-        touching: Vec<[usize; 2]>,
+        /// The parts of both bodies that touch there at the first pose.
+        region: JointRegion,
     },
 }
 
@@ -57,7 +58,7 @@ pub fn neighbours(
     }
     let joint = joints.between(a, b)?;
     let instant = motion.samples.first().map(|k| &motion.instants[*k])?;
-    let place = Place::new(joints, joint, &instant.arguments);
+    let place = place_of(joints, joint, &instant.arguments);
     let [world_from_a, world_from_b] = [a, b].map(|body| instant.bodies[body]);
     let a_from_b = world_from_a.inverse() * world_from_b;
     let mut touching = Vec::new();
@@ -72,7 +73,9 @@ pub fn neighbours(
         }
     }
     let words = joint.kind.words();
-    Some(Neighbours::Joined { words, touching })
+    let places = [world_from_a, world_from_b].map(|pose| place.seen_from(&pose));
+    let region = JointRegion::new(hulls, &touching, &places, &a_from_b, minimum);
+    Some(Neighbours::Joined { words, region })
 }
 
 /// Where two elements touch, or are nearer than `minimum`, and the radius of the smaller one.
@@ -86,43 +89,21 @@ fn contact(first: &Element, second: &Element, minimum: f64) -> Option<(DVec3, f6
     (is_near || is_inside()).then_some((point, radius))
 }
 
-/// Where a joint is, at a pose.
-enum Place {
-    /// On these lines: points and directions.
-    Lines(Vec<[DVec3; 2]>),
-    /// In this point.
-    Point(DVec3),
-    /// Wherever the bodies touch: sliders have no place of their own.
-    Anywhere,
-}
-
-impl Place {
-    fn new(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Self {
-        if matches!(joint.kind, JointKind::Prismatic | JointKind::Planar) {
-            return Self::Anywhere;
-        }
-        let mut here: Pose = joints.world_from(&joint.before).pose(arguments);
-        let mut lines = Vec::new();
-        walk(&joint.steps, &mut here, arguments, |here, step| {
-            if step.motion == StepMotion::Rotation {
-                lines.push([here.translation, here.rotation.col(step.axis)]);
-            }
-        });
-        match (joint.kind, lines.first()) {
-            (JointKind::Spherical, Some([centre, _])) => Self::Point(*centre),
-            (_, Some(_)) => Self::Lines(lines),
-            (_, None) => Self::Anywhere,
-        }
+/// Where a joint is at a pose, in the world.
+fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Place {
+    if matches!(joint.kind, JointKind::Prismatic | JointKind::Planar) {
+        return Place::Anywhere;
     }
-
-    fn is_near(&self, point: DVec3, reach: f64) -> bool {
-        match self {
-            Self::Anywhere => true,
-            Self::Point(centre) => point.distance(*centre) <= reach,
-            Self::Lines(lines) => lines.iter().any(|[origin, direction]| {
-                let arm = point - *origin;
-                (arm - *direction * arm.dot(*direction)).length() <= reach
-            }),
+    let mut here: Pose = joints.world_from(&joint.before).pose(arguments);
+    let mut lines = Vec::new();
+    walk(&joint.steps, &mut here, arguments, |here, step| {
+        if step.motion == StepMotion::Rotation {
+            lines.push([here.translation, here.rotation.col(step.axis)]);
         }
+    });
+    match (joint.kind, lines.first()) {
+        (JointKind::Spherical, Some([centre, _])) => Place::Point(*centre),
+        (_, Some(_)) => Place::Lines(lines),
+        (_, None) => Place::Anywhere,
     }
 }

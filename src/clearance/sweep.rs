@@ -1,13 +1,13 @@
 //! Two bodies over a motion: their distances at its poses, and what counts as near enough. What lies between the poses is
 //! found by `branch_and_bound`.
 
-use super::bodies::{BodyProximity, Hull, LeftOut, enclosed, nearest};
-use super::core::{Core, Element};
-use super::mesh;
 use super::motion::Motion;
-use super::pair::is_inside;
 use super::relative::RelativeChain;
 use super::track::Track;
+use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed, nearest};
+use crate::distance::core::{Core, Element};
+use crate::distance::mesh;
+use crate::distance::pair::is_inside;
 use crate::math::Pose;
 use glam::DVec3;
 
@@ -28,7 +28,7 @@ const SMALLEST_SCALE: f64 = 1e-4;
 /// The least distance of two bodies over the motion.
 #[derive(Clone, Debug)]
 pub struct Least {
-    /// Signed distance, as [`distance`](super::pair::distance) defines it.
+    /// Signed distance, as [`distance`](crate::distance::pair::distance) defines it.
     pub distance: f64,
     /// When, seconds.
     pub time: f64,
@@ -151,6 +151,16 @@ impl<'a> PairSweep<'a> {
     /// By how much a bound may stay below the minimum of a pair that passes.
     pub fn slack(&self) -> f64 {
         JUDGED * self.extent
+    }
+
+    /// The least distance that passes, to within rounding: exactly the minimum cannot be proved.
+    pub(super) fn enough(&self) -> f64 {
+        self.minimum - self.slack()
+    }
+
+    /// Length of the chain between the bodies, with their own.
+    pub(super) fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// Whether two elements meet of which one is a mesh: it has no depth, so that nothing is known but that they do.

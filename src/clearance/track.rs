@@ -1,9 +1,9 @@
 //! Distances of two bodies at one pose after the other. From pose to pose no distance changes by more than the points
 //! move, so that most elements need not be looked at again.
 
-use super::bodies::{BodyProximity, Hull, LeftOut, apart, parted};
-use super::core::Element;
-use super::pair::distance;
+use crate::distance::bodies::{BodyProximity, Hull, LeftOut, apart, parted};
+use crate::distance::core::Element;
+use crate::distance::pair::distance;
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;

@@ -3,10 +3,10 @@
 //! Pieces of time are halved until one keeps the minimum, or breaks it from end to end, or is short. What is left, joined,
 //! are the times at which the minimum is broken, to within the shortest pieces.
 
-use super::bodies::{enclosed, nearest};
 use super::branch_and_bound::{Piece, parts};
 use super::motion::Motion;
 use super::sweep::PairSweep;
+use crate::distance::bodies::{enclosed, nearest};
 
 /// Most pieces looked at for one pair.
 const MOST_LOOKS: usize = 6_000;
@@ -55,7 +55,7 @@ impl PairSweep<'_> {
             return Violations::default();
         }
         let is_certified = motion.is_certified() && motion.roots > 0;
-        let goal = self.minimum() - self.slack() + self.pose_slack(motion);
+        let goal = self.enough() + self.pose_slack(motion);
         let mut found = self.low_pieces(motion, goal);
         found.extend(self.low_samples(motion, goal));
         found.sort_by(|p, q| p.violation.from.total_cmp(&q.violation.from));

@@ -1,6 +1,7 @@
 //! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names only for people.
 
 use super::chain::{Argument, ArgumentValue, Chain};
+use super::distance::Distance;
 use super::expression::Expression;
 use super::joints::Joints;
 use super::printed;
@@ -117,10 +118,19 @@ pub struct Trace {
 pub struct Output {
     /// Name in the scene.
     pub name: String,
-    /// Slots: coordinates, then x, y, z of every trace, then earlier outputs.
-    pub expression: Expression,
+    /// Where it comes from.
+    pub source: OutputSource,
     /// What it measures.
     pub kind: Kind,
+}
+
+/// Where an output comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OutputSource {
+    /// Slots: coordinates, then x, y, z of every trace, then earlier outputs.
+    Formula(Expression),
+    /// How far bodies are from each other.
+    Distance(Distance),
 }
 
 /// Angle unit of a scene file.

@@ -82,6 +82,18 @@ impl Scalar for HyperDual {
         (self == Self::constant(self.value)).then_some(self.value)
     }
 
+    fn nominal(self) -> f64 {
+        self.value
+    }
+
+    fn first_order(self, value: f64) -> Self {
+        Self {
+            value,
+            mixed: f64::NAN,
+            ..self
+        }
+    }
+
     fn is_below_zero(self) -> Option<bool> {
         self.value.is_below_zero()
     }

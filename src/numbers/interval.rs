@@ -171,6 +171,14 @@ impl Scalar for Interval {
     }
 
     /// Zero at an end belongs to the side of the others.
+    fn nominal(self) -> f64 {
+        self.middle()
+    }
+
+    fn first_order(self, _value: f64) -> Self {
+        Self::ENTIRE
+    }
+
     fn is_below_zero(self) -> Option<bool> {
         if self.lo >= 0.0 {
             Some(false)

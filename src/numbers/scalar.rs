@@ -44,6 +44,13 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// The number, if this is a single one that does not change.
     fn as_number(self) -> Option<f64>;
 
+    /// The number itself, without what comes with it; of an enclosure, one in its middle.
+    fn nominal(self) -> f64;
+
+    /// What is `value` and changes as this does to the first order: nothing is known of its higher orders, and so nothing of
+    /// an enclosure.
+    fn first_order(self, value: f64) -> Self;
+
     /// Whether it is below zero, just behind a zero for what changes; `None` where that is open.
     fn is_below_zero(self) -> Option<bool>;
 
@@ -193,6 +200,14 @@ impl Scalar for f64 {
 
     fn as_number(self) -> Option<f64> {
         Some(self)
+    }
+
+    fn nominal(self) -> f64 {
+        self
+    }
+
+    fn first_order(self, value: f64) -> Self {
+        value
     }
 
     #[inline]

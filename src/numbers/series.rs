@@ -197,6 +197,18 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         self.coefficients[0].as_number().filter(|_| still)
     }
 
+    fn nominal(self) -> f64 {
+        self.coefficients[0].nominal()
+    }
+
+    fn first_order(self, value: f64) -> Self {
+        let mut series = self;
+        series.coefficients[0] = self.coefficients[0].first_order(value);
+        let higher = series.coefficients[..self.length].iter_mut().skip(2);
+        higher.for_each(|c| *c = T::undefined());
+        series
+    }
+
     fn is_below_zero(self) -> Option<bool> {
         let mut used = self.used().iter();
         let leading = used.find(|c| **c != T::number(0.0));

@@ -1,7 +1,7 @@
 //! The clearance report as cases of a verdict, as a table for people and as CSV. Nothing is computed here.
 
 use super::cells::quoted;
-use super::rounded::{at_least_three, at_most_three, not_below};
+use super::rounded::{at_least_three, at_most_three, not_above, not_below};
 use super::verdict::{Asked, CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
 use crate::model::mechanism::Mechanism;
@@ -12,6 +12,9 @@ const MOST_OF_ONE_REASON: usize = 3;
 
 /// More times at which a pair is too near are counted in texts. JSON has all of them.
 const MOST_INTERVALS: usize = 4;
+
+/// More decimals of a second say nothing.
+const MOST_DECIMALS: f64 = 15.0;
 
 /// The word of a judgement in reports.
 pub fn word(judgement: &Judgement) -> &'static str {
@@ -60,8 +63,8 @@ fn violations_sentence(p: &PairReport) -> Option<String> {
         false => "estimated",
     };
     let one = |v: &Violation| match v.is_seen {
-        true => format!("t = {:.6} to {:.6} s", v.from, v.to),
-        false => format!("perhaps t = {:.6} to {:.6} s", v.from, v.to),
+        true => format!("t = {}", interval(v)),
+        false => format!("perhaps t = {}", interval(v)),
     };
     let shown = violations.list.iter().take(MOST_INTERVALS).map(one);
     let shown = shown.collect::<Vec<_>>().join(", ");
@@ -71,6 +74,14 @@ fn violations_sentence(p: &PairReport) -> Option<String> {
     };
     (!violations.list.is_empty())
         .then(|| format!("below its minimum at {shown}{more}; kept at all other times ({sure})"))
+}
+
+/// An interval of time that holds the given one, in as many decimals as a thousandth of it needs, at least six.
+fn interval(v: &Violation) -> String {
+    let needed = (3.0 - (v.to - v.from).log10()).ceil();
+    let decimals = needed.clamp(6.0, MOST_DECIMALS) as usize;
+    let [from, to] = [not_below(v.from, decimals), not_above(v.to, decimals)];
+    format!("{from} to {to} s")
 }
 
 /// One sentence on a pair.
@@ -161,7 +172,10 @@ fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked) -> Case {
     let status = status(&p.judgement, asked);
     let sentence = sentence(mechanism, p);
     let text = match reason(&p.judgement) {
-        Some(reason) => format!("{}: {reason}; {sentence}", word(&p.judgement)),
+        Some(reason) => {
+            let shapes = left_out(mechanism, p);
+            format!("{}: {reason}{shapes}; {sentence}", word(&p.judgement))
+        }
         None => {
             let times = violations_sentence(p).map(|times| format!("; {times}"));
             format!(
@@ -174,6 +188,22 @@ fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked) -> Case {
     };
     let [a, b] = names(mechanism, p);
     Case::new(CLEARANCE, &format!("{a} / {b}"), status, text)
+}
+
+/// The pairs of shapes that are left out around a joint: ` (capsule 1 / cylinder 2)`; nothing of other pairs.
+fn left_out(mechanism: &Mechanism, p: &PairReport) -> String {
+    let pairs = left_out_shapes(mechanism, p);
+    let names: Vec<String> = pairs.iter().map(|pair| pair.join(" / ")).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", names.join(", ")),
+    }
+}
+
+/// Names of the shapes that are left out around a joint.
+pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[String; 2]> {
+    let name = |pair: &[usize; 2]| [0, 1].map(|k| shape_name(mechanism, p.pair[k], pair[k]));
+    p.left_out.iter().map(name).collect()
 }
 
 /// What is known of a pair between the samples.

@@ -1,6 +1,6 @@
 //! The clearance report as an object of the JSON document.
 
-use super::clearance::{names, reason, shapes, word};
+use super::clearance::{left_out_shapes, names, reason, shapes, word};
 use super::verdict::Status;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
 use crate::model::mechanism::Mechanism;
@@ -41,6 +41,10 @@ pub fn to_json(
             }
             if let Some(reason) = reason(&p.judgement) {
                 object.insert("reason".to_owned(), json!(reason));
+                let shapes = left_out_shapes(mechanism, p);
+                if !shapes.is_empty() {
+                    object.insert("left_out".to_owned(), json!(shapes));
+                }
             }
         }
         value

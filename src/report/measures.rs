@@ -1,7 +1,10 @@
 //! Measures of a motion as `check` and `solve` show them.
 
+use super::rounded::not_below;
 use super::verdict::{Case, MEASURES, Status};
+use crate::clearance::measured::{LeastDistance, distance_of, least_distance};
 use crate::kinematics::measures::measure;
+use crate::kinematics::motion::sampling::only;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::Measure;
@@ -14,6 +17,39 @@ pub struct Measured<'m> {
     value: Option<f64>,
     factor: f64,
     unit: &'m str,
+    /// Of a least distance: what is known between the samples, too.
+    proved: Option<LeastDistance>,
+}
+
+/// Takes the measures of a motion that is to be judged, whose samples at `times` were asked for: least distances are those of
+/// the whole motion, with a bound.
+pub fn take_whole<'s>(
+    system: &System,
+    scene: &'s Scene,
+    trajectory: &Trajectory,
+    times: &[f64],
+    tolerance: f64,
+) -> Vec<Measured<'s>> {
+    let (mechanism, actuation) = (&*scene.mechanism, &scene.actuation);
+    // Sums and means are over the samples that were asked for.
+    let mut list = take(system, scene, &only(actuation, trajectory, times));
+    for measured in &mut list {
+        let Some(distance) = distance_of(mechanism, measured.measure) else {
+            continue;
+        };
+        let limit = measured.measure.min.unwrap_or(0.0);
+        let motion = (system, actuation);
+        let found = least_distance(motion, trajectory, distance, limit, tolerance);
+        measured.value = found.as_ref().map(|found| found.least.distance);
+        measured.proved = found;
+    }
+    list
+}
+
+/// Whether a measure of a scene is a least distance, of which a bound is wanted.
+pub fn prove_distances(scene: &Scene) -> bool {
+    let mut list = scene.measures.list.iter();
+    list.any(|measure| distance_of(&scene.mechanism, measure).is_some())
 }
 
 /// Takes the measures of a motion.
@@ -26,6 +62,7 @@ pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> V
         value,
         factor: mechanism.file_units(measure.kind),
         unit: mechanism.unit_name(measure.kind),
+        proved: None,
     });
     list.collect()
 }
@@ -44,11 +81,54 @@ impl Measured<'_> {
     fn status(&self) -> Status {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
         match self.value {
-            Some(value) if !self.measure.allows(value) => Status::Failed,
+            Some(_) if self.is_broken() => Status::Failed,
+            Some(_) if is_limited && !self.is_proved() => Status::NotProved,
             Some(_) if is_limited => Status::Passed,
             Some(_) => Status::Skipped,
             None => Status::Failed,
         }
+    }
+
+    fn slack(&self) -> f64 {
+        self.proved.as_ref().map_or(0.0, |proved| proved.slack)
+    }
+
+    fn is_broken(&self) -> bool {
+        let off = |value: f64| self.broken(value).is_some();
+        self.value
+            .is_some_and(|value| off(value) && off(value + self.slack()))
+            || self
+                .proved
+                .as_ref()
+                .is_some_and(|proved| proved.least.is_enclosed)
+    }
+
+    /// Whether the bound of a least distance keeps the lower limit, too. Of other measures nothing is to be proved.
+    fn is_proved(&self) -> bool {
+        let (Some(proved), Some(min)) = (&self.proved, self.measure.min) else {
+            return true;
+        };
+        let least = &proved.least;
+        // How deep bodies are in each other is found by a search.
+        least.is_certified && least.bound >= min - proved.slack
+    }
+
+    /// What is known of a least distance over the whole motion.
+    fn between(&self) -> Option<String> {
+        let least = &self.proved.as_ref()?.least;
+        let sure = match least.is_certified {
+            true => "proved",
+            false => "estimated",
+        };
+        Some(match least.distance > 0.0 && !least.is_enclosed {
+            true => format!(
+                ", never below {} {} ({sure}), nearest at t = {:.6} s",
+                not_below(least.bound * self.factor, 6),
+                self.unit,
+                least.time
+            ),
+            false => format!(", deepest found at t = {:.6} s", least.time),
+        })
     }
 
     /// The name, as reports of people have it.
@@ -62,7 +142,8 @@ impl Measured<'_> {
             return "no value: a pose is missing on the way, or a formula has none".to_owned();
         };
         let mut text = format!("{} {}", digits(value * self.factor), self.unit);
-        if let Some((word, limit)) = self.broken(value) {
+        text.push_str(&self.between().unwrap_or_default());
+        if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
             text.push_str(&format!(" is {word} the limit {}", limit * self.factor));
             if let Some(why) = &self.measure.why {
                 text.push_str(&format!(": {why}"));
@@ -99,13 +180,20 @@ impl Measured<'_> {
     /// The same for machines.
     pub fn json(&self) -> Value {
         let scaled = |value: Option<f64>| value.map(|v| v * self.factor);
-        json!({
+        let mut value = json!({
             "name": self.measure.name,
             "value": scaled(self.value),
             "unit": self.unit,
             "min": scaled(self.measure.min),
             "max": scaled(self.measure.max),
-            "holds": self.status() != Status::Failed,
-        })
+            "holds": !matches!(self.status(), Status::Failed | Status::NotProved),
+        });
+        if let (Some(proved), Some(object)) = (&self.proved, value.as_object_mut()) {
+            let least = &proved.least;
+            object.insert("bound".to_owned(), json!(least.bound * self.factor));
+            object.insert("certified".to_owned(), json!(least.is_certified));
+            object.insert("time".to_owned(), json!(least.time));
+        }
+        value
     }
 }

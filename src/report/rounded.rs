@@ -37,6 +37,12 @@ pub fn not_below(value: f64, decimals: usize) -> String {
     safe(value, -unit, |v| format!("{v:.decimals$}"))
 }
 
+/// An upper bound with so many decimals.
+pub fn not_above(value: f64, decimals: usize) -> String {
+    let unit = 0.1_f64.powi(decimals as i32);
+    safe(value, unit, |v| format!("{v:.decimals$}"))
+}
+
 /// What the second digit counts.
 fn last_digit(value: f64) -> f64 {
     match value.abs().log10().floor() {
@@ -87,6 +93,11 @@ mod tests {
             assert!(
                 lower <= value && lower >= value * 0.9,
                 "{value:e} {lower:e}"
+            );
+            let above = read(not_above(value, 4));
+            assert!(
+                above >= value && above <= value + 1.1e-4_f64.max(value * 1e-15),
+                "{value:e} {above:e}"
             );
             let below = read(not_below(-value, 4));
             assert!(

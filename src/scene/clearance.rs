@@ -39,16 +39,34 @@ pub struct PairFile {
     pub span: Span,
 }
 
+/// An output that is the distance of two bodies, or of groups of them.
+#[derive(Clone, Debug)]
+pub struct DistanceFile {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// `distance`: which bodies.
+    pub pair: PairFile,
+    /// `shapes`: numbers of shapes of the first and the second body, from 1; all if absent.
+    pub shapes: Option<Spanned<Vec<[FormulaText; 2]>>>,
+}
+
+/// Reads an entry of `[outputs]` that is a table.
+pub fn distance(r: &mut TableReader, name: Spanned<String>) -> Option<DistanceFile> {
+    let (pair, shapes) = (pair(r, "distance"), r.rows("shapes"));
+    let pair = pair?;
+    Some(DistanceFile { name, pair, shapes })
+}
+
 /// Reads the section.
 pub fn read(r: &mut TableReader) -> ClearanceFile {
     let minimum = r.formula("minimum");
     let pairs = r.tables("pairs", |p| {
-        let pair = pair(p);
+        let pair = pair(p, "pair");
         let minimum = required(p, "minimum", |p, k| p.formula(k));
         Some((pair?, minimum?))
     });
     let ignored = r.tables("ignore", |p| {
-        let pair = pair(p);
+        let pair = pair(p, "pair");
         let reason = required(p, "reason", |p, k| p.string(k));
         let (shapes, down_to) = (p.rows("shapes"), p.formula("down_to"));
         Some(IgnoredFile {
@@ -58,7 +76,7 @@ pub fn read(r: &mut TableReader) -> ClearanceFile {
             down_to,
         })
     });
-    let touching = r.tables("touching", |p| pair(p));
+    let touching = r.tables("touching", |p| pair(p, "pair"));
     ClearanceFile {
         touching: touching.into_iter().flatten().collect(),
         minimum,
@@ -67,8 +85,8 @@ pub fn read(r: &mut TableReader) -> ClearanceFile {
     }
 }
 
-fn pair(r: &mut TableReader) -> Option<PairFile> {
+fn pair(r: &mut TableReader, key: &'static str) -> Option<PairFile> {
     let span = r.span.clone();
-    let names = required(r, "pair", |r, k| r.strings(k))?;
+    let names = required(r, key, |r, k| r.strings(k))?;
     Some(PairFile { names, span })
 }

@@ -1,9 +1,9 @@
 //! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
 //! anything is looked up.
 
-use super::clearance::{self, ClearanceFile};
+use super::clearance::{self, ClearanceFile, DistanceFile};
 use super::contacts::{ContactFile, surfaces};
-use super::keys::tables::{CONTACT, INPUT, MEASURE, SCENE, TRACK};
+use super::keys::tables::{CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
 use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
 use super::plots::{PlotFile, plot};
 use super::reader::{Found, NamedFormula, Spanned, TableReader, read_table, required};
@@ -45,8 +45,10 @@ pub struct SceneFile {
     pub bodies: Vec<BodyFile>,
     /// `[[traces]]`
     pub traces: Vec<TraceFile>,
-    /// `[outputs]`
+    /// `[outputs]` that are formulas.
     pub outputs: Vec<NamedFormula>,
+    /// `[outputs]` that are distances of bodies.
+    pub distances: Vec<DistanceFile>,
     /// `[tracks]`
     pub tracks: Vec<TrackFile>,
     /// `[measures]`
@@ -187,6 +189,7 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
     r.string("source");
     let units = r.table("units", |u| (u.string("length"), u.string("angle")));
     let (length_unit, angle_unit) = units.unwrap_or_default();
+    let (outputs, distances) = outputs(r, text);
     SceneFile {
         title,
         description,
@@ -202,7 +205,8 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         guess: r.named_formulas("guess"),
         bodies: r.tables("bodies", body).into_iter().flatten().collect(),
         traces: r.tables("traces", trace).into_iter().flatten().collect(),
-        outputs: r.named_formulas("outputs"),
+        outputs,
+        distances,
         tracks: tracks(r, text),
         measures: measures(r, text),
         labels: r.tables("labels", label).into_iter().flatten().collect(),
@@ -274,6 +278,27 @@ fn tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
         list.push(read_table(found, &TRACK, place, r.diagnostics, read));
     }
     list
+}
+
+/// Outputs: formulas, and tables that ask for a distance.
+fn outputs<'t>(
+    r: &mut TableReader<'t, '_>,
+    text: &'t str,
+) -> (Vec<NamedFormula>, Vec<DistanceFile>) {
+    let asks = |value: &DeValue| value.as_table().is_some_and(|t| t.contains_key("distance"));
+    let entries = r.named("outputs").into_iter();
+    let (tables, formulas): (Vec<_>, Vec<_>) = entries.partition(|(_, value, _)| asks(value));
+    let mut distances = Vec::new();
+    for (name, value, span) in tables {
+        let Some(table) = value.as_table() else {
+            continue;
+        };
+        let place = format!("output `{}`", name.value);
+        let found = Found { table, text, span };
+        let read = |r: &mut TableReader<'t, '_>| clearance::distance(r, name);
+        distances.extend(read_table(found, &DISTANCE, place, r.diagnostics, read));
+    }
+    (r.formulas_of(formulas), distances)
 }
 
 fn measures<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<MeasureFile> {

@@ -251,8 +251,14 @@ impl<'t, 'd> TableReader<'t, 'd> {
 
     /// A table of names to formulas. A name with a dot, which TOML reads as a table, is put together again.
     pub fn named_formulas(&mut self, key: &'static str) -> Vec<(Spanned<String>, FormulaText)> {
+        let entries = self.named(key);
+        self.formulas_of(entries)
+    }
+
+    /// The same of entries that were taken out already.
+    pub fn formulas_of(&mut self, entries: Vec<Entry<'t>>) -> Vec<(Spanned<String>, FormulaText)> {
         let mut list = Vec::new();
-        for (name, value, span) in self.named(key).into_iter().flat_map(undotted) {
+        for (name, value, span) in entries.into_iter().flat_map(undotted) {
             match formula_of(value, span.clone(), self.text) {
                 Some(formula) => list.push((name, formula)),
                 None => {

@@ -47,7 +47,7 @@ fn slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
     }
     let mut scratch = Vec::new();
     for output in &mechanism.outputs {
-        let value = output.expression.value_with(&slots, &mut scratch);
+        let value = output.value_with(mechanism, &slots, &mut scratch);
         slots.push(value);
     }
     slots

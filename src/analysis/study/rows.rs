@@ -86,7 +86,7 @@ fn needs(family: &Family, formula: &Expression) -> (usize, bool) {
     let mut free = true;
     while let Some(slot) = slots.pop() {
         if slot >= base {
-            slots.extend(mechanism.outputs[slot - base].expression.slots());
+            slots.extend(mechanism.outputs[slot - base].slots(mechanism));
         } else if slot >= coordinates {
             free = false;
         }
@@ -228,9 +228,7 @@ impl<'f> Reader<'f> {
         let base = pose.len() + 3 * mechanism.traces.len();
         self.numbers.resize(base, 0.0);
         for output in mechanism.outputs.iter().take(rows.reach - base) {
-            let value = output
-                .expression
-                .value_with(&self.numbers, &mut self.values);
+            let value = output.value_with(mechanism, &self.numbers, &mut self.values);
             self.numbers.push(value);
         }
     }
@@ -249,8 +247,8 @@ impl<'f> Reader<'f> {
         for slot in (base..numbers.len()).rev() {
             let adjoint = gradient[slot];
             if adjoint != 0.0 {
-                let formula = &mechanism.outputs[slot - base].expression;
-                formula.add_gradient(numbers, adjoint, gradient, values, adjoints);
+                let output = &mechanism.outputs[slot - base];
+                output.add_gradient(mechanism, numbers, adjoint, gradient, [values, adjoints]);
             }
         }
     }

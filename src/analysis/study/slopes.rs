@@ -58,9 +58,9 @@ impl Slopes {
         let (mut values, mut adjoints) = (Vec::new(), Vec::new());
         for (index, output) in mechanism.outputs.iter().enumerate() {
             gradient.fill(0.0);
-            let formula = &output.expression;
-            formula.add_gradient(slots, 1.0, &mut gradient, &mut values, &mut adjoints);
-            let used = formula.slots();
+            let buffers = [&mut values, &mut adjoints];
+            output.add_gradient(mechanism, slots, 1.0, &mut gradient, buffers);
+            let used = output.slots(mechanism);
             for row in &mut self.rows {
                 row[first + index] = used.iter().map(|slot| gradient[*slot] * row[*slot]).sum();
             }

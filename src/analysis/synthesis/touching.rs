@@ -2,8 +2,8 @@
 //! mechanisms whose surfaces cut each other beside the point of contact.
 
 use crate::analysis::study::Family;
-use crate::clearance::bodies::{Hull, LeftOut, nearest};
 use crate::diag::Source;
+use crate::distance::bodies::{Hull, LeftOut, nearest};
 use crate::kinematics::loops::forward;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load};

@@ -8,7 +8,7 @@ use crate::cli::open::inputs_table;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::motion::sampling::{even_times, frame_times, knots, only};
+use crate::kinematics::motion::sampling::{even_times, frame_times, knots};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::report::check::{MotionReport, without_pose};
@@ -28,7 +28,9 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
     clearance::refuse_without_rules(args, scene)?;
     // Tubes, which clearances are bounded by, join certified poses.
     let needed = match args.certify {
-        CertifyArg::None if scene.clearance.is_some() => CertifyArg::Pose,
+        CertifyArg::None if scene.clearance.is_some() || measures::prove_distances(scene) => {
+            CertifyArg::Pose
+        }
         asked => asked,
     };
     let begun = Instant::now();
@@ -38,8 +40,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
     if let Err(failure) = event_messages::tell(system, actuation, &trajectory, term) {
         return Ok(never_closed(mechanism, &trajectory, failure));
     }
-    // Sums and means are over the samples that were asked for.
-    let measured = measures::take(system, scene, &only(actuation, &trajectory, &times));
+    let measured = measures::take_whole(system, scene, &trajectory, &times, args.tolerance);
     let clearances = clearance::run(args, opened, &trajectory, term)?;
     let asked = Asked {
         closure: args.closure,

@@ -5,12 +5,12 @@
 //! and slider-cranks. Else, of a block with few angles, the cube of all their values is halved until in every piece some
 //! equation has no zero. Neither finding anything says nothing.
 
-use crate::kinematics::loops::observed::arguments;
 use crate::kinematics::solve::assembly::turns_matter;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::{ArgumentValue, Motion, Step};
 use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
+use crate::model::outputs::arguments;
 use crate::model::walk::{Frame, Vector};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;

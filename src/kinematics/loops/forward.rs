@@ -65,7 +65,7 @@ pub fn outputs(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> 
     slots.extend(traces.iter().flat_map(|p| p.to_array()));
     let mut values = Vec::new();
     for output in &mechanism.outputs {
-        let value = output.expression.value_with(&slots, &mut values);
+        let value = output.value_with(mechanism, &slots, &mut values);
         slots.push(value);
     }
     slots.split_off(coordinates.len() + 3 * traces.len())

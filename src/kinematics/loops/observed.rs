@@ -1,24 +1,9 @@
 //! What a table shows of a pose, in any arithmetic: unknowns, traced points, outputs.
 
-use crate::model::chain::ArgumentValue;
 use crate::model::mechanism::Mechanism;
+use crate::model::outputs::arguments;
 use crate::model::walk::Frame;
 use crate::numbers::scalar::Scalar;
-
-/// Values of the arguments in `used`; the others stay zero.
-pub fn arguments<S: Scalar>(
-    mechanism: &Mechanism,
-    used: &[usize],
-    coordinates: &[S],
-) -> Vec<ArgumentValue<S>> {
-    let mut all = vec![ArgumentValue::new(S::number(0.0)); mechanism.arguments.len()];
-    let mut scratch = Vec::new();
-    for index in used {
-        let value = mechanism.arguments[*index].value(coordinates, &mut scratch);
-        all[*index] = ArgumentValue::new(value);
-    }
-    all
-}
 
 /// Everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
 pub fn observed<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Vec<S> {
@@ -38,8 +23,9 @@ pub fn observed_slots<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Ve
         let end = Frame::at_end_of(&path.steps, &arguments);
         slots.extend(end.point(trace.point.to_array()));
     }
+    let mut scratch = Vec::new();
     for output in &mechanism.outputs {
-        let value = output.expression.value(&slots);
+        let value = output.value_with(mechanism, &slots, &mut scratch);
         slots.push(value);
     }
     slots

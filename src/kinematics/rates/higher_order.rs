@@ -5,7 +5,7 @@
 //! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
 
 use super::residual_part;
-use crate::kinematics::loops::observed::{arguments, observed};
+use crate::kinematics::loops::observed::observed;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Block;
@@ -13,6 +13,7 @@ use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::model::outputs::arguments;
 use crate::model::walk::Frame;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::TaylorSeries;

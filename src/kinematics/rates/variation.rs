@@ -93,7 +93,7 @@ impl<'m> Variation<'m> {
         }
         let outputs = count.saturating_sub(self.slots.len());
         for output in mechanism.outputs.iter().take(outputs) {
-            let value = output.expression.value_with(&self.slots, &mut self.scratch);
+            let value = output.value_with(mechanism, &self.slots, &mut self.scratch);
             self.slots.push(value);
         }
         &self.slots

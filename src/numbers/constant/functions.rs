@@ -73,6 +73,14 @@ impl Scalar for Constant {
         self.is_exact().then_some(self.value.hi)
     }
 
+    fn nominal(self) -> f64 {
+        self.value.hi
+    }
+
+    fn first_order(self, _value: f64) -> Self {
+        Self::UNDEFINED
+    }
+
     fn is_below_zero(self) -> Option<bool> {
         let least = self.value.hi.abs() * (1.0 - 1e-15);
         (self.is_zero() || least > self.error).then_some(self.value.hi < 0.0)

@@ -54,7 +54,11 @@ pub static SCENE: Keys = Keys::new(
         key("guess", FORMULAS_BY_NAME, "start values of unknowns"),
         key("bodies", Tables(&BODY), "links with their solids"),
         key("traces", Tables(&TRACE), "points whose paths are kept"),
-        key("outputs", FORMULAS_BY_NAME, "named values of every pose"),
+        key(
+            "outputs",
+            Named(&[Formula, Table(&DISTANCE)]),
+            "named values of every pose",
+        ),
         key(
             "tracks",
             Named(&[Table(&TRACK)]),
@@ -181,6 +185,24 @@ pub static TRACK: Keys = Keys::new(
 );
 
 /// A measure that is no plain formula.
+/// An output that is no formula.
+pub static DISTANCE: Keys = Keys::new(
+    "output",
+    &[
+        key(
+            "distance",
+            Texts,
+            "two bodies; `*` at the end for all that begin so",
+        )
+        .required(),
+        key(
+            "shapes",
+            Rows(2),
+            "of the bodies, counted from 1: only these",
+        ),
+    ],
+);
+
 pub static MEASURE: Keys = Keys::new(
     "measure",
     &[

@@ -1,12 +1,15 @@
 //! The `[clearance]` section resolved to indices of bodies.
 
-use super::super::clearance::{ClearanceFile, IgnoredFile, PairFile};
+use super::super::clearance::{ClearanceFile, DistanceFile, IgnoredFile, PairFile};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
 use super::bodies::{Constants, body_index};
 use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use crate::distance::solids::Rigid;
 use crate::model::clearance::{ClearanceRules, Ignored, PairMinimum};
+use crate::model::distance::{Distance, Gap};
 use crate::model::mechanism::Body;
+use std::sync::Arc;
 
 /// Looks up the bodies and checks the distances.
 pub fn resolve(
@@ -107,7 +110,8 @@ fn ignore(
     let pairs = pairs(&file.pair, bodies, seen, diagnostics);
     for (pair, is_turned) in pairs.list.into_iter().zip(pairs.is_turned) {
         let named = if is_turned { [pair[1], pair[0]] } else { pair };
-        let shapes = shapes(file, named.map(|k| &bodies[k]), constants, diagnostics);
+        let named = named.map(|k| &bodies[k]);
+        let shapes = shapes(file.shapes.as_ref(), named, constants, diagnostics);
         let own = shapes
             .into_iter()
             .map(|[i, j]| if is_turned { [j, i] } else { [i, j] });
@@ -121,15 +125,50 @@ fn ignore(
     }
 }
 
-/// Indices of the shapes that an entry leaves out.
+/// The distance that an output asks for; `None` with what is wrong.
+pub fn asked_distance(
+    file: &DistanceFile,
+    constants: &Constants,
+    bodies: &[Body],
+    diagnostics: &mut Diagnostics,
+) -> Option<Distance> {
+    let pairs = pairs(&file.pair, bodies, &mut Vec::new(), diagnostics);
+    let mut gaps = Vec::new();
+    for ([a, b], is_turned) in pairs.list.into_iter().zip(pairs.is_turned) {
+        let order = if is_turned { [b, a] } else { [a, b] };
+        let named = order.map(|k| &bodies[k]);
+        let only = shapes(file.shapes.as_ref(), named, constants, diagnostics);
+        match Rigid::new(named, &only) {
+            Some(solids) => gaps.push(Gap {
+                bodies: order,
+                shapes: only,
+                solids: Arc::new(solids),
+            }),
+            // Of many bodies some may have no shapes.
+            None if pairs.is_pattern => {}
+            None => {
+                let message = format!("`{}` and `{}` have no shapes", named[0].name, named[1].name);
+                let place = file.pair.span.clone();
+                diagnostics.push(
+                    Diagnostic::error(message)
+                        .at(place)
+                        .hint("a distance is that of solids"),
+                );
+            }
+        }
+    }
+    (!gaps.is_empty()).then_some(Distance { gaps })
+}
+
+/// Indices of the shapes that an entry names.
 fn shapes(
-    file: &IgnoredFile,
+    rows: Option<&Spanned<Vec<[FormulaText; 2]>>>,
     bodies: [&Body; 2],
     constants: &Constants,
     diagnostics: &mut Diagnostics,
 ) -> Vec<[usize; 2]> {
     let mut list = Vec::new();
-    let Some(rows) = &file.shapes else {
+    let Some(rows) = rows else {
         return list;
     };
     for row in &rows.value {

@@ -71,7 +71,9 @@ pub fn resolve(
         varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
     }
     let scope = Scope::resolve(
+        file,
         &parsed,
+        &bodies,
         &names,
         &traces,
         &contacts,

@@ -403,6 +403,7 @@ fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
         ("chain", file.chains.iter().map(|(n, _)| n).collect()),
         ("contact", file.contacts.iter().map(|c| &c.name).collect()),
         ("output", file.outputs.iter().map(|(n, _)| n).collect()),
+        ("output", file.distances.iter().map(|d| &d.name).collect()),
         ("measure", file.measures.iter().map(|m| &m.name).collect()),
         ("trace", file.traces.iter().map(|t| &t.name).collect()),
     ];

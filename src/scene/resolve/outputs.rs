@@ -1,14 +1,17 @@
 //! Named scalars: formulas over coordinates, traced points and earlier outputs.
 
+use super::super::file::SceneFile;
 use super::super::formula::compile::{Value, compile};
 use super::super::formula::expression::{Node, NodeKind};
 use super::super::formula::kinds::to_radians;
+use super::bodies::Constants;
+use super::clearance::asked_distance;
 use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::expression::{Expression, Function};
-use crate::model::mechanism::{AngleUnit, Kind, Output, Trace};
+use crate::model::mechanism::{AngleUnit, Body, Kind, Output, OutputSource, Trace};
 
 /// What formulas of poses may use.
 pub struct Scope<'a> {
@@ -25,7 +28,9 @@ pub struct Scope<'a> {
 impl<'a> Scope<'a> {
     /// Resolves the outputs in the order of the file.
     pub fn resolve(
+        file: &SceneFile,
         parsed: &Parsed,
+        bodies: &[Body],
         names: &'a Names,
         traces: &'a [Trace],
         contacts: &'a Contacts,
@@ -40,11 +45,22 @@ impl<'a> Scope<'a> {
             outputs: Vec::new(),
             failed: Vec::new(),
         };
+        let constants = Constants { names };
+        for item in &file.distances {
+            match asked_distance(item, &constants, bodies, diagnostics) {
+                Some(distance) => scope.outputs.push(Output {
+                    name: item.name.value.clone(),
+                    source: OutputSource::Distance(distance),
+                    kind: Kind::Length,
+                }),
+                None => scope.failed.push(item.name.value.clone()),
+            }
+        }
         for (name, node) in &parsed.outputs {
             match scope.compile(node) {
                 Ok((expression, kind)) => scope.outputs.push(Output {
                     name: name.value.clone(),
-                    expression,
+                    source: OutputSource::Formula(expression),
                     kind,
                 }),
                 Err(diagnostic) => {

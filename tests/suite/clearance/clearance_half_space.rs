@@ -3,9 +3,9 @@
 use crate::driven::{check, even_times, knots, solve};
 use glam::DVec3;
 use mechanim::clearance::check::Judgement;
-use mechanim::clearance::core::{Element, elements};
-use mechanim::clearance::pair::{distance, is_inside};
 use mechanim::diag::Source;
+use mechanim::distance::core::{Element, elements};
+use mechanim::distance::pair::{distance, is_inside};
 use mechanim::geometry::mesh_of;
 
 use mechanim::math::Pose;

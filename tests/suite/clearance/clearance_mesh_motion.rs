@@ -2,9 +2,9 @@
 
 use crate::draws::Draws;
 use crate::driven::{Driven, check, even_times, knots, solve};
-use mechanim::clearance::bodies::{Hull, LeftOut, nearest};
 use mechanim::clearance::check::{Judgement, PairReport};
 use mechanim::diag::Source;
+use mechanim::distance::bodies::{Hull, LeftOut, nearest};
 use mechanim::scene::{Overrides, Scene, load};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

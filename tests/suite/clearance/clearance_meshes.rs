@@ -5,8 +5,8 @@ use crate::slow_distance::{known, off_distance, size};
 use crate::solids::{Random, element};
 #[allow(dead_code)]
 use glam::DVec3;
-use mechanim::clearance::core::{Core, Element};
-use mechanim::clearance::pair::distance;
+use mechanim::distance::core::{Core, Element};
+use mechanim::distance::pair::distance;
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};
 use std::sync::Arc;

@@ -2,9 +2,9 @@
 //! mutated scenes that fail with the right pair.
 
 use crate::driven::{Driven, Model, check, even_times, frame_times, knots, solve};
-use mechanim::clearance::bodies::{Hull, LeftOut, nearest};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
+use mechanim::distance::bodies::{Hull, LeftOut, nearest};
 
 use mechanim::kinematics::motion::sampling::only;
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};

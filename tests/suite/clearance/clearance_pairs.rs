@@ -3,10 +3,10 @@
 
 use crate::solids::{Random, capsule, cone, cuboid, cylinder, element, sphere, torus, v};
 use glam::{DMat3, DQuat, DVec3};
-use mechanim::clearance::core::{Core, Element};
-use mechanim::clearance::mesh::one_inside;
-use mechanim::clearance::mesh_tree::{Enclosure, MeshTree};
-use mechanim::clearance::pair::{distance, is_inside};
+use mechanim::distance::core::{Core, Element};
+use mechanim::distance::mesh::one_inside;
+use mechanim::distance::mesh_tree::{Enclosure, MeshTree};
+use mechanim::distance::pair::{distance, is_inside};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use crate::slow_distance::{inside_by, known, off_distance, size};
 use crate::solids::{Random, capsule, cone, cuboid, cylinder, half_space, sphere, torus, v};
 use glam::DVec3;
-use mechanim::clearance::core::{Core, Element};
-use mechanim::clearance::pair::{Proximity, distance};
+use mechanim::distance::core::{Core, Element};
+use mechanim::distance::pair::{Proximity, distance};
 use mechanim::math::Pose;
 use std::thread;
 

@@ -1,7 +1,7 @@
 //! What of a mesh encloses space: cracks, facets turned round, flaps, walls inside, and what is no solid.
 
 use glam::DVec3;
-use mechanim::clearance::mesh_tree::{Enclosure, MeshTree};
+use mechanim::distance::mesh_tree::{Enclosure, MeshTree};
 use mechanim::model::shape::TriangleSoup;
 
 type Triangles = Vec<[DVec3; 3]>;

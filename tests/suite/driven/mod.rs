@@ -1,8 +1,8 @@
 //! Mechanisms with what drives them, as most tests use them: read, changed here and there, solved at some times.
 
 use glam::DVec3;
-use mechanim::clearance::bodies::{Hull, nearest};
 use mechanim::clearance::check::{ClearanceReport, Closely, Judgement, PairReport};
+use mechanim::distance::bodies::{Hull, nearest};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};

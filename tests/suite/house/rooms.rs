@@ -11,7 +11,7 @@ const FLOORS: &[&[&str]] = &[
     &["diag.rs", "limits.rs", "math.rs", "jobs.rs", "linalg/"],
     &["numbers/"],
     &["model/"],
-    &["geometry/"],
+    &["geometry/", "distance/"],
     &["scene/"],
     &["kinematics/results/", "kinematics/structure/"],
     // Ball joints are found in a structure and are part of a system.

@@ -9,7 +9,7 @@ mod number;
 mod solids;
 
 use glam::DVec3;
-use mechanim::clearance::core::Element;
+use mechanim::distance::core::Element;
 use mechanim::numbers::double_double::DoubleDouble;
 use number::{Number, Vector};
 use solids::Solid;
@@ -42,7 +42,7 @@ pub fn size(a: &Element, b: &Element) -> f64 {
     p.length() + q.length() + finite(r) + finite(s)
 }
 
-/// The signed distance, as [`mechanim::clearance::pair`] defines it.
+/// The signed distance, as [`mechanim::distance::pair`] defines it.
 pub fn known(a: &Element, b: &Element) -> Known {
     let (first, second) = (Solid::<DoubleDouble>::of(a), Solid::<DoubleDouble>::of(b));
     let radii = DoubleDouble::sum(a.radius, b.radius);

@@ -1,7 +1,7 @@
 //! Solids of clearance tests: their short names, and random ones that are the same in every run.
 
 use glam::{DMat3, DQuat, DVec3};
-use mechanim::clearance::core::{Element, elements};
+use mechanim::distance::core::{Element, elements};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid};
 

@@ -47,6 +47,20 @@ impl Hull {
         })
     }
 
+    /// Pairs of elements of two hulls whose shapes are such a pair.
+    pub fn pairs_of<'h>(
+        hulls: [&'h Self; 2],
+        is_wanted: impl Fn([usize; 2]) -> bool + Copy + 'h,
+    ) -> impl Iterator<Item = [usize; 2]> + 'h {
+        let [first, second] = hulls.map(|hull| hull.elements.iter().enumerate());
+        first.flat_map(move |(i, a)| {
+            let wanted = second
+                .clone()
+                .filter(move |(_, b)| is_wanted([a.shape, b.shape]));
+            wanted.map(move |(j, _)| [i, j])
+        })
+    }
+
     /// Whether a mesh is among its elements.
     pub fn has_mesh(&self) -> bool {
         self.elements

@@ -11,15 +11,15 @@ const LEAF: usize = 4;
 
 /// Some triangles.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     /// Holds them all.
-    pub(super) around: OrientedBox,
+    pub(crate) around: OrientedBox,
     /// A leaf's triangles, or the index of the second child (the first one follows).
-    pub(super) content: Content,
+    pub(crate) content: Content,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Content {
+pub(crate) enum Content {
     Leaf(usize, usize),
     Fork(usize),
 }
@@ -39,8 +39,8 @@ pub struct MeshTree {
     pub flaps: usize,
     /// What encloses space where that is not all triangles.
     walls: Option<Vec<[DVec3; 3]>>,
-    pub(super) triangles: Vec<[DVec3; 3]>,
-    pub(super) nodes: Vec<Node>,
+    pub(crate) triangles: Vec<[DVec3; 3]>,
+    pub(crate) nodes: Vec<Node>,
 }
 
 impl MeshTree {
@@ -108,7 +108,7 @@ impl MeshTree {
     }
 
     /// What lies farthest along `n` below a node.
-    pub(super) fn highest(&self, node: usize, n: DVec3) -> Highest {
+    pub(crate) fn highest(&self, node: usize, n: DVec3) -> Highest {
         let mut best = Highest {
             height: f64::NEG_INFINITY,
             triangle: 0,
@@ -152,20 +152,20 @@ impl MeshTree {
 
 /// The triangle that reaches farthest in a direction n, and the n · p of its corner.
 #[derive(Clone, Copy)]
-pub(super) struct Highest {
-    pub(super) height: f64,
-    pub(super) triangle: usize,
+pub(crate) struct Highest {
+    pub(crate) height: f64,
+    pub(crate) triangle: usize,
 }
 
 /// Largest n · p of a triangle.
 #[inline]
-pub(super) fn support(corners: &[DVec3; 3], n: DVec3) -> f64 {
+pub(crate) fn support(corners: &[DVec3; 3], n: DVec3) -> f64 {
     let [a, b, c] = corners.each_ref().map(|p| n.dot(*p));
     a.max(b).max(c)
 }
 
 /// Two things in the order of their numbers.
-pub(super) fn nearer_first<T: Copy>(mut two: [(T, f64); 2]) -> [(T, f64); 2] {
+pub(crate) fn nearer_first<T: Copy>(mut two: [(T, f64); 2]) -> [(T, f64); 2] {
     if two[1].1 < two[0].1 {
         two.swap(0, 1);
     }

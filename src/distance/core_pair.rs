@@ -23,7 +23,7 @@ impl CorePair {
     };
 
     /// A point of the second core near the first core.
-    pub(super) fn onto_first(point: DVec3, hit: PointHit) -> Self {
+    pub(crate) fn onto_first(point: DVec3, hit: PointHit) -> Self {
         Self {
             distance: hit.distance,
             points: [hit.nearest, point],
@@ -32,7 +32,7 @@ impl CorePair {
     }
 
     /// The nearer of the two.
-    pub(super) fn take(&mut self, other: Self) {
+    pub(crate) fn take(&mut self, other: Self) {
         if other.distance < self.distance {
             *self = other;
         }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 
 /// Edges with the triangles on both sides of them, along and against.
-pub(super) type Sides = HashMap<[usize; 2], [Vec<usize>; 2]>;
+pub(crate) type Sides = HashMap<[usize; 2], [Vec<usize>; 2]>;
 
 /// Flaps are alone if their balls, this much larger, do not meet.
 const ALONE: f64 = 2.0;
@@ -17,7 +17,7 @@ const ALONE: f64 = 2.0;
 const MOST: usize = 32;
 
 /// Which triangles are flaps; `at` gives a corner's place, and what is off its plane by no more than `flat` is flat.
-pub(super) fn flaps(
+pub(crate) fn flaps(
     triangles: &[[usize; 3]],
     sides: &Sides,
     at: impl Fn(usize) -> DVec3,

@@ -1,0 +1,97 @@
+//! Pairs that are left out of a check: looked at as often as the motion itself is described, though nothing is proved of them.
+//!
+//! They are measured at every sample and in the middle of every stretch of the motion, of which quick moves have many, and
+//! around the lowest place of these in ever smaller steps.
+
+use super::motion::Motion;
+use super::sweep::{Best, Least, PairSweep};
+use super::track::Track;
+use crate::distance::bodies::nearest;
+
+/// Steps from the lowest place to lower ones, each half as long as the one before: a stretch to 1e-4 of it.
+const HALVINGS: u32 = 13;
+
+impl PairSweep<'_> {
+    /// The least distance over the whole motion as a search finds it, without a bound.
+    pub(super) fn searched(&self, motion: &mut Motion) -> Option<Least> {
+        let samples = motion.samples.clone();
+        let mut best = self.best_of(motion, &samples, None)?;
+        if let Some(stretch) = self.lowest_middle(motion, &best) {
+            self.descend(motion, (stretch, 0.0), &mut best);
+        }
+        for (stretch, s) in ends_at(motion, best.instant) {
+            self.descend(motion, (stretch, s), &mut best);
+        }
+        let bound = best.found.proximity.distance;
+        Some(self.least(motion, &best, bound, [false; 2]))
+    }
+
+    /// The stretch in whose middle the bodies are nearest, if that is nearer than at the samples.
+    fn lowest_middle(&self, motion: &Motion, best: &Best) -> Option<usize> {
+        let mut limit = best.found.proximity.distance;
+        let mut track = Track::new(self.hulls, &self.left_out);
+        let mut lowest = None;
+        for index in 0..motion.roots {
+            let pose = self
+                .chain
+                .around(&motion.stretches[index].arguments, 0.0, 0.0)
+                .pose;
+            let found = track.at(&pose, limit);
+            if let Some(found) = found.filter(|f| f.proximity.distance < limit) {
+                (limit, lowest) = (found.proximity.distance, Some(index));
+            }
+        }
+        lowest
+    }
+
+    /// Goes from a place of a stretch to lower ones.
+    fn descend(&self, motion: &mut Motion, (stretch, start): (usize, f64), best: &mut Best) {
+        let arguments = &motion.stretches[stretch].arguments;
+        let distance = |s: f64| {
+            let pose = self.chain.around(arguments, s, 0.0).pose;
+            let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            found.map_or(f64::INFINITY, |f| f.proximity.distance)
+        };
+        let (mut at, mut lowest) = (start, distance(start));
+        for halving in 1..=HALVINGS {
+            let step = 0.5_f64.powi(halving as i32);
+            for s in [at - step, at + step]
+                .into_iter()
+                .filter(|s| s.abs() <= 1.0)
+            {
+                let value = distance(s);
+                if value < lowest {
+                    (at, lowest) = (s, value);
+                }
+            }
+        }
+        let Some(instant) = motion.pose_at(stretch, at) else {
+            return;
+        };
+        let pose = self.relative(motion, instant);
+        let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+        if let Some(found) = found.filter(|f| f.proximity.distance < best.found.proximity.distance)
+        {
+            *best = Best {
+                found,
+                instant,
+                ..*best
+            };
+        }
+    }
+}
+
+/// The stretches that end or begin with an instant, and where on them that is.
+fn ends_at(motion: &Motion, instant: usize) -> Vec<(usize, f64)> {
+    let Some(place) = motion.samples.iter().position(|k| *k == instant) else {
+        return Vec::new();
+    };
+    let of = |root: usize| {
+        let ends = motion.stretches[root].ends;
+        let at = [-1.0, 1.0];
+        (0..2)
+            .filter(move |k| ends[*k] == Some(place))
+            .map(move |k| (root, at[k]))
+    };
+    (0..motion.roots).flat_map(of).collect()
+}

@@ -1,0 +1,242 @@
+//! The region of a joint: the parts of two bodies' shapes that touch there, and no more of them.
+//!
+//! A long shape that is held by a joint is cut into the part that is near the joint and the parts that are not, so that only
+//! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
+
+use crate::distance::bodies::{Hull, LeftOut, nearest};
+use crate::distance::core::{Block, Core, Element, Frustum};
+use crate::math::Pose;
+use glam::DVec3;
+
+/// The region reaches this many thicknesses of both shapes from the joint: two equal bars leave it, and are judged, where
+/// the angle between them is below 29 degrees.
+const REACH: f64 = 2.0;
+
+/// Shapes shorter than this many thicknesses are not cut.
+const LONG: f64 = 2.0;
+
+/// A shape that goes along the joint's axis, to this sine, is not carried away from it.
+const ALONG: f64 = 0.5;
+
+/// How often the region is doubled until the parts outside of it are clear of each other at the first pose.
+const DOUBLINGS: u32 = 8;
+
+/// Where a joint is, in the frame of one body.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// On these lines: points and directions.
+    Lines(Vec<[DVec3; 2]>),
+    /// In this point.
+    Point(DVec3),
+    /// Wherever the bodies touch: sliders have no place of their own.
+    Anywhere,
+}
+
+impl Place {
+    /// The same as seen from a body.
+    pub fn seen_from(&self, world_from_body: &Pose) -> Self {
+        let body_from_world = world_from_body.inverse();
+        let line = |[origin, direction]: &[DVec3; 2]| {
+            [
+                body_from_world.transform_point(*origin),
+                body_from_world.transform_vector(*direction),
+            ]
+        };
+        match self {
+            Self::Lines(lines) => Self::Lines(lines.iter().map(line).collect()),
+            Self::Point(point) => Self::Point(body_from_world.transform_point(*point)),
+            Self::Anywhere => Self::Anywhere,
+        }
+    }
+
+    /// Whether a point is no farther from it than `reach`.
+    pub fn is_near(&self, point: DVec3, reach: f64) -> bool {
+        match self {
+            Self::Anywhere => true,
+            Self::Point(centre) => point.distance(*centre) <= reach,
+            Self::Lines(lines) => lines.iter().any(|[origin, direction]| {
+                let arm = point - *origin;
+                (arm - *direction * arm.dot(*direction)).length() <= reach
+            }),
+        }
+    }
+
+    /// How far along a line from `from` in the direction `along`, unit, the joint is; `None` if turning about it carries
+    /// nothing of that line away.
+    fn along(&self, from: DVec3, along: DVec3) -> Option<f64> {
+        match self {
+            Self::Anywhere => None,
+            Self::Point(centre) => Some((*centre - from).dot(along)),
+            Self::Lines(lines) => {
+                let sine = |line: &&[DVec3; 2]| line[1].cross(along).length();
+                let [origin, direction] = lines
+                    .iter()
+                    .max_by(|p, q| sine(p).total_cmp(&sine(q)))
+                    .filter(|line| sine(line) > ALONG)?;
+                // Nearest points of two lines.
+                let across = direction.cross(along);
+                let towards = (*origin - from).cross(*direction).dot(across);
+                Some(-towards / across.length_squared())
+            }
+        }
+    }
+}
+
+/// The middle line of a long shape, and how thick that is.
+struct Spine {
+    from: DVec3,
+    along: DVec3,
+    length: f64,
+    thickness: f64,
+}
+
+impl Spine {
+    fn of(element: &Element) -> Option<Self> {
+        let (from, way, thickness) = match &element.core {
+            Core::Segment([a, b]) => (*a, *b - *a, 0.0),
+            Core::Frustum(f) => (f.from, f.axis * f.length, f.radii[0].max(f.radii[1])),
+            Core::Box(b) => {
+                let axis = longest(b.half);
+                let way = b.from_box.rotation.col(axis) * (2.0 * b.half[axis]);
+                let mut across = b.half;
+                across[axis] = 0.0;
+                (b.from_box.translation - way * 0.5, way, across.length())
+            }
+            _ => return None,
+        };
+        let (length, thickness) = (way.length(), thickness + element.radius);
+        (length > LONG * thickness && length > 0.0).then(|| Self {
+            from,
+            along: way / length,
+            length,
+            thickness,
+        })
+    }
+}
+
+fn longest(half: DVec3) -> usize {
+    (0..3).fold(0, |best, k| if half[k] > half[best] { k } else { best })
+}
+
+/// A part of a long element: between two shares of its length.
+fn part(element: &Element, low: f64, high: f64) -> Element {
+    let core = match &element.core {
+        Core::Segment([a, b]) => Core::Segment([a.lerp(*b, low), a.lerp(*b, high)]),
+        Core::Frustum(f) => {
+            let radius = |share: f64| f.radii[0] + share * (f.radii[1] - f.radii[0]);
+            Core::Frustum(Frustum {
+                from: f.from + f.axis * (low * f.length),
+                axis: f.axis,
+                length: (high - low) * f.length,
+                radii: [radius(low), radius(high)],
+            })
+        }
+        Core::Box(b) => {
+            let axis = longest(b.half);
+            let (mut half, mut from_box) = (b.half, b.from_box);
+            half[axis] *= high - low;
+            let shift = (low + high - 1.0) * b.half[axis];
+            from_box.translation += b.from_box.rotation.col(axis) * shift;
+            Core::Box(Block { from_box, half })
+        }
+        other => other.clone(),
+    };
+    Element { core, ..*element }
+}
+
+/// The parts of an element within `reach` of a place, and those beyond.
+fn parts(element: &Element, place: &Place, reach: f64) -> (Element, Vec<Element>) {
+    let whole = (element.clone(), Vec::new());
+    let Some(spine) = Spine::of(element) else {
+        return whole;
+    };
+    let Some(at) = place.along(spine.from, spine.along) else {
+        return whole;
+    };
+    let low = ((at - reach) / spine.length).clamp(0.0, 1.0);
+    let high = ((at + reach) / spine.length).clamp(0.0, 1.0);
+    if low >= high {
+        return whole;
+    }
+    let mut beyond = Vec::new();
+    beyond.extend((low > 0.0).then(|| part(element, 0.0, low)));
+    beyond.extend((high < 1.0).then(|| part(element, high, 1.0)));
+    (part(element, low, high), beyond)
+}
+
+/// Two bodies with the parts of their shapes that touch at their joint apart from all others.
+#[derive(Clone, Debug)]
+pub struct JointRegion {
+    /// The bodies with their shapes in parts.
+    pub hulls: [Hull; 2],
+    /// Parts that touch at the joint.
+    pub touching: Vec<[usize; 2]>,
+}
+
+impl JointRegion {
+    /// Of pairs of elements that touch at the first pose at a joint, whose place each body sees. What is farther away is
+    /// cut off where it keeps `minimum` at that pose.
+    pub fn new(
+        hulls: [&Hull; 2],
+        touching: &[[usize; 2]],
+        places: &[Place; 2],
+        first_from_second: &Pose,
+        minimum: f64,
+    ) -> Self {
+        let mut reach = REACH * thickest(hulls, touching);
+        for _ in 0..DOUBLINGS {
+            let cut = Self::cut(hulls, touching, places, reach);
+            let left_out: LeftOut = cut.touching.iter().copied().collect();
+            // Parts of pairs that do not touch as a whole keep the minimum anyway.
+            let found = nearest(&cut.hulls[0], &cut.hulls[1], first_from_second, &left_out);
+            if found.is_none_or(|found| found.proximity.distance > minimum) {
+                return cut;
+            }
+            reach *= 2.0;
+        }
+        Self {
+            hulls: hulls.map(Clone::clone),
+            touching: touching.to_vec(),
+        }
+    }
+
+    fn cut(hulls: [&Hull; 2], touching: &[[usize; 2]], places: &[Place; 2], reach: f64) -> Self {
+        let mut new: [Vec<Element>; 2] = hulls.map(|hull| hull.elements.clone());
+        for side in 0..2 {
+            for k in 0..hulls[side].elements.len() {
+                if touching.iter().any(|pair| pair[side] == k) {
+                    let (near, beyond) = parts(&hulls[side].elements[k], &places[side], reach);
+                    // The near part keeps the number.
+                    new[side][k] = near;
+                    new[side].extend(beyond);
+                }
+            }
+        }
+        let [first, second] = new;
+        Self {
+            hulls: [
+                Hull {
+                    elements: first,
+                    ball: hulls[0].ball,
+                },
+                Hull {
+                    elements: second,
+                    ball: hulls[1].ball,
+                },
+            ],
+            touching: touching.to_vec(),
+        }
+    }
+}
+
+/// The largest sum of thicknesses of two shapes that touch.
+fn thickest(hulls: [&Hull; 2], touching: &[[usize; 2]]) -> f64 {
+    let thickness = |side: usize, k: usize| {
+        let element = &hulls[side].elements[k];
+        Spine::of(element).map_or_else(|| element.bounds().1, |spine| spine.thickness)
+    };
+    let both = touching
+        .iter()
+        .map(|[i, j]| thickness(0, *i) + thickness(1, *j));
+    both.fold(0.0, f64::max)
+}

@@ -1,0 +1,52 @@
+//! The solids of two bodies as outputs ask for them.
+
+use super::bodies::{Hull, LeftOut, enclosed, nearest};
+use crate::math::Pose;
+use crate::model::distance::{Nearest, Solids};
+use crate::model::mechanism::Body;
+use glam::DVec3;
+
+/// Two bodies whose shapes do not change.
+#[derive(Debug)]
+pub struct Rigid {
+    hulls: [Hull; 2],
+    left_out: LeftOut,
+}
+
+impl Rigid {
+    /// Of two bodies, all of their shapes or some pairs of them; `None` if one has no solids.
+    pub fn new([first, second]: [&Body; 2], shapes: &[[usize; 2]]) -> Option<Self> {
+        let hulls = [Hull::new(first)?, Hull::new(second)?];
+        let left_out = left_out(hulls.each_ref(), shapes).into_iter().collect();
+        Some(Self { hulls, left_out })
+    }
+}
+
+/// Pairs of elements that do not count where only some pairs of shapes do; all count where none are named.
+pub fn left_out(hulls: [&Hull; 2], shapes: &[[usize; 2]]) -> Vec<[usize; 2]> {
+    match shapes {
+        [] => Vec::new(),
+        some => Hull::pairs_of(hulls, |pair| !some.contains(&pair)).collect(),
+    }
+}
+
+impl Solids for Rigid {
+    /// Of what lies in a mesh no depth is known: it is zero.
+    fn nearest(&self, _coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest> {
+        let ([first, second], left_out) = (&self.hulls, &self.left_out);
+        let found = nearest(first, second, first_from_second, left_out)?.proximity;
+        let mut nearest = Nearest {
+            distance: found.distance,
+            points: found.points,
+            normal: found.normal,
+        };
+        if found.distance > 0.0 && enclosed(first, second, first_from_second, left_out).is_some() {
+            (nearest.distance, nearest.normal) = (0.0, DVec3::ZERO);
+        }
+        Some(nearest)
+    }
+
+    fn shaped_by(&self) -> &[usize] {
+        &[]
+    }
+}

@@ -1,0 +1,54 @@
+//! The distance of two bodies, or of groups of them, as a named scalar of every pose.
+//!
+//! How solids are measured is not known here: only what is asked of them.
+
+use crate::math::Pose;
+use glam::DVec3;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// Where two solids are nearest, or deepest in each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    /// Signed distance in the scene's unit.
+    pub distance: f64,
+    /// The point of each solid in the first one's frame.
+    pub points: [DVec3; 2],
+    /// Unit vector from the first to the second, in the first one's frame; zero where it is not known.
+    pub normal: DVec3,
+}
+
+/// The solids of two bodies.
+pub trait Solids: Debug + Send + Sync {
+    /// Where they are nearest, the second placed as seen from the first. Coordinates that shape them are looked up.
+    fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest>;
+
+    /// Coordinates that their shapes depend on.
+    fn shaped_by(&self) -> &[usize];
+}
+
+/// The solids of two bodies, and which bodies these are.
+#[derive(Clone, Debug)]
+pub struct Gap {
+    /// Indices.
+    pub bodies: [usize; 2],
+    /// Shapes of the first and the second that count; all if there are none.
+    pub shapes: Vec<[usize; 2]>,
+    /// What they look like.
+    pub solids: Arc<dyn Solids>,
+}
+
+/// The least of the distances of some pairs of bodies.
+#[derive(Clone, Debug)]
+pub struct Distance {
+    /// The pairs, at least one.
+    pub gaps: Vec<Gap>,
+}
+
+impl PartialEq for Distance {
+    /// Of one mechanism: the bodies tell.
+    fn eq(&self, other: &Self) -> bool {
+        let bodies = |d: &Self| d.gaps.iter().map(|g| g.bodies).collect::<Vec<_>>();
+        bodies(self) == bodies(other)
+    }
+}
