@@ -102,9 +102,9 @@ impl Meeting<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::relative::RelativeChain;
-    use super::crate::distance::core::{Block, Circle, Element, Frustum, HalfSpace};
-    use super::crate::distance::mesh_tree::MeshTree;
-    use super::crate::distance::pair::distance;
+    use crate::distance::core::{Block, Circle, Element, Frustum, HalfSpace};
+    use crate::distance::mesh_tree::MeshTree;
+    use crate::distance::pair::distance;
     use super::*;
     use crate::kinematics::certificate::tube::Model;
     use crate::math::Pose;

@@ -183,6 +183,14 @@ impl<const N: usize> Scalar for AffineForm<N> {
         (self == Self::number(self.value)).then_some(self.value)
     }
 
+    fn nominal(self) -> f64 {
+        self.value
+    }
+
+    fn first_order(self, _value: f64) -> Self {
+        Self::undefined()
+    }
+
     fn is_below_zero(self) -> Option<bool> {
         self.range().is_below_zero()
     }

@@ -5,10 +5,11 @@ use super::quadratic::Quadratic;
 use super::region::{Region, Tolerance};
 use super::rows::{Layout, Rates, gradient};
 use super::twists::Twists;
-use crate::kinematics::loops::observed::{arguments, observed_slots};
+use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::structure::system::System;
 use crate::model::expression::Expression;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Mechanism, OutputSource};
+use crate::model::outputs::arguments;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 
@@ -58,7 +59,11 @@ impl<'s> Encloser<'s> {
         let centre = observed_slots(mechanism, &region.centre());
         show_traces(mechanism, &mut region, &centre);
         for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
-            let rates = region.chain(&gradient(&output.expression, &region.slots));
+            let rates = match &output.source {
+                OutputSource::Formula(formula) => region.chain(&gradient(formula, &region.slots)),
+                // Nothing bounds a distance here: its own value is unbounded.
+                OutputSource::Distance(_) => region.chain(&[]),
+            };
             region.push(centre[place], rates);
         }
         Ok(PoseEnclosure {

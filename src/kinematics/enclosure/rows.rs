@@ -1,11 +1,11 @@
 //! The equations of a block and their derivatives by all coordinates that they depend on, in any arithmetic.
 
 use super::twists::Twists;
-use crate::kinematics::loops::observed::arguments;
 use crate::kinematics::structure::block::Block;
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
+use crate::model::outputs::arguments;
 use crate::numbers::scalar::Scalar;
 
 /// A block laid out: which coordinates it depends on.
