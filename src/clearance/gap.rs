@@ -102,10 +102,10 @@ impl Meeting<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::relative::RelativeChain;
+    use super::*;
     use crate::distance::core::{Block, Circle, Element, Frustum, HalfSpace};
     use crate::distance::mesh_tree::MeshTree;
     use crate::distance::pair::distance;
-    use super::*;
     use crate::kinematics::certificate::tube::Model;
     use crate::math::Pose;
     use crate::model::chain::{ArgumentValue, Chain, Motion, Step};

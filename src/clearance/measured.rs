@@ -1,24 +1,87 @@
-//! The least distance that a measure asks for: over the whole motion, with a bound, not only at the samples.
+//! Measures of the whole motion, not only of its samples: least distances, least and greatest values of formulas, each with a
+//! bound on its other side.
 
+use super::extremes::greatest;
 use super::motion::Motion;
 use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::distance::solids::left_out;
-use crate::kinematics::results::trajectory::Trajectory;
-use crate::kinematics::structure::system::System;
-use crate::model::actuation::Actuation;
 use crate::model::distance::{Distance, Gap};
 use crate::model::expression::{Expression, Op};
 use crate::model::measure::{Measure, MeasureSource, Taking};
-use crate::model::mechanism::{Mechanism, OutputSource};
+use crate::model::mechanism::{Kind, Mechanism, OutputSource};
 
-/// The least of a distance over the motion.
-#[derive(Clone, Debug)]
-pub struct LeastDistance {
-    /// Where it is, and what it never is below.
-    pub least: Least,
-    /// By how much the bound may stay below a limit that is kept: rounding of the poses.
+/// Values of formulas are as exact as poses are closed: this share of a length in sizes, of a radian, of a number.
+const SLACK: f64 = 1e-12;
+
+/// What is known of a measure: over the whole motion it is between `value` and `bound`.
+#[derive(Clone, Copy, Debug)]
+pub struct Known {
+    /// As found at solved poses, in internal units.
+    pub value: f64,
+    /// It is not beyond this, if certified.
+    pub bound: f64,
+    /// When it is taken, in seconds; a range has no such moment.
+    pub time: Option<f64>,
+    /// Whether the bound is proved.
+    pub is_certified: bool,
+    /// By how much value and bound may be beyond a limit that is kept: rounding of the poses.
     pub slack: f64,
+    /// One body is inside the other somewhere: the distance says too little.
+    pub is_enclosed: bool,
+    /// It is a distance of bodies.
+    pub is_distance: bool,
+}
+
+/// Whether more than the samples is looked at for a measure, which takes certified poses.
+pub fn is_of_whole_motion(mechanism: &Mechanism, measure: &Measure) -> bool {
+    formula_of(measure).is_some() || distance_of(mechanism, measure).is_some()
+}
+
+/// What is known of a measure over a motion of certified poses; `None` where it is one of the samples, or has no value at
+/// some of them. Least distances are found to `tolerance`.
+pub fn known(motion: &mut Motion, measure: &Measure, tolerance: f64) -> Option<Known> {
+    let mechanism = motion.system.mechanism();
+    if let Some(distance) = distance_of(mechanism, measure) {
+        return least_distance(motion, distance, measure.min.unwrap_or(0.0), tolerance);
+    }
+    let (formula, taking) = formula_of(measure)?;
+    let unit = match measure.kind {
+        Kind::Length => mechanism.size,
+        Kind::Angle => 1.0,
+        Kind::Number => 0.0,
+    };
+    let mut end = |sign: f64| greatest(motion, formula, sign);
+    let (found, sign) = match taking {
+        Taking::Max => (end(1.0)?, 1.0),
+        Taking::Min => (end(-1.0)?, -1.0),
+        Taking::Largest => (end(1.0)?.or(end(-1.0)?), 1.0),
+        _ => (end(1.0)?.plus(end(-1.0)?), 1.0),
+    };
+    Some(Known {
+        value: sign * found.value,
+        bound: sign * found.bound,
+        time: found.time,
+        is_certified: found.is_certified,
+        slack: SLACK * found.value.abs().max(unit),
+        is_enclosed: false,
+        is_distance: false,
+    })
+}
+
+/// The formula of which a measure takes an extreme value over the drive.
+fn formula_of(measure: &Measure) -> Option<(&Expression, Taking)> {
+    let MeasureSource::Over {
+        track: None,
+        of,
+        per: None,
+        taking: taking @ (Taking::Max | Taking::Min | Taking::Largest | Taking::Range),
+        ..
+    } = &measure.source
+    else {
+        return None;
+    };
+    Some((of.first()?, *taking))
 }
 
 /// The distance of which a measure takes the least over the drive.
@@ -46,49 +109,49 @@ pub fn distance_of<'m>(mechanism: &'m Mechanism, measure: &Measure) -> Option<&'
     found.map(|(_, distance)| distance)
 }
 
-/// The least of a distance over a motion of certified poses, with its bound as near as `tolerance` asks; `limit` is
-/// what it must not fall below, zero if anything goes.
-pub fn least_distance(
-    (system, actuation): (&System, &Actuation),
-    trajectory: &Trajectory,
+/// The least of a distance over a motion, with its bound as near as `tolerance` asks; `limit` is what it must not fall below,
+/// zero if anything goes.
+fn least_distance(
+    motion: &mut Motion,
     distance: &Distance,
     limit: f64,
     tolerance: f64,
-) -> Option<LeastDistance> {
-    let mut motion = Motion::new(system, actuation, trajectory);
-    let of = |gap: &Gap| of_pair(&mut motion, gap, limit, tolerance);
-    let found: Option<Vec<LeastDistance>> = distance.gaps.iter().map(of).collect();
-    let (mut slack, mut bound, mut is_certified) = (0.0_f64, f64::INFINITY, true);
-    let mut least: Option<Least> = None;
-    for next in found? {
-        slack = slack.max(next.slack);
-        bound = bound.min(next.least.bound);
-        is_certified &= next.least.is_certified;
-        if least
-            .as_ref()
-            .is_none_or(|least| next.least.distance < least.distance)
-        {
-            least = Some(next.least);
+) -> Option<Known> {
+    let of = |gap: &Gap| of_pair(motion, gap, limit, tolerance);
+    let found: Option<Vec<Known>> = distance.gaps.iter().map(of).collect();
+    found?.into_iter().reduce(|a, b| {
+        let nearest = if b.value < a.value { b } else { a };
+        Known {
+            bound: a.bound.min(b.bound),
+            is_certified: a.is_certified && b.is_certified,
+            slack: a.slack.max(b.slack),
+            is_enclosed: a.is_enclosed || b.is_enclosed,
+            ..nearest
         }
-    }
-    let least = least?;
-    Some(LeastDistance {
-        least: Least {
-            bound,
-            is_certified,
-            ..least
-        },
-        slack,
     })
 }
 
-fn of_pair(motion: &mut Motion, gap: &Gap, limit: f64, tolerance: f64) -> Option<LeastDistance> {
+fn of_pair(motion: &mut Motion, gap: &Gap, limit: f64, tolerance: f64) -> Option<Known> {
     let bodies = gap.bodies.map(|k| &motion.system.mechanism().bodies[k]);
     let hulls = [Hull::new(bodies[0])?, Hull::new(bodies[1])?];
     let hulls = hulls.each_ref();
     let left_out = left_out(hulls, &gap.shapes);
     let sweep = PairSweep::new(motion, gap.bodies, hulls, tolerance, limit).without(&left_out);
-    let least = sweep.least_over(motion, &mut Vec::new())?;
-    let slack = sweep.slack();
-    Some(LeastDistance { least, slack })
+    let Least {
+        distance,
+        time,
+        bound,
+        is_certified,
+        is_enclosed,
+        ..
+    } = sweep.least_over(motion, &mut Vec::new())?;
+    Some(Known {
+        value: distance,
+        bound,
+        time: Some(time),
+        is_certified,
+        slack: sweep.slack(),
+        is_enclosed,
+        is_distance: true,
+    })
 }

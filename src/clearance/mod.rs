@@ -9,6 +9,7 @@ pub mod check;
 mod contact;
 mod curved;
 mod excluded;
+pub mod extremes;
 mod found;
 mod gap;
 mod joint_region;

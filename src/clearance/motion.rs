@@ -6,6 +6,7 @@
 
 use crate::kinematics::certificate::tube::{Model, Prover, Tube};
 use crate::kinematics::loops::forward::body_poses;
+use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -13,6 +14,7 @@ use crate::kinematics::structure::system::System;
 use crate::math::Pose;
 use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
+use crate::model::expression::Expression;
 use std::collections::HashSet;
 
 /// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
@@ -323,6 +325,24 @@ impl<'m> Motion<'m> {
                 coordinates.extend(self.actuation.inputs_at(time));
                 let closed = self.solver.closed(&mut coordinates, Pace::Brisk);
                 closed.then(|| self.instant(time, coordinates))
+            }
+        }
+    }
+
+    /// A formula of coordinates, traced points and outputs over a stretch.
+    pub fn formula(&self, stretch: usize, formula: &Expression) -> Model {
+        let mechanism = self.system.mechanism();
+        match &self.stretches[stretch].way {
+            Way::Proved(tube) => tube.shown(mechanism).value(formula),
+            Way::Estimated(ends) => {
+                let [a, b] = ends.map(|k| {
+                    let slots = observed_slots(mechanism, &self.instants[k].coordinates);
+                    formula.value(&slots)
+                });
+                let mut model = Model::constant(0.5 * (a + b));
+                model.c[1] = 0.5 * (b - a);
+                model.rest = ESTIMATE_SHARE * (b - a).abs();
+                model
             }
         }
     }

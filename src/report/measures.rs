@@ -1,13 +1,14 @@
 //! Measures of a motion as `check` and `solve` show them.
 
-use super::rounded::not_below;
+use super::rounded::{not_above, not_below};
 use super::verdict::{Case, MEASURES, Status};
-use crate::clearance::measured::{LeastDistance, distance_of, least_distance};
-use crate::kinematics::measures::measure;
+use crate::clearance::measured::{Known, is_of_whole_motion, known};
+use crate::clearance::motion::Motion;
+use crate::kinematics::measures::{formula_value, measure};
 use crate::kinematics::motion::sampling::only;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
-use crate::model::measure::Measure;
+use crate::model::measure::{Measure, MeasureSource, Taking};
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
@@ -17,12 +18,14 @@ pub struct Measured<'m> {
     value: Option<f64>,
     factor: f64,
     unit: &'m str,
-    /// Of a least distance: what is known between the samples, too.
-    proved: Option<LeastDistance>,
+    /// What is known between the samples, too.
+    known: Option<Known>,
+    /// Samples of the drive that it was taken at.
+    samples: usize,
 }
 
-/// Takes the measures of a motion that is to be judged, whose samples at `times` were asked for: least distances are those of
-/// the whole motion, with a bound.
+/// Takes the measures of a motion that is to be judged, whose samples at `times` were asked for: least and greatest values are
+/// those of the whole motion, with a bound. Sums and means are over the samples that were asked for.
 pub fn take_whole<'s>(
     system: &System,
     scene: &'s Scene,
@@ -31,25 +34,30 @@ pub fn take_whole<'s>(
     tolerance: f64,
 ) -> Vec<Measured<'s>> {
     let (mechanism, actuation) = (&*scene.mechanism, &scene.actuation);
-    // Sums and means are over the samples that were asked for.
     let mut list = take(system, scene, &only(actuation, trajectory, times));
+    if !needs_certified_poses(scene) {
+        return list;
+    }
+    let mut motion = Motion::new(system, actuation, trajectory);
+    let inputs = actuation.inputs_at(0.0);
+    let mut slots = inputs;
     for measured in &mut list {
-        let Some(distance) = distance_of(mechanism, measured.measure) else {
-            continue;
-        };
-        let limit = measured.measure.min.unwrap_or(0.0);
-        let motion = (system, actuation);
-        let found = least_distance(motion, trajectory, distance, limit, tolerance);
-        measured.value = found.as_ref().map(|found| found.least.distance);
-        measured.proved = found;
+        if let MeasureSource::Formula(formula) = &measured.measure.source {
+            // Of the earlier ones as they are now.
+            measured.value = formula_value(formula, &slots);
+        } else if is_of_whole_motion(mechanism, measured.measure) {
+            measured.known = known(&mut motion, measured.measure, tolerance);
+            measured.value = measured.known.map(|known| known.value);
+        }
+        slots.push(measured.value.unwrap_or(f64::NAN));
     }
     list
 }
 
-/// Whether a measure of a scene is a least distance, of which a bound is wanted.
-pub fn prove_distances(scene: &Scene) -> bool {
+/// Whether a measure of a scene is one of the whole motion, which takes certified poses.
+pub fn needs_certified_poses(scene: &Scene) -> bool {
     let mut list = scene.measures.list.iter();
-    list.any(|measure| distance_of(&scene.mechanism, measure).is_some())
+    list.any(|measure| is_of_whole_motion(&scene.mechanism, measure))
 }
 
 /// Takes the measures of a motion.
@@ -62,18 +70,26 @@ pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> V
         value,
         factor: mechanism.file_units(measure.kind),
         unit: mechanism.unit_name(measure.kind),
-        proved: None,
+        known: None,
+        samples: trajectory.samples.len(),
     });
     list.collect()
 }
 
 /// Ten digits, with an exponent where zeros would fill the line.
 fn digits(value: f64) -> String {
-    let exponent = value.abs().log10().floor();
-    if value == 0.0 || !(-5.0..9.0).contains(&exponent) {
-        return format!("{value:.9e}");
+    match decimals(value) {
+        Some(decimals) => format!("{value:.decimals$}"),
+        None => format!("{value:.9e}"),
     }
-    format!("{value:.*}", (9.0 - exponent) as usize)
+}
+
+/// Decimals that make ten digits; `None` where zeros would fill the line.
+fn decimals(value: f64) -> Option<usize> {
+    let exponent = value.abs().log10().floor();
+    (-5.0..9.0)
+        .contains(&exponent)
+        .then_some((9.0 - exponent) as usize)
 }
 
 impl Measured<'_> {
@@ -89,46 +105,68 @@ impl Measured<'_> {
         }
     }
 
-    fn slack(&self) -> f64 {
-        self.proved.as_ref().map_or(0.0, |proved| proved.slack)
+    /// Whether a value is beyond the limits by more than rounding.
+    fn is_off(&self, value: f64) -> bool {
+        let slack = self.known.map_or(0.0, |known| known.slack);
+        let below = self.measure.min.is_some_and(|min| value < min - slack);
+        below || self.measure.max.is_some_and(|max| value > max + slack)
     }
 
+    /// Whether it is beyond its limits, whatever is between its value and its bound.
     fn is_broken(&self) -> bool {
-        let off = |value: f64| self.broken(value).is_some();
-        self.value
-            .is_some_and(|value| off(value) && off(value + self.slack()))
-            || self
-                .proved
-                .as_ref()
-                .is_some_and(|proved| proved.least.is_enclosed)
+        match (self.value, self.known) {
+            (Some(value), Some(known)) => {
+                known.is_enclosed || self.is_off(value) && self.is_off(known.bound)
+            }
+            (Some(value), None) => self.is_off(value),
+            (None, _) => false,
+        }
     }
 
-    /// Whether the bound of a least distance keeps the lower limit, too. Of other measures nothing is to be proved.
+    /// Whether everything between its value and its bound keeps the limits. The value is that of a pose, so that a limit on
+    /// its other side takes no proof; of measures of the samples nothing is to be proved.
     fn is_proved(&self) -> bool {
-        let (Some(proved), Some(min)) = (&self.proved, self.measure.min) else {
-            return true;
-        };
-        let least = &proved.least;
-        // How deep bodies are in each other is found by a search.
-        least.is_certified && least.bound >= min - proved.slack
+        self.known.is_none_or(|known| {
+            let is_limited = match known.bound < known.value {
+                true => self.measure.min.is_some(),
+                false => self.measure.max.is_some(),
+            };
+            let bound_keeps = known.is_certified && !self.is_off(known.bound);
+            !self.is_off(known.value) && (bound_keeps || !is_limited)
+        })
     }
 
-    /// What is known of a least distance over the whole motion.
-    fn between(&self) -> Option<String> {
-        let least = &self.proved.as_ref()?.least;
-        let sure = match least.is_certified {
-            true => "proved",
-            false => "estimated",
+    /// What it is taken over.
+    fn over(&self) -> String {
+        let Some(known) = self.known else {
+            return match &self.measure.source {
+                MeasureSource::Over {
+                    track: None,
+                    taking,
+                    ..
+                } if !matches!(taking, Taking::First | Taking::Last | Taking::Change) => {
+                    format!(", at {} samples", self.samples)
+                }
+                _ => String::new(),
+            };
         };
-        Some(match least.distance > 0.0 && !least.is_enclosed {
-            true => format!(
-                ", never below {} {} ({sure}), nearest at t = {:.6} s",
-                not_below(least.bound * self.factor, 6),
-                self.unit,
-                least.time
-            ),
-            false => format!(", deepest found at t = {:.6} s", least.time),
-        })
+        let time = known.time.map(|time| format!("t = {time:.6} s"));
+        if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {
+            return format!(", deepest found at {}", time.unwrap_or_default());
+        }
+        let time = time.map_or_else(String::new, |time| format!(", at {time}"));
+        let bound = known.bound * self.factor;
+        let decimals = decimals(bound).map_or(12, |d| d.saturating_sub(3));
+        let never = match known.bound < known.value {
+            true => format!("never below {}", not_below(bound, decimals)),
+            false => format!("never above {}", not_above(bound, decimals)),
+        };
+        let sure = if known.is_certified {
+            "proved"
+        } else {
+            "estimated"
+        };
+        format!("{time}; {never} ({sure})")
     }
 
     /// The name, as reports of people have it.
@@ -142,7 +180,7 @@ impl Measured<'_> {
             return "no value: a pose is missing on the way, or a formula has none".to_owned();
         };
         let mut text = format!("{} {}", digits(value * self.factor), self.unit);
-        text.push_str(&self.between().unwrap_or_default());
+        text.push_str(&self.over());
         if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
             text.push_str(&format!(" is {word} the limit {}", limit * self.factor));
             if let Some(why) = &self.measure.why {
@@ -188,11 +226,10 @@ impl Measured<'_> {
             "max": scaled(self.measure.max),
             "holds": !matches!(self.status(), Status::Failed | Status::NotProved),
         });
-        if let (Some(proved), Some(object)) = (&self.proved, value.as_object_mut()) {
-            let least = &proved.least;
-            object.insert("bound".to_owned(), json!(least.bound * self.factor));
-            object.insert("certified".to_owned(), json!(least.is_certified));
-            object.insert("time".to_owned(), json!(least.time));
+        if let (Some(known), Some(object)) = (&self.known, value.as_object_mut()) {
+            object.insert("bound".to_owned(), json!(known.bound * self.factor));
+            object.insert("certified".to_owned(), json!(known.is_certified));
+            object.insert("time".to_owned(), json!(known.time));
         }
         value
     }

@@ -28,7 +28,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
     clearance::refuse_without_rules(args, scene)?;
     // Tubes, which clearances are bounded by, join certified poses.
     let needed = match args.certify {
-        CertifyArg::None if scene.clearance.is_some() || measures::prove_distances(scene) => {
+        CertifyArg::None if scene.clearance.is_some() || measures::needs_certified_poses(scene) => {
             CertifyArg::Pose
         }
         asked => asked,

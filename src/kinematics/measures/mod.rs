@@ -41,13 +41,18 @@ pub fn measure(
                 // A slot that has no value spoils what uses it.
                 let earlier = values.iter().map(|v| v.unwrap_or(f64::NAN));
                 let slots: Vec<f64> = inputs.iter().copied().chain(earlier).collect();
-                Some(formula.value(&slots))
+                formula_value(formula, &slots)
             }
             MeasureSource::Over { .. } => over.get(&index).copied(),
         };
         values.push(value.filter(|v| v.is_finite()));
     }
     values
+}
+
+/// The value of a formula of the inputs and earlier measures; `None` where it has none.
+pub fn formula_value(formula: &Expression, slots: &[f64]) -> Option<f64> {
+    Some(formula.value(slots)).filter(|value| value.is_finite())
 }
 
 /// The values of the measures that look along one track, or along the drive, by their index.

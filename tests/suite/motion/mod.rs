@@ -17,3 +17,4 @@ mod singular_starts;
 mod solve_references;
 mod sources;
 mod unlike_lengths;
+mod whole_measures;

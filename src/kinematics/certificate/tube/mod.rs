@@ -19,6 +19,7 @@ mod path;
 mod proof;
 mod prover;
 mod rows;
+mod shown;
 mod stretches;
 
 use crate::kinematics::results::certificate::{IntervalCertificate, Reason};

@@ -1,0 +1,175 @@
+"""Scenes as values: mistakes, pickles, threads, memory, signals, pictures."""
+
+import concurrent.futures
+import io
+import multiprocessing
+import pickle
+import signal
+import subprocess
+import threading
+import time
+import zlib
+from pathlib import Path
+
+import mechanim
+import numpy as np
+import pytest
+
+WRONG = "duration = 1\n[inputz]\nphi = 't'\n[loops]\nA = 'Rz(phi) Tx(q)'\n"
+
+
+def test_mistakes_are_all_told_with_their_places():
+    with pytest.raises(mechanim.SceneError) as wrong:
+        mechanim.loads(WRONG, name="mine")
+    assert "mine:2:2" in str(wrong.value) and "mine:5" in str(wrong.value)
+    assert isinstance(wrong.value, ValueError)
+    with pytest.raises(mechanim.SceneError):
+        mechanim.load("no-such-scene")
+    with pytest.raises(mechanim.MechanimError):
+        mechanim.load("slider-crank", q=1)
+    with pytest.raises(TypeError):
+        mechanim.load("slider-crank").solve(3, times=[0.0])
+    with pytest.raises(mechanim.ArgumentError):
+        mechanim.load("slider-crank").solve(times=[1e9])
+
+
+def test_a_path_and_a_name_are_told_apart(tmp_path):
+    text = mechanim.load("four-bar").text
+    path = tmp_path / "gearshift"
+    path.write_text(text)
+    assert mechanim.load(path).title != mechanim.load("gearshift").title
+    assert mechanim.load(str(path)).title == mechanim.load("four-bar").title
+
+
+def test_scenes_are_values():
+    scene = mechanim.load("slider-crank", r=42)
+    again = pickle.loads(pickle.dumps(scene.with_inputs(phi="t")))
+    assert again == mechanim.load("slider-crank").with_(r=42.0).with_inputs(phi="t")
+    assert hash(again) == hash(mechanim.load("slider-crank").with_inputs(phi="t").with_(r=42.0))
+    assert again != scene and len({again, scene, scene.with_()}) == 2
+    assert (again.solve(samples=5)["h"] == scene.with_inputs(phi="t").solve(samples=5)["h"]).all()
+
+
+def stroke(scene):
+    h = scene.solve(samples=20)["h"]
+    return float(h.max() - h.min())
+
+
+def test_processes_and_threads():
+    scenes = [mechanim.load("slider-crank", r=r) for r in (20, 30, 40, 50)]
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        apart = list(pool.map(stroke, scenes))
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(stroke, scenes * 8))
+    assert apart * 8 == together
+
+
+def test_other_threads_run_on():
+    counted = 0
+    done = threading.Event()
+
+    def count():
+        nonlocal counted
+        while not done.is_set():
+            counted += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    mechanim.load("gearshift").solve(samples=20_000)
+    done.set()
+    thread.join()
+    assert counted > 1000
+
+
+def test_memory_stays_flat():
+    def resident():
+        return int(Path("/proc/self/statm").read_text().split()[1])
+
+    def cycle():
+        mechanim.load("slider-crank", L=110).solve(samples=3)["h"].sum()
+
+    for _ in range(300):
+        cycle()
+    before = resident()
+    for _ in range(2000):
+        cycle()
+    assert resident() - before < 1000, "pages"
+
+
+def test_ctrl_c_ends_a_run_soon(python, tmp_path):
+    script = tmp_path / "long.py"
+    script.write_text(
+        "import mechanim, time\n"
+        "scene = mechanim.load('gearshift')\n"
+        "print('ready', flush=True)\n"
+        "try:\n"
+        "    scene.solve(samples=900_000)\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted', flush=True)\n"
+    )
+    run = subprocess.Popen([python, str(script)], stdout=subprocess.PIPE, text=True)
+    assert run.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    sent = time.monotonic()
+    run.send_signal(signal.SIGINT)
+    assert run.stdout.readline() == "interrupted\n"
+    assert time.monotonic() - sent < 1.0
+    run.wait(10)
+
+
+def test_pictures(program, tmp_path):
+    motion = mechanim.load("slider-crank").solve(samples=4)
+    picture = motion.render(2, size=(160, 120))
+    assert picture.shape == (120, 160, 4) and picture.dtype == np.uint8
+    assert len(np.unique(picture.reshape(-1, 4), axis=0)) > 20
+    png = motion._repr_png_()
+    assert png[:8] == b"\x89PNG\r\n\x1a\n" and zlib.crc32(png) != 0
+    assert motion.save(tmp_path / "a.gif", size=(96, 72)) == (tmp_path / "a.gif").stat().st_size
+    with pytest.raises(mechanim.FileError):
+        motion.save(tmp_path / "a.what")
+    with pytest.raises(mechanim.ArgumentError):
+        motion.render(4)
+
+
+def test_checks_and_assemblies():
+    check = mechanim.load("gearshift").check()
+    assert check and check.passed and check.report["schema"] == "mechanim-check/1"
+    assert "<testsuite" in check.junit
+    worst = check.pairs[0]
+    assert worst.is_proved and worst.bound <= worst.distance
+    assert not mechanim.load("slider-crank", r=40, L=30).check(samples=20)
+    modes = mechanim.load("four-bar").modes(0.1)
+    assert len(modes) == 2 and modes[0].branch != modes[1].branch
+
+
+def test_sweeps_do_not_depend_on_threads():
+    scene = mechanim.load("slider-crank")
+    lengths = np.linspace(20, 120, 21)
+    one, two = (scene.sweep({"L": lengths}, ["h"], samples=9, threads=n) for n in (1, 2))
+    assert one["h"].shape == (21, 9) and (one["L"] == lengths).all()
+    assert np.array_equal(one["h"], two["h"], equal_nan=True) and one.status == two.status
+    for k, length in enumerate(lengths):
+        if one.status[k] == "ok":
+            assert (one["h"][k] == scene.with_(L=length).solve(samples=9)["h"]).all()
+    assert one.status[0] != "ok" and np.isnan(one["h"][0]).any()
+    with pytest.raises(KeyError):
+        scene.sweep({"L": lengths}, ["hh"])
+
+
+def test_arrow():
+    pyarrow = pytest.importorskip("pyarrow")
+    motion = mechanim.load("slider-crank").solve(samples=6)
+    table = pyarrow.table(motion)
+    assert table.column_names == ["time", *motion.columns]
+    assert table["h"].to_numpy().tolist() == motion["h"].tolist()
+    assert table.schema.field("h").metadata[b"unit"]
+    sweep = mechanim.load("slider-crank").sweep({"L": [90, 100]}, ["h"], samples=3)
+    assert pyarrow.table(sweep).num_rows == 6
+
+
+def test_tables_are_the_programs(program):
+    csv = mechanim.load("bennett").solve(samples=5).to_csv()
+    printed = program("solve", "bennett", "--samples", "5", "--out", "-")
+    head, own = (io.StringIO(t).readline().strip().split(",") for t in (printed, csv))
+    assert set(own) & set(head)

@@ -1,0 +1,258 @@
+//! The greatest value of a formula over the whole motion, with a bound: branch and bound over the stretches.
+//!
+//! Over a stretch a formula is a polynomial and a remainder. Where it may still exceed the best value found, a pose is solved
+//! and the part is halved; where the remainder is what is left, the stretch itself is.
+
+use super::motion::Motion;
+use crate::kinematics::certificate::tube::Model;
+use crate::kinematics::loops::observed::observed_slots;
+use crate::model::expression::Expression;
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashMap};
+
+/// The bound is this near to the value, as a share of all values' spread or of the value.
+const SHARE: f64 = 1e-7;
+
+/// Most parts that are looked at: a formula that cannot be bounded near its greatest value has no better bound then.
+const MOST_PARTS: usize = 20_000;
+
+/// Steps of the golden section that settle the value: each takes 0.6 of the width, and the value goes with its square.
+const SETTLING: u32 = 40;
+
+/// The golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// The greatest value of a formula.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Greatest {
+    /// The greatest found: that of a solved pose, in internal units.
+    pub value: f64,
+    /// When, in seconds; a sum has no such moment.
+    pub time: Option<f64>,
+    /// It is nowhere greater on all that was followed, if certified.
+    pub bound: f64,
+    /// Whether the bound is proved, for the whole motion.
+    pub is_certified: bool,
+}
+
+impl Greatest {
+    /// The greater of two.
+    pub fn or(self, other: Self) -> Self {
+        let greater = if other.value > self.value {
+            other
+        } else {
+            self
+        };
+        Self {
+            bound: self.bound.max(other.bound),
+            is_certified: self.is_certified && other.is_certified,
+            ..greater
+        }
+    }
+
+    /// Their sum.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            time: None,
+            bound: self.bound + other.bound,
+            is_certified: self.is_certified && other.is_certified,
+        }
+    }
+}
+
+/// A part of a stretch, and what the formula cannot exceed there.
+struct Part {
+    bound: f64,
+    stretch: usize,
+    from: f64,
+    to: f64,
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Part {}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound)
+    }
+}
+
+/// The search for one formula's greatest value, or that of its negative.
+struct Search<'a, 'm> {
+    motion: &'a mut Motion<'m>,
+    formula: &'a Expression,
+    sign: f64,
+    models: HashMap<usize, Model>,
+    parts: BinaryHeap<Part>,
+    best: Option<Best>,
+    least: f64,
+    /// What is bounded no better.
+    stuck: f64,
+}
+
+/// The best pose, and the part that it was found in.
+#[derive(Clone, Copy)]
+struct Best {
+    value: f64,
+    time: f64,
+    part: Option<(usize, f64, f64)>,
+}
+
+/// The greatest value of `sign` times a formula; `None` where it has no value at some sampled pose.
+pub fn greatest(motion: &mut Motion, formula: &Expression, sign: f64) -> Option<Greatest> {
+    let kept = motion.instants.len();
+    let is_certified = motion.is_certified();
+    let mut search = Search {
+        motion,
+        formula,
+        sign,
+        models: HashMap::new(),
+        parts: BinaryHeap::new(),
+        best: None,
+        least: f64::INFINITY,
+        stuck: f64::NEG_INFINITY,
+    };
+    search.look_at_samples()?;
+    let bound = search.bound()?;
+    search.settle();
+    let best = search.best?;
+    motion.forget(kept);
+    Some(Greatest {
+        value: best.value,
+        time: Some(best.time),
+        bound: bound.max(best.value),
+        is_certified: is_certified && bound.is_finite(),
+    })
+}
+
+impl Search<'_, '_> {
+    fn look_at_samples(&mut self) -> Option<()> {
+        for k in 0..self.motion.samples.len() {
+            let value = self.look_at(self.motion.samples[k], None);
+            if !value.is_finite() {
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    /// The value at a solved pose.
+    fn look_at(&mut self, instant: usize, part: Option<(usize, f64, f64)>) -> f64 {
+        let instant = &self.motion.instants[instant];
+        let slots = observed_slots(self.motion.system.mechanism(), &instant.coordinates);
+        let value = self.sign * self.formula.value(&slots);
+        self.least = self.least.min(value);
+        if value.is_finite() && self.best.is_none_or(|best| value > best.value) {
+            let time = instant.time;
+            self.best = Some(Best { value, time, part });
+        }
+        value
+    }
+
+    /// What the formula does not exceed.
+    fn bound(&mut self) -> Option<f64> {
+        for stretch in 0..self.motion.roots {
+            self.push(stretch, -1.0, 1.0);
+        }
+        for _ in 0..MOST_PARTS {
+            let Some(top) = self.parts.pop() else {
+                return Some(self.stuck);
+            };
+            let best = self.best?.value;
+            let enough = SHARE * (best - self.least).max(best.abs());
+            if top.bound <= best + enough {
+                return Some(top.bound.max(self.stuck));
+            }
+            self.part(&top);
+        }
+        let rest = self
+            .parts
+            .peek()
+            .map_or(f64::NEG_INFINITY, |part| part.bound);
+        Some(rest.max(self.stuck))
+    }
+
+    /// Looks into a part, and parts it.
+    fn part(&mut self, part: &Part) {
+        let Part {
+            stretch, from, to, ..
+        } = *part;
+        let middle = 0.5 * (from + to);
+        if let Some(instant) = self.motion.pose_at(stretch, middle) {
+            self.look_at(instant, Some((stretch, from, to)));
+        }
+        let Some(model) = self.models.get(&stretch) else {
+            return;
+        };
+        let around = model.around(middle, 0.5 * (to - from));
+        let moves = around.way.abs() + around.bend.abs();
+        if moves > around.off && to - from > f64::EPSILON {
+            self.push(stretch, from, middle);
+            self.push(stretch, middle, to);
+        } else if let Some(halves) = self.motion.halves(stretch) {
+            self.push(halves[0], 2.0 * from + 1.0, (2.0 * to + 1.0).min(1.0));
+            self.push(halves[1], (2.0 * from - 1.0).max(-1.0), 2.0 * to - 1.0);
+        } else {
+            self.stuck = self.stuck.max(part.bound);
+        }
+    }
+
+    fn push(&mut self, stretch: usize, from: f64, to: f64) {
+        if from >= to {
+            return;
+        }
+        let model = match self.models.get(&stretch) {
+            Some(model) => *model,
+            None => {
+                let model = self.motion.formula(stretch, self.formula).scaled(self.sign);
+                self.models.insert(stretch, model);
+                model
+            }
+        };
+        let around = model.around(0.5 * (from + to), 0.5 * (to - from));
+        let bound = around.value + around.way.abs() + around.bend.abs() + around.off;
+        let bound = if bound.is_nan() { f64::INFINITY } else { bound };
+        self.parts.push(Part {
+            bound,
+            stretch,
+            from,
+            to,
+        });
+    }
+
+    /// Finds the greatest value in the part of the best pose to all digits: a golden section.
+    fn settle(&mut self) {
+        let Some((stretch, mut from, mut to)) = self.best.and_then(|best| best.part) else {
+            return;
+        };
+        let mut value = |s: f64| match self.motion.pose_at(stretch, s) {
+            Some(instant) => self.look_at(instant, Some((stretch, s, s))),
+            None => f64::NEG_INFINITY,
+        };
+        let (mut a, mut b) = (to - GOLDEN * (to - from), from + GOLDEN * (to - from));
+        let (mut at_a, mut at_b) = (value(a), value(b));
+        for _ in 0..SETTLING {
+            if at_a >= at_b {
+                (to, b, at_b) = (b, a, at_a);
+                a = to - GOLDEN * (to - from);
+                at_a = value(a);
+            } else {
+                (from, a, at_a) = (a, b, at_b);
+                b = from + GOLDEN * (to - from);
+                at_b = value(b);
+            }
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Least and greatest values of measures are those of the whole motion, whatever the samples, and their bounds hold: against
+//! closed forms and dense values of our own.
+
+use crate::draws::Draws;
+use mechanim::{Check, CheckOptions, Samples, Scene};
+use serde_json::Value;
+
+/// What a check says of its first measure.
+struct Said {
+    value: f64,
+    bound: f64,
+    is_certified: bool,
+    passed: bool,
+}
+
+fn checked(text: &str, samples: usize) -> Check {
+    let scene = Scene::parse("measures", text).expect(text);
+    let options = CheckOptions {
+        samples: Samples::Even(samples),
+        ..CheckOptions::default()
+    };
+    scene.check(&options).expect(text)
+}
+
+fn said(text: &str, samples: usize) -> Said {
+    let check = checked(text, samples);
+    let report: Value = serde_json::from_str(check.to_json()).expect("JSON");
+    let measure = &report["measures"][0];
+    Said {
+        value: measure["value"].as_f64().expect("value"),
+        bound: measure["bound"].as_f64().expect("bound"),
+        is_certified: measure["certified"].as_bool().expect("certified"),
+        passed: check.passed(),
+    }
+}
+
+/// An arm that a drive turns; its tip's height is what is measured.
+fn arm(drive: &str, take: &str, limit: &str) -> String {
+    format!(
+        r#"
+duration = 2
+[inputs]
+u = "{drive}"
+[chains]
+a = "Rz(u) Tx(1)"
+[[bodies]]
+name = "a"
+frame = "a"
+shapes = [{{ sphere = {{ radius = 0.1 }} }}]
+[[traces]]
+name = "M"
+body = "a"
+[measures]
+height = {{ of = "M.y", take = "{take}", {limit} }}
+"#
+    )
+}
+
+/// The greatest of a function of the time over two seconds, on a grid of our own.
+fn dense(of: impl Fn(f64) -> f64) -> f64 {
+    let times = (0..=400_000).map(|k| k as f64 / 200_000.0);
+    times.map(of).fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn what_happens_between_samples_counts() {
+    let waves = |t: f64| 0.1 * t + 0.9 * (std::f64::consts::PI * t).sin();
+    let spike = |t: f64| 0.1 * t + (-((t - 1.0123) * 1e3_f64).powi(2)).exp();
+    let cases: [(&str, &dyn Fn(f64) -> f64); 2] = [
+        ("0.1*t + 0.9*sin(pi*t)", &waves),
+        ("0.1*t + exp(-((t-1.0123)*1e3)^2)", &spike),
+    ];
+    for (drive, of) in cases {
+        let truth = dense(|t| of(t).sin());
+        for samples in [2, 3, 5, 41] {
+            let case = format!("{drive}, {samples} samples");
+            let broken = said(&arm(drive, "max", "max = 0.5"), samples);
+            assert!(!broken.passed, "{case}");
+            assert!(
+                (broken.value - truth).abs() < 1e-7,
+                "{case}: {} {truth}",
+                broken.value
+            );
+            assert!(broken.is_certified && broken.bound >= truth, "{case}");
+            assert!(broken.bound - truth < 1e-5, "{case}: {}", broken.bound);
+            assert!(
+                said(&arm(drive, "max", "max = 0.9"), samples).passed,
+                "{case}"
+            );
+            let least = said(&arm(drive, "min", "min = -0.9"), samples);
+            let deepest = -dense(|t| -of(t).sin());
+            assert!(
+                least.passed && (least.value - deepest).abs() < 1e-7,
+                "{case}"
+            );
+        }
+    }
+}
+
+/// Crank, rod and offset of a slider-crank in millimetres.
+const CRANK: [f64; 3] = [40.0, 100.0, 10.0];
+
+fn slider(measure: &str) -> String {
+    let [r, l, e] = CRANK;
+    format!(
+        r#"
+units = {{ length = "mm", angle = "rad" }}
+duration = 2
+[inputs]
+phi = "0.1 + pi*t"
+[loops]
+A = "Rz(phi) Tx({r}) Rz(alpha) Tx({l}) Rz(beta) inv(Ty({e}) Tx(h))"
+[guess]
+h = 120
+[[bodies]]
+name = "crank"
+frame = "Rz(phi)"
+[measures]
+{measure}
+"#
+    )
+}
+
+/// Where the slider is, by the theorem of Pythagoras.
+fn slide(time: f64) -> [f64; 2] {
+    let [r, l, e] = CRANK;
+    let phi = 0.1 + std::f64::consts::PI * time;
+    let up = e - r * phi.sin();
+    [phi, r * phi.cos() + (l * l - up * up).sqrt()]
+}
+
+#[test]
+fn a_stroke_is_that_of_its_dead_points() {
+    let [r, l, e] = CRANK;
+    let stroke = ((l + r).powi(2) - e * e).sqrt() - ((l - r).powi(2) - e * e).sqrt();
+    for samples in [3, 7, 60] {
+        let found = said(
+            &slider("stroke = { of = \"h\", take = \"range\" }"),
+            samples,
+        );
+        assert!(
+            (found.value - stroke).abs() < 1e-9,
+            "{samples}: {} {stroke}",
+            found.value
+        );
+        assert!(found.is_certified && found.bound >= stroke, "{samples}");
+        // A limit at its printed digits is kept or broken by them, not by where the samples are.
+        let limits = [
+            ("max", 1e-6, true),
+            ("max", -1e-6, false),
+            ("min", -1e-6, true),
+            ("min", 1e-6, false),
+        ];
+        for (word, off, kept) in limits {
+            let limit = stroke + off;
+            let measure =
+                format!("stroke = {{ of = \"h\", take = \"range\", {word} = {limit:?} }}");
+            assert_eq!(
+                said(&slider(&measure), samples).passed,
+                kept,
+                "{samples} {word} {off}"
+            );
+        }
+    }
+}
+
+#[test]
+fn bounds_hold_for_formulas_with_kinks_and_steps() {
+    let mut draws = Draws(77);
+    let mut share = 0.0_f64;
+    for case in 0..12 {
+        let [a, b] = [2.0 * draws.number(), 0.5 + 5.5 * draws.share()];
+        let c = 60.0 + 80.0 * draws.share();
+        let (formula, of): (String, Box<dyn Fn(f64) -> f64>) = match case % 3 {
+            0 => (
+                format!("{a}*h + 30*sin({b}*phi)"),
+                Box::new(move |t| a * slide(t)[1] + 30.0 * (b * slide(t)[0]).sin()),
+            ),
+            1 => (
+                format!("abs(h - {c}) + {a}*phi"),
+                Box::new(move |t| (slide(t)[1] - c).abs() + a * slide(t)[0]),
+            ),
+            _ => (
+                format!("max(h - {c}, {b}*floor(phi))"),
+                Box::new(move |t| (slide(t)[1] - c).max(b * slide(t)[0].floor())),
+            ),
+        };
+        let truth = dense(&of);
+        let measure = format!("m = {{ of = \"{formula}\", take = \"max\" }}");
+        let found = said(&slider(&measure), 4 + case);
+        let scale = 1.0 + truth.abs();
+        assert!(
+            found.bound >= truth - 1e-9 * scale,
+            "{formula}: {} {truth}",
+            found.bound
+        );
+        assert!(found.value <= found.bound, "{formula}");
+        share = share.max((truth - found.value) / scale);
+        if case % 3 < 2 {
+            assert!(
+                (found.value - truth).abs() < 1e-6 * scale,
+                "{formula}: {} {truth}",
+                found.value
+            );
+        }
+    }
+    assert!(share < 1e-3, "{share}");
+}
