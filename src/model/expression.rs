@@ -120,6 +120,15 @@ impl Expression {
         slots
     }
 
+    /// The same with `slots`, which are all of its own, numbered in their order.
+    pub fn renumbered(&self, slots: &[usize]) -> Self {
+        let ops = self.ops.iter().map(|op| match op {
+            Op::Slot(slot) => Op::Slot(slots.partition_point(|s| s < slot)),
+            op => *op,
+        });
+        Self { ops: ops.collect() }
+    }
+
     /// The value at `slots`. Not finite where the formula has no value (1/0, sqrt(-1)).
     pub fn value<S: Scalar>(&self, slots: &[S]) -> S {
         let mut values = Vec::with_capacity(self.ops.len());

@@ -90,7 +90,7 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
 fn ending(ending: &Ending) -> Value {
     let word = ending.word();
     match ending {
-        Ending::Fold { proved } => json!({ "kind": word, "proved": proved }),
+        Ending::Fold { proved, .. } => json!({ "kind": word, "proved": proved }),
         Ending::NoValue { name } => json!({ "kind": word, "equation": name }),
         Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
         Ending::AngleTooLarge | Ending::NotFound => json!({ "kind": word }),
@@ -126,6 +126,7 @@ fn lack(mechanism: &Mechanism, lack: &Lack) -> Value {
         "loop": lack.name,
         "angle": lack.angle,
         "distance": lack.distance,
+        "proved": lack.proved,
     })
 }
 

@@ -45,7 +45,7 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
             );
         }
         format!(
-            "; `{}` stays {} {unit}{turned} open at {at}",
+            "; the nearest to closing that was found leaves `{}` {} {unit}{turned} open at {at}",
             lack.name,
             amount(lack.distance)
         )
@@ -59,14 +59,19 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
         true => "no pose was found",
         false => "the motion has no pose",
     };
-    format!("{found} {stretch}{}{lack}", ends.concat())
+    let proof = match gap.widest.as_ref().map(|lack| lack.proved) {
+        Some(true) => "; no pose exists there (proved)",
+        Some(false) => "; other assemblies may have one",
+        None => "",
+    };
+    format!("{found} {stretch}{}{lack}{proof}", ends.concat())
 }
 
 /// What a motion ends at, after "ends".
 fn ending_words(ending: &Ending) -> String {
     match ending {
-        Ending::Fold { proved: true } => "at a fold (proved)".to_owned(),
-        Ending::Fold { proved: false } => "at a fold (located, not proved)".to_owned(),
+        Ending::Fold { proved: true, .. } => "at a fold (proved)".to_owned(),
+        Ending::Fold { proved: false, .. } => "at a fold (located, not proved)".to_owned(),
         Ending::NoValue { name } => format!("where equation `{name}` has no value beyond"),
         Ending::GivenUp { sigma_min } => format!(
             "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
@@ -94,7 +99,9 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
         EventKind::MotionResumes { same_branch: false } => {
             format!("poses exist again from {at} on, on another branch than before")
         }
-        EventKind::SingularPosePassed => format!("singular pose near {at}, passed straight on"),
+        EventKind::SingularPosePassed => format!(
+            "singular pose near {at}, passed straight on: that the motion takes this branch behind it is not proved"
+        ),
         EventKind::SingularPoseMet => format!(
             "singular pose at {at}, where the drive turns back: the motion returns on its branch, though another one begins there"
         ),
@@ -111,9 +118,9 @@ pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
             value,
             is_largest,
         } => {
-            let extreme = if *is_largest { "largest" } else { "smallest" };
+            let extreme = if *is_largest { "maximum" } else { "minimum" };
             let value = with_unit(mechanism, *measure, *value);
-            format!("`{name}` is {extreme} at {at}: {value}")
+            format!("`{name}` turns back at {at}: a local {extreme} of {value}")
         }
         EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
         EventKind::StartNotClosed {

@@ -39,7 +39,7 @@ pub struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed or could not prove what it was asked to, or a motion was given up undecided; \
-2 bad usage, bad scene, or a limit exceeded; 3 no usable graphics adapter; 4 the mechanism could not be closed over the whole motion; 70 internal error; 130 interrupted.";
+2 bad usage, bad scene, or a limit exceeded; 3 no usable graphics adapter; 4 the motion does not close all the way; 70 internal error; 130 interrupted.";
 
 /// `mechanim schema`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -148,6 +148,8 @@ pub enum Ending {
     Fold {
         /// Tubes in arc length prove that it turns back; else its place was computed.
         proved: bool,
+        /// Proofs were asked for.
+        asked: bool,
     },
     /// An equation has no value beyond: the end of a formula's range.
     NoValue {
@@ -170,7 +172,13 @@ impl Ending {
     pub const fn is_undecided(&self) -> bool {
         matches!(
             self,
-            Self::GivenUp { .. } | Self::AngleTooLarge | Self::NotFound
+            Self::GivenUp { .. }
+                | Self::AngleTooLarge
+                | Self::NotFound
+                | Self::Fold {
+                    proved: false,
+                    asked: true
+                }
         )
     }
 
@@ -206,6 +214,8 @@ pub struct Lack {
     pub angle: f64,
     /// Remaining distance in the scene's unit, or value of the equation.
     pub distance: f64,
+    /// No assembly has a pose there; otherwise none was found, or nobody asked for proofs.
+    pub proved: bool,
 }
 
 /// A stretch of the drive in which no pose was found.
@@ -226,6 +236,9 @@ pub struct Gap {
 impl Gap {
     /// Whether the motion was only given up, so that it may go on inside.
     pub fn is_undecided(&self) -> bool {
+        if self.widest.as_ref().is_some_and(|lack| lack.proved) {
+            return false;
+        }
         let end = self.ending.as_ref().or(self.beginning.as_ref());
         end.is_some_and(Ending::is_undecided)
     }

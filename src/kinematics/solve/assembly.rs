@@ -17,8 +17,14 @@ const GAP_ITERATIONS: u32 = 3000;
 /// compromise is one over the last one's square. The valley is too narrow to be followed at once.
 const TURNS_FIRST: [f64; 4] = [1e1, 1e2, 1e3, 1e4];
 
+/// Fewest of them where they are dear.
+const FEWEST_GAP_ITERATIONS: u32 = 30;
+
 /// Perturbed starts that are tried after the given one, with growing amplitude.
 const EXTRA_STARTS: usize = 24;
+
+/// What they may cost, in steps of a small mechanism: of a net of five hundred unknowns two are tried.
+const COST_OF_STARTS: usize = 8192;
 
 /// A pose could not be found.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +69,8 @@ pub fn assemble(
     let mechanism = system.mechanism();
     let mut best: Option<NotClosed> = None;
     let mut iterations = 0;
-    for attempt in 0..=if persist { EXTRA_STARTS } else { 0 } {
+    let most = EXTRA_STARTS.min(COST_OF_STARTS / system.step_cost());
+    for attempt in 0..=if persist { most } else { 0 } {
         let mut coordinates = start.to_vec();
         perturb(mechanism, attempt, &mut coordinates);
         // What is held is held at its start value, wherever the others start.
@@ -99,7 +106,9 @@ pub fn assemble(
 pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
     let mechanism = system.mechanism();
     let structure = system.structure();
-    let mut descent = Descent::until(CLOSURE_TOLERANCE, GAP_ITERATIONS);
+    let cost = u32::try_from(system.step_cost()).unwrap_or(u32::MAX);
+    let most = (GAP_ITERATIONS / cost).max(FEWEST_GAP_ITERATIONS);
+    let mut descent = Descent::until(CLOSURE_TOLERANCE, most);
     let mut coordinates = best.coordinates.clone();
     for block in &structure.blocks {
         let mut left = f64::INFINITY;

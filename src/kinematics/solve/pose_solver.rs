@@ -6,9 +6,10 @@
 
 use super::along_drive::AlongDrive;
 use super::assembly::{Assembled, NotClosed, assemble};
+use super::between::KeptJacobians;
 use super::branch::{BranchState, BranchWatch, best_rows};
 use super::newton::{Correction, Corrector, Pace};
-use super::predictor::{Prediction, Predictor};
+use super::predictor::{HIGHEST_ORDER, Prediction, Predictor};
 use super::wishes::assemble_as_meant;
 use crate::kinematics::ball::chart::Chart;
 use crate::kinematics::structure::system::System;
@@ -23,6 +24,9 @@ const CORRECTION_OF_STEP: f64 = 0.25;
 /// Floor of the above: corrections of this size are rounding at a badly conditioned pose.
 const CORRECTION_FLOOR: f64 = 1e-9;
 
+/// A way is followed by steps no shorter than this part of it.
+const SHORTEST_PART: f64 = 1.0 / 1024.0;
+
 /// Solves poses of one system; one for each thread.
 #[derive(Clone, Debug)]
 pub struct PoseSolver<'s> {
@@ -32,6 +36,7 @@ pub struct PoseSolver<'s> {
     corrector: Corrector,
     predictor: Predictor,
     watch: BranchWatch,
+    kept: KeptJacobians,
     /// The rows that the last pose is to be proved on, where a block leaves a choice.
     chosen: Option<Vec<Vec<usize>>>,
     /// Newton iterations so far.
@@ -54,6 +59,7 @@ impl<'s> PoseSolver<'s> {
             corrector: Corrector::new(system),
             predictor: Predictor::default(),
             watch: BranchWatch::default(),
+            kept: KeptJacobians::default(),
             chosen: None,
             iterations: 0,
         }
@@ -170,6 +176,28 @@ impl<'s> PoseSolver<'s> {
         self.closed(&mut coordinates, pace).then_some(coordinates)
     }
 
+    /// Follows the motion from a closed pose by steps that are halved where they cannot be trusted, along `inputs` at the
+    /// parts 0 to 1 of a way.
+    pub fn followed(
+        &mut self,
+        unknowns: &[f64],
+        inputs: impl Fn(f64) -> Vec<f64>,
+    ) -> Option<Vec<f64>> {
+        let mut here = [unknowns, &inputs(0.0)].concat();
+        let (mut part, mut step) = (0.0, 0.5);
+        while part < 1.0 {
+            let next = f64::min(part + step, 1.0);
+            match self.step(&here, &inputs(next), HIGHEST_ORDER) {
+                Some(pose) => (here, part) = (pose, next),
+                None => step *= 0.5,
+            }
+            if step < SHORTEST_PART {
+                return None;
+            }
+        }
+        Some(here)
+    }
+
     /// Corrects `coordinates`; whether that closed them.
     pub fn closed(&mut self, coordinates: &mut [f64], pace: Pace) -> bool {
         coordinates.iter().all(|v| v.is_finite()) && self.correct(coordinates, pace).converged
@@ -233,6 +261,27 @@ impl<'s> PoseSolver<'s> {
     fn observe_angles(&mut self, coordinates: &[f64]) -> BranchState {
         let corrector = &mut self.corrector;
         self.watch.observe(self.system, corrector, coordinates)
+    }
+
+    /// Keeps the Jacobians of a closed pose for [`stays_regular`](Self::stays_regular) on the next step.
+    pub fn keep_jacobians(&mut self, coordinates: &[f64]) {
+        if self.chart_at(coordinates).is_none() {
+            self.kept
+                .keep(self.system, &mut self.corrector, coordinates);
+        }
+    }
+
+    /// Whether no block becomes singular on a step from one regular pose to another, as far as their Jacobians tell; the
+    /// smallest singular values of the two are added in `sigmas`.
+    pub fn stays_regular(&mut self, [from, to]: [&[f64]; 2], sigmas: f64) -> bool {
+        let chart = self.chart_at(from).or_else(|| self.chart_at(to));
+        let Some(chart) = chart else {
+            return (self.kept).stay_regular(self.system, &mut self.corrector, [from, to], sigmas);
+        };
+        let own = [from, to].map(|pose| chart.base(pose));
+        let mut corrector = Corrector::new(chart.system);
+        let ends = [&own[0][..], &own[1]];
+        KeptJacobians::default().stay_regular(chart.system, &mut corrector, ends, sigmas)
     }
 
     /// Has the rows of over-determined blocks replaced where they are worn out.

@@ -6,6 +6,9 @@ use crate::kinematics::ball::joint::{Ball, balls};
 use crate::model::mechanism::Mechanism;
 use std::sync::Arc;
 
+/// A step of blocks up to this size is what a step costs; of larger ones it costs more, as elimination does, with the cube.
+const CHEAP_BLOCK: usize = 32;
+
 /// A resolved mechanism and how it is solved.
 ///
 /// What a verb may change (drives, duration, start values) is no part of it: see
@@ -19,6 +22,13 @@ pub struct System {
 }
 
 impl System {
+    /// What a step of the solution costs, in steps of a small mechanism.
+    pub fn step_cost(&self) -> usize {
+        let blocks = self.structure.blocks.iter();
+        let costs = blocks.map(|b| (b.unknowns.len() / CHEAP_BLOCK).pow(3));
+        costs.sum::<usize>().max(1)
+    }
+
     /// A system of known structure whose ball joints nobody asks for: a trial while ranks are being found, or a chart.
     pub(crate) fn bare(mechanism: Arc<Mechanism>, structure: Structure) -> Self {
         Self {

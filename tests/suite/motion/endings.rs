@@ -208,7 +208,10 @@ fn folds_are_located_and_proved() {
         let half = (excess * (2.0 + excess)).sqrt().atan();
         for samples in [12, 80, 361] {
             let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
-            let proved = Ending::Fold { proved: true };
+            let proved = Ending::Fold {
+                proved: true,
+                asked: true,
+            };
             assert_eq!(trajectory.gaps.len(), 2, "{excess} {samples}");
             for (gap, middle) in trajectory.gaps.iter().zip([FRAC_PI_2, 3.0 * FRAC_PI_2]) {
                 let label = format!("{excess} {samples}: {gap:?}");
@@ -250,12 +253,21 @@ fn nothing_is_called_proved_that_nobody_proved() {
         "duration = 4\n[inputs]\nphi = \"2*pi*t/4\"\nr = \"88 + t/100\"\n[loops]\n\
          A = \"Rz(phi) Tx(r) Rz(a) Tx(80) Rz(b) Tx(-h)\"\n[guess]\nh = 168\n",
     );
-    for trajectory in [unproved, solve(&both, &times).unwrap()] {
+    for (asked, trajectory) in [(false, unproved), (true, solve(&both, &times).unwrap())] {
         let ends = endings(&trajectory);
         assert_eq!(ends.len(), 2, "{ends:?}");
         for (_, ending) in ends {
-            assert_eq!(ending, Ending::Fold { proved: false });
+            let proved = false;
+            assert_eq!(ending, Ending::Fold { proved, asked });
+            assert_eq!(ending.is_undecided(), asked);
         }
+        // That no assembly closes behind them is proved where proofs are asked for, and decides.
+        let lacks = trajectory
+            .gaps
+            .iter()
+            .map(|gap| gap.widest.as_ref().unwrap());
+        assert!(lacks.into_iter().all(|lack| lack.proved == asked));
+        assert!(!trajectory.is_undecided());
     }
 }
 

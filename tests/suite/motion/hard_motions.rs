@@ -356,7 +356,10 @@ fn a_driven_slider_stops_at_its_dead_points() {
         let trajectory = solve(&mechanism, &even_times(&mechanism, samples)).unwrap();
         let ends = inputs_of(
             &trajectory,
-            &EventKind::MotionEnds(Ending::Fold { proved: true }),
+            &EventKind::MotionEnds(Ending::Fold {
+                proved: true,
+                asked: true,
+            }),
         );
         assert_eq!(ends.len(), 2, "{samples}: {ends:?}");
         for (end, limit) in ends.iter().zip([120.0, 40.0]) {

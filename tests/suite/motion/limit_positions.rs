@@ -123,7 +123,7 @@ fn tables_and_reports_have_the_stretches_without_a_pose() {
         let run = w
             .run(arguments)
             .exits(4)
-            .says(&["48.590377891 deg", "stays 20.000000 mm open"]);
+            .says(&["48.590377891 deg", "leaves `A` 20.000000 mm open"]);
         let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
         let gaps = document["gaps"].as_array().unwrap();
         assert_eq!(gaps.len(), 2);

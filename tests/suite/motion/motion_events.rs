@@ -44,7 +44,13 @@ fn end_of_the_motion_is_located_and_frames_beyond_have_no_pose() {
     let ends: Vec<f64> = trajectory
         .events
         .iter()
-        .filter(|e| e.kind == EventKind::MotionEnds(Ending::Fold { proved: true }))
+        .filter(|e| {
+            e.kind
+                == EventKind::MotionEnds(Ending::Fold {
+                    proved: true,
+                    asked: true,
+                })
+        })
         .map(|e| e.inputs[0])
         .collect();
     assert_eq!(ends.len(), 2);
@@ -221,5 +227,57 @@ fn many_turns_do_not_drift() {
             "after {} turns",
             phi / std::f64::consts::TAU
         );
+    }
+}
+
+/// `count` unknowns that are all plus or minus phi, in one block: at phi = 0 as many singular values pass zero at once.
+fn meeting_branches(count: usize) -> Scene {
+    let square = |k: usize| format!("(x{k}^2 - phi^2)");
+    let equation = |k: usize| {
+        let next = square((k + 1) % count);
+        format!("e{k} = \"{} + 0.3*{next}\"\n", square(k))
+    };
+    let equations: String = (0..count).map(equation).collect();
+    let guess: String = (0..count).map(|k| format!("x{k} = -2\n")).collect();
+    scene(&format!(
+        "duration = 4\n[inputs]\nphi = \"t - 2\"\n[equations]\n{equations}[guess]\n{guess}"
+    ))
+}
+
+/// Where an even number of singular values passes zero no determinant changes its sign, wherever the samples are.
+#[test]
+fn a_change_point_that_no_sign_tells_is_an_event() {
+    for count in [2, 3, 4] {
+        let scene = meeting_branches(count);
+        for samples in 2..=24 {
+            let trajectory = run(&scene, samples);
+            assert_eq!(trajectory.missing(), 0);
+            let passed = trajectory.events.iter();
+            let passed = passed.filter(|e| e.kind == EventKind::SingularPosePassed);
+            let times: Vec<f64> = passed.map(|e| e.time).collect();
+            assert!(
+                matches!(times[..], [time] if (time - 2.0).abs() < 1e-4),
+                "{count} {samples}: {:?}",
+                trajectory.events
+            );
+            // Straight on: every unknown goes on through zero.
+            for (sample, pose) in trajectory.samples.iter().zip(trajectory.poses()) {
+                let near = |x: &f64| (x - sample.inputs[0]).abs() < 1e-9;
+                assert!(
+                    pose.unknowns.iter().all(near),
+                    "{count} {samples} {sample:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Regular motions are not called singular, however few samples they have.
+#[test]
+fn regular_motions_pass_nothing_at_any_samples() {
+    for samples in 2..=40 {
+        let trajectory = run(&slider_crank(40.0, 60.0), samples);
+        assert_eq!(trajectory.missing(), 0);
+        assert!(trajectory.events.is_empty(), "{samples}");
     }
 }

@@ -366,6 +366,21 @@ fn rates_by_time_follow_the_drive() {
     }
 }
 
+/// The rate of a drive is its derivative, not a difference, which a fast drive would show.
+#[test]
+fn rates_of_formula_drives_have_all_digits() {
+    let mechanism = builtin_scene("slider-crank", &[("phi", "0.5 + 0.2*sin(200*t)")]);
+    let trajectory = solve(&mechanism, &[0.0, 0.3, 0.6]).unwrap();
+    let k = slot(&mechanism, "h");
+    for sample in &trajectory.samples {
+        let rate = sample.pose.as_ref().unwrap().rates[k];
+        let expected =
+            stroke_derivatives(sample.inputs[0], 1)[1] * 40.0 * (200.0 * sample.time).cos();
+        let error = rate / expected - 1.0;
+        assert!(error.abs() < 3e-13, "{error:e}");
+    }
+}
+
 #[test]
 fn a_mechanism_without_inputs_has_rates_of_zero() {
     let w = Workspace::new();

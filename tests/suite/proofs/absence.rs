@@ -100,3 +100,14 @@ fn what_is_not_proved_has_words_and_an_exit_code_of_its_own() {
     let run = folder.run(&["check", "ring.toml"]).exits(1);
     run.says(&["that no pose exists is not proved"]);
 }
+
+/// Behind the end of a motion, too, what is proved is said; the exit code tells it from what is only located.
+#[test]
+fn no_pose_behind_a_fold_is_proved_at_the_widest_sample() {
+    let folder = Workspace::new();
+    let scene = slider_crank("20", 0.0).replace("phi = 0.0", "phi = \"0.2 + t\"");
+    folder.write("ends.toml", format!("duration = 1\n{scene}"));
+    let run = folder.run(&["solve", "ends.toml", "--samples", "9", "--out", "-"]);
+    run.exits(4)
+        .says(&["at a fold (proved)", "no pose exists there (proved)"]);
+}

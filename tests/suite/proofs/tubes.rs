@@ -331,3 +331,20 @@ fn missing_poses_and_formulas_are_named() {
 fn certificates_of(mechanism: &Model) -> Vec<IntervalCertificate> {
     certificates(mechanism, 20)
 }
+
+/// The pose in the middle of a long stretch may be far from the line between its ends; the motion leads there all the same.
+#[test]
+fn long_stretches_of_regular_motions_are_followed() {
+    let model = read(
+        "duration = 2\n[inputs]\nphi = \"4*t + 0.3\"\n[loops]\n\
+         A = \"Rz(phi) Tx(0.7804) Rz(al) Tx(0.8194) Rz(be) Tx(-h)\"\n[guess]\nh = 1.53\n",
+    );
+    for samples in 2..=12 {
+        let time = |k: usize| 2.0 * k as f64 / (samples - 1) as f64;
+        let trajectory = solve(&model, &(0..samples).map(time).collect::<Vec<_>>()).unwrap();
+        assert_eq!(trajectory.missing(), 0);
+        for interval in certify_motion(&model, &trajectory) {
+            assert!(interval.refused.is_none(), "{samples}: {interval:?}");
+        }
+    }
+}

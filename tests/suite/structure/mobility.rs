@@ -784,6 +784,22 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
     }
 }
 
+/// A rod's spin stands where it starts, to the last bit, whatever that is and wherever the others start.
+#[test]
+fn what_is_held_is_held_at_its_start_value() {
+    for spin in [0.0, 0.7, -2.0] {
+        let mut model = read(&gearshift_with_ball());
+        let held = model.system().unwrap().structure().held[0].unknown;
+        assert_eq!(model.unknowns[held].name, "spin");
+        model.actuation.guess[held] = spin;
+        let trajectory = solve(&model, &even_times(&model, 9)).unwrap();
+        assert_eq!(trajectory.missing(), 0, "{:?}", trajectory.events);
+        for pose in trajectory.poses() {
+            assert_eq!(pose.unknowns[held], spin);
+        }
+    }
+}
+
 #[test]
 fn the_report_names_what_is_held_and_what_is_redundant() {
     let workspace = Workspace::new();

@@ -242,17 +242,26 @@ fn the_textbook_rssr_has_two_assemblies() {
          A = \"Rz(phi) Tx(30) Rx(a) Ry(b) Rz(c) Tx(100) Rx(d) Ry(e) Rz(f) inv(Tx(80) Ty(20) Rx(90) Rz(psi) Tx(60))\"\n",
     );
     assert_eq!((found.list.len(), found.placements()), (2, 2));
-    // The ball on the rocker is at (80 + 60 cos psi, 20, 60 sin psi), that on the crank in the plane z = 0.
+    let right = rocker_cosine(100.0);
+    let off = |cosine: f64| {
+        let modes = found.list.iter().map(|mode| value(&model, mode, "psi"));
+        modes
+            .map(|psi| (psi.cos() - cosine).abs())
+            .fold(0.0, f64::max)
+    };
+    assert!(off(right) < 1e-11);
+    // Planted: a coupler that is too long by a tenth of a micrometre.
+    assert!(off(rocker_cosine(100.0001)) > 1e-7);
+}
+
+/// The ball on the rocker is at (80 + 60 cos psi, 20, 60 sin psi), that on the crank in the plane z = 0.
+fn rocker_cosine(coupler: f64) -> f64 {
     let crank = [
         30.0 * 40_f64.to_radians().cos(),
         30.0 * 40_f64.to_radians().sin(),
     ];
     let [x, y] = [80.0 - crank[0], 20.0 - crank[1]];
-    let cosine = (1e4 - x * x - y * y - 3600.0) / (120.0 * x);
-    for mode in &found.list {
-        let psi = value(&model, mode, "psi");
-        assert!((psi.cos() - cosine).abs() < 1e-11, "{psi}");
-    }
+    (coupler * coupler - x * x - y * y - 3600.0) / (120.0 * x)
 }
 
 /// A platform on six legs. Lengths are those at which the plate stands level over the base at `home`.

@@ -12,7 +12,7 @@ use crate::kinematics::structure::system::System;
 /// The blocks of a mechanism, laid out for proofs.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks<'m> {
-    pub(super) forms: Vec<Form<'m>>,
+    pub(super) forms: Vec<Form>,
     pub(super) layouts: Vec<Layout<'m>>,
     pub(super) unknowns: usize,
     pub(super) work: Workspace,

@@ -7,6 +7,7 @@ use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
 
 /// A formula to the second order along a line.
@@ -14,11 +15,42 @@ type Bend = Series<Interval, 3>;
 
 /// An argument of a joint, or an equation.
 #[derive(Clone, Debug)]
-pub enum Form<'m> {
+pub enum Form {
     /// A dot product.
     Affine(Affine),
     /// Anything else.
-    Formula(&'m Expression),
+    Formula(Sparse),
+}
+
+/// A formula of the few coordinates that stand in it: what it costs does not grow with the mechanism.
+#[derive(Clone, Debug)]
+pub struct Sparse {
+    /// Of `slots`, in their order.
+    expression: Expression,
+    slots: Vec<usize>,
+}
+
+impl Sparse {
+    fn new(expression: &Expression) -> Self {
+        let slots = expression.slots();
+        Self {
+            expression: expression.renumbered(&slots),
+            slots,
+        }
+    }
+
+    /// What stands in it, of all coordinates.
+    fn own<S: Scalar>(&self, all: &[S]) -> Vec<S> {
+        self.slots.iter().map(|slot| all[*slot]).collect()
+    }
+
+    fn value<S: Scalar>(&self, all: &[S]) -> S {
+        self.expression.value(&self.own(all))
+    }
+
+    fn gradient<S: Scalar>(&self, all: &[S]) -> Vec<S> {
+        self.expression.gradient(&self.own(all))
+    }
 }
 
 /// Bounds of the derivatives along a direction, anywhere in the ball around the path.
@@ -30,10 +62,13 @@ pub struct Change {
     pub bend: f64,
 }
 
-impl<'m> Form<'m> {
+impl Form {
     /// All arguments, then all equations.
-    pub fn all(mechanism: &'m Mechanism) -> Vec<Self> {
-        let of = |e: &'m Expression| e.affine().map_or(Self::Formula(e), Self::Affine);
+    pub fn all(mechanism: &Mechanism) -> Vec<Self> {
+        let of = |e: &Expression| match e.affine() {
+            Some(affine) => Self::Affine(affine),
+            None => Self::Formula(Sparse::new(e)),
+        };
         let arguments = mechanism.arguments.iter().map(|argument| match argument {
             Argument::Affine(affine) => Self::Affine(affine.clone()),
             Argument::Formula(expression) => of(expression),
@@ -46,19 +81,19 @@ impl<'m> Form<'m> {
     pub fn coordinates(&self) -> Vec<usize> {
         match self {
             Self::Affine(affine) => affine.terms.iter().map(|(slot, _)| *slot).collect(),
-            Self::Formula(expression) => expression.slots(),
+            Self::Formula(formula) => formula.slots.clone(),
         }
     }
 
     /// Value over the stretch.
     pub fn value(&self, path: &Path) -> Model {
         match self {
-            Self::Formula(expression) => {
+            Self::Formula(formula) => {
                 if let Some(still) = path.still() {
-                    return Model::standing(expression.value(still));
+                    return Model::standing(formula.value(still));
                 }
                 let [middle, everywhere] = path.series();
-                Model::of(expression.value(middle), &expression.value(everywhere))
+                Model::of(formula.value(middle), &formula.value(everywhere))
             }
             Self::Affine(affine) => Model::of_affine(affine, &path.coordinates),
         }
@@ -74,17 +109,14 @@ impl<'m> Form<'m> {
                 };
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
-            Self::Formula(expression) => {
+            Self::Formula(formula) => {
                 if let Some(still) = path.still() {
-                    let gradient = expression.gradient(still);
-                    let slots = expression.slots().into_iter();
-                    return slots.map(|slot| Model::standing(gradient[slot])).collect();
+                    let gradient = formula.gradient(still).into_iter();
+                    return gradient.map(Model::standing).collect();
                 }
-                let [middle, everywhere] = path.series();
-                let [near, far] = [middle, everywhere].map(|slots| expression.gradient(slots));
-                let slots = expression.slots();
-                let of = |slot: usize| Model::of(near[slot], &far[slot]);
-                slots.into_iter().map(of).collect()
+                let [near, far] = path.series().each_ref().map(|all| formula.gradient(all));
+                let pairs = near.into_iter().zip(&far);
+                pairs.map(|(near, far)| Model::of(near, far)).collect()
             }
         }
     }
@@ -101,8 +133,10 @@ impl<'m> Form<'m> {
                     bend: 0.0,
                 }
             }
-            Self::Formula(expression) => {
-                let [rate, bend] = bounds(expression, place, rates);
+            Self::Formula(formula) => {
+                let own = formula.own(place);
+                let rates = formula.own(rates);
+                let [rate, bend] = bounds(&formula.expression, &own, &rates);
                 Change { rate, bend }
             }
         }
@@ -112,7 +146,7 @@ impl<'m> Form<'m> {
     pub fn range(&self, place: &[Interval]) -> Interval {
         match self {
             Self::Affine(affine) => affine.value(place),
-            Self::Formula(expression) => expression.value(place),
+            Self::Formula(formula) => formula.value(place),
         }
     }
 }

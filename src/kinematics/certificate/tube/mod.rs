@@ -15,6 +15,7 @@ mod constants;
 mod drive;
 mod form;
 mod model;
+mod partings;
 mod path;
 mod proof;
 mod prover;

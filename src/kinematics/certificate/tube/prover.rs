@@ -39,10 +39,10 @@ const STEPS_TO_JUMP: u32 = 8;
 /// Proves intervals of one mechanism.
 #[derive(Debug)]
 pub struct Prover<'m> {
-    system: &'m System,
-    actuation: &'m Actuation,
+    pub(super) system: &'m System,
+    pub(super) actuation: &'m Actuation,
     blocks: Blocks<'m>,
-    solver: PoseSolver<'m>,
+    pub(super) solver: PoseSolver<'m>,
     /// All rows of every block; `None` if a block has more of them than unknowns.
     all_rows: Option<Bases>,
     /// Looks at redundant rows with more digits than tubes have; `None` without such rows.
@@ -257,37 +257,6 @@ impl<'m> Prover<'m> {
             Kind::Length => mechanism.scale_of(mechanism.unknowns.len() + k),
             _ => value.abs().max(1.0),
         }
-    }
-
-    /// The interval's end and the breaks of the drive before it, the first one last.
-    fn by_keyframes(&mut self, start: &Place, end: Place) -> Result<Vec<Place>, Refusal> {
-        let mut ahead = Vec::new();
-        for time in keys_between(&self.actuation.drives, start.time, end.time) {
-            let place = self.pose_between(start, &end, time).ok_or(Refusal {
-                time: start.time,
-                obstacle: Obstacle::NotJoined,
-            })?;
-            ahead.push(place);
-        }
-        ahead.push(end);
-        ahead.reverse();
-        Ok(ahead)
-    }
-
-    /// A closed pose at `time`, corrected from the straight line between two others. Which assembly it is of is found
-    /// out by the proof.
-    fn pose_between(&mut self, a: &Place, b: &Place, time: f64) -> Option<Place> {
-        let share = (time - a.time) / (b.time - a.time);
-        let inputs = self.actuation.inputs_at(time);
-        let ends = [&a.unknowns[..], &b.unknowns[..]];
-        let mut unknowns = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
-        unknowns.truncate(a.unknowns.len());
-        Some(Place {
-            time,
-            unknowns,
-            rates: None,
-            sample: None,
-        })
     }
 
     /// Proves the stretch from `here` to `next` and joins it to what is at its ends.

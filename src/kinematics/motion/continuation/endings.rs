@@ -2,7 +2,7 @@
 
 use super::fold_proof;
 use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
-use crate::kinematics::motion::tracker::arc_length::{Fold, Onward};
+use crate::kinematics::motion::tracker::arc_length::Onward;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::Target;
 use crate::kinematics::results::trajectory::Ending;
@@ -20,18 +20,22 @@ impl Recorder<'_> {
         time: f64,
     ) -> Result<WayOn, (PathPoint, Ending)> {
         let tracker = &mut self.tracker;
-        let found = tracker
+        // Steps also end at kinks of formulas, where the Jacobian is regular: nothing singular is passed there.
+        let is_singular = !tracker.is_trusted(&end.branch);
+        let beside = tracker
             .leap(end, time)
-            .or_else(|| tracker.settle(end, time))
-            .or_else(|| tracker.cross(end, time))
-            .or_else(|| tracker.hop(end, time));
-        if let Some(to) = found {
-            let in_arc_length = false;
-            return Ok(WayOn { to, in_arc_length });
-        }
-        let to = self.onward(end, time)?;
-        let in_arc_length = !self.tracker.is_trusted(&end.branch);
-        Ok(WayOn { to, in_arc_length })
+            .or_else(|| tracker.settle(end, time));
+        let (to, is_passed) = match beside {
+            Some(to) => (to, false),
+            None => match tracker.cross(end, time) {
+                Some(to) => (to, is_singular),
+                None => match tracker.hop(end, time) {
+                    Some(to) => (to, false),
+                    None => (self.onward(end, time)?, is_singular),
+                },
+            },
+        };
+        Ok(WayOn { to, is_passed })
     }
 
     /// The pose to which the path leads in arc length.
@@ -39,18 +43,19 @@ impl Recorder<'_> {
         match self.tracker.onward(end, time) {
             Onward::Passed(to) => Ok(to),
             Onward::Fold(fold) => {
-                let proved = self.is_proved(&fold, (time - end.time).signum());
-                Err((fold.at, Ending::Fold { proved }))
+                let asked = self.is_proof_wanted();
+                let sense = (time - end.time).signum();
+                let (system, actuation) = (self.tracker.system(), self.tracker.actuation());
+                let proved = asked && fold_proof::is_proved(system, actuation, &fold, sense);
+                Err((fold.at, Ending::Fold { proved, asked }))
             }
             Onward::Lost => Err((end.clone(), self.ending_at(end, time))),
         }
     }
 
     /// A proof is worth its time where poses are proved, and somebody asks what comes behind.
-    fn is_proved(&self, fold: &Fold, sense: f64) -> bool {
-        let tracker = &self.tracker;
-        let is_wanted = self.proof.is_some() && !self.ends_at_gap && !tracker.is_cancelled();
-        is_wanted && fold_proof::is_proved(tracker.system(), tracker.actuation(), fold, sense)
+    fn is_proof_wanted(&self) -> bool {
+        self.proof.is_some() && !self.ends_at_gap && !self.tracker.is_cancelled()
     }
 
     /// What stops a motion that does not end at a fold.

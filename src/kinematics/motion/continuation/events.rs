@@ -62,13 +62,9 @@ impl PathWatcher for Events {
         self.passed_at(tracker, time);
     }
 
-    fn turned_back(&mut self, tracker: &PathTracker, by_drive: bool) {
+    fn turned_back(&mut self, tracker: &PathTracker) {
         if let Some(time) = self.singular_sample.take() {
-            let kind = match by_drive {
-                true => EventKind::SingularPoseMet,
-                false => EventKind::SingularPosePassed,
-            };
-            self.add(tracker.actuation(), time, kind);
+            self.add(tracker.actuation(), time, EventKind::SingularPoseMet);
         }
     }
 }

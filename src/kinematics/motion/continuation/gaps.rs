@@ -1,5 +1,6 @@
 //! Stretches of the drive without a pose, and how far the mechanism stays from closing there.
 
+use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
 use crate::kinematics::results::trajectory::{Ending, Gap, Instant, Lack};
 use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
@@ -58,18 +59,22 @@ impl Gaps {
         }
     }
 
-    /// Measures what is lacking at the sample kept: worth its time once a gap.
-    pub fn measure(&mut self, tracker: &PathTracker) {
+    /// Measures what is lacking at the sample kept: worth its time once a gap. With a `proof` that no assembly closes there,
+    /// if there is one.
+    pub fn measure(&mut self, tracker: &PathTracker, proof: bool) {
         let Some((time, best)) = self.widest.take() else {
             return;
         };
+        let at = instant(tracker, time);
+        let proved = proof && has_no_pose(tracker.system(), &at.inputs);
         let lack = smallest_gap(tracker.system(), best);
         if let Some(gap) = self.list.last_mut() {
             gap.widest = Some(Lack {
-                at: instant(tracker, time),
+                at,
                 name: lack.name,
                 angle: lack.angle,
                 distance: lack.distance,
+                proved,
             });
         }
     }

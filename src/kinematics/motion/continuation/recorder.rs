@@ -28,8 +28,8 @@ pub(super) const MOST_WAYS_ON: usize = 10_000;
 pub(super) struct WayOn {
     /// The pose.
     pub to: PathPoint,
-    /// It was reached in arc length, through a pose at which no tangent along the drive exists.
-    pub in_arc_length: bool,
+    /// A singular pose lies between, though no sign may tell.
+    pub is_passed: bool,
 }
 
 /// Follows a motion and keeps its samples.
@@ -128,7 +128,7 @@ impl<'s> Recorder<'s> {
                 }
             }
         }
-        self.gaps.measure(&self.tracker);
+        self.gaps.measure(&self.tracker, self.proof.is_some());
         let mut samples = self.samples;
         for edge in self.edges.into_iter().flatten() {
             let place = samples.partition_point(|s| s.time < edge.time);
@@ -263,11 +263,9 @@ impl<'s> Recorder<'s> {
                         self.events.singular_sample = Some(time);
                         return Ok(to);
                     }
-                    Ok(WayOn { to, in_arc_length }) => {
-                        // Steps also end at kinks of formulas, which have two sides but no other branch.
+                    Ok(WayOn { to, is_passed }) => {
                         let is_other_side = to.branch.signs != end.branch.signs;
-                        let is_singular = is_other_side || in_arc_length;
-                        if is_singular && self.tracker.jump_after(&end).is_none() {
+                        if (is_other_side || is_passed) && self.tracker.jump_after(&end).is_none() {
                             self.events.passed_at(&self.tracker, end.time);
                         }
                         here = self.tracker.keep(to, &mut self.events);

@@ -14,6 +14,9 @@ use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake};
 /// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
 const ASIDE: f64 = 0.3;
 
+/// Steps that a search at one sample behind the end of a motion may cost: two descents.
+const STEPS_OF_SEARCH: usize = 400;
+
 impl Recorder<'_> {
     /// Assembles from `start`, and from beside it where that fails: from links in line no correction leaves the line.
     pub(crate) fn assembled_from_beside(&mut self, start: &[f64]) -> Result<Assembled, NotClosed> {
@@ -36,6 +39,10 @@ impl Recorder<'_> {
         let Ok(inputs) = self.tracker.inputs(time) else {
             return Err(None);
         };
+        if !self.tracker.budget.take_all(STEPS_OF_SEARCH) {
+            self.gaps.give_up(Ending::NotFound);
+            return Err(None);
+        }
         let unknowns = &last.coordinates[..self.tracker.unknowns()];
         let start = [unknowns, &inputs].concat();
         match self.assembled_from_beside(&start) {
@@ -103,7 +110,7 @@ impl Recorder<'_> {
         (time, beginning): (f64, Option<Ending>),
         same_branch: bool,
     ) {
-        self.gaps.measure(&self.tracker);
+        self.gaps.measure(&self.tracker, self.proof.is_some());
         let until = instant(&self.tracker, time);
         if let Some(gap) = self.gaps.list.last_mut() {
             gap.until = Some(until);

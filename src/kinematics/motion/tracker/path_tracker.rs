@@ -29,8 +29,11 @@ const TRUSTED_SIGMA: f64 = 1e-4;
 /// digits. Folds are approached to the square of it.
 const USABLE_SIGMA: f64 = 1e-6;
 
-/// Half width, in seconds relative to the duration, of the difference that gives the drive's rate.
-const RATE_STEP: f64 = 1e-6;
+/// A step may take the smallest singular value, as it falls, down to this share of itself.
+const LEAST_LEFT: f64 = 0.1;
+
+/// A change by a smaller share is the rounding of what is iterated.
+const SEEN_CHANGE: f64 = 1e-4;
 
 /// A closed pose on the way, with what is needed to go on from it.
 #[derive(Clone, Debug)]
@@ -77,8 +80,8 @@ pub trait PathWatcher {
     /// The motion went through a singular pose near this time.
     fn passed(&mut self, _: &PathTracker, _: f64) {}
 
-    /// It left a singular pose on the side on which it came there; whether because the drive turned back.
-    fn turned_back(&mut self, _: &PathTracker, _by_drive: bool) {}
+    /// It left a singular pose on the side on which it came there, because the drive turned back.
+    fn turned_back(&mut self, _: &PathTracker) {}
 }
 
 /// Nobody is told.
@@ -112,6 +115,8 @@ pub struct PathTracker<'s> {
     pub(crate) recent: [Option<PathPoint>; 2],
     /// Largest of the smallest singular values that were met.
     pub(crate) best_sigma: f64,
+    /// Time and smallest singular value of the last accepted pose and of the one before it.
+    trend: [Option<[f64; 2]>; 2],
 }
 
 impl<'s> PathTracker<'s> {
@@ -125,11 +130,12 @@ impl<'s> PathTracker<'s> {
             solver: PoseSolver::new(system),
             actuation,
             cancelled,
-            budget: StepBudget::default(),
+            budget: StepBudget::of_cost(system.step_cost()),
             interval: actuation.duration,
             anchor: None,
             recent: [None, None],
             best_sigma: 0.0,
+            trend: [None, None],
         }
     }
 
@@ -177,6 +183,9 @@ impl<'s> PathTracker<'s> {
 
     /// Accepts a pose; it is an anchor from then on if it is well away from singular ones.
     pub fn keep(&mut self, point: PathPoint, watcher: &mut dyn PathWatcher) -> PathPoint {
+        self.solver.keep_jacobians(&point.coordinates);
+        let trend = [point.time, point.branch.sigma_min];
+        self.trend = [Some(trend), self.trend[0]];
         watcher.accepted(self, &point);
         if self.solver.chart().is_some() {
             self.recent = [Some(point.clone()), self.recent[0].take()];
@@ -244,6 +253,9 @@ impl<'s> PathTracker<'s> {
     ) -> Result<Option<PathPoint>, usize> {
         let inputs = self.inputs(time)?;
         let usable = self.is_usable(&here.branch);
+        if usable && self.heads_for_zero(here, time) {
+            return Ok(None);
+        }
         let base = match &self.anchor {
             Some(anchor) if !usable => anchor.clone(),
             _ => here.clone(),
@@ -259,12 +271,14 @@ impl<'s> PathTracker<'s> {
         self.rename(&base, time, &mut coordinates);
         let point = self.point(time, coordinates);
         let same = point.branch.signs == base.branch.signs;
-        let fine = same || !usable || !self.is_usable(&point.branch);
-        // On the way to a fold poses are hardly usable too; only a changed sign tells that the singular pose is behind.
+        let fine = match usable && self.is_usable(&point.branch) {
+            true => same && self.stays_regular(&base, &point),
+            false => true,
+        };
+        // On the way to a fold poses are hardly usable too, and become no better: here the singular pose is behind.
         if fine && !usable && self.is_usable(&point.branch) {
-            if same {
-                let by_drive = self.drive_turns([&base, here, &point]);
-                watcher.turned_back(self, by_drive);
+            if same && self.drive_turns([&base, here, &point]) {
+                watcher.turned_back(self);
             } else if watcher.crosses() && self.is_joined(here, &point) {
                 watcher.passed(self, here.time);
             } else {
@@ -272,6 +286,28 @@ impl<'s> PathTracker<'s> {
             }
         }
         Ok(fine.then_some(point))
+    }
+
+    /// Whether the smallest singular value, falling on as it fell on the step before, would nearly vanish on the way to
+    /// `time`: it may touch zero there and be as large as before behind it.
+    fn heads_for_zero(&self, here: &PathPoint, time: f64) -> bool {
+        let [Some([last, _]), Some([before, sigma])] = self.trend else {
+            return false;
+        };
+        let now = here.branch.sigma_min;
+        let change = now - sigma;
+        if last != here.time || before == last || change.abs() < SEEN_CHANGE * now {
+            return false;
+        }
+        let left = now + change * (time - last) / (last - before);
+        left < LEAST_LEFT * now
+    }
+
+    /// Whether nothing tells that a singular pose lies between two regular ones.
+    fn stays_regular(&mut self, from: &PathPoint, to: &PathPoint) -> bool {
+        let sigmas = from.branch.sigma_min + to.branch.sigma_min;
+        let poses = [&from.coordinates[..], &to.coordinates];
+        self.solver.stays_regular(poses, sigmas)
     }
 
     /// Whether an input turns back at the second of three poses.
@@ -311,13 +347,8 @@ impl<'s> PathTracker<'s> {
     /// Rates of the unknowns per second at a pose: the tangent along the drive's own rate.
     pub fn rates(&mut self, point: &PathPoint) -> Vec<f64> {
         let n = self.unknowns();
-        let h = RATE_STEP * self.actuation.duration;
-        let before = self.actuation.inputs_at(point.time - h);
-        let after = self.actuation.inputs_at(point.time + h);
-        let mut rates = vec![0.0; point.coordinates.len()];
-        for k in 0..before.len() {
-            rates[n + k] = (after[k] - before[k]) / (2.0 * h);
-        }
+        let mut rates = vec![0.0; n];
+        rates.extend(self.actuation.rates_at(point.time));
         self.solver.tangent(&point.coordinates, &mut rates);
         rates.truncate(n);
         rates

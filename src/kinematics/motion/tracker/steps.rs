@@ -14,38 +14,55 @@ const STEPS_OF_SAMPLE: usize = 1_000;
 /// Steps that every radian adds which an input turns between two samples: three times what a crank takes.
 const STEPS_OF_RADIAN: f64 = 20.0;
 
+/// The same two numbers where steps are so dear that they would take hours.
+const FEWEST_STEPS: usize = 500;
+const FEWEST_OF_SAMPLE: usize = 50;
+
 /// How many steps a motion may still take, back and forth and whoever takes them: what bounds the time it is followed.
 #[derive(Clone, Debug)]
-pub struct StepBudget(Rc<Cell<usize>>);
-
-impl Default for StepBudget {
-    fn default() -> Self {
-        Self(Rc::new(Cell::new(MOST_STEPS)))
-    }
+pub struct StepBudget {
+    left: Rc<Cell<usize>>,
+    most: usize,
+    of_sample: usize,
 }
 
 impl StepBudget {
+    /// For steps each of which costs as much as so many of a small mechanism.
+    pub fn of_cost(cost: usize) -> Self {
+        let most = (MOST_STEPS / cost.max(1)).max(FEWEST_STEPS);
+        Self {
+            left: Rc::new(Cell::new(most)),
+            most,
+            of_sample: (STEPS_OF_SAMPLE / cost.max(1)).max(FEWEST_OF_SAMPLE),
+        }
+    }
+
     /// Takes one, if there is one.
     pub fn take(&self) -> bool {
-        let left = self.0.get();
-        self.0.set(left.saturating_sub(1));
-        left > 0
+        self.take_all(1)
+    }
+
+    /// Takes as many as something costs, if there are so many; else what is left is gone.
+    pub fn take_all(&self, count: usize) -> bool {
+        let left = self.left.get();
+        self.left.set(left.saturating_sub(count));
+        left >= count
     }
 
     /// Whether none is left.
     pub fn is_spent(&self) -> bool {
-        self.0.get() == 0
+        self.left.get() == 0
     }
 
     /// Adds those of another sample, before which an input turns by so many radians; they are asked for only if it matters.
     pub fn refill(&self, turned: impl FnOnce() -> f64) {
-        let left = self.0.get() + STEPS_OF_SAMPLE;
-        let missing = MOST_STEPS.saturating_sub(left);
+        let left = self.left.get() + self.of_sample;
+        let missing = self.most.saturating_sub(left);
         let of_turns = match missing {
             0 => 0,
             _ => (STEPS_OF_RADIAN * turned()) as usize,
         };
-        self.0.set(left.saturating_add(of_turns).min(MOST_STEPS));
+        self.left.set(left.saturating_add(of_turns).min(self.most));
     }
 }
 
@@ -110,7 +127,7 @@ mod tests {
     /// What scouts take is gone for their tracker, too, and samples do not pile steps up.
     #[test]
     fn a_budget_is_shared_and_bounded() {
-        let budget = StepBudget::default();
+        let budget = StepBudget::of_cost(1);
         let scout = budget.clone();
         for _ in 0..3 {
             budget.refill(|| 0.0);
@@ -134,6 +151,20 @@ mod tests {
             budget.refill(|| turned);
             assert_eq!((0..2 * MOST_STEPS).filter(|_| budget.take()).count(), steps);
         }
+    }
+
+    /// Dear steps are fewer, and what costs more than is left takes all.
+    #[test]
+    fn dear_steps_are_fewer() {
+        let budget = StepBudget::of_cost(usize::MAX);
+        assert!(budget.take_all(FEWEST_STEPS - 1));
+        assert!(!budget.take_all(2));
+        assert!(budget.is_spent());
+        budget.refill(|| 0.0);
+        assert_eq!(
+            (0..MOST_STEPS).filter(|_| budget.take()).count(),
+            FEWEST_OF_SAMPLE
+        );
     }
 
     /// A wall at 0.6: the steps get there to the smallest one, and the end is met exactly where there is none.

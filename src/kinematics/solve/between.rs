@@ -1,0 +1,169 @@
+//! Whether the Jacobian stays regular from one closed pose to the next. Two determinants of one sign do not say so: a drive
+//! may take two singular values through zero at once, and the branch is then another one behind.
+//!
+//! On the straight line from one Jacobian A to the other, B, no matrix is singular while ‖B − A‖ is less than the sum of
+//! their smallest singular values (Weyl), nor while the eigenvalues of E = 1 − B⁻¹A are small. Steps that pass neither test
+//! are halved; the Jacobians between two poses then lie near that line. It is a check of steps, no proof: tubes prove.
+
+use super::newton::Corrector;
+use crate::kinematics::structure::system::System;
+use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups, square_of_difference};
+
+/// Largest change of a Jacobian, as a share of the sum of the smallest singular values: what is left bounds how far the
+/// Jacobians between two poses may lie from the line.
+const SHARE_OF_SIGMAS: f64 = 0.5;
+
+/// Largest eigenvalue of E, likewise.
+const MOST_CHANGE: f64 = 0.8;
+
+/// Times that E is squared: the norm of a power bounds the eigenvalues better than that of E.
+const SQUARINGS: i32 = 3;
+
+/// From so many unknowns on a product of matrices costs more than the pose, and the largest eigenvalue is iterated.
+const LARGE: usize = 48;
+
+/// Iterations of the largest eigenvalue.
+const ITERATIONS: usize = 8;
+
+/// The Jacobians of the last pose on a path, with which those of the next one are compared.
+#[derive(Clone, Debug, Default)]
+pub struct KeptJacobians {
+    at: Vec<f64>,
+    blocks: Vec<Vec<f64>>,
+    change: Vec<Lanes>,
+    square: Vec<Lanes>,
+}
+
+impl KeptJacobians {
+    /// Keeps those at `coordinates`.
+    pub fn keep(&mut self, system: &System, corrector: &mut Corrector, coordinates: &[f64]) {
+        self.at.clear();
+        self.at.extend_from_slice(coordinates);
+        self.blocks.resize_with(system.blocks().len(), Vec::new);
+        let blocks = &mut self.blocks;
+        corrector.jacobians(system, coordinates, |index, jacobian| {
+            blocks[index].clear();
+            blocks[index].extend_from_slice(jacobian);
+        });
+    }
+
+    /// Whether no block becomes singular between two regular poses, whose smallest singular values have this sum.
+    pub fn stay_regular(
+        &mut self,
+        system: &System,
+        corrector: &mut Corrector,
+        [from, to]: [&[f64]; 2],
+        sigmas: f64,
+    ) -> bool {
+        if self.at != from {
+            self.keep(system, corrector, from);
+        }
+        corrector.prepare(system, to);
+        let most = SHARE_OF_SIGMAS * sigmas;
+        (0..self.blocks.len()).all(|index| {
+            let change = square_of_difference(corrector.jacobian(index), &self.blocks[index]);
+            change <= most * most || self.changes_little(index, corrector)
+        })
+    }
+
+    /// The second test. A pose without an inverse is known to be singular, and no step is to be judged by it.
+    fn changes_little(&mut self, index: usize, corrector: &Corrector) -> bool {
+        let Some(inverse) = corrector.inverse(index) else {
+            return true;
+        };
+        let before = &self.blocks[index];
+        let rows = inverse.rows().len();
+        let columns = before.len() / rows.max(1);
+        if columns >= LARGE {
+            return iterated(inverse, before, rows, columns) <= MOST_CHANGE;
+        }
+        let stride = groups(columns);
+        change_into(&mut self.change, inverse, before, rows);
+        for power in 0..=SQUARINGS {
+            let size = dot(&self.change, &self.change).sqrt();
+            if size <= MOST_CHANGE.powi(1 << power) {
+                return true;
+            }
+            self.square.resize(self.change.len(), [0.0; 4]);
+            let targets = self.square.chunks_exact_mut(stride.max(1));
+            for (target, column) in targets.zip(self.change.chunks_exact(stride.max(1))) {
+                combine(target, &column.as_flattened()[..columns], &self.change);
+            }
+            std::mem::swap(&mut self.square, &mut self.change);
+        }
+        false
+    }
+}
+
+impl Corrector {
+    /// The Jacobian of every block (column-major) at `coordinates`.
+    fn jacobians(
+        &mut self,
+        system: &System,
+        coordinates: &[f64],
+        mut each: impl FnMut(usize, &[f64]),
+    ) {
+        let mechanism = system.mechanism();
+        let blocks = system.blocks().iter().zip(&mut self.blocks);
+        for (index, (block, buffers)) in blocks.enumerate() {
+            buffers.evaluate(mechanism, block, coordinates);
+            each(index, &buffers.workspace.jacobian);
+        }
+    }
+
+    /// The Jacobian of a block at the last evaluation, column-major.
+    fn jacobian(&self, block: usize) -> &[f64] {
+        self.blocks
+            .get(block)
+            .map_or(&[], |buffers| &buffers.workspace.jacobian)
+    }
+}
+
+/// E, column by column.
+fn change_into(change: &mut Vec<Lanes>, inverse: &LaneMatrix, before: &[f64], rows: usize) {
+    let stride = inverse.stride();
+    let columns = before.chunks_exact(rows.max(1));
+    change.clear();
+    change.resize(columns.len() * stride, [0.0; 4]);
+    let targets = change.chunks_exact_mut(stride.max(1));
+    for (index, (target, column)) in targets.zip(columns).enumerate() {
+        combine(target, column, inverse.groups());
+        subtract_from_unit(target, index);
+    }
+}
+
+fn subtract_from_unit(column: &mut [Lanes], index: usize) {
+    for (k, value) in column.as_flattened_mut().iter_mut().enumerate() {
+        *value = f64::from(k == index) - *value;
+    }
+}
+
+/// Largest eigenvalue of E, by what its powers make of a vector without a pattern.
+fn iterated(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -> f64 {
+    let mut vector: Vec<f64> = (1..=columns).map(|k| (k as f64 * 2.4).sin()).collect();
+    let mut image = vec![[0.0; 4]; inverse.stride()];
+    let mut grown = 0.0;
+    for _ in 0..ITERATIONS {
+        let mut product = vec![0.0; rows];
+        for (column, factor) in before.chunks_exact(rows).zip(&vector) {
+            for (sum, entry) in product.iter_mut().zip(column) {
+                *sum += factor * entry;
+            }
+        }
+        combine(&mut image, &product, inverse.groups());
+        let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let next: Vec<f64> = vector
+            .iter()
+            .zip(image.as_flattened())
+            .map(|(v, i)| v - i)
+            .collect();
+        grown = size(&next) / size(&vector);
+        if grown == 0.0 || !grown.is_finite() {
+            break;
+        }
+        vector = next;
+        let scale = 1.0 / size(&vector);
+        vector.iter_mut().for_each(|v| *v *= scale);
+    }
+    grown
+}
