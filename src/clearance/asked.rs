@@ -9,8 +9,8 @@ use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
-/// Shapes that touch at a joint may come deeper into each other than at the first pose by this part of the pair's lengths:
-/// rounding of depths, which are found by a search.
+/// Shapes that touch at a joint may come deeper into each other than allowed by this part of the pair's lengths: rounding of
+/// depths, which are found by a search.
 const DEEPER: f64 = 1e-6;
 
 /// Bodies that are meant to touch may be this far apart or in each other at the sampled times, in mechanism sizes: far more
@@ -88,8 +88,8 @@ impl<'a> AskedPair<'a> {
         found
     }
 
-    /// What touches at a joint is left out as long as it comes no deeper into each other than it is at the first pose: each
-    /// pair of parts for itself.
+    /// What touches at a joint is left out as long as it does not come much deeper into each other than it is at the first
+    /// pose: each pair of parts for itself.
     fn look_at_joint(
         &self,
         motion: &mut Motion,
@@ -111,7 +111,7 @@ impl<'a> AskedPair<'a> {
             let Some(least) = only.searched(motion) else {
                 continue;
             };
-            let allowed = assembled.distance;
+            let allowed = assembled.distance.min(0.0) - region.growth(*pair);
             let is_deeper = least.distance < allowed - DEEPER * only.extent();
             let minimum = if is_deeper { allowed } else { self.minimum() };
             let word = if is_deeper {

@@ -52,10 +52,20 @@ pub fn check(
     closely: Closely,
     progress: &dyn Fn(usize, usize),
 ) -> ClearanceReport {
-    let mechanism = system.mechanism();
     // Proving the motion and sorting the triangles of meshes may take a while.
     progress(0, 1);
-    let mut motion = Motion::new(system, actuation, trajectory);
+    let motion = Motion::new(system, actuation, trajectory);
+    check_over(motion, rules, closely, progress)
+}
+
+/// The same over a motion that is covered already.
+pub(super) fn check_over(
+    mut motion: Motion,
+    rules: &ClearanceRules,
+    closely: Closely,
+    progress: &dyn Fn(usize, usize),
+) -> ClearanceReport {
+    let mechanism = motion.system.mechanism();
     let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
     // Of several patterns the first one counts.
     let ignored = rules.ignored.iter().rev();

@@ -12,6 +12,10 @@ use glam::DVec3;
 /// the angle between them is below 29 degrees.
 const REACH: f64 = 2.0;
 
+/// Shapes that are not held near their joint, as plates and rings are not, may come deeper into each other than at the first
+/// pose by this part of the thinner one: the least way that parts two shapes changes as they turn.
+const GROWTH: f64 = 0.5;
+
 /// Shapes shorter than this many thicknesses are not cut.
 const LONG: f64 = 2.0;
 
@@ -171,6 +175,9 @@ pub struct JointRegion {
     pub hulls: [Hull; 2],
     /// Parts that touch at the joint.
     pub touching: Vec<[usize; 2]>,
+    /// How far it reaches from the joint, and where that is as either body sees it.
+    reach: f64,
+    places: [Place; 2],
 }
 
 impl JointRegion {
@@ -197,6 +204,23 @@ impl JointRegion {
         Self {
             hulls: hulls.map(Clone::clone),
             touching: touching.to_vec(),
+            reach: 0.0,
+            places: places.clone(),
+        }
+    }
+
+    /// By how much two parts that touch may come deeper into each other than at the first pose: as they like if one of them
+    /// has no points far from the joint, else by half the thickness of the thinner one.
+    pub fn growth(&self, pair: [usize; 2]) -> f64 {
+        let elements = [0, 1].map(|k: usize| &self.hulls[k].elements[pair[k]]);
+        let is_held = |side: usize| {
+            let (center, radius) = elements[side].bounds();
+            let place = &self.places[side];
+            !matches!(place, Place::Anywhere) && place.is_near(center, 2.0 * self.reach - radius)
+        };
+        match is_held(0) || is_held(1) {
+            true => f64::INFINITY,
+            false => GROWTH * thickness(elements[0]).min(thickness(elements[1])),
         }
     }
 
@@ -225,18 +249,20 @@ impl JointRegion {
                 },
             ],
             touching: touching.to_vec(),
+            reach,
+            places: places.clone(),
         }
     }
 }
 
 /// The largest sum of thicknesses of two shapes that touch.
 fn thickest(hulls: [&Hull; 2], touching: &[[usize; 2]]) -> f64 {
-    let thickness = |side: usize, k: usize| {
-        let element = &hulls[side].elements[k];
-        Spine::of(element).map_or_else(|| element.bounds().1, |spine| spine.thickness)
-    };
-    let both = touching
-        .iter()
-        .map(|[i, j]| thickness(0, *i) + thickness(1, *j));
+    let of = |side: usize, k: usize| thickness(&hulls[side].elements[k]);
+    let both = touching.iter().map(|[i, j]| of(0, *i) + of(1, *j));
     both.fold(0.0, f64::max)
+}
+
+/// How thick an element is: half across what is long, half of anything else.
+fn thickness(element: &Element) -> f64 {
+    Spine::of(element).map_or_else(|| element.bounds().1, |spine| spine.thickness)
 }

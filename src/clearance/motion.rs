@@ -23,6 +23,9 @@ const FLOOR: f64 = 1.0 / 1024.0;
 /// Most stretches of one motion, ...
 const MAX_STRETCHES: usize = 60_000;
 
+/// ... of one with play, which shorter stretches do not take away, ...
+const STRETCHES_WITH_PLAY: usize = 1_000;
+
 /// ... and most arguments of joints in all of them together (about 100 MB); bounds are as good as they are by then.
 const MAX_ARGUMENTS: usize = 1_200_000;
 
@@ -86,7 +89,7 @@ fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
 pub struct Motion<'m> {
     /// Whose motion.
     pub system: &'m System,
-    actuation: &'m Actuation,
+    actuation: Actuation,
     solver: PoseSolver<'m>,
     prover: Prover<'m>,
     /// All poses solved.
@@ -101,6 +104,8 @@ pub struct Motion<'m> {
     pub gaps: Vec<[f64; 2]>,
     /// No unknown of a sample is farther from the exact pose: lengths as they are, angles times the size.
     pub pose_error: f64,
+    /// More stretches are not made.
+    most_stretches: usize,
     /// Poses with which a part of the motion begins that is not known to be joined to the one before.
     anew: HashSet<usize>,
 }
@@ -108,13 +113,30 @@ pub struct Motion<'m> {
 impl<'m> Motion<'m> {
     /// Covers a motion with stretches. Poses without a certificate are not as near to the motion as its tubes ask for,
     /// which then take much longer to prove.
-    pub fn new(system: &'m System, actuation: &'m Actuation, trajectory: &Trajectory) -> Self {
+    pub fn new(system: &'m System, actuation: &Actuation, trajectory: &Trajectory) -> Self {
+        Self::with_play(system, actuation, trajectory, Vec::new())
+    }
+
+    /// The same where every input may be as far as its play from its drive at every instant: what is proved holds for all of
+    /// these motions. The poses are those of the drive. No play is none for all.
+    pub fn with_play(
+        system: &'m System,
+        actuation: &Actuation,
+        trajectory: &Trajectory,
+        play: Vec<f64>,
+    ) -> Self {
         let mechanism = system.mechanism();
+        let has_play = play.iter().any(|play| *play > 0.0);
         let mut motion = Self {
             system,
-            actuation,
+            actuation: actuation.clone(),
             solver: PoseSolver::new(system),
-            prover: Prover::new(system, actuation).up_to_jumps(),
+            most_stretches: if has_play {
+                STRETCHES_WITH_PLAY
+            } else {
+                MAX_STRETCHES
+            },
+            prover: Prover::new(system, actuation).up_to_jumps().with_play(play),
             instants: Vec::new(),
             samples: Vec::new(),
             stretches: Vec::new(),
@@ -360,7 +382,7 @@ impl<'m> Motion<'m> {
 
     fn halve(&mut self, stretch: usize) -> Option<usize> {
         let arguments = self.stretches[stretch].arguments.len();
-        let most = (MAX_ARGUMENTS / arguments.max(1)).min(MAX_STRETCHES);
+        let most = (MAX_ARGUMENTS / arguments.max(1)).min(self.most_stretches);
         if self.stretches.len() >= most {
             return None;
         }

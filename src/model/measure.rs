@@ -74,6 +74,11 @@ impl Taking {
         ("bow", Self::Bow),
     ];
 
+    /// Whether only the first and the last pose count.
+    pub const fn is_of_ends(self) -> bool {
+        matches!(self, Self::First | Self::Last | Self::Change | Self::Chord)
+    }
+
     /// How many values a pose gives: a path has two coordinates.
     pub const fn width(self) -> usize {
         match self {

@@ -8,7 +8,7 @@ use crate::kinematics::measures::{formula_value, measure};
 use crate::kinematics::motion::sampling::only;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
-use crate::model::measure::{Measure, MeasureSource, Taking};
+use crate::model::measure::{Measure, MeasureSource};
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
@@ -18,10 +18,10 @@ pub struct Measured<'m> {
     value: Option<f64>,
     factor: f64,
     unit: &'m str,
+    /// How many poses it was taken at.
+    poses: usize,
     /// What is known between the samples, too.
     known: Option<Known>,
-    /// Samples of the drive that it was taken at.
-    samples: usize,
 }
 
 /// Takes the measures of a motion that is to be judged, whose samples at `times` were asked for: least and greatest values are
@@ -70,8 +70,11 @@ pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> V
         value,
         factor: mechanism.file_units(measure.kind),
         unit: mechanism.unit_name(measure.kind),
+        poses: match &measure.source {
+            MeasureSource::Over { track: Some(k), .. } => scene.measures.tracks[*k].samples,
+            _ => trajectory.samples.len(),
+        },
         known: None,
-        samples: trajectory.samples.len(),
     });
     list.collect()
 }
@@ -136,19 +139,21 @@ impl Measured<'_> {
         })
     }
 
+    /// At which poses a measure was taken: what lies between them is not looked at.
+    fn where_taken(&self) -> String {
+        let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
+        match &self.measure.source {
+            MeasureSource::Over { taking, .. } if is_limited && !taking.is_of_ends() => {
+                format!(" at {} poses", self.poses)
+            }
+            _ => String::new(),
+        }
+    }
+
     /// What it is taken over.
     fn over(&self) -> String {
         let Some(known) = self.known else {
-            return match &self.measure.source {
-                MeasureSource::Over {
-                    track: None,
-                    taking,
-                    ..
-                } if !matches!(taking, Taking::First | Taking::Last | Taking::Change) => {
-                    format!(", at {} samples", self.samples)
-                }
-                _ => String::new(),
-            };
+            return self.where_taken();
         };
         let time = known.time.map(|time| format!("t = {time:.6} s"));
         if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {

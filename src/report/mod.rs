@@ -9,6 +9,7 @@ pub mod closure;
 pub mod enclosure;
 pub mod events;
 pub mod freedoms;
+pub mod inputs_box;
 pub mod iterates;
 pub mod junit;
 pub mod measures;

@@ -16,6 +16,9 @@ use std::ops::Range;
 /// machine of a metre, which neither a printer nor a viewer shows.
 const FACET_ERROR: f64 = 1e-4;
 
+/// sRGB colour of a mesh that is no body's.
+const SURFACE: [u8; 3] = [150, 170, 190];
+
 /// Metres in the units of length that have a name of their own.
 const METRES: [(&str, f64); 8] = [
     ("um", 1e-6),
@@ -50,18 +53,45 @@ pub fn of_motion(
             poses: poses.collect(),
         }
     });
-    let unit = METRES
-        .iter()
-        .find(|(name, _)| *name == mechanism.length_unit);
     Model {
         title: mechanism.title.clone(),
         upright: upright(scene.view.up),
-        metres: unit.map_or(1.0, |(_, metres)| *metres),
+        metres: metres(mechanism),
         times: keys.iter().map(|key| key.time).collect(),
         bodies: bodies.collect(),
         traces: traces(mechanism, trajectory),
         camera: camera.map(|(camera, aspect)| of_camera(&camera, aspect)),
     }
+}
+
+/// One mesh in the world of a scene.
+pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> Model {
+    let part = ModelPart {
+        mesh,
+        colour: SURFACE,
+        opacity: 1.0,
+    };
+    let body = ModelBody {
+        name: name.to_owned(),
+        parts: vec![part],
+        poses: vec![Pose::IDENTITY],
+    };
+    Model {
+        title: scene.mechanism.title.clone(),
+        upright: upright(scene.view.up),
+        metres: metres(&scene.mechanism),
+        times: vec![0.0],
+        bodies: vec![body],
+        traces: Vec::new(),
+        camera: None,
+    }
+}
+
+/// Metres in a mechanism's unit of length; 1 where that is not known.
+fn metres(mechanism: &Mechanism) -> f64 {
+    let mut units = METRES.iter();
+    let unit = units.find(|(name, _)| *name == mechanism.length_unit);
+    unit.map_or(1.0, |(_, metres)| *metres)
 }
 
 /// A time, and the sample whose pose is shown at it.

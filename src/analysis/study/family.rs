@@ -1,5 +1,6 @@
 //! A mechanism with variables, and its poses along the tracks of its study.
 
+use super::reshaped::{self, Reading};
 use crate::diag::{SceneError, Source};
 use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::motion::continuation::{solve, solve_whole};
@@ -12,7 +13,7 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::study::Study;
+use crate::model::study::{Study, Variable};
 use crate::scene::{Kept, Overrides, load};
 use glam::DVec3;
 use std::sync::Arc;
@@ -132,6 +133,7 @@ impl Family {
         names: Vec<String>,
         size: f64,
     ) -> Result<Self, FamilyError> {
+        let plain = overrides.clone();
         let overrides = Overrides {
             vary: names,
             // Fixed offsets become joints of this mechanism; its residuals keep their scale.
@@ -139,12 +141,22 @@ impl Family {
             ..overrides.clone()
         };
         let scene = load(source, &overrides).map_err(Box::new)?;
-        let system = System::new(scene.mechanism, &scene.actuation)?;
-        let mut measures = scene.measures;
         let mut study = scene.study.unwrap_or_default();
         if overrides.vary.is_empty() {
             study.variables.clear();
         }
+        let mut mechanism = scene.mechanism;
+        let own = Arc::make_mut(&mut mechanism);
+        let unit = |v: &Variable| (v.clone(), own.file_units(v.kind));
+        let reading = Reading {
+            source: source.clone(),
+            overrides: plain,
+            first: own.coordinate_count() - study.variables.len(),
+            variables: study.variables.iter().map(unit).collect(),
+        };
+        reshaped::follow(own, &reading);
+        let system = System::new(mechanism, &scene.actuation)?;
+        let mut measures = scene.measures;
         for (index, [min, max]) in &study.limits {
             let measure = &mut measures.list[*index];
             measure.min = min.or(measure.min);

@@ -6,6 +6,7 @@ mod gradient;
 mod measure;
 pub mod optimum;
 mod peaks;
+mod reshaped;
 mod rows;
 mod search;
 mod slopes;

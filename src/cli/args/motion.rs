@@ -111,6 +111,10 @@ pub struct CheckArgs {
     /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
     #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = assignment)]
     pub pose: Vec<(String, String)>,
+    /// Judge the clearances over a range of this input, or with a second one over the box of both, in place of the motion:
+    /// proved for all values at once, or with the part of the box named that is not.
+    #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
+    pub inputs_box: Vec<(String, [f64; 2])>,
     /// Largest closure error that passes, relative to the mechanism's size.
     #[arg(long, value_name = "E", default_value_t = 1e-9)]
     pub closure: f64,
@@ -143,6 +147,19 @@ pub struct CheckArgs {
     /// minimum, not proved, near, clear, excluded.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub matrix: Option<PathBuf>,
+    /// Write a closed mesh around everything that the body of --body sweeps over the motion to this file (.stl, .obj or .glb).
+    /// How far it is from that at most is printed.
+    #[arg(long, value_name = "FILE", conflicts_with = "pose", requires = "body")]
+    pub swept: Option<PathBuf>,
+    /// The body of --swept.
+    #[arg(long, value_name = "NAME", requires = "swept")]
+    pub body: Option<String>,
+    /// What --swept writes is seen from this body, not from the world.
+    #[arg(long, value_name = "NAME", requires = "swept")]
+    pub relative_to: Option<String>,
+    /// Cells along the longest side of what --swept writes: the more, the nearer.
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024))]
+    pub cells: u32,
     /// Pairs within this length of their minimum are near; within the minimum once more if absent.
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     pub band: Option<f64>,
@@ -224,6 +241,18 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
         _ => Err("between 1e-9 and 1".to_owned()),
     }
+}
+
+fn range(text: &str) -> Result<(String, [f64; 2]), String> {
+    let wanted = || "INPUT=LOW:HIGH, as in phi=0:90".to_owned();
+    let (name, range) = text.split_once('=').ok_or_else(wanted)?;
+    let (low, high) = range.split_once(':').ok_or_else(wanted)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    let ends = number(low)
+        .zip(number(high))
+        .filter(|(low, high)| low < high);
+    let (low, high) = ends.ok_or_else(wanted)?;
+    Ok((name.trim().to_owned(), [low, high]))
 }
 
 fn length(text: &str) -> Result<f64, String> {

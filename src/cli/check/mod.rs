@@ -3,8 +3,10 @@
 
 mod answer;
 mod clearance;
+mod inputs_box;
 mod motion;
 mod pose;
+mod swept;
 
 use super::args::motion::CheckArgs;
 use super::open::scene as open_scene;
@@ -40,6 +42,7 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
             Answer::closes_nowhere(&args.scene.scene, failure)
         }
         Err(failure) => return Err(failure),
+        Ok(opened) if !args.inputs_box.is_empty() => inputs_box::check(args, &opened)?,
         Ok(opened) if args.pose.is_empty() => motion::check(args, &opened, term)?,
         Ok(opened) => pose::check(args, &opened.scene)?,
     };

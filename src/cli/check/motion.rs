@@ -1,7 +1,7 @@
 //! The check of a whole motion.
 
 use super::answer::Answer;
-use super::clearance;
+use super::{clearance, swept};
 use crate::cli::args::motion::{CertifyArg, CheckArgs};
 use crate::cli::motion::{certify, event_messages};
 use crate::cli::open::inputs_table;
@@ -28,7 +28,11 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
     clearance::refuse_without_rules(args, scene)?;
     // Tubes, which clearances are bounded by, join certified poses.
     let needed = match args.certify {
-        CertifyArg::None if scene.clearance.is_some() || measures::needs_certified_poses(scene) => {
+        CertifyArg::None
+            if scene.clearance.is_some()
+                || args.swept.is_some()
+                || measures::needs_certified_poses(scene) =>
+        {
             CertifyArg::Pose
         }
         asked => asked,
@@ -42,6 +46,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
     }
     let measured = measures::take_whole(system, scene, &trajectory, &times, args.tolerance);
     let clearances = clearance::run(args, opened, &trajectory, term)?;
+    swept::write(args, opened, &trajectory, term)?;
     let asked = Asked {
         closure: args.closure,
         poses: args.certify != CertifyArg::None,

@@ -1,5 +1,6 @@
 //! Parameters that a study varies: they become inputs of the mechanism, so that everything that is known about
-//! inputs (sensitivities through the loops above all) holds for them. Shapes and the view keep the file's values.
+//! inputs (sensitivities through the loops above all) holds for them. Shapes and the view keep the file's values; distances of bodies
+//! read them anew (`analysis/study/reshaped`).
 
 use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;

@@ -52,6 +52,17 @@ impl InputPath {
             .all(|series| series.is_finite())
     }
 
+    /// With every input as far as its play from its drive; as they are if there is none.
+    pub fn widened(mut self, play: &[f64]) -> Self {
+        for (k, play) in play.iter().enumerate() {
+            let play = Interval::around_zero(*play);
+            for series in &mut self.inputs {
+                series[k] = series[k] + Enclosure::constant(play);
+            }
+        }
+        self
+    }
+
     /// Widens input `k` until its value at `time` holds all that are no farther from `value` than `open`; returns by how much.
     pub fn admit(&mut self, k: usize, time: f64, value: f64, open: f64) -> f64 {
         let here = self.at(k, time);

@@ -40,7 +40,7 @@ const STEPS_TO_JUMP: u32 = 8;
 #[derive(Debug)]
 pub struct Prover<'m> {
     pub(super) system: &'m System,
-    pub(super) actuation: &'m Actuation,
+    pub(super) actuation: Actuation,
     blocks: Blocks<'m>,
     pub(super) solver: PoseSolver<'m>,
     /// All rows of every block; `None` if a block has more of them than unknowns.
@@ -49,15 +49,17 @@ pub struct Prover<'m> {
     digits: Option<PoseProver<'m>>,
     /// An interval may end where the drive jumps; it is then proved up to the jump.
     may_jump: bool,
+    /// How far every input may be from its drive; not at all if there is none.
+    play: Vec<f64>,
 }
 
 impl<'m> Prover<'m> {
     /// Prepares the proofs.
-    pub fn new(system: &'m System, actuation: &'m Actuation) -> Self {
+    pub fn new(system: &'m System, actuation: &Actuation) -> Self {
         let is_square = |block: &Block| block.rows() == block.unknowns.len();
         Self {
             system,
-            actuation,
+            actuation: actuation.clone(),
             blocks: Blocks::new(system),
             solver: PoseSolver::new(system),
             all_rows: (system.blocks().iter()).all(is_square).then(|| {
@@ -66,7 +68,14 @@ impl<'m> Prover<'m> {
             }),
             digits: (redundant(system) > 0).then(|| PoseProver::new(system)),
             may_jump: false,
+            play: Vec::new(),
         }
+    }
+
+    /// Lets every input be as far as its play from its drive at every instant: what is proved holds for all of them.
+    pub fn with_play(mut self, play: Vec<f64>) -> Self {
+        self.play = play;
+        self
     }
 
     /// Lets intervals end where the drive jumps: they are proved up to there, and the sample after it is not joined.
@@ -119,7 +128,8 @@ impl<'m> Prover<'m> {
     pub fn halves(&mut self, tube: &Tube) -> Option<[Tube; 2]> {
         let middle = 0.5 * tube.start + 0.5 * tube.end;
         let mut part = |start: f64, end: f64| {
-            let inputs = InputPath::new(self.actuation, Stretch::new(start, end));
+            let inputs =
+                InputPath::new(&self.actuation, Stretch::new(start, end)).widened(&self.play);
             let path = inputs.with(tube.path.part(
                 self.system.mechanism().unknowns.len(),
                 start,
@@ -223,7 +233,7 @@ impl<'m> Prover<'m> {
     fn before_a_jump(&mut self, here: &Place, last: Place) -> Place {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.last().copied().unwrap_or(here.time);
-        let inputs = InputPath::new(self.actuation, Stretch::new(from, last.time));
+        let inputs = InputPath::new(&self.actuation, Stretch::new(from, last.time));
         let values = last.sample.iter().flat_map(|(values, _)| values);
         let limit = |k: usize| inputs.at(k, last.time).middle();
         let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
@@ -266,7 +276,8 @@ impl<'m> Prover<'m> {
         next: &Place,
         before: Option<&Tube>,
     ) -> Result<Tube, Obstacle> {
-        let mut inputs = InputPath::new(self.actuation, Stretch::new(here.time, next.time));
+        let mut inputs = InputPath::new(&self.actuation, Stretch::new(here.time, next.time));
+        inputs = inputs.widened(&self.play);
         if !inputs.is_finite() {
             return Err(Obstacle::Drive);
         }

@@ -1,0 +1,131 @@
+//! Solids whose shapes depend on what a study varies: the scene is read again with other values, so that distances of bodies
+//! follow their dimensions as well as their places.
+
+use crate::diag::Source;
+use crate::distance::solids::Rigid;
+use crate::math::Pose;
+use crate::model::distance::{Nearest, Solids};
+use crate::model::mechanism::{Body, Mechanism, OutputSource};
+use crate::model::study::Variable;
+use crate::scene::{Overrides, load};
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A value is changed by this part of itself, or of one, to see whether a shape depends on it.
+const LOOK: f64 = 1e-4;
+
+/// Shapes that are kept; a gradient needs two a variable.
+const KEPT: usize = 64;
+
+/// The scene of a study, as it is read with other values.
+#[derive(Clone, Debug)]
+pub(super) struct Reading {
+    pub(super) source: Source,
+    /// Without what is varied.
+    pub(super) overrides: Overrides,
+    /// What is varied, and from internal values to the file's.
+    pub(super) variables: Vec<(Variable, f64)>,
+    /// The coordinate of the first of them; the others follow.
+    pub(super) first: usize,
+}
+
+impl Reading {
+    fn bodies(&self, values: &[f64]) -> Option<Vec<Body>> {
+        let mut overrides = self.overrides.clone();
+        for ((variable, unit), value) in self.variables.iter().zip(values) {
+            overrides
+                .parameters
+                .retain(|(name, _)| *name != variable.name);
+            let text = format!("{:?}", value * unit);
+            overrides.parameters.push((variable.name.clone(), text));
+        }
+        let scene = load(&self.source, &overrides).ok()?;
+        Some(scene.mechanism.bodies.clone())
+    }
+}
+
+/// Makes the distances of a mechanism follow the shapes of its bodies.
+pub(super) fn follow(mechanism: &mut Mechanism, reading: &Reading) {
+    let starts: Vec<f64> = reading.variables.iter().map(|(v, _)| v.start).collect();
+    let asks = |source: &OutputSource| matches!(source, OutputSource::Distance(_));
+    if !mechanism.outputs.iter().any(|output| asks(&output.source)) {
+        return;
+    }
+    let changed: Vec<Option<Vec<Body>>> = (0..starts.len())
+        .map(|k| {
+            let mut moved = starts.clone();
+            moved[k] += LOOK * moved[k].abs().max(1.0);
+            reading.bodies(&moved)
+        })
+        .collect();
+    let bodies = &mechanism.bodies;
+    for output in &mut mechanism.outputs {
+        let OutputSource::Distance(distance) = &mut output.source else {
+            continue;
+        };
+        for gap in &mut distance.gaps {
+            // What cannot be read there may depend on it.
+            let depends = |other: &Option<Vec<Body>>| {
+                let differs = |all: &Vec<Body>, k: usize| all[k].shapes != bodies[k].shapes;
+                other
+                    .as_ref()
+                    .is_none_or(|all| gap.bodies.iter().any(|k| differs(all, *k)))
+            };
+            let shaped_by: Vec<usize> = (0..starts.len())
+                .filter(|k| depends(&changed[*k]))
+                .map(|k| reading.first + k)
+                .collect();
+            if !shaped_by.is_empty() {
+                gap.solids = Arc::new(Reshaped {
+                    reading: reading.clone(),
+                    bodies: gap.bodies,
+                    shapes: gap.shapes.clone(),
+                    shaped_by,
+                    known: Mutex::default(),
+                });
+            }
+        }
+    }
+}
+
+/// Values, and the solids with them; none where the scene cannot be read.
+type Known = (Vec<f64>, Option<Arc<Rigid>>);
+
+/// Two bodies whose shapes follow the variables.
+#[derive(Debug)]
+struct Reshaped {
+    reading: Reading,
+    bodies: [usize; 2],
+    shapes: Vec<[usize; 2]>,
+    shaped_by: Vec<usize>,
+    known: Mutex<VecDeque<Known>>,
+}
+
+impl Reshaped {
+    fn solids(&self, values: &[f64]) -> Option<Arc<Rigid>> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, solids)) = known.iter().find(|(other, _)| other == values) {
+            return solids.clone();
+        }
+        let bodies = self.reading.bodies(values);
+        let rigid = bodies.and_then(|all| Rigid::new(self.bodies.map(|k| &all[k]), &self.shapes));
+        let solids = rigid.map(Arc::new);
+        if known.len() == KEPT {
+            known.pop_front();
+        }
+        known.push_back((values.to_vec(), solids.clone()));
+        solids
+    }
+}
+
+impl Solids for Reshaped {
+    fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest> {
+        let first = self.reading.first;
+        let values = &coordinates[first..first + self.reading.variables.len()];
+        self.solids(values)?.nearest(coordinates, first_from_second)
+    }
+
+    fn shaped_by(&self) -> &[usize] {
+        &self.shaped_by
+    }
+}

@@ -1,0 +1,242 @@
+//! Clearances over a box of inputs: every pair at all values of two of them, not along one motion.
+//!
+//! The box is cut into strips across the second input. Along a strip the first input goes from end to end, and the second
+//! one may be anywhere in the strip at every instant: the proofs of the motion take its play in, and so all that rests on
+//! them. Strips that leave a pair open are halved.
+
+use super::check::{Closely, Judgement, PairReport, check_over};
+use super::motion::Motion;
+use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::clearance::ClearanceRules;
+
+/// Strips to begin with.
+const STRIPS: usize = 4;
+
+/// How often a strip is halved.
+const HALVINGS: u32 = 7;
+
+/// Most strips that are looked at; what is open then is named.
+const MOST_STRIPS: usize = 600;
+
+/// Samples along a strip.
+const SAMPLES: usize = 41;
+
+/// A range of an input in internal units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side {
+    /// Which input.
+    pub input: usize,
+    /// Lowest and highest value.
+    pub range: [f64; 2],
+}
+
+/// A pair of bodies over the box.
+#[derive(Clone, Debug)]
+pub struct BoxPair {
+    /// Indices of the bodies, ascending.
+    pub pair: [usize; 2],
+    /// Least distance that passes.
+    pub minimum: f64,
+    /// Least distance found, ...
+    pub distance: f64,
+    /// ... and the inputs there.
+    pub inputs: Vec<f64>,
+    /// Over all of the box but what is not covered it never is below this.
+    pub bound: f64,
+    /// A pose of the box breaks the minimum.
+    pub is_broken: bool,
+    /// Parts of the box, a range for each side, over which the minimum is not proved.
+    pub uncovered: Vec<[[f64; 2]; 2]>,
+}
+
+/// What was found over a box.
+#[derive(Clone, Debug, Default)]
+pub struct BoxReport {
+    /// The judged pairs.
+    pub pairs: Vec<BoxPair>,
+    /// Parts of the box to which no motion leads, or along which none could be followed.
+    pub unreached: Vec<[[f64; 2]; 2]>,
+    /// How many strips were looked at.
+    pub strips: usize,
+}
+
+/// A part of the box: a range of the second input, and the pairs that are open there; all at first.
+struct Strip {
+    range: [f64; 2],
+    halvings: u32,
+    open: Option<Vec<[usize; 2]>>,
+}
+
+/// Checks all pairs over the box of one or two inputs; the others rest where the drives begin.
+pub fn check_box(
+    system: &System,
+    actuation: &Actuation,
+    rules: &ClearanceRules,
+    sides: [Side; 2],
+    tolerance: f64,
+) -> BoxReport {
+    let [low, high] = sides[1].range;
+    let edge = |k: usize| low + (high - low) * k as f64 / STRIPS as f64;
+    // A second side without extent is one strip.
+    let count = if low == high { 1 } else { STRIPS };
+    let first = (0..count).map(|k| Strip {
+        range: if count == 1 {
+            [low, high]
+        } else {
+            [edge(k), edge(k + 1)]
+        },
+        halvings: 0,
+        open: None,
+    });
+    let mut waiting: Vec<Strip> = first.collect();
+    let mut report = BoxReport::default();
+    while let Some(strip) = waiting.pop() {
+        report.strips += 1;
+        let is_last = report.strips + waiting.len() >= MOST_STRIPS
+            || strip.halvings >= HALVINGS
+            || low == high;
+        let open = look(
+            system,
+            actuation,
+            (rules, tolerance),
+            sides,
+            &strip,
+            is_last,
+            &mut report,
+        );
+        if let Some(open) = open {
+            let middle = 0.5 * (strip.range[0] + strip.range[1]);
+            let halves = [[strip.range[0], middle], [middle, strip.range[1]]];
+            waiting.extend(halves.map(|range| Strip {
+                range,
+                halvings: strip.halvings + 1,
+                open: Some(open.clone()),
+            }));
+        }
+    }
+    report
+}
+
+/// Looks at one strip; the pairs for which it is to be halved, if that is so.
+fn look(
+    system: &System,
+    actuation: &Actuation,
+    (rules, tolerance): (&ClearanceRules, f64),
+    sides: [Side; 2],
+    strip: &Strip,
+    is_last: bool,
+    report: &mut BoxReport,
+) -> Option<Vec<[usize; 2]>> {
+    let whole = [sides[0].range, strip.range];
+    let Some((along, motion)) = motion_along(system, actuation, sides, strip.range) else {
+        if is_last {
+            report.unreached.push(whole);
+            return None;
+        }
+        return Some(strip.open.clone().unwrap_or_default());
+    };
+    let gaps = motion.gaps.clone();
+    let closely = Closely {
+        pairs: usize::MAX,
+        ..Closely::to(tolerance)
+    };
+    let found = check_over(motion, rules, closely, &|_, _| {});
+    // Empty after a strip that was not reached: all pairs then.
+    let wanted = strip.open.as_ref().filter(|open| !open.is_empty());
+    let mut open = Vec::new();
+    for pair in &found.judged {
+        if wanted.is_some_and(|wanted| !wanted.contains(&pair.pair)) {
+            continue;
+        }
+        let is_open = !matches!(pair.judgement, Judgement::Passed | Judgement::Failed);
+        let known = report.note(pair, &along);
+        if pair.judgement == Judgement::Failed {
+            known.is_broken = true;
+        } else if is_open && is_last {
+            known.uncovered.push(whole);
+        } else if is_open && !known.is_broken {
+            open.push(pair.pair);
+        } else {
+            known.bound = known.bound.min(pair.least.bound);
+        }
+    }
+    if is_last {
+        let value = |time: f64| along.inputs_at(time)[sides[0].input];
+        let missing = gaps.iter().map(|gap| [gap.map(value), strip.range]);
+        report.unreached.extend(missing);
+        return None;
+    }
+    (!open.is_empty() || !gaps.is_empty()).then_some(open)
+}
+
+impl BoxReport {
+    /// Every pair keeps its minimum, proved over the whole box.
+    pub fn is_kept(&self) -> bool {
+        let kept = |pair: &BoxPair| !pair.is_broken && pair.uncovered.is_empty();
+        self.unreached.is_empty() && self.pairs.iter().all(kept)
+    }
+
+    /// Takes in what a strip says of a pair.
+    fn note(&mut self, pair: &PairReport, along: &Actuation) -> &mut BoxPair {
+        let known = self.pairs.iter().position(|known| known.pair == pair.pair);
+        let index = known.unwrap_or_else(|| {
+            self.pairs.push(BoxPair {
+                pair: pair.pair,
+                minimum: pair.minimum,
+                distance: f64::INFINITY,
+                inputs: Vec::new(),
+                bound: f64::INFINITY,
+                is_broken: false,
+                uncovered: Vec::new(),
+            });
+            self.pairs.len() - 1
+        });
+        let known = &mut self.pairs[index];
+        if pair.least.distance < known.distance {
+            known.distance = pair.least.distance;
+            known.inputs = along.inputs_at(pair.least.time);
+        }
+        known
+    }
+}
+
+/// The motion along the middle of a strip, with the strip's width as play of the second input. The strip's beginning is
+/// reached straight from where the drives begin.
+fn motion_along<'m>(
+    system: &'m System,
+    actuation: &Actuation,
+    sides: [Side; 2],
+    range: [f64; 2],
+) -> Option<(Actuation, Motion<'m>)> {
+    let middle = 0.5 * (range[0] + range[1]);
+    let start = actuation.inputs_at(0.0);
+    let mut from = start.clone();
+    from[sides[1].input] = middle;
+    from[sides[0].input] = sides[0].range[0];
+    let mut to = from.clone();
+    to[sides[0].input] = sides[0].range[1];
+    let first = solve(system, actuation, &[0.0])
+        .samples
+        .into_iter()
+        .next()?
+        .pose?;
+    let way = Actuation::straight(&start, &from, first.unknowns);
+    let reached = solve(system, &way, &[0.0, 1.0])
+        .samples
+        .into_iter()
+        .nth(1)?
+        .pose?;
+    let along = Actuation::straight(&from, &to, reached.unknowns);
+    let times: Vec<f64> = (0..SAMPLES)
+        .map(|k| k as f64 / (SAMPLES - 1) as f64)
+        .collect();
+    let trajectory = solve(system, &along, &times);
+    let mut play = vec![0.0; start.len()];
+    if sides[0].input != sides[1].input {
+        play[sides[1].input] = 0.5 * (range[1] - range[0]) * (1.0 + 1e-12);
+    }
+    let motion = Motion::with_play(system, &along, &trajectory, play);
+    Some((along, motion))
+}

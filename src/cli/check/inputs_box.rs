@@ -1,0 +1,85 @@
+//! `mechanim check --inputs-box`: every pair over a box of inputs in place of a motion.
+
+use super::answer::Answer;
+use crate::clearance::inputs_box::{Side, check_box};
+use crate::cli::args::motion::CheckArgs;
+use crate::cli::open::scene::OpenScene;
+use crate::cli::term::outcome::Failure;
+use crate::report::inputs_box::{cases, to_json};
+use crate::report::verdict::Verdict;
+use serde_json::json;
+
+/// Asks whether all pairs of bodies keep their minimum over the box.
+pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
+    let OpenScene { scene, system } = opened;
+    let mechanism = &scene.mechanism;
+    let Some(rules) = &scene.clearance else {
+        return Err(Failure::usage(
+            "--inputs-box reports clearances, and the scene asks for none",
+            vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
+        ));
+    };
+    let sides: Vec<Side> = args
+        .inputs_box
+        .iter()
+        .map(|(name, range)| side(opened, name, *range))
+        .collect::<Result<_, _>>()?;
+    let sides = match sides.as_slice() {
+        [only] => [*only; 2],
+        [first, second] if first.input != second.input => [*first, *second],
+        _ => {
+            let message = "--inputs-box takes one or two different inputs";
+            return Err(Failure::usage(message, Vec::new()));
+        }
+    };
+    // Of one input the second side has no extent.
+    let sides = match args.inputs_box.len() {
+        1 => [
+            sides[0],
+            Side {
+                range: [sides[0].range[0]; 2],
+                ..sides[0]
+            },
+        ],
+        _ => sides,
+    };
+    let report = check_box(system, &scene.actuation, rules, sides, args.tolerance);
+    let verdict = Verdict {
+        title: mechanism.title.clone(),
+        cases: cases(mechanism, sides, &report),
+    };
+    let mut text = format!(
+        "{}\n  box of inputs    {} strips\n",
+        mechanism.title, report.strips
+    );
+    for case in &verdict.cases {
+        text.push_str(&format!("    {}: {}\n", case.name, case.text));
+    }
+    text.push_str(&format!("  result           {}\n", verdict.sentence()));
+    let document = json!({
+        "schema": "mechanim-check/1",
+        "title": mechanism.title,
+        "checks": verdict.json(),
+        "inputs_box": to_json(mechanism, sides, &report),
+        "result": verdict.result().word(),
+    });
+    Ok(Answer {
+        text,
+        document: args.json.is_some().then_some(document),
+        verdict,
+        failure: None,
+    })
+}
+
+fn side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<Side, Failure> {
+    let mechanism = &opened.scene.mechanism;
+    let input = mechanism.inputs.iter().position(|input| input.name == name);
+    let input = input.ok_or_else(|| {
+        let names: Vec<&str> = mechanism.inputs.iter().map(|i| i.name.as_str()).collect();
+        let hint = format!("inputs: {}", names.join(", "));
+        Failure::usage(format!("the scene has no input `{name}`"), vec![hint])
+    })?;
+    let unit = mechanism.file_units(mechanism.inputs[input].kind);
+    let range = range.map(|value| value / unit);
+    Ok(Side { input, range })
+}

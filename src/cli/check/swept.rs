@@ -1,0 +1,83 @@
+//! `mechanim check --swept`: what a body sweeps, as a file.
+
+use crate::clearance::motion::Motion;
+use crate::clearance::swept::Swept;
+use crate::cli::args::motion::CheckArgs;
+use crate::cli::io;
+use crate::cli::open::scene::OpenScene;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::export::glb::write_glb;
+use crate::export::solid::{write_obj, write_stl};
+use crate::export::{Format, Target};
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::report::rounded::at_most_three;
+use crate::staging::model::of_mesh;
+use std::path::Path;
+
+/// Writes the mesh that is asked for, if one is.
+pub fn write(
+    args: &CheckArgs,
+    opened: &OpenScene,
+    trajectory: &Trajectory,
+    term: &Term,
+) -> Result<(), Failure> {
+    let (Some(path), Some(name)) = (&args.swept, &args.body) else {
+        return Ok(());
+    };
+    let body = index(opened, name)?;
+    let from = args.relative_to.as_ref();
+    let seen_from = from.map(|name| index(opened, name)).transpose()?;
+    let format = format_of(path)?;
+    io::refuse_input(&args.scene, path)?;
+    let motion = Motion::new(&opened.system, &opened.scene.actuation, trajectory);
+    let swept = Swept::new(&motion, body, seen_from, args.cells)
+        .map_err(|error| Failure::usage(format!("`{name}` sweeps no mesh: {error}"), Vec::new()))?;
+    let sure = if swept.is_certified {
+        "proved"
+    } else {
+        "estimated"
+    };
+    let (within, triangles) = (at_most_three(swept.within), swept.mesh.triangles.len());
+    let model = of_mesh(&opened.scene, name, swept.mesh);
+    let output = Box::new(Target::create(path)?);
+    match format {
+        Format::Stl => write_stl(&model, output)?,
+        Format::Obj => write_obj(&model, output, None)?,
+        _ => write_glb(&model, output)?,
+    };
+    let unit = &opened.scene.mechanism.length_unit;
+    term.note(&format!(
+        "{}: encloses what `{name}` sweeps, nowhere farther from it than {within} {unit} ({sure}); {triangles} triangles",
+        path.display(),
+    ));
+    Ok(())
+}
+
+fn index(opened: &OpenScene, name: &str) -> Result<usize, Failure> {
+    let bodies = &opened.scene.mechanism.bodies;
+    bodies
+        .iter()
+        .position(|body| body.name == name)
+        .ok_or_else(|| {
+            let names: Vec<&str> = bodies.iter().map(|b| b.name.as_str()).collect();
+            let hint = format!("bodies: {}", names.join(", "));
+            Failure::usage(format!("the scene has no body `{name}`"), vec![hint])
+        })
+}
+
+fn format_of(path: &Path) -> Result<Format, Failure> {
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "stl" => Ok(Format::Stl),
+        "obj" => Ok(Format::Obj),
+        "glb" => Ok(Format::Glb),
+        _ => Err(Failure::usage(
+            format!("`{}` is no .stl, .obj or .glb file", path.display()),
+            Vec::new(),
+        )),
+    }
+}

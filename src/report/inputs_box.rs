@@ -1,0 +1,135 @@
+//! Clearances over a box of inputs: cases of a verdict and lines for people.
+
+use super::rounded::not_below;
+use super::verdict::{CLEARANCE, Case, Status};
+use crate::clearance::inputs_box::{BoxPair, BoxReport, Side};
+use crate::model::mechanism::Mechanism;
+use serde_json::{Value, json};
+
+/// More open parts of the box are counted in texts. JSON has all of them.
+const MOST_PARTS: usize = 3;
+
+/// A part of the box in words: `u 0 to 45 deg, v -10 to -5 mm`.
+fn part_in_words(mechanism: &Mechanism, sides: [Side; 2], part: &[[f64; 2]; 2]) -> String {
+    let one = |side: &Side, [low, high]: [f64; 2]| {
+        let input = &mechanism.inputs[side.input];
+        let unit = mechanism.file_units(input.kind);
+        let name = mechanism.unit_name(input.kind);
+        format!("{} {} to {} {name}", input.name, low * unit, high * unit)
+    };
+    let mut words = vec![one(&sides[0], part[0])];
+    if sides[1].input != sides[0].input {
+        words.push(one(&sides[1], part[1]));
+    }
+    words.join(", ")
+}
+
+fn parts_in_words(mechanism: &Mechanism, sides: [Side; 2], parts: &[[[f64; 2]; 2]]) -> String {
+    let shown = parts.iter().take(MOST_PARTS);
+    let shown: Vec<String> = shown
+        .map(|part| part_in_words(mechanism, sides, part))
+        .collect();
+    let more = match parts.len().saturating_sub(MOST_PARTS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("{}{more}", shown.join("; "))
+}
+
+/// One case a pair, and one for what no motion leads to.
+pub fn cases(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Vec<Case> {
+    let pairs = report.pairs.iter().map(|pair| case(mechanism, sides, pair));
+    let mut cases: Vec<Case> = pairs.collect();
+    if !report.unreached.is_empty() {
+        let words = parts_in_words(mechanism, sides, &report.unreached);
+        let text = format!("not covered, no motion leads there: {words}");
+        cases.push(Case::new(
+            CLEARANCE,
+            "box of inputs",
+            Status::NotProved,
+            text,
+        ));
+    }
+    if report.pairs.is_empty() {
+        let text = "no pair of bodies was judged";
+        cases.push(Case::new(
+            CLEARANCE,
+            "pairs of bodies",
+            Status::NotProved,
+            text,
+        ));
+    }
+    cases
+}
+
+fn case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
+    let unit = &mechanism.length_unit;
+    let inputs = mechanism.inputs.iter().zip(&pair.inputs);
+    let at: Vec<String> = inputs
+        .map(|(input, value)| {
+            format!(
+                "{} = {}",
+                input.name,
+                value * mechanism.file_units(input.kind)
+            )
+        })
+        .collect();
+    let found = format!(
+        "least distance found {:.6} {unit} at {}; {} {unit} are asked",
+        pair.distance,
+        at.join(", "),
+        pair.minimum
+    );
+    let bound = match pair.bound.is_finite() {
+        true => format!("never below {} {unit} (proved)", not_below(pair.bound, 6)),
+        false => "nothing proved".to_owned(),
+    };
+    let (status, text) = if pair.is_broken {
+        (Status::Failed, format!("failed: {found}"))
+    } else if pair.uncovered.is_empty() {
+        (Status::Passed, format!("passed: {bound}; {found}"))
+    } else {
+        let parts = parts_in_words(mechanism, sides, &pair.uncovered);
+        let text = format!("not covered: {parts}; elsewhere {bound}; {found}");
+        (Status::NotProved, text)
+    };
+    let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
+    Case::new(CLEARANCE, &format!("{a} / {b}"), status, text)
+}
+
+/// The report as the `inputs_box` object of the JSON document; values in the file's units.
+pub fn to_json(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Value {
+    let shown = |side: usize, value: f64| {
+        value * mechanism.file_units(mechanism.inputs[sides[side].input].kind)
+    };
+    let part =
+        |part: &[[f64; 2]; 2]| json!([part[0].map(|v| shown(0, v)), part[1].map(|v| shown(1, v))]);
+    let parts = |list: &[[[f64; 2]; 2]]| list.iter().map(part).collect::<Vec<_>>();
+    let pair = |pair: &BoxPair| {
+        let units = mechanism
+            .inputs
+            .iter()
+            .map(|input| mechanism.file_units(input.kind));
+        let inputs: Vec<f64> = pair
+            .inputs
+            .iter()
+            .zip(units)
+            .map(|(v, unit)| v * unit)
+            .collect();
+        json!({
+            "bodies": pair.pair.map(|k| mechanism.bodies[k].name.as_str()),
+            "distance": pair.distance,
+            "minimum": pair.minimum,
+            "inputs": inputs,
+            "bound": pair.bound.is_finite().then_some(pair.bound),
+            "broken": pair.is_broken,
+            "uncovered": parts(&pair.uncovered),
+        })
+    };
+    json!({
+        "sides": sides.map(|side| mechanism.inputs[side.input].name.as_str()),
+        "strips": report.strips,
+        "pairs": report.pairs.iter().map(pair).collect::<Vec<_>>(),
+        "unreached": parts(&report.unreached),
+    })
+}
