@@ -182,7 +182,7 @@ fn solid(random: &mut Random, folder: &Path, number: u64, side: usize) -> (Strin
             let path = folder.join(format!("{number}-{side}.stl"));
             std::fs::write(&path, stl(&corners(size))).unwrap();
             (
-                format!("{{ stl = {{ file = {:?} }} }}", path.display().to_string()),
+                format!("{{ stl = {{ file = \"{number}-{side}.stl\" }} }}"),
                 Solid::Hull(corners(size), 0.0),
             )
         }
@@ -379,7 +379,10 @@ fn judge(number: u64, folder: &Path, tally: &mut Tally) {
     let text = case
         .text
         .replace("MINIMUM", &format!("{:.17}", case.minimum));
-    let scene = Scene::parse("random", &text).unwrap_or_else(|e| panic!("{number}: {e}\n{text}"));
+    let path = folder.join("scene.toml");
+    std::fs::write(&path, &text).unwrap();
+    let scene = Scene::open(path.to_str().unwrap());
+    let scene = scene.unwrap_or_else(|e| panic!("{number}: {e}\n{text}"));
     let options = CheckOptions {
         samples: Samples::Even(case.samples),
         ..CheckOptions::default()

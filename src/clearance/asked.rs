@@ -9,10 +9,6 @@ use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
-/// Shapes that touch at a joint may come deeper into each other than allowed by this part of the pair's lengths: rounding of
-/// depths, which are found by a search.
-const DEEPER: f64 = 1e-6;
-
 /// Bodies that are meant to touch may be this far apart or in each other at the sampled times, in mechanism sizes: far more
 /// than rounding.
 const CONTACT: f64 = 1e-10;
@@ -32,7 +28,7 @@ pub(super) struct AskedPair<'a> {
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) judged: Vec<PairReport>,
-    pub(super) excluded: Option<PairReport>,
+    pub(super) excluded: Vec<PairReport>,
     pub(super) warning: Option<String>,
 }
 
@@ -75,26 +71,28 @@ impl<'a> AskedPair<'a> {
                 let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
                 let first = motion.samples.first().copied();
                 let least = first.and_then(|k| whole.sampled(motion, &[k], None));
-                found.excluded = least.map(|least| excluded(&whole, minimum, least, judgement));
+                let report = least.map(|least| excluded(&whole, minimum, least, judgement));
+                found.excluded.extend(report);
             }
             Some(Neighbours::Joined { words, region }) => {
                 let rest = self
                     .sweep_of(motion, region.hulls.each_ref())
                     .without(&region.touching);
                 found.judged.extend(self.judge(motion, &rest));
-                self.look_at_joint(motion, words, &region, &mut found);
+                self.look_at_joint(motion, words, &region, &[], &mut found);
             }
         }
         found
     }
 
-    /// What touches at a joint is left out as long as it does not come much deeper into each other than it is at the first
-    /// pose: each pair of parts for itself.
+    /// What touches at a joint is left out as long as it does not come deeper into each other than it is at the first pose:
+    /// each pair of parts for itself, but for those in `without`.
     fn look_at_joint(
         &self,
         motion: &mut Motion,
         words: &'static str,
         region: &JointRegion,
+        without: &[[usize; 2]],
         found: &mut Found,
     ) {
         let Some(&first) = motion.samples.first() else {
@@ -102,35 +100,42 @@ impl<'a> AskedPair<'a> {
         };
         let hulls = region.hulls.each_ref();
         let judgement = Judgement::Neighbours(words);
-        let mut reports: Vec<PairReport> = Vec::new();
-        for pair in &region.touching {
+        let mut kept: Vec<PairReport> = Vec::new();
+        let mut left_out: Vec<[usize; 2]> = Vec::new();
+        for pair in region
+            .touching
+            .iter()
+            .filter(|pair| !without.contains(pair))
+        {
             let only = self.sweep_of(motion, hulls).without(&[*pair]).complement();
             let Some(assembled) = only.sampled(motion, &[first], None) else {
                 continue;
             };
-            let Some(least) = only.searched(motion) else {
+            left_out.push(assembled.shapes);
+            let least = match region.is_constant(*pair) {
+                true => Some(assembled.clone()),
+                false => only.searched(motion),
+            };
+            let Some(least) = least else {
                 continue;
             };
             let allowed = assembled.distance.min(0.0) - region.growth(*pair);
-            let is_deeper = least.distance < allowed - DEEPER * only.extent();
-            let minimum = if is_deeper { allowed } else { self.minimum() };
-            let word = if is_deeper {
-                Judgement::Failed
-            } else {
-                judgement.clone()
-            };
-            reports.push(excluded(&only, minimum, least, word));
+            match least.distance < allowed {
+                true => {
+                    let report = excluded(&only, allowed, least, Judgement::Failed);
+                    found.judged.push(report);
+                }
+                false => kept.push(excluded(&only, self.minimum(), least, judgement.clone())),
+            }
         }
-        let left_out = reports.iter().map(|r| r.least.shapes).collect();
-        let (deeper, kept): (Vec<_>, Vec<_>) = reports
-            .into_iter()
-            .partition(|r| r.judgement == Judgement::Failed);
-        found.judged.extend(deeper);
+        left_out.sort_unstable();
+        left_out.dedup();
         let lowest = |p: &PairReport, q: &PairReport| p.least.distance.total_cmp(&q.least.distance);
-        found.excluded = kept
-            .into_iter()
-            .min_by(lowest)
-            .map(|report| PairReport { left_out, ..report });
+        found.excluded.extend(
+            kept.into_iter()
+                .min_by(lowest)
+                .map(|report| PairReport { left_out, ..report }),
+        );
     }
 
     /// A pair that the scene leaves out: with all of its shapes or some, down to any depth or not.
@@ -148,10 +153,11 @@ impl<'a> AskedPair<'a> {
             let excluded = self.sweep(motion).without(&left_out).complement_pairs();
             match near {
                 Some(Neighbours::Rigid) => {}
-                Some(Neighbours::Joined { region, .. }) => {
+                Some(Neighbours::Joined { words, region }) => {
                     let parts = region.hulls.each_ref();
                     let asked = |pair| ignored.shapes.contains(&pair);
                     let mut without: Vec<_> = Hull::pairs_of(parts, asked).collect();
+                    self.look_at_joint(motion, words, region, &without, found);
                     without.extend(&region.touching);
                     let rest = self.sweep_of(motion, parts).without(&without);
                     found.judged.extend(self.judge(motion, &rest));
@@ -174,7 +180,8 @@ impl<'a> AskedPair<'a> {
         }
         let judgement = Judgement::Ignored(ignored.reason.clone());
         let least = out.searched(motion);
-        found.excluded = least.map(|least| excluded(&out, minimum, least, judgement));
+        let report = least.map(|least| excluded(&out, minimum, least, judgement));
+        found.excluded.extend(report);
         let is_all = ignored.shapes.is_empty() && ignored.down_to.is_none();
         if is_all && !ignored.is_one_of_many {
             found.warning = self.needless(motion, near);
@@ -219,7 +226,7 @@ impl<'a> AskedPair<'a> {
         }
         if let Some(Neighbours::Joined { words, region }) = near {
             let mut at_joint = Found::default();
-            self.look_at_joint(motion, words, region, &mut at_joint);
+            self.look_at_joint(motion, words, region, &[], &mut at_joint);
             if !at_joint.judged.is_empty() {
                 return None;
             }

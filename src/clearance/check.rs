@@ -105,7 +105,9 @@ pub(super) fn check_over(
             ..pair
         };
         report.judged.extend(found.judged.into_iter().map(timed));
-        report.excluded.extend(found.excluded.map(timed));
+        report
+            .excluded
+            .extend(found.excluded.into_iter().map(timed));
         report.warnings.extend(found.warning);
     }
     progress(all, all);

@@ -12,9 +12,12 @@ use glam::DVec3;
 /// the angle between them is below 29 degrees.
 const REACH: f64 = 2.0;
 
-/// Shapes that are not held near their joint, as plates and rings are not, may come deeper into each other than at the first
-/// pose by this part of the thinner one: the least way that parts two shapes changes as they turn.
-const GROWTH: f64 = 0.5;
+/// Shapes that touch at a joint may come deeper into each other than at the first pose by this part of the thinner one: the
+/// least way that parts two shapes changes as they turn.
+const GROWTH: f64 = 0.05;
+
+/// A shape is on the joint's axis, or along it, to this part of its thickness.
+const COAXIAL: f64 = 1e-9;
 
 /// Shapes shorter than this many thicknesses are not cut.
 const LONG: f64 = 2.0;
@@ -62,6 +65,26 @@ impl Place {
                 let arm = point - *origin;
                 (arm - *direction * arm.dot(*direction)).length() <= reach
             }),
+        }
+    }
+
+    /// Whether an element looks the same however the joint turns.
+    fn turns_into_itself(&self, element: &Element) -> bool {
+        let (axis, points) = match &element.core {
+            Core::Point(p) => (None, vec![*p]),
+            Core::Segment([a, b]) => ((*b - *a).try_normalize(), vec![*a, *b]),
+            Core::Frustum(f) => (Some(f.axis), vec![f.from]),
+            Core::Circle(c) => (Some(c.axis), vec![c.center]),
+            _ => return false,
+        };
+        let play = COAXIAL * thickness(element);
+        match self {
+            Self::Point(centre) => axis.is_none() && points[0].distance(*centre) <= play,
+            Self::Lines(lines) if lines.len() == 1 => {
+                let is_along = axis.is_none_or(|axis| axis.cross(lines[0][1]).length() <= COAXIAL);
+                is_along && points.iter().all(|point| self.is_near(*point, play))
+            }
+            _ => false,
         }
     }
 
@@ -175,9 +198,10 @@ pub struct JointRegion {
     pub hulls: [Hull; 2],
     /// Parts that touch at the joint.
     pub touching: Vec<[usize; 2]>,
-    /// How far it reaches from the joint, and where that is as either body sees it.
-    reach: f64,
+    /// Where the joint is, as either body sees it.
     places: [Place; 2],
+    /// Nothing slides in the joint.
+    only_turns: bool,
 }
 
 impl JointRegion {
@@ -204,24 +228,26 @@ impl JointRegion {
         Self {
             hulls: hulls.map(Clone::clone),
             touching: touching.to_vec(),
-            reach: 0.0,
             places: places.clone(),
+            only_turns: false,
         }
     }
 
-    /// By how much two parts that touch may come deeper into each other than at the first pose: as they like if one of them
-    /// has no points far from the joint, else by half the thickness of the thinner one.
-    pub fn growth(&self, pair: [usize; 2]) -> f64 {
-        let elements = [0, 1].map(|k: usize| &self.hulls[k].elements[pair[k]]);
-        let is_held = |side: usize| {
-            let (center, radius) = elements[side].bounds();
-            let place = &self.places[side];
-            !matches!(place, Place::Anywhere) && place.is_near(center, 2.0 * self.reach - radius)
-        };
-        match is_held(0) || is_held(1) {
-            true => f64::INFINITY,
-            false => GROWTH * thickness(elements[0]).min(thickness(elements[1])),
-        }
+    /// By how much two parts that touch may come deeper into each other than at the first pose.
+    pub fn growth(&self, [i, j]: [usize; 2]) -> f64 {
+        let [first, second] = [&self.hulls[0].elements[i], &self.hulls[1].elements[j]];
+        GROWTH * thickness(first).min(thickness(second))
+    }
+
+    /// Whether two parts are as deep in each other at all poses: one of them looks the same however the joint turns.
+    pub fn is_constant(&self, pair: [usize; 2]) -> bool {
+        self.only_turns
+            && (0..2).any(|k| self.places[k].turns_into_itself(&self.hulls[k].elements[pair[k]]))
+    }
+
+    /// Of a joint in which nothing slides.
+    pub fn turning(self, only_turns: bool) -> Self {
+        Self { only_turns, ..self }
     }
 
     fn cut(hulls: [&Hull; 2], touching: &[[usize; 2]], places: &[Place; 2], reach: f64) -> Self {
@@ -249,8 +275,8 @@ impl JointRegion {
                 },
             ],
             touching: touching.to_vec(),
-            reach,
             places: places.clone(),
+            only_turns: false,
         }
     }
 }

@@ -75,6 +75,8 @@ pub fn neighbours(
     let words = joint.kind.words();
     let places = [world_from_a, world_from_b].map(|pose| place.seen_from(&pose));
     let region = JointRegion::new(hulls, &touching, &places, &a_from_b, minimum);
+    let only_turns = matches!(joint.kind, JointKind::Revolute | JointKind::Spherical);
+    let region = region.turning(only_turns);
     Some(Neighbours::Joined { words, region })
 }
 

@@ -158,11 +158,6 @@ impl<'a> PairSweep<'a> {
         self.minimum - self.slack()
     }
 
-    /// Length of the chain between the bodies, with their own.
-    pub(super) fn extent(&self) -> f64 {
-        self.extent
-    }
-
     /// Whether two elements meet of which one is a mesh: it has no depth, so that nothing is known but that they do.
     pub(super) fn meets(&self, [i, j]: [usize; 2], distance: f64) -> bool {
         let elements = [&self.hulls[0].elements[i], &self.hulls[1].elements[j]];

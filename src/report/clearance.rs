@@ -56,7 +56,7 @@ pub(super) fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
 }
 
 /// When a pair is too near, in words; `None` if nothing is known of that.
-fn violations_sentence(p: &PairReport) -> Option<String> {
+fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<String> {
     let violations = p.violations.as_ref()?;
     let sure = match violations.is_certified {
         true => "proved",
@@ -72,8 +72,14 @@ fn violations_sentence(p: &PairReport) -> Option<String> {
         0 => String::new(),
         more => format!(" and {more} more times"),
     };
-    (!violations.list.is_empty())
-        .then(|| format!("below its minimum at {shown}{more}; kept at all other times ({sure})"))
+    (!violations.list.is_empty()).then(|| {
+        let other = if has_gaps {
+            "times that were checked"
+        } else {
+            "times"
+        };
+        format!("below its minimum at {shown}{more}; kept at all other {other} ({sure})")
+    })
 }
 
 /// An interval of time that holds the given one, in as many decimals as a thousandth of it needs, at least six.
@@ -117,8 +123,9 @@ pub(super) fn reason(judgement: &Judgement) -> Option<&str> {
 /// enough where no proof is asked for.
 pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> Vec<Case> {
     let pairs = report.judged.iter().chain(&report.excluded);
+    let has_gaps = !report.gaps.is_empty();
     let mut list: Vec<Case> = pairs
-        .map(|p| case(mechanism, p, asked).taking(p.seconds))
+        .map(|p| case(mechanism, p, asked, has_gaps).taking(p.seconds))
         .collect();
     list.extend(report.far.map(|far| {
         let text = far_sentence(mechanism, &far);
@@ -168,7 +175,7 @@ fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
     )
 }
 
-fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked) -> Case {
+fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked, has_gaps: bool) -> Case {
     let status = status(&p.judgement, asked);
     let sentence = sentence(mechanism, p);
     let text = match reason(&p.judgement) {
@@ -177,11 +184,11 @@ fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked) -> Case {
             format!("{}: {reason}{shapes}; {sentence}", word(&p.judgement))
         }
         None => {
-            let times = violations_sentence(p).map(|times| format!("; {times}"));
+            let times = violations_sentence(p, has_gaps).map(|times| format!("; {times}"));
             format!(
                 "{}: {sentence}; {}{}",
                 word(&p.judgement),
-                bound(mechanism, p),
+                bound(mechanism, p, has_gaps),
                 times.unwrap_or_default()
             )
         }
@@ -207,7 +214,7 @@ pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[Str
 }
 
 /// What is known of a pair between the samples.
-fn bound(mechanism: &Mechanism, p: &PairReport) -> String {
+fn bound(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
     let (least, unit) = (&p.least, &mechanism.length_unit);
     let sure = match least.is_certified {
         true => "proved",
@@ -220,7 +227,15 @@ fn bound(mechanism: &Mechanism, p: &PairReport) -> String {
             at_most_three(farthest)
         ),
         None if least.distance > 0.0 => {
-            format!("never below {} {unit} ({sure})", not_below(least.bound, 6))
+            let when = if has_gaps {
+                " where the motion was checked"
+            } else {
+                ""
+            };
+            format!(
+                "never below {} {unit}{when} ({sure})",
+                not_below(least.bound, 6)
+            )
         }
         // A depth has no bound: it is only known that the bodies overlap.
         None => "a depth has no bound".to_owned(),
@@ -264,6 +279,7 @@ pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
 /// The worst pairs, then what was left out.
 pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String {
     let unit = &mechanism.length_unit;
+    let has_gaps = !found.gaps.is_empty();
     let mut text = format!(
         "  clearance        {} pairs judged, {} excluded; lengths in {unit}\n",
         found.judged_count(),
@@ -274,13 +290,13 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
     }
     for p in found.judged.iter().take(worst) {
         text.push_str(&row(mechanism, p));
-        if let Some(times) = violations_sentence(p) {
+        if let Some(times) = violations_sentence(p, has_gaps) {
             text.push_str(&format!("                  {times}\n"));
         }
         if p.farthest.is_some() {
             text.push_str(&format!(
                 "                  touching: {}\n",
-                bound(mechanism, p)
+                bound(mechanism, p, has_gaps)
             ));
         }
     }

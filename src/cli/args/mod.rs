@@ -56,7 +56,7 @@ pub enum Command {
     Render(RenderArgs),
     /// Solve the motion and write every coordinate with its proof (CSV or JSON).
     Solve(SolveArgs),
-    /// Check loop closure, proofs, measures and clearances over the whole motion, or judge a given pose.
+    /// Check loop closure, proofs and clearances over the whole motion, measures at its samples, or judge a given pose.
     Check(CheckArgs),
     /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
     Modes(ModesArgs),
