@@ -41,7 +41,9 @@ r = { range = [0.1, 3] }
 "#;
 
 fn scene(extra: f64, limit: f64) -> String {
-    CRANK.replace("EXTRA", &extra.to_string()).replace("LIMIT", &limit.to_string())
+    CRANK
+        .replace("EXTRA", &extra.to_string())
+        .replace("LIMIT", &limit.to_string())
 }
 
 fn between(u: f64, a: f64, r: f64) -> f64 {
@@ -67,7 +69,10 @@ fn an_output_is_the_distance_of_two_bodies_at_every_pose() {
 
 #[test]
 fn its_derivative_is_that_of_the_formula_and_higher_ones_are_none() {
-    let source = Source { name: "balls".into(), text: scene(0.0, 0.0) };
+    let source = Source {
+        name: "balls".into(),
+        text: scene(0.0, 0.0),
+    };
     let scene = load(&source, &Overrides::default()).unwrap();
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
     for u in [0.1, 0.9, 2.0, -1.3] {
@@ -86,19 +91,33 @@ fn a_least_distance_is_that_of_the_whole_motion() {
     let calm = between(1.2, 2.0, 0.5);
     let deep = between(1.2 + 0.1013 - 0.7, 2.0, 0.5);
     assert!(deep < calm - 0.3);
-    let options = CheckOptions { samples: Samples::Even(12), ..CheckOptions::default() };
+    let options = CheckOptions {
+        samples: Samples::Even(12),
+        ..CheckOptions::default()
+    };
     let check = |extra: f64, limit: f64| {
         let scene = Scene::parse("balls", &scene(extra, limit)).unwrap();
         scene.check(&options).unwrap()
     };
     let middle = 0.5 * (calm + deep);
-    assert!(!check(0.7, middle).passed(), "{}", check(0.7, middle).text());
-    assert!(check(0.7, deep - 0.01).passed(), "{}", check(0.7, deep - 0.01).text());
+    assert!(
+        !check(0.7, middle).passed(),
+        "{}",
+        check(0.7, middle).text()
+    );
+    assert!(
+        check(0.7, deep - 0.01).passed(),
+        "{}",
+        check(0.7, deep - 0.01).text()
+    );
     assert!(check(0.0, middle).passed());
     let document: Value = serde_json::from_str(check(0.7, deep - 0.01).to_json()).unwrap();
     let least = &document["measures"][0];
     assert!(least["bound"].as_f64().unwrap() <= deep + 1e-6, "{least}");
-    assert!((least["value"].as_f64().unwrap() - deep).abs() < 1e-3, "{least}");
+    assert!(
+        (least["value"].as_f64().unwrap() - deep).abs() < 1e-3,
+        "{least}"
+    );
     assert_eq!(least["certified"], true);
 }
 
@@ -106,10 +125,17 @@ fn a_least_distance_is_that_of_the_whole_motion() {
 fn a_study_makes_a_clearance_what_is_asked_though_it_varies_the_shape() {
     let w = Workspace::new();
     w.write("balls.toml", &scene(0.0, 0.0));
-    w.run(&["optimise", "balls.toml", "--out", "better.toml"]).exits(0);
+    w.run(&["optimise", "balls.toml", "--out", "better.toml"])
+        .exits(0);
     let text = String::from_utf8(w.read("better.toml")).unwrap();
     let line = text.lines().find(|line| line.starts_with("r = ")).unwrap();
-    let r: f64 = line[4..].split_whitespace().next().unwrap().trim_matches('"').parse().unwrap();
+    let r: f64 = line[4..]
+        .split_whitespace()
+        .next()
+        .unwrap()
+        .trim_matches('"')
+        .parse()
+        .unwrap();
     // Least at the end of the drive nearest to the post's direction.
     let least = (0..=2000).map(|k| between(1.2 + 1e-4 * f64::from(k), 2.0, r));
     let least = least.fold(f64::INFINITY, f64::min);

@@ -16,14 +16,19 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 fn open(text: &str) -> Scene {
-    let source = Source { name: "swept".into(), text: text.into() };
+    let source = Source {
+        name: "swept".into(),
+        text: text.into(),
+    };
     load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn swept(text: &str, body: usize, seen_from: Option<usize>, cells: u32) -> Swept {
     let scene = open(text);
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
-    let times: Vec<f64> = (0..=20).map(|k| scene.actuation.duration * f64::from(k) / 20.0).collect();
+    let times: Vec<f64> = (0..=20)
+        .map(|k| scene.actuation.duration * f64::from(k) / 20.0)
+        .collect();
     let trajectory = solve(&system, &scene.actuation, &times);
     let motion = Motion::new(&system, &scene.actuation, &trajectory);
     Swept::new(&motion, body, seen_from, cells).unwrap()
@@ -35,7 +40,11 @@ fn holds(swept: &Swept, truth: impl Fn(DVec3) -> f64, volume: f64) {
     assert!(swept.mesh.positions.len() > 500);
     for p in &swept.mesh.positions {
         let off = truth(*p);
-        assert!(off >= -1e-9 && off <= swept.within, "{p}: {off}, {}", swept.within);
+        assert!(
+            off >= -1e-9 && off <= swept.within,
+            "{p}: {off}, {}",
+            swept.within
+        );
     }
     let of = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|k| swept.mesh.positions[k as usize]);
@@ -62,7 +71,11 @@ shapes = [{ sphere = { radius = 1 } }]
 fn a_ball_on_a_straight_line_sweeps_a_capsule() {
     let capsule = |p: DVec3| p.distance(DVec3::new(p.x.clamp(0.0, 3.0), 0.0, 0.0)) - 1.0;
     for cells in [24, 48] {
-        holds(&swept(STRAIGHT, 0, None, cells), capsule, 4.0 / 3.0 * PI + 3.0 * PI);
+        holds(
+            &swept(STRAIGHT, 0, None, cells),
+            capsule,
+            4.0 / 3.0 * PI + 3.0 * PI,
+        );
     }
 }
 
@@ -95,10 +108,27 @@ shapes = [{ capsule = { from = [0, 0, 0], to = [2, 0, 0], radius = 0.3 } }]
 fn the_program_writes_it_and_says_how_near_it_is() {
     let w = Workspace::new();
     w.write("ball.toml", STRAIGHT);
-    let run = w.run(&["check", "ball.toml", "--swept", "ball.stl", "--body", "ball"]).exits(0);
+    let run = w
+        .run(&[
+            "check",
+            "ball.toml",
+            "--swept",
+            "ball.stl",
+            "--body",
+            "ball",
+        ])
+        .exits(0);
     run.says(&["encloses what `ball` sweeps"]);
     assert!(w.path("ball.stl").is_file());
-    w.run(&["check", "ball.toml", "--swept", "ball.stl", "--body", "nobody"]).exits(2);
+    w.run(&[
+        "check",
+        "ball.toml",
+        "--swept",
+        "ball.stl",
+        "--body",
+        "nobody",
+    ])
+    .exits(2);
 }
 
 /// A ball on an arm of two driven turns, 2 and 1 long, and a post; the box of both drives.
@@ -129,7 +159,10 @@ fn truth() -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..=600 {
         for j in 0..=800 {
-            let (u, v) = ((0.1 * f64::from(i)).to_radians(), (-40.0 + 0.1 * f64::from(j)).to_radians());
+            let (u, v) = (
+                (0.1 * f64::from(i)).to_radians(),
+                (-40.0 + 0.1 * f64::from(j)).to_radians(),
+            );
             let (x, y) = (2.0 * u.cos() + (u + v).cos(), 2.0 * u.sin() + (u + v).sin());
             least = least.min(x.hypot(y - 2.5) - 0.2);
         }
@@ -141,7 +174,8 @@ fn over_the_box(minimum: f64, code: i32) -> Value {
     let w = Workspace::new();
     w.write("two.toml", &two_drives(minimum));
     let sides = ["--inputs-box", "u=0:60", "--inputs-box", "v=-40:40"];
-    w.run(&[&["check", "two.toml", "--json", "box.json"][..], &sides].concat()).exits(code);
+    w.run(&[&["check", "two.toml", "--json", "box.json"][..], &sides].concat())
+        .exits(code);
     serde_json::from_slice(&w.read("box.json")).unwrap()
 }
 
@@ -151,7 +185,10 @@ fn a_box_of_two_drives_is_proved_or_broken() {
     let kept = over_the_box(truth - 0.05, 0);
     let pair = &kept["inputs_box"]["pairs"][0];
     assert!(pair["bound"].as_f64().unwrap() <= truth + 1e-4, "{pair}");
-    assert!(pair["bound"].as_f64().unwrap() >= truth - 0.05 - 1e-6, "{pair}");
+    assert!(
+        pair["bound"].as_f64().unwrap() >= truth - 0.05 - 1e-6,
+        "{pair}"
+    );
     assert_eq!(kept["result"], "passed");
     let broken = over_the_box(truth + 0.05, 1);
     let pair = &broken["inputs_box"]["pairs"][0];
@@ -163,7 +200,9 @@ fn a_box_of_two_drives_is_proved_or_broken() {
 #[test]
 fn what_is_not_covered_is_named() {
     let found = over_the_box(truth() - 1e-5, 1);
-    let open = found["inputs_box"]["pairs"][0]["uncovered"].as_array().unwrap();
+    let open = found["inputs_box"]["pairs"][0]["uncovered"]
+        .as_array()
+        .unwrap();
     assert!(!open.is_empty(), "{found}");
     assert_eq!(found["result"].as_str().unwrap(), "not proved");
 }
@@ -202,6 +241,7 @@ pairs = [{{ pair = ["slider", "stop"], minimum = {minimum} }}]
         let w = Workspace::new();
         w.write("crank.toml", &text(minimum));
         let sides = ["--inputs-box", "phi=0.1:1.2", "--inputs-box", "r=16:24"];
-        w.run(&[&["check", "crank.toml"][..], &sides].concat()).exits(code);
+        w.run(&[&["check", "crank.toml"][..], &sides].concat())
+            .exits(code);
     }
 }

@@ -31,6 +31,14 @@ impl Still<'_> {
             core => point_to(core, point),
         }
     }
+
+    /// No larger circle that moves is looked along.
+    fn largest(&self) -> f64 {
+        match self.core {
+            Core::Circle(circle) => circle.radius,
+            _ => f64::INFINITY,
+        }
+    }
 }
 
 /// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus, moves; `None` for others.
@@ -64,7 +72,10 @@ pub fn below(meeting: &Meeting) -> Option<f64> {
     let lowest = match &b.core {
         Core::Point(p) => of_point(&still, *p, moved)?,
         Core::Segment(ends) => of_segment(&still, ends, moved),
-        Core::Circle(circle) if circle.radius > 0.0 => of_circle(&still, circle, moved),
+        // Of a small ring at a large one the least is looked for along the small one, as its distance is.
+        Core::Circle(circle) if circle.radius > 0.0 && circle.radius <= still.largest() => {
+            of_circle(&still, circle, moved)
+        }
         _ => return None,
     };
     let lost = still.bends * way * way + meeting.beyond_linear();

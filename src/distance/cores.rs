@@ -20,7 +20,10 @@ pub fn nearest(a: &Core, b: &Core) -> CorePair {
     match (a, b) {
         (_, Core::Point(p)) => of_point(a, *p),
         (Core::Point(p), _) => of_point(b, *p).swapped(),
-        (Core::Circle(_), Core::Circle(circle)) => of_circle(a, circle),
+        // Along the smaller one: two minima that a small ring has at a large one are near each other on the large one only.
+        (Core::Circle(first), Core::Circle(second)) if first.radius < second.radius => {
+            of_circle(b, first).swapped()
+        }
         (_, Core::Circle(circle)) => of_circle(a, circle),
         (Core::Circle(circle), _) => of_circle(b, circle).swapped(),
         (Core::Segment(s), Core::Segment(t)) => of_segments(s, t),

@@ -28,7 +28,14 @@ impl Place {
     }
 }
 
-const AXIS_STEPS: usize = 96;
+const AXIS_STEPS: usize = 24;
+
+/// Whether circles are searched to rounding, or on a grid only.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Fine {
+    Yes,
+    No,
+}
 
 impl Solid {
     fn support(&self, place: &Place, n: DVec3) -> DVec3 {
@@ -75,29 +82,37 @@ impl Solid {
 }
 
 /// The distance of two solids; zero or less where they meet (how deep is not told).
-pub fn distance(a: (&Solid, &Place), b: (&Solid, &Place)) -> f64 {
+pub fn distance(a: (&Solid, &Place), b: (&Solid, &Place), fine: Fine) -> f64 {
     match (a.0, b.0) {
         (Solid::Ground, _) => b.0.lowest(b.1),
         (_, Solid::Ground) => a.0.lowest(a.1),
-        (Solid::Ring(center, ring, tube), _) => from_ring((*center, *ring), a.1, b) - tube,
-        (_, Solid::Ring(center, ring, tube)) => from_ring((*center, *ring), b.1, a) - tube,
+        (Solid::Ring(center, ring, tube), _) => from_ring((*center, *ring), a.1, b, fine) - tube,
+        (_, Solid::Ring(center, ring, tube)) => from_ring((*center, *ring), b.1, a, fine) - tube,
         _ => cores(a, b) - a.0.radius() - b.0.radius(),
     }
 }
 
 /// From a circle to a solid: the least over the angle, by a grid and golden sections around its lowest places.
-fn from_ring((center, ring): (DVec3, f64), place: &Place, other: (&Solid, &Place)) -> f64 {
+fn from_ring(
+    (center, ring): (DVec3, f64),
+    place: &Place,
+    other: (&Solid, &Place),
+    fine: Fine,
+) -> f64 {
     let at = |angle: f64| {
         let point = place.point(center + DVec3::new(angle.cos(), angle.sin(), 0.0) * ring);
         let probe = Solid::Hull(vec![point], 0.0);
         let still = Place(DMat3::IDENTITY, DVec3::ZERO);
-        distance((&probe, &still), other)
+        distance((&probe, &still), other, fine)
     };
     let step = std::f64::consts::TAU / AXIS_STEPS as f64;
     let values: Vec<f64> = (0..AXIS_STEPS).map(|k| at(step * k as f64)).collect();
+    if fine == Fine::No {
+        return values.into_iter().fold(f64::INFINITY, f64::min);
+    }
     let mut order: Vec<usize> = (0..AXIS_STEPS).collect();
     order.sort_by(|p, q| values[*p].total_cmp(&values[*q]));
-    let places = order.into_iter().take(4);
+    let places = order.into_iter().take(3);
     let least = places.map(|k| golden(step * (k as f64 - 1.0), step * (k as f64 + 1.0), &at));
     least.map(|(_, value)| value).fold(f64::INFINITY, f64::min)
 }
@@ -105,7 +120,7 @@ fn from_ring((center, ring): (DVec3, f64), place: &Place, other: (&Solid, &Place
 /// The least value of a function with one valley, and where it is.
 pub fn golden(mut low: f64, mut high: f64, f: &impl Fn(f64) -> f64) -> (f64, f64) {
     let share = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..60 {
+    for _ in 0..36 {
         let (a, b) = (high - share * (high - low), low + share * (high - low));
         if f(a) < f(b) { high = b } else { low = a }
     }
@@ -116,8 +131,8 @@ pub fn golden(mut low: f64, mut high: f64, f: &impl Fn(f64) -> f64) -> (f64, f64
 /// Distance of the convex cores: the point of their difference nearest to the origin.
 fn cores(a: (&Solid, &Place), b: (&Solid, &Place)) -> f64 {
     let support = |n: DVec3| a.0.support(a.1, n) - b.0.support(b.1, -n);
-    let mut simplex = vec![support(DVec3::X)];
-    let mut nearest = simplex[0];
+    let mut simplex = [support(DVec3::X); 4];
+    let (mut count, mut nearest) = (1, simplex[0]);
     for _ in 0..200 {
         let length = nearest.length();
         if length < 1e-13 {
@@ -128,28 +143,44 @@ fn cores(a: (&Solid, &Place), b: (&Solid, &Place)) -> f64 {
         if nearest.dot(nearest) - nearest.dot(next) <= 1e-13 * length * length.max(1.0) {
             break;
         }
-        simplex.push(next);
-        let (point, kept) = nearest_of(&simplex);
+        simplex[count] = next;
+        let (point, kept) = nearest_of(&simplex[..=count]);
         if point.length() >= length {
             break;
         }
-        (nearest, simplex) = (point, kept);
+        let mut corners = [DVec3::ZERO; 4];
+        let chosen = (0..=count)
+            .filter(|k| kept >> k & 1 == 1)
+            .map(|k| simplex[k]);
+        count = 0;
+        for corner in chosen {
+            corners[count] = corner;
+            count += 1;
+        }
+        if count == 4 {
+            return 0.0;
+        }
+        (nearest, simplex) = (point, corners);
     }
     nearest.length()
 }
 
-/// The point of a simplex nearest to the origin, and the corners that it lies between: the best of all faces.
-fn nearest_of(simplex: &[DVec3]) -> (DVec3, Vec<DVec3>) {
-    let mut best = (DVec3::splat(f64::INFINITY), Vec::new());
+/// The point of a simplex nearest to the origin, and the corners that it lies between as bits: the best of all faces.
+fn nearest_of(simplex: &[DVec3]) -> (DVec3, u32) {
+    let mut best = (DVec3::splat(f64::INFINITY), 0);
     for mask in 1_u32..1 << simplex.len() {
-        let corners: Vec<DVec3> = (0..simplex.len())
-            .filter(|k| mask >> k & 1 == 1)
-            .map(|k| simplex[k])
-            .collect();
-        if let Some(point) = foot(&corners)
+        let mut corners = [DVec3::ZERO; 4];
+        let mut count = 0;
+        for (k, corner) in simplex.iter().enumerate() {
+            if mask >> k & 1 == 1 {
+                corners[count] = *corner;
+                count += 1;
+            }
+        }
+        if let Some(point) = foot(&corners[..count])
             && point.length() < best.0.length()
         {
-            best = (point, corners);
+            best = (point, mask);
         }
     }
     best

@@ -477,3 +477,40 @@ fn meshes_have_distances_but_no_depth() {
     open.triangles.pop();
     assert_eq!(MeshTree::new(&open).enclosure, Enclosure::Open);
 }
+
+/// A small ring at a large one: the least of the distances of many points of both circles.
+#[test]
+fn a_small_ring_at_a_large_one_is_measured_along_the_small_one() {
+    let mut random = Random(77);
+    for _ in 0..300 {
+        let ring = 10f64.powf(random.range(-3.0, -1.0));
+        let (angle, axis) = (
+            random.range(0.0, 6.2),
+            v(0.0, 0.0, 1.0) + random.vector(0.6),
+        );
+        let center = v(angle.cos(), angle.sin(), 0.0) + random.vector(ring);
+        let (large, small) = (
+            torus(DVec3::ZERO, DVec3::Z, 1.0, 1e-5),
+            torus(center, axis, ring, 1e-5),
+        );
+        let [x, y] = {
+            let axis = axis.normalize();
+            let x = axis.any_orthonormal_vector();
+            [x, axis.cross(x)]
+        };
+        let at = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / 40_000.0;
+            let p = center + (x * angle.cos() + y * angle.sin()) * ring;
+            (p.x.hypot(p.y) - 1.0).hypot(p.z)
+        };
+        let dense = (0..40_000).map(at).fold(f64::INFINITY, f64::min) - 2e-5;
+        for found in [distance(&large, &small), distance(&small, &large)] {
+            let off = found.distance - dense;
+            assert!(
+                off <= 1e-12 && off > -2e-4 * ring,
+                "{ring}: {} {dense}",
+                found.distance
+            );
+        }
+    }
+}

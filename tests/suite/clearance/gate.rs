@@ -497,3 +497,112 @@ fn verdicts_depend_neither_on_samples_nor_on_tolerance() {
         }
     }
 }
+
+/// Two links on a joint about z: shapes of the arm and of the frame.
+fn joined(arm: &str, frame: &str, minimum: f64) -> String {
+    format!(
+        "title = \"joined\"\nduration = 2\n[inputs]\nu = \"pi*t\"\n\
+         [[bodies]]\nname = \"arm\"\nframe = \"Rz(u)\"\nshapes = [{arm}]\n\
+         [[bodies]]\nname = \"frame\"\nshapes = [{frame}]\n[clearance]\nminimum = {minimum}\n"
+    )
+}
+
+/// What touches at the first pose is left out near the joint only, and down to its depth there.
+#[test]
+fn what_touches_at_a_joint_is_judged_where_it_does_more() {
+    let far = ", { sphere = { center = [0, 0, 9], radius = 0.1 } }";
+    let capsule =
+        |to: &str| format!("{{ capsule = {{ from = [0, 0, 0], to = {to}, radius = 0.1 }} }}{far}");
+    let arm = capsule("[2, 0, 0]");
+    let boxed = |center: &str, size: &str| {
+        format!("{{ box = {{ center = {center}, size = {size} }} }}{far}")
+    };
+    let rows = [
+        // Two bars that fold onto each other, the shallowest angle 0 and 60 degrees.
+        ("folds", arm.clone(), capsule("[-2, 0, 0]"), Gate::Shut),
+        // A wall beside an arm, nearer than the minimum at the first pose.
+        ("wall", boxed("[0.9, 0, 0]", "[2, 0.2, 0.2]"), boxed("[0, -0.62, 0]", "[4, 1, 0.2]"), Gate::Shut),
+        // A square shaft whose corners cut into a wall.
+        ("shaft", boxed("[0, 0, 0]", "[1, 1, 1]"), boxed("[1.02, 0, 0]", "[1, 1, 1]"), Gate::Shut),
+        // A pin in its bearing.
+        (
+            "pin",
+            format!("{{ cylinder = {{ from = [0, 0, -1], to = [0, 0, 1], radius = 0.2 }} }}{far}"),
+            "{ box = { center = [0, 0, 0], size = [1, 1, 1] } }, { sphere = { center = [9, 0, 0], radius = 1 } }".into(),
+            Gate::Open,
+        ),
+    ];
+    for (name, arm, frame, gate) in rows {
+        let row = Row {
+            name: name.into(),
+            text: joined(&arm, &frame, 0.05),
+            truth: None,
+            gate,
+        };
+        let report = report(&open(&row, Path::new(".")), 41, 1e-2);
+        let passed = report
+            .judged
+            .iter()
+            .all(|p| p.judgement == Judgement::Passed);
+        let far = report
+            .judged
+            .iter()
+            .any(|p| p.judgement == Judgement::Failed);
+        match gate {
+            Gate::Open => assert!(passed, "{name}: {report:#?}"),
+            Gate::Shut => assert!(far, "{name}: {report:#?}"),
+        }
+        assert!(
+            report.excluded.iter().all(|p| !p.left_out.is_empty()),
+            "{name}"
+        );
+    }
+}
+
+/// `ignore` of some shapes leaves the row of the joint in the report.
+#[test]
+fn nothing_is_left_out_in_silence() {
+    let arm = "{ box = { center = [0.9, 0, 0], size = [2, 0.2, 0.2] } }, { sphere = { center = [0, 0, 3], radius = 0.1 } }";
+    let frame = "{ box = { center = [0, -0.62, 0], size = [4, 1, 0.2] } }, { sphere = { center = [0, 0, 3.05], radius = 0.1 } }";
+    let text = joined(arm, frame, 0.05)
+        + "ignore = [{ pair = [\"arm\", \"frame\"], shapes = [[2, 2]], reason = \"ball bearing\" }]\n";
+    let row = Row {
+        name: "bearing".into(),
+        text,
+        truth: None,
+        gate: Gate::Shut,
+    };
+    let report = report(&open(&row, Path::new(".")), 41, 1e-2);
+    assert!(
+        report
+            .judged
+            .iter()
+            .any(|p| p.judgement == Judgement::Failed),
+        "{report:#?}"
+    );
+}
+
+/// A least distance that is below the minimum by less than the tolerance asks for fails all the same.
+#[test]
+fn a_minimum_a_little_above_the_least_distance_fails() {
+    let far = 2.5 - 0.5 - 1.0 - 0.1;
+    for above in [1e-7, 1.5e-8, 1e-6] {
+        let text = format!(
+            "duration = 2\n[inputs]\nu = \"2.89*t + 1.79\"\n\
+             [[bodies]]\nname = \"a\"\nframe = \"Rz(u)\"\nshapes = [{{ sphere = {{ center = [1,0,0], radius = 0.1 }} }}]\n\
+             [[bodies]]\nname = \"b\"\nshapes = [{{ box = {{ center = [2.5,0.3,0.2], size = [1,1,1] }} }}]\n\
+             [clearance]\nminimum = 0\npairs = [{{ pair = [\"a\", \"b\"], minimum = {} }}]\n",
+            far + above
+        );
+        let row = Row {
+            name: "near".into(),
+            text,
+            truth: None,
+            gate: Gate::Shut,
+        };
+        let report = report(&open(&row, Path::new(".")), 41, 1e-3);
+        let pair = &report.judged[0];
+        assert_eq!(pair.judgement, Judgement::Failed, "{above}: {pair:#?}");
+        assert!(pair.least.distance < far + above);
+    }
+}
