@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 // What the tests share.
+mod dense;
 mod draws;
 mod driven;
 mod frames;

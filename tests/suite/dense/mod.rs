@@ -1,7 +1,5 @@
 //! An independent reference for clearances: its own solids, its own nearest points (Gilbert, Johnson and Keerthi), nothing of
 //! the crate.
-// Every test binary uses a part of this.
-#![allow(dead_code)]
 
 use glam::{DMat3, DVec3};
 

@@ -1,8 +1,6 @@
 //! What bodies sweep, and clearances over boxes of inputs, against closed forms.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod program;
-
+use crate::program::Workspace;
 use glam::DVec3;
 use mechanim::clearance::motion::Motion;
 use mechanim::clearance::swept::Swept;
@@ -10,7 +8,6 @@ use mechanim::diag::Source;
 use mechanim::kinematics::motion::continuation::solve;
 use mechanim::kinematics::structure::system::System;
 use mechanim::scene::{Overrides, Scene, load};
-use program::Workspace;
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,11 +1,8 @@
 //! Random scenes against a dense independent reference: no bound above the truth, no false verdict, few undecided pairs.
 //!
 //! `MECHANIM_SCENES` is how many, `MECHANIM_SEED` where they begin; every scene depends on its number only.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod dense;
-
-use dense::{Fine, Place, Solid, distance, golden};
+use crate::dense::{Fine, Place, Solid, distance, golden};
 use glam::{DMat3, DVec3};
 use mechanim::{CheckOptions, PairClearance, Samples, Scene};
 use std::f64::consts::PI;

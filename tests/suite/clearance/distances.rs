@@ -1,14 +1,11 @@
 //! Distances of bodies as outputs, measures and what studies vary, against closed forms.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod program;
-
+use crate::program::Workspace;
 use mechanim::diag::Source;
 use mechanim::kinematics::measures::along;
 use mechanim::kinematics::structure::system::System;
 use mechanim::scene::{Overrides, load};
 use mechanim::{CheckOptions, Samples, Scene};
-use program::Workspace;
 use serde_json::Value;
 use std::sync::Arc;
 
