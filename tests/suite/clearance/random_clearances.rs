@@ -98,14 +98,18 @@ fn drive(random: &mut Random) -> Drive {
                 .filter(|t| *t < DURATION)
                 .collect(),
         },
-        _ => Drive {
-            text: format!("{p} + mod({w}*t, {a})"),
-            value: Box::new(move |t| p + (w * t).rem_euclid(a)),
-            places: (0..200)
-                .map(|k| f64::from(k) * a / w)
-                .filter(|t| *t < DURATION)
-                .collect(),
-        },
+        // Not zero at the beginning: of two drives that jump at one instant nothing is proved.
+        _ => {
+            let early = random.range(0.01, 0.1);
+            Drive {
+                text: format!("{p} + mod({w}*t + {early}, {a})"),
+                value: Box::new(move |t| p + (w * t + early).rem_euclid(a)),
+                places: (1..200)
+                    .map(|k| (f64::from(k) * a - early) / w)
+                    .filter(|t| *t < DURATION)
+                    .collect(),
+            }
+        }
     }
 }
 
@@ -301,9 +305,9 @@ fn contact(random: &mut Random) -> Case {
         random.range(0.01, 0.3)
     };
     let text = format!(
-        "duration = {DURATION}\n[inputs]\nu = \"{w}*t\"\nh = \"{hop}*sin(pi*t*3)^2\"\n\
-         [[bodies]]\nname = \"a\"\nframe = \"Tx(u) Tz(h) Ry(u/{r})\"\nshapes = [{{ sphere = {{ radius = {r}, center = [0, 0, 0] }} }}]\n\
-         [[bodies]]\nname = \"b\"\nframe = \"Tz(-{r})\"\nshapes = [{{ half_space = {{ point = [0, 0, 0], normal = [0, 0, 1] }} }}]\n\
+        "duration = {DURATION}\n[inputs]\nu = \"{w}*t\"\ns = \"{w}*t/{r}\"\nh = \"{hop}*sin(pi*t*3)^2\"\n\
+         [[bodies]]\nname = \"a\"\nframe = \"Tx(u) Tz(h) Ry(s)\"\nshapes = [{{ sphere = {{ radius = {r}, center = [0, 0, 0] }} }}]\n\
+         [[bodies]]\nname = \"b\"\nframe = \"Tz(-{r})\"\nshapes = [{{ half_space = {{ point = [0, 0, 0], normal = [0, 0, 1], size = 1 }} }}]\n\
          [clearance]\nminimum = 0\ntouching = [{{ pair = [\"a\", \"b\"] }}]\n"
     );
     let place = move |t: f64| {
@@ -418,14 +422,22 @@ fn judge(number: u64, folder: &Path, tally: &mut Tally) {
         }
         return;
     }
+    // What the program has found counts where it is a distance of the reference, too.
+    let truth = if distance > 0.0 {
+        truth.min(case.at(time, Fine::Yes))
+    } else {
+        truth
+    };
     if is_proved && truth > 0.0 {
         assert!(bound <= truth + KNOWN, "bound above the truth: {told}");
     }
     if distance > 0.0 && truth > 0.0 {
-        assert!(
-            (case.at(time, Fine::Yes) - distance).abs() < KNOWN,
-            "no such distance: {told}"
-        );
+        // At a jump either side counts.
+        let mut near = [-1e-9, 0.0, 1e-9]
+            .into_iter()
+            .map(|off| case.at(time + off, Fine::Yes));
+        let is_there = near.any(|own| (own - distance).abs() < KNOWN);
+        assert!(is_there, "no such distance: {told}");
         assert!(distance >= truth - KNOWN, "below the truth: {told}");
     }
     let is_failed = distance < minimum - KNOWN || (distance <= 0.0 && !passed);
