@@ -30,7 +30,7 @@ impl Prover<'_> {
     /// motion is followed from the first one. Which assembly it is of is found out by the proof.
     pub(super) fn pose_between(&mut self, a: &Place, b: &Place, time: f64) -> Option<Place> {
         let share = (time - a.time) / (b.time - a.time);
-        let actuation = self.actuation;
+        let actuation = &self.actuation;
         let inputs = actuation.inputs_at(time);
         let ends = [&a.unknowns[..], &b.unknowns[..]];
         let on_the_line = self.solver.between(ends, share, &inputs, Pace::Brisk);
