@@ -1,6 +1,8 @@
 //! Messages about a user's text: what, where, and how to mend it. Many at once; printing is the command line's.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 /// Byte range in the source text.
@@ -190,16 +192,20 @@ fn cut(text: &str, most: usize) -> Cow<'_, str> {
     }
 }
 
-/// Messages in the order they were found.
+/// Messages in the order they were found, none of them twice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,
+    /// Hashes of what is said and where: a faulty text is met once for each reference to it.
+    known: HashSet<u64>,
 }
 
 impl Diagnostics {
-    /// Adds one, unless it only follows from another.
+    /// Adds one, unless it only follows from another, or is there already.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        if !diagnostic.inherited {
+        let mut hasher = DefaultHasher::new();
+        (&diagnostic.message, &diagnostic.span).hash(&mut hasher);
+        if !diagnostic.inherited && self.known.insert(hasher.finish()) {
             self.items.push(diagnostic);
         }
     }
@@ -207,11 +213,6 @@ impl Diagnostics {
     /// How many there are.
     pub fn count(&self) -> usize {
         self.items.len()
-    }
-
-    /// True if this very message is there already.
-    pub fn contains(&self, diagnostic: &Diagnostic) -> bool {
-        self.items.contains(diagnostic)
     }
 
     /// True when at least one is an error.
@@ -228,7 +229,7 @@ impl Diagnostics {
 
     /// Moves the messages of `other` to the end.
     pub fn append(&mut self, other: Diagnostics) {
-        self.items.extend(other.items);
+        other.items.into_iter().for_each(|item| self.push(item));
     }
 
     /// True when there is none.
@@ -346,5 +347,17 @@ mod tests {
         assert!(diagnostics.is_empty());
         diagnostics.push(Diagnostic::error("a"));
         assert!(diagnostics.has_errors());
+    }
+
+    #[test]
+    fn nothing_is_said_twice() {
+        let mut diagnostics = Diagnostics::default();
+        for place in [0..1, 0..1, 2..3] {
+            diagnostics.push(Diagnostic::error("a").at(place));
+        }
+        let mut more = diagnostics.clone();
+        more.push(Diagnostic::error("b").at(0..1));
+        diagnostics.append(more);
+        assert_eq!(diagnostics.count(), 3);
     }
 }

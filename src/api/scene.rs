@@ -12,7 +12,7 @@ use crate::model::mechanism::Kind;
 use crate::scene::{Overrides, builtin, source};
 use std::fmt;
 use std::fmt::Display;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A mechanism with its drive, bodies and view, read from the text of a scene.
@@ -85,7 +85,8 @@ impl Scene {
     /// assert_eq!(scene.inputs().len(), 1);
     /// # Ok::<(), mechanim::Error>(())
     /// ```
-    pub fn open(path: &str) -> Result<Self, Error> {
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
         let overrides = Overrides {
             folder: source::folder_of(path),
             ..Overrides::default()

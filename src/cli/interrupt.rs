@@ -1,7 +1,9 @@
 //! Ctrl-C: what is asked of a run, and what it does about it.
 
 use super::term::outcome::Failure;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 /// Raised by Ctrl-C; everything that takes long looks at it.
@@ -13,6 +15,9 @@ static SAVES: AtomicBool = AtomicBool::new(false);
 /// How long a run may take to end in order after Ctrl-C: a frame, or a few poses of a large mechanism.
 const GRACE: Duration = Duration::from_millis(350);
 
+/// How long the proof of what was found may still take then.
+const GRACE_OF_PROOF: Duration = Duration::from_millis(150);
+
 /// Waits for a run to end after Ctrl-C. Where it does not, removes what is half-written and says so; true if the process
 /// is to end then.
 pub fn overdue() -> bool {
@@ -23,6 +28,33 @@ pub fn overdue() -> bool {
     crate::export::remove_unfinished();
     eprintln!("error: {}", Failure::Interrupted);
     true
+}
+
+/// How often somebody looks whether the work of another thread is done.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// What is found, unless Ctrl-C comes and it takes longer than a little from then on: that is not waited for.
+pub fn unless_interrupted<T: Send + 'static>(
+    work: impl Fn() -> T + Send + Sync + 'static,
+) -> Option<T> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let work = Arc::new(work);
+    let other = Arc::clone(&work);
+    let send = move || drop(sender.send(other()));
+    if std::thread::Builder::new().spawn(send).is_err() {
+        return Some(work());
+    }
+    let mut left = GRACE_OF_PROOF;
+    loop {
+        match receiver.recv_timeout(LOOK) {
+            Ok(found) => return Some(found),
+            Err(RecvTimeoutError::Disconnected) => return None,
+            Err(RecvTimeoutError::Timeout) if is_interrupted() => {
+                left = left.checked_sub(LOOK)?;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
 }
 
 /// Says that this run has results to save on Ctrl-C.

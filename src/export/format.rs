@@ -62,6 +62,8 @@ impl Format {
             return Err(unknown(path, &format!("unknown extension .{extension}")));
         };
         if is_pattern {
+            // A faulty pattern says what is wrong with it.
+            FramePattern::parse(path)?;
             let what = format.name();
             let reason = format!("{what} is one file, its name takes no frame number");
             return Err(unknown(path, &reason));
@@ -258,6 +260,15 @@ mod tests {
             ("f%", "followed by d"),
         ] {
             let message = pattern(text).unwrap_err().to_string();
+            assert!(message.contains(reason), "{text}: {message}");
+        }
+        for (text, reason) in [
+            ("%s%s%n.gif", "followed by d"),
+            ("f%%.gif", "no frame number"),
+            ("f#.y4m", "%04d instead of #"),
+            ("f%04d.gif", "takes no frame number"),
+        ] {
+            let message = Format::from_path(Path::new(text)).unwrap_err().to_string();
             assert!(message.contains(reason), "{text}: {message}");
         }
     }

@@ -8,7 +8,7 @@ use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Frames in flight a worker: one being drawn, two waiting for their turn.
@@ -37,9 +37,6 @@ pub enum PumpError<E: std::error::Error + 'static> {
     /// The cancel flag was raised.
     #[error("cancelled")]
     Cancelled,
-    /// The system starts no thread at all.
-    #[error("the system starts no thread to draw with: {0}")]
-    NoThread(std::io::Error),
     /// There is nobody to draw.
     #[error("no worker was given to draw the frames")]
     NoWorkers,
@@ -133,29 +130,36 @@ where
     std::thread::scope(|scope| {
         // Workers wait for a window that only this thread moves: whatever ends it must also end them.
         let _stop = StopOnDrop(&shared);
-        let mut working = 0;
+        let (mut working, mut alone) = (0, None);
         for draw in workers {
-            let (shared, coder) = (&shared, sink.coder());
-            let image = RgbaImage::new(width, height);
+            let worker = Worker {
+                draw,
+                coder: sink.coder(),
+                image: RgbaImage::new(width, height),
+                shared: &shared,
+                cancel,
+            };
+            // Lent to the thread, and here again where it does not start.
+            let lent = Arc::new(Mutex::new(Some(worker)));
+            let (taken, shared) = (Arc::clone(&lent), &shared);
             let started = std::thread::Builder::new().spawn_scoped(scope, move || {
                 let _stop = StopOnPanic(shared);
-                Worker {
-                    draw,
-                    coder,
-                    image,
-                    shared,
-                    cancel,
-                }
-                .run();
+                let worker = lock(&taken).take();
+                worker
+                    .into_iter()
+                    .for_each(|mut worker| while worker.step() {});
             });
-            match started {
-                Ok(_) => working += 1,
-                // Those that work do all the work.
-                Err(_) if working > 0 => break,
-                Err(error) => return Err(PumpError::NoThread(error)),
+            if started.is_err() {
+                // Those that work do all the work; without any this thread does.
+                alone = lock(&lent).take().filter(|_| working == 0);
+                break;
             }
+            working += 1;
         }
         for index in 0..frame_count {
+            if let Some(worker) = &mut alone {
+                worker.step();
+            }
             let coded = shared.next_coded(cancel)?;
             sink.write(index, &coded)?;
             shared.written(coded);
@@ -295,13 +299,13 @@ where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E>,
     E: std::error::Error + 'static,
 {
-    fn run(mut self) {
-        while let Some(task) = self.shared.next_task(self.cancel) {
-            if let Err(failure) = self.frame(task) {
-                self.shared.fail(failure);
-                break;
-            }
-        }
+    /// Draws the next frame, if there is one to draw; false where this was the last one.
+    fn step(&mut self) -> bool {
+        let Some(task) = self.shared.next_task(self.cancel) else {
+            return false;
+        };
+        let drawn = self.frame(task);
+        drawn.map_err(|failure| self.shared.fail(failure)).is_ok()
     }
 
     fn frame(&mut self, task: Task) -> Result<(), PumpError<E>> {

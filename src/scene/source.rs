@@ -2,6 +2,7 @@
 
 use super::builtin;
 use crate::diag::{Source, nearest};
+use std::ffi::OsStr;
 use std::io::Read;
 use std::path::Path;
 
@@ -30,18 +31,19 @@ impl SourceError {
 /// The text of the built-in scene `name`, or of the file at that path.
 ///
 /// Errors: there is neither; a file that cannot be read, is too large, or is no UTF-8.
-pub fn find(name: &str) -> Result<Source, SourceError> {
-    match builtin::find(name) {
+pub fn find(name: &OsStr) -> Result<Source, SourceError> {
+    match name.to_str().and_then(builtin::find) {
         Some(source) => Ok(source),
-        None => open(name),
+        None => open(Path::new(name)),
     }
 }
 
 /// The text of a file. Errors: likewise.
-pub fn open(name: &str) -> Result<Source, SourceError> {
-    match std::fs::File::open(name) {
-        Ok(file) => read(file, name),
-        Err(error) => Err(missing(name, &error)),
+pub fn open(path: &Path) -> Result<Source, SourceError> {
+    let name = path.to_string_lossy();
+    match std::fs::File::open(path) {
+        Ok(file) => read(file, &name),
+        Err(error) => Err(missing(&name, &error)),
     }
 }
 
@@ -93,7 +95,7 @@ pub fn no_builtin(name: &str) -> SourceError {
 }
 
 /// The folder that relative file names in a scene start from.
-pub fn folder_of(name: &str) -> std::path::PathBuf {
-    let parent = Path::new(name).parent();
+pub fn folder_of(path: &Path) -> std::path::PathBuf {
+    let parent = path.parent();
     parent.map(Path::to_path_buf).unwrap_or_default()
 }

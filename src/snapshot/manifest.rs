@@ -9,6 +9,7 @@ use crate::scene::reader::{Found, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, choice};
 use crate::scene::values::FormulaText;
+use std::collections::HashSet;
 use toml::de::DeTable;
 
 /// Name of the list in its folder.
@@ -102,22 +103,21 @@ fn pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
     let list = read_table(found, &LIST, place, diagnostics, |r| {
         r.tables("picture", picture)
     });
-    let mut pictures: Vec<(Picture, Span)> = list.into_iter().flatten().collect();
+    let pictures: Vec<(Picture, Span)> = list.into_iter().flatten().collect();
     if pictures.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
             Diagnostic::error("the list has no pictures")
                 .hint("write a [[picture]] with `file` and `scene`"),
         );
     }
-    for k in 1..pictures.len() {
-        let (earlier, later) = pictures.split_at(k);
-        let (picture, span) = &later[0];
-        if earlier.iter().any(|(p, _)| p.file == picture.file) {
+    let mut files = HashSet::new();
+    for (picture, span) in &pictures {
+        if !files.insert(&picture.file) {
             let message = format!("two pictures are kept in `{}`", picture.file);
             diagnostics.push(Diagnostic::error(message).at(span.clone()));
         }
     }
-    pictures.drain(..).map(|(picture, _)| picture).collect()
+    pictures.into_iter().map(|(picture, _)| picture).collect()
 }
 
 fn picture(r: &mut TableReader) -> Option<(Picture, Span)> {

@@ -40,6 +40,11 @@ pub trait Landscape {
         None
     }
 
+    /// Asked before every step and every evaluation: whether the search is to end with what it has.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
     /// Called after every accepted step; `false` ends the search.
     fn progress(&mut self, _iteration: usize, _x: &[f64], _value: f64) -> bool {
         true
@@ -136,6 +141,9 @@ pub fn minimise(
         if radius < search.smallest_radius {
             break Ended::Converged;
         }
+        if landscape.is_stopped() {
+            break Ended::Stopped;
+        }
         result.iterations += 1;
         let place = Place {
             x: &x,
@@ -163,6 +171,9 @@ pub fn minimise(
         };
         let there = landscape.heights(&step.x);
         let (mut next, mut gained) = (step.x.clone(), gain(&there));
+        if landscape.is_stopped() {
+            break Ended::Stopped;
+        }
         if let Some(there) = there.filter(|_| gained < GOOD)
             && let Some(other) = place.step(&place.bent(&next, &there), radius)
         {

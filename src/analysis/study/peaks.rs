@@ -32,6 +32,7 @@ pub struct Peaks<'f, 'w> {
     pub guarded: usize,
     watch: Box<Watch<'w>>,
     guard: Option<Box<Guard<'w>>>,
+    goes_on: Option<&'w dyn Fn() -> bool>,
 }
 
 /// Called with a stand that a search is about to build on: how far it is beyond what is allowed, as a number of order one;
@@ -88,7 +89,16 @@ impl<'f, 'w> Peaks<'f, 'w> {
             guarded: 0,
             watch,
             guard: None,
+            goes_on: None,
         })
+    }
+
+    /// The same, ended with what it has as soon as `goes_on` says no.
+    pub fn while_it(self, goes_on: &'w dyn Fn() -> bool) -> Self {
+        Self {
+            goes_on: Some(goes_on),
+            ..self
+        }
     }
 
     /// The same with a guard.
@@ -272,6 +282,10 @@ impl Landscape for Peaks<'_, '_> {
             value,
             slope,
         })
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.goes_on.is_some_and(|goes_on| !goes_on())
     }
 
     fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {

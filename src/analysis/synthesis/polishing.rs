@@ -70,7 +70,8 @@ fn drawn_in(run: &Run, start: &Start, starts: &mut Vec<Start>) -> Option<Start> 
 /// A start's search taken up again with more iterations, under the limits of `family`.
 fn polish(run: &Run, family: &Family, start: &Start, phase: Phase) -> Start {
     let clock = Instant::now();
-    let Some(family) = standing(family, start) else {
+    let family = standing(family, start).filter(|_| run.goes_on(phase));
+    let Some(family) = family else {
         return start.clone();
     };
     let Ok(nominal) = family.nominal() else {

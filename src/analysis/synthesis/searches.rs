@@ -110,6 +110,10 @@ impl Run<'_> {
     fn start(&self, origin: Origin, item: u64, before: &[Start]) -> Start {
         let clock = Instant::now();
         let ended = || !self.goes_on(Phase::Searching);
+        // The first one is needed for any result.
+        if item > 0 && ended() {
+            return Start::none(origin);
+        }
         let near = match origin {
             Origin::Near(index) => before[index].minimum.as_ref().map_or(&[][..], |m| &m.x),
             _ => &[],
@@ -136,7 +140,8 @@ impl Run<'_> {
         (phase, iterations): (Phase, usize),
     ) -> Start {
         let family = &begun.family;
-        let watch = |_: usize, _: &[f64], _: f64| self.goes_on(phase);
+        let goes_on = || self.goes_on(phase);
+        let watch = |_: usize, _: &[f64], _: f64| true;
         let blank = Start::none(origin);
         let evaluator = Evaluator::new(family);
         let first = evaluator.measure(&begun.stand).ok().and_then(|m| {
@@ -150,7 +155,8 @@ impl Run<'_> {
         let guard = |stand: &Stand| self.touching.depth(family, &stand.values, &stand.poses);
         let mut peaks = peaks
             .with_least_sigma(self.least_sigma)
-            .guarded_by(Box::new(guard));
+            .guarded_by(Box::new(guard))
+            .while_it(&goes_on);
         let bounds = peaks.bounds();
         let search = minimax::Search {
             radius: RADIUS,

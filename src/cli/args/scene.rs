@@ -2,13 +2,14 @@
 
 use super::values::assignment;
 use clap::Args;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Which scene, and what is changed in it.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
     /// Name of a built-in scene, path of a scene file, or `-` for standard input.
-    pub scene: String,
+    pub scene: OsString,
     /// Replace a parameter: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = assignment)]
     pub parameters: Vec<(String, String)>,

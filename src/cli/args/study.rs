@@ -3,6 +3,7 @@
 use super::files::ProgressArg;
 use super::scene::SceneArgs;
 use clap::{Args, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Which parameters change.
@@ -46,7 +47,7 @@ pub struct ToleranceArgs {
     #[command(flatten)]
     pub vary: VaryArgs,
     /// Tolerance of every dimension that the study gives none: half the width, in the dimension's unit.
-    #[arg(long, value_name = "VALUE", value_parser = positive)]
+    #[arg(long, value_name = "VALUE", value_parser = half_width)]
     pub tolerance: Option<f64>,
     /// Number of random pieces.
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = pieces)]
@@ -79,7 +80,7 @@ pub struct ToleranceArgs {
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = paths)]
     pub paths: usize,
     /// How much deviations are enlarged in the picture; a round number that lets them be seen if absent.
-    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    #[arg(long, value_name = "FACTOR", value_parser = enlargement)]
     pub enlarge: Option<f64>,
     /// Time in seconds of the pose in the picture.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
@@ -105,7 +106,7 @@ pub struct OptimiseArgs {
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub within: Option<f64>,
     /// Relative accuracy: of gradients (bfgs), of values and variables (nelder-mead), of the generation (evolution).
-    #[arg(long, value_name = "VALUE", value_parser = positive)]
+    #[arg(long, value_name = "VALUE", value_parser = relative)]
     pub tolerance: Option<f64>,
     /// Most iterations.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iterations)]
@@ -153,7 +154,7 @@ pub enum StartsFrom {
 pub struct SynthesiseArgs {
     /// Built-in scenes or scene files with a study that minimises the largest of many values; several make one report.
     #[arg(required = true, value_name = "SCENE")]
-    pub scenes: Vec<String>,
+    pub scenes: Vec<OsString>,
     /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::assignment)]
     pub parameters: Vec<(String, String)>,
@@ -246,12 +247,39 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Largest enlargement of a deviation: a picture resolves a ten-thousandth, rounding a 1e16th.
+const MOST_ENLARGED: f64 = 1e12;
+
+/// Largest tolerance of a dimension, in the scene's unit: more than any mechanism measures.
+const MOST_TOLERANCE: f64 = 1e9;
+
+/// Largest share of its value by which a variable may leave it: what is more is no change of a dimension any more.
+const MOST_WITHIN: f64 = 1e3;
+
+fn between_zero_and(text: &str, most: f64) -> Result<f64, String> {
+    let value = positive(text).ok().filter(|v| *v <= most);
+    value.ok_or_else(|| format!("a positive number, at most {}", crate::diag::shown(most)))
+}
+
+fn enlargement(text: &str) -> Result<f64, String> {
+    between_zero_and(text, MOST_ENLARGED)
+}
+
+fn half_width(text: &str) -> Result<f64, String> {
+    between_zero_and(text, MOST_TOLERANCE)
+}
+
+fn relative(text: &str) -> Result<f64, String> {
+    between_zero_and(text, 1.0)
+}
+
 fn share(text: &str) -> Result<f64, String> {
     let value = match text.strip_suffix('%') {
         Some(percent) => positive(percent.trim()).map(|v| v / 100.0),
         None => positive(text),
     };
-    value.map_err(|_| "a positive share, 0.2 or 20%".to_owned())
+    let value = value.ok().filter(|v| *v <= MOST_WITHIN);
+    value.ok_or_else(|| format!("a positive share, 0.2 or 20%, at most {MOST_WITHIN}"))
 }
 
 pub(super) fn limit(text: &str) -> Result<(String, f64), String> {

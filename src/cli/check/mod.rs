@@ -39,7 +39,7 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     let begun = Instant::now();
     let answer = match open_scene::open(&args.scene, term) {
         Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => {
-            Answer::closes_nowhere(&args.scene.scene, failure)
+            Answer::closes_nowhere(&args.scene.scene.to_string_lossy(), failure)
         }
         Err(failure) => return Err(failure),
         Ok(opened) if !args.inputs_box.is_empty() => inputs_box::check(args, &opened)?,

@@ -219,7 +219,6 @@ where
         PumpError::Draw { source, .. } => source.into(),
         PumpError::Export(error) => error.into(),
         PumpError::Cancelled => Failure::Interrupted,
-        PumpError::NoThread(_) => Failure::usage(error.to_string(), Vec::new()),
         PumpError::NoWorkers => Failure::Internal(error.to_string()),
     }
 }

@@ -8,6 +8,7 @@ use crate::cli::term::progress::announced;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::scene::{Overrides, PlotText, Scene, load, source};
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -55,7 +56,7 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
         parameters: args.parameters.clone(),
         inputs: args.inputs.clone(),
         guess: args.guess.clone(),
-        folder: source::folder_of(&args.scene),
+        folder: source::folder_of(Path::new(&args.scene)),
         allowed_folders: args.allowed.clone(),
         ..Overrides::default()
     };
@@ -63,9 +64,9 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
 }
 
 /// The text of a scene: built-in name, `-`, or a path.
-fn text_by_name(name: &str) -> Result<Source, Failure> {
-    Ok(match name {
-        "-" => source::read(std::io::stdin().lock(), "<stdin>")?,
+fn text_by_name(name: &OsStr) -> Result<Source, Failure> {
+    Ok(match name.to_str() {
+        Some("-") => source::read(std::io::stdin().lock(), "<stdin>")?,
         _ => source::find(name)?,
     })
 }

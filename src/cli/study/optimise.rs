@@ -8,7 +8,7 @@ use crate::analysis::optimise::Ended;
 use crate::analysis::study::FamilyError;
 use crate::analysis::study::optimum::{Optimum, Verified, optimise, verify};
 use crate::cli::args::study::OptimiseArgs;
-use crate::cli::interrupt::CANCEL;
+use crate::cli::interrupt::{CANCEL, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::{Opened, open};
 use crate::cli::term::Term;
@@ -60,7 +60,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     let study = &opened.family.study;
     let vary: Vec<String> = study.variables.iter().map(|v| v.name.clone()).collect();
     let parameters = opened.parameters(&optimum.minimum.x);
-    let verified = verify(&opened.source, &opened.overrides, parameters.clone(), &vary);
+    let verified = verified(&opened, parameters.clone(), vary);
     let complete = |path| io::unless_complete(path, !is_stopped);
     let out = args.out.as_deref().map(complete);
     if let Some(out) = &out {
@@ -109,6 +109,22 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         Ok(v) if v.violation <= KEPT && result.agrees(v) && is_kept => Outcome::Done,
         _ => Outcome::CheckFailed,
     })
+}
+
+/// The independent motion, unless Ctrl-C comes before it is there.
+fn verified(
+    opened: &Opened,
+    parameters: Vec<(String, String)>,
+    vary: Vec<String>,
+) -> Result<Verified, FamilyError> {
+    let (source, overrides) = (opened.source.clone(), opened.overrides.clone());
+    let unproved = || {
+        Err(FamilyError::Lacks(
+            "interrupted before the proof".to_owned(),
+        ))
+    };
+    let work = move || verify(&source, &overrides, parameters.clone(), &vary);
+    unless_interrupted(work).unwrap_or_else(unproved)
 }
 
 /// The search with its progress, and the points it came to, from the start on.

@@ -6,7 +6,7 @@ use crate::analysis::synthesis::verify::{Proof, prove};
 use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
-use crate::cli::interrupt::is_interrupted;
+use crate::cli::interrupt::{is_interrupted, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::{Opened, open};
 use crate::cli::term::Term;
@@ -17,11 +17,8 @@ use crate::report::cells::six;
 use crate::report::synthesis::{Found, document, ladder, rows, text};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
-
-/// How often somebody looks whether the proof is there.
-const LOOK: Duration = Duration::from_millis(10);
 
 /// Runs the verb.
 pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -45,8 +42,9 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         if is_interrupted() {
             break;
         }
+        let name = name.to_string_lossy();
         term.note(&format!("{name}:"));
-        let one = one(args, opened, name, term)?;
+        let one = one(args, opened, &name, term)?;
         if let Some(out) = targets.get(found.len()) {
             let out = io::unless_complete(out, !is_interrupted());
             io::write_text(scene, &out, &one.scene)?;
@@ -78,7 +76,7 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     })
 }
 
-fn scene_args(args: &SynthesiseArgs, scene: &str) -> SceneArgs {
+fn scene_args(args: &SynthesiseArgs, scene: &OsStr) -> SceneArgs {
     SceneArgs {
         scene: scene.to_owned(),
         parameters: args.parameters.clone(),
@@ -145,6 +143,7 @@ fn one<'a>(
         let (first, last) = (six(start.first * unit), six(start.value() * unit));
         term.note(&format!("  start {}, {from}: {first} to {last}", index + 1));
     };
+    let own = own_measures(opened)?;
     let goes_on = || !is_interrupted();
     let listener = Listener {
         done: &done,
@@ -156,7 +155,6 @@ fn one<'a>(
     };
     let (overrides, scene) = written(opened, &synthesis)?;
     let proof = proved(&opened.source, &overrides);
-    let own = own_measures(opened)?;
     Ok(Found {
         name: name.to_owned(),
         family: &opened.family,
@@ -168,21 +166,15 @@ fn one<'a>(
     })
 }
 
-/// The proof, unless Ctrl-C comes before it is there: that is not waited for.
+/// The proof, unless Ctrl-C comes before it is there.
 fn proved(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     let (text, values) = (source.clone(), overrides.clone());
-    let work = std::thread::Builder::new().spawn(move || prove(&text, &values));
-    let Ok(work) = work else {
-        return prove(source, overrides);
+    let unproved = || {
+        Err(FamilyError::Lacks(
+            "interrupted before the proof".to_owned(),
+        ))
     };
-    let unproved = |why: &str| Err(FamilyError::Lacks(why.to_owned()));
-    while !work.is_finished() {
-        if is_interrupted() {
-            return unproved("interrupted before the proof");
-        }
-        std::thread::sleep(LOOK);
-    }
-    work.join().unwrap_or_else(|_| unproved("the proof failed"))
+    unless_interrupted(move || prove(&text, &values)).unwrap_or_else(unproved)
 }
 
 /// The found values as changes of the scene, and as the text of a scene of its own.

@@ -15,6 +15,7 @@ use crate::model::palette;
 use crate::model::shape::{Shape, Solid};
 use crate::scene::values::FormulaText;
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// Constant formulas of shapes and views, with their messages.
 pub struct Constants<'a> {
@@ -82,15 +83,15 @@ pub fn resolve(
 ) -> Vec<Body> {
     let constants = Constants { names };
     let mut bodies: Vec<Body> = Vec::new();
+    let mut places: HashMap<&str, &Span> = HashMap::new();
     for (index, body) in file.bodies.iter().enumerate() {
-        if let Some(other) = file.bodies[..index]
-            .iter()
-            .find(|b| b.name.value == body.name.value)
-        {
+        let (name, place) = (body.name.value.as_str(), &body.name.span);
+        let first = *places.entry(name).or_insert(place);
+        if first != place {
             diagnostics.push(
-                Diagnostic::error(format!("there are two bodies named `{}`", body.name.value))
-                    .at(body.name.span.clone())
-                    .related(other.name.span.clone(), "first here"),
+                Diagnostic::error(format!("there are two bodies named `{name}`"))
+                    .at(place.clone())
+                    .related(first.clone(), "first here"),
             );
         }
         let chain = joints

@@ -10,6 +10,7 @@ use super::parsing::expression;
 use crate::diag::{Diagnostic, Diagnostics, shown};
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{AngleUnit, Kind};
+use std::collections::HashMap;
 
 /// What moves and from where.
 pub struct Coordinates {
@@ -35,12 +36,15 @@ pub fn resolve(
     diagnostics: &mut Diagnostics,
 ) -> Option<Coordinates> {
     let mut drives = Vec::new();
+    let read = parsed
+        .inputs
+        .iter()
+        .map(|(name, input)| (name.value.as_str(), input));
+    let read: HashMap<&str, &ParsedInput> = read.collect();
     for (index, coordinate) in names.inputs[..file.inputs.len()].iter().enumerate() {
-        let input = parsed
-            .inputs
-            .iter()
-            .find(|(n, _)| n.value == coordinate.name);
-        let Some((_, input)) = input else { continue };
+        let Some(input) = read.get(coordinate.name.as_str()) else {
+            continue;
+        };
         let wanted = Some(coordinate.kind);
         match drive(input, &file.inputs[index].1, names, unit, wanted) {
             Ok(drive) => drives.push(drive),
@@ -140,14 +144,12 @@ fn guess(
                 continue;
             }
             let unknowns = names.unknowns.iter().map(|c| c.name.as_str());
-            diagnostics.push(
-                Diagnostic::error(format!(
-                    "start value for `{}`, which is not an unknown of any loop",
-                    name.value
-                ))
-                .at(name.span.clone())
-                .suggest(&name.value, unknowns),
+            let message = format!(
+                "start value for `{}`, which is not an unknown of any loop",
+                name.value
             );
+            let diagnostic = Diagnostic::error(message).at(name.span.clone());
+            diagnostics.push(names.suggest(diagnostic, &name.value, unknowns));
             continue;
         };
         let wanted = Some(names.unknowns[index].kind);

@@ -143,7 +143,6 @@ impl<'a> Joints<'a> {
         for factor in factors {
             match self.step(factor) {
                 Ok(step) => steps.push(step),
-                Err(diagnostic) if diagnostics.contains(&diagnostic) => {}
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }

@@ -11,7 +11,8 @@ use crate::model::chain::Motion;
 use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use crate::numbers::constant::Constant;
-use std::collections::{BTreeMap, BTreeSet};
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// The name of the time in the formulas of drives.
 pub const TIME: &str = "t";
@@ -35,10 +36,17 @@ pub struct Names {
     broken: BTreeSet<String>,
     /// All loops could be read, so that every unknown is known.
     is_complete: bool,
-    traces: Vec<String>,
+    traces: BTreeSet<String>,
+    /// What each name means; of equal names the first one counts.
+    meanings: HashMap<String, Meaning>,
+    /// How many more names that nobody defines are compared with all others.
+    suggestions: Cell<usize>,
     /// Parameters that are inputs in a study, as (parameter, input).
     pub varied: Vec<(usize, usize)>,
 }
+
+/// Unknown names for which a similar one is looked for: more than are shown, few enough for a file of nothing else.
+const MOST_SUGGESTIONS: usize = 100;
 
 /// What a name in a formula of coordinates refers to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,11 +85,15 @@ impl Names {
             broken: broken(file, parsed),
             is_complete: parsed.is_complete,
             traces: file.traces.iter().map(|t| t.name.value.clone()).collect(),
+            meanings: HashMap::new(),
+            suggestions: Cell::new(MOST_SUGGESTIONS),
             varied: Vec::new(),
         };
+        names.index();
         let mut found: Vec<(String, Span)> = Vec::new();
+        let mut known: HashSet<String> = HashSet::new();
         let mut gather = |name: &str, span: &Span| {
-            if names.meaning(name).is_none() && !found.iter().any(|(n, _)| n == name) {
+            if names.meaning(name).is_none() && known.insert(name.to_owned()) {
                 found.push((name.to_owned(), span.clone()));
             }
         };
@@ -101,6 +113,7 @@ impl Names {
             .for_each(|(_, node)| node.visit_names(&mut gather));
         names.unknowns = found.iter().map(|(name, _)| coordinate(name)).collect();
         names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
+        names.index();
         names.refuse_undefined_in_frames(parsed, diagnostics);
         names
     }
@@ -118,15 +131,26 @@ impl Names {
 
     /// What `name` refers to in a formula of coordinates.
     pub fn meaning(&self, name: &str) -> Option<Meaning> {
-        let position = |list: &[Coordinate]| list.iter().position(|c| c.name == name);
-        let parameter = self
-            .parameters
-            .iter()
-            .position(|p| p.name == name)
-            .map(Meaning::Parameter);
-        parameter
-            .or_else(|| position(&self.inputs).map(Meaning::Input))
-            .or_else(|| position(&self.unknowns).map(Meaning::Unknown))
+        self.meanings.get(name).copied()
+    }
+
+    /// Notes what every name means; to be called when one is added or taken away.
+    fn index(&mut self) {
+        let names = |list: &[Coordinate]| list.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+        let parameters = self.parameters.iter().map(|p| p.name.clone());
+        let parameters = parameters
+            .enumerate()
+            .map(|(k, n)| (n, Meaning::Parameter(k)));
+        let inputs = names(&self.inputs).into_iter().enumerate();
+        let unknowns = names(&self.unknowns).into_iter().enumerate();
+        let coordinates = inputs.map(|(k, n)| (n, Meaning::Input(k)));
+        let all = parameters.chain(coordinates);
+        let all = all.chain(unknowns.map(|(k, n)| (n, Meaning::Unknown(k))));
+        let mut meanings = HashMap::new();
+        for (name, meaning) in all {
+            meanings.entry(name).or_insert(meaning);
+        }
+        self.meanings = meanings;
     }
 
     /// Every defined name, for suggestions.
@@ -144,10 +168,25 @@ impl Names {
 
     /// The message that `name` is defined nowhere.
     pub fn undefined(&self, name: &str, span: &Span) -> Diagnostic {
-        Diagnostic::error(format!("`{name}` is not defined"))
+        let diagnostic = Diagnostic::error(format!("`{name}` is not defined"))
             .at(span.clone())
-            .label("no parameter, no input, and no loop determines it")
-            .suggest(name, self.all())
+            .label("no parameter, no input, and no loop determines it");
+        self.suggest(diagnostic, name, self.all())
+    }
+
+    /// Adds "did you mean" to the first few messages about names that nobody defines.
+    pub fn suggest<'a>(
+        &self,
+        diagnostic: Diagnostic,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Diagnostic {
+        let left = self.suggestions.get();
+        self.suggestions.set(left.saturating_sub(1));
+        match left {
+            0 => diagnostic,
+            _ => diagnostic.suggest(name, known),
+        }
     }
 
     /// Whether all unknowns are known; else a name that nobody defines may be one.
@@ -157,7 +196,7 @@ impl Names {
 
     /// Whether the file has a trace of that name, be it usable or not.
     pub fn declares_trace(&self, name: &str) -> bool {
-        self.traces.iter().any(|trace| trace == name)
+        self.traces.contains(name)
     }
 
     /// Looks up a constant: parameters only.
@@ -294,7 +333,7 @@ impl Names {
 
     /// Makes a constant of an unknown that turns out to be one.
     pub fn settle(&mut self, name: &str, value: Constant) {
-        let Some(index) = self.unknowns.iter().position(|c| c.name == name) else {
+        let Some(Meaning::Unknown(index)) = self.meaning(name) else {
             return;
         };
         self.unknown_places.remove(index);
@@ -304,6 +343,7 @@ impl Names {
             kind: Some(kind),
             value,
         });
+        self.index();
     }
 
     /// Whether a name is that of an unknown that turned out to be constant.
@@ -319,9 +359,8 @@ impl Names {
         unit: &AngleUnit,
         diagnostics: &mut Diagnostics,
     ) {
-        let order: Vec<String> = self.parameters.iter().map(|p| p.name.clone()).collect();
         for (name, node) in &parsed.parameters {
-            let Some(own) = order.iter().position(|n| *n == name.value) else {
+            let Some(Meaning::Parameter(own)) = self.meaning(&name.value) else {
                 continue;
             };
             let node = to_radians(
@@ -330,7 +369,11 @@ impl Names {
                 unit.radians,
                 &|n| self.is_angle(n),
             );
-            let lookup = |used: &str, span: &Span| match order.iter().position(|n| n == used) {
+            let place = |used: &str| match self.meaning(used) {
+                Some(Meaning::Parameter(index)) => Some(index),
+                _ => None,
+            };
+            let lookup = |used: &str, span: &Span| match place(used) {
                 Some(i) if i == own => {
                     Err(Diagnostic::error(format!("`{used}` is defined by itself"))
                         .at(span.clone()))
@@ -342,9 +385,11 @@ impl Names {
                         .at(span.clone())
                         .hint("a parameter may use only earlier ones: move the definition up"),
                 ),
-                None => Err(Diagnostic::error(format!("`{used}` is not a parameter"))
-                    .at(span.clone())
-                    .suggest(used, order[..own].iter().map(String::as_str))),
+                None => {
+                    let message = format!("`{used}` is not a parameter");
+                    let earlier = self.parameters[..own].iter().map(|p| p.name.as_str());
+                    Err(self.suggest(Diagnostic::error(message).at(span.clone()), used, earlier))
+                }
             };
             match exact_constant(&node, &lookup) {
                 Ok(value) => self.parameters[own].value = value,
@@ -384,7 +429,8 @@ fn broken(file: &SceneFile, parsed: &Parsed) -> BTreeSet<String> {
     ];
     let faulty = lists.into_iter().flat_map(|(all, read)| {
         let all = all.iter().map(|(name, _)| &name.value);
-        all.filter(|name| !read.iter().any(|(other, _)| other.value == **name))
+        let read: HashSet<&str> = read.iter().map(|(name, _)| name.value.as_str()).collect();
+        all.filter(move |name| !read.contains(name.as_str()))
     });
     faulty.cloned().collect()
 }

@@ -12,6 +12,7 @@ use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Body, Kind, Output, OutputSource, Trace};
+use std::collections::HashMap;
 
 /// What formulas of poses may use.
 pub struct Scope<'a> {
@@ -21,8 +22,8 @@ pub struct Scope<'a> {
     pub unit: &'a AngleUnit,
     /// Outputs so far.
     pub outputs: Vec<Output>,
-    /// Names of outputs that are faulty.
-    failed: Vec<String>,
+    /// Their places by name; none for a faulty one.
+    places: HashMap<String, Option<usize>>,
 }
 
 impl<'a> Scope<'a> {
@@ -43,39 +44,46 @@ impl<'a> Scope<'a> {
             contacts,
             unit,
             outputs: Vec::new(),
-            failed: Vec::new(),
+            places: HashMap::new(),
         };
         let constants = Constants { names };
         for item in &file.distances {
-            match asked_distance(item, &constants, bodies, diagnostics) {
-                Some(distance) => scope.outputs.push(Output {
-                    name: item.name.value.clone(),
-                    source: OutputSource::Distance(distance),
-                    kind: Kind::Length,
-                }),
-                None => scope.failed.push(item.name.value.clone()),
-            }
+            let distance = asked_distance(item, &constants, bodies, diagnostics);
+            scope.note(&item.name.value, distance.is_some());
+            scope.outputs.extend(distance.map(|distance| Output {
+                name: item.name.value.clone(),
+                source: OutputSource::Distance(distance),
+                kind: Kind::Length,
+            }));
         }
         for (name, node) in &parsed.outputs {
-            match scope.compile(node) {
+            let name = &name.value;
+            let compiled = scope.compile(node);
+            scope.note(name, compiled.is_ok());
+            match compiled {
                 Ok((expression, kind)) => scope.outputs.push(Output {
-                    name: name.value.clone(),
+                    name: name.clone(),
                     source: OutputSource::Formula(expression),
                     kind,
                 }),
-                Err(diagnostic) => {
-                    diagnostics.push(diagnostic);
-                    scope.failed.push(name.value.clone());
-                }
+                Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
         scope
     }
 
+    /// Notes the place of the next output, if it is one that can be used; of equal names the first one counts.
+    fn note(&mut self, name: &str, is_usable: bool) {
+        let place = is_usable.then_some(self.outputs.len());
+        let earlier = self.places.entry(name.to_owned()).or_insert(place);
+        *earlier = earlier.or(place);
+    }
+
     /// A formula over coordinates, traced points and the outputs so far, and what it measures.
     pub fn compile(&self, node: &Node) -> Result<(Expression, Kind), Diagnostic> {
         let known = |used: &str| {
-            let earlier = self.outputs.iter().find(|o| o.name == used).map(|o| o.kind);
+            let place = self.places.get(used).copied().flatten();
+            let earlier = place.map(|place| self.outputs[place].kind);
             earlier.or_else(|| self.contacts.scalar(used).map(|(_, kind, _)| *kind))
         };
         let kind = kind_of(node, self.names, &known);
@@ -91,7 +99,7 @@ impl<'a> Scope<'a> {
         if let Some(slot) = trace_slot(used, traces) {
             return Ok(Value::Slot(coordinates + slot));
         }
-        if let Some(earlier) = self.outputs.iter().position(|o| o.name == used) {
+        if let Some(Some(earlier)) = self.places.get(used) {
             return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
         }
         if let Some((_, _, scalar)) = self.contacts.scalar(used) {
@@ -107,7 +115,7 @@ impl<'a> Scope<'a> {
         if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
             return Err(Diagnostic::inherited());
         }
-        if self.failed.iter().any(|name| name == used) {
+        if self.places.contains_key(used) {
             return Err(Diagnostic::inherited());
         }
         names.coordinate(used, span).map_err(|d| {
@@ -116,7 +124,9 @@ impl<'a> Scope<'a> {
                 .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
                 .collect();
             let scalars = self.contacts.scalars.iter().map(|(name, ..)| name.as_str());
-            d.suggest(used, points.iter().map(String::as_str).chain(scalars))
+            let known = points.iter().map(String::as_str).chain(scalars);
+            names
+                .suggest(d, used, known)
                 .label("no parameter, input, unknown, traced point, contact or earlier output")
         })
     }

@@ -30,10 +30,7 @@ pub fn expand_items(
     match expand(items, &find, &names) {
         Ok(factors) => Some(factors),
         Err(diagnostic) => {
-            // A faulty chain is met once for each reference to it; one message is enough.
-            if !diagnostics.contains(&diagnostic) {
-                diagnostics.push(diagnostic);
-            }
+            diagnostics.push(diagnostic);
             None
         }
     }

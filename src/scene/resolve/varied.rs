@@ -6,7 +6,7 @@ use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;
 use super::super::formula::expression::{Node, NodeKind};
 use super::joints::Joints;
-use super::names::{Names, Parameter};
+use super::names::{Meaning, Names, Parameter};
 use super::parsed::{Parsed, ParsedInput};
 use super::parsing::{Named, expression};
 use crate::diag::{Diagnostic, Diagnostics};
@@ -32,7 +32,9 @@ impl Names {
 
     /// The input that stands for a varied parameter.
     pub fn varied_input(&self, name: &str) -> Option<usize> {
-        let index = self.parameters.iter().position(|p| p.name == name)?;
+        let Some(Meaning::Parameter(index)) = self.meaning(name) else {
+            return None;
+        };
         let varied = self.varied.iter().find(|(p, _)| *p == index);
         varied.map(|(_, input)| *input)
     }
@@ -41,7 +43,7 @@ impl Names {
     pub fn promote(&mut self, varied: &[String]) -> Vec<f64> {
         let mut values = Vec::new();
         for name in varied {
-            let Some(index) = self.parameters.iter().position(|p| p.name == *name) else {
+            let Some(Meaning::Parameter(index)) = self.meaning(name) else {
                 continue;
             };
             let parameter = &self.parameters[index];

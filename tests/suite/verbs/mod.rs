@@ -5,9 +5,13 @@ mod cli;
 mod document_commands;
 mod documents;
 mod face;
+mod large_texts;
+#[cfg(target_os = "linux")]
+mod memory;
 mod mutations;
 mod replaced_files;
 mod report_schema;
 mod schema;
 mod strangers;
+mod third_party;
 mod verdicts;
