@@ -9,7 +9,7 @@ use crate::model::measure::Measure;
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// Violation of a limit that is still called kept.
 const KEPT: f64 = 1e-6;

@@ -2,8 +2,8 @@
 //!
 //! Motions are measured by what ten times as many samples add, since the program and its libraries are not the motion's.
 
-use mechanim::limits::Memory;
 use crate::program::{Workspace, moving};
+use mechanim::limits::Memory;
 use std::fmt::Write as _;
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! THIRD-PARTY.md names every library that the program is made of, with the licence and notices that must go with it.
+//! THIRD-PARTY.txt names every library that the program is made of, with the licence and notices that must go with it.
 //!
 //! `MECHANIM_BLESS=1 cargo test --test suite third_party` writes it anew from the sources of the locked versions.
 
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/THIRD-PARTY.md");
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/THIRD-PARTY.txt");
 
 /// Beginnings of the names of files that hold licences and notices.
 const NOTICES: [&str; 6] = [
@@ -102,6 +102,9 @@ fn a_licence_that_is_not_allowed_is_noticed() {
     );
 }
 
+/// A text as it stands first, and the libraries that have it; texts of equal words are one.
+type Text = (String, Vec<String>);
+
 /// The file, made from what cargo says of the locked versions and from their sources.
 fn written() -> String {
     let cargo = Command::new(env!("CARGO"))
@@ -121,7 +124,15 @@ fn written() -> String {
     let mut packages: Vec<&Value> = found["packages"].as_array().unwrap().iter().collect();
     packages.retain(|p| p["source"].is_string());
     packages.sort_by_key(|p| (p["name"].to_string(), p["version"].to_string()));
-    let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut texts: BTreeMap<String, Text> = BTreeMap::new();
+    let mut add = |text: String, name: &str| {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let known = texts.entry(words.join(" "));
+        let (_, names) = known.or_insert_with(|| (text.clone(), Vec::new()));
+        if names.last().is_none_or(|last| last != name) {
+            names.push(name.to_owned());
+        }
+    };
     let mut table = String::new();
     for package in packages {
         let word = |key: &str| package[key].as_str().unwrap_or_default();
@@ -135,19 +146,19 @@ fn written() -> String {
         .unwrap();
         let folder = Path::new(word("manifest_path")).parent().unwrap();
         for text in notices(folder) {
-            texts.entry(text).or_default().push(name.to_owned());
+            add(text, name);
         }
     }
     let font = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/render/text");
     for text in notices(&font) {
-        texts.entry(text).or_default().push("the font".to_owned());
+        add(text, "the font");
     }
     let mut file = format!(
         "# Third-party notices\n\nThe libraries that mechanim is built and tested with, on all systems, at the versions of `Cargo.lock`, \
          and the texts that go with them. Libraries without a text of their own are under one of the standard texts below.\n\n\
          | library | version | licence | source |\n|---|---|---|---|\n{table}"
     );
-    for (text, names) in texts {
+    for (text, names) in texts.into_values() {
         let names = names.join(", ");
         write!(file, "\n## {names}\n\n```text\n{text}\n```\n").unwrap();
     }
