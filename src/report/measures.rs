@@ -185,13 +185,13 @@ impl Measured<'_> {
             return "no value: a pose is missing on the way, or a formula has none".to_owned();
         };
         let mut text = format!("{} {}", digits(value * self.factor), self.unit);
-        text.push_str(&self.over());
         if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
             text.push_str(&format!(" is {word} the limit {}", limit * self.factor));
             if let Some(why) = &self.measure.why {
                 text.push_str(&format!(": {why}"));
             }
         }
+        text.push_str(&self.over());
         text.trim_end().to_owned()
     }
 
