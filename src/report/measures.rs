@@ -143,6 +143,7 @@ impl Measured<'_> {
     fn where_taken(&self) -> String {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
         match &self.measure.source {
+            _ if self.known.is_some() => String::new(),
             MeasureSource::Over { taking, .. } if is_limited && !taking.is_of_ends() => {
                 format!(" at {} poses", self.poses)
             }
@@ -150,10 +151,10 @@ impl Measured<'_> {
         }
     }
 
-    /// What it is taken over.
+    /// What is known of it over the whole motion.
     fn over(&self) -> String {
         let Some(known) = self.known else {
-            return self.where_taken();
+            return String::new();
         };
         let time = known.time.map(|time| format!("t = {time:.6} s"));
         if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {
@@ -185,6 +186,7 @@ impl Measured<'_> {
             return "no value: a pose is missing on the way, or a formula has none".to_owned();
         };
         let mut text = format!("{} {}", digits(value * self.factor), self.unit);
+        text.push_str(&self.where_taken());
         if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
             text.push_str(&format!(" is {word} the limit {}", limit * self.factor));
             if let Some(why) = &self.measure.why {
