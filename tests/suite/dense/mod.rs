@@ -46,7 +46,9 @@ impl Solid {
                 .unwrap(),
             Self::Discs(ends, radii) => {
                 let axis = (ends[1] - ends[0]).normalize();
-                let across = (local - axis * local.dot(axis)).normalize_or_zero();
+                // Twice: what is left of a direction along the axis is rounding.
+                let square = |v: DVec3| (v - axis * v.dot(axis)).normalize_or_zero();
+                let across = square(square(local));
                 let rims = [0, 1].map(|k| ends[k] + across * radii[k]);
                 if rims[0].dot(local) > rims[1].dot(local) {
                     rims[0]
@@ -126,15 +128,30 @@ pub fn golden(mut low: f64, mut high: f64, f: &impl Fn(f64) -> f64) -> (f64, f64
     (at, f(at))
 }
 
-/// Distance of the convex cores: the point of their difference nearest to the origin.
+/// Distance of the convex cores: of three searches one that is proved, since some end at a face that is flat.
 fn cores(a: (&Solid, &Place), b: (&Solid, &Place)) -> f64 {
+    let found = DVec3::AXES.map(|start| cores_from(start, a, b));
+    let proved = found.iter().find(|nearest| {
+        let n = nearest.normalize_or_zero();
+        let plane = n.dot(a.0.support(a.1, -n) - b.0.support(b.1, n));
+        (nearest.length() - plane).abs() < 1e-9
+    });
+    // A point of the difference is no nearer than the nearest one.
+    proved.map_or_else(
+        || found.map(DVec3::length).into_iter().fold(0.0, f64::max),
+        |n| n.length(),
+    )
+}
+
+/// The point of the difference of two cores nearest to the origin.
+fn cores_from(start: DVec3, a: (&Solid, &Place), b: (&Solid, &Place)) -> DVec3 {
     let support = |n: DVec3| a.0.support(a.1, n) - b.0.support(b.1, -n);
-    let mut simplex = [support(DVec3::X); 4];
+    let mut simplex = [support(start); 4];
     let (mut count, mut nearest) = (1, simplex[0]);
     for _ in 0..200 {
         let length = nearest.length();
         if length < 1e-13 {
-            return 0.0;
+            return DVec3::ZERO;
         }
         let next = support(-nearest);
         // The gap between what is known from both sides.
@@ -156,11 +173,11 @@ fn cores(a: (&Solid, &Place), b: (&Solid, &Place)) -> f64 {
             count += 1;
         }
         if count == 4 {
-            return 0.0;
+            return DVec3::ZERO;
         }
         (nearest, simplex) = (point, corners);
     }
-    nearest.length()
+    nearest
 }
 
 /// The point of a simplex nearest to the origin, and the corners that it lies between as bits: the best of all faces.
@@ -184,6 +201,9 @@ fn nearest_of(simplex: &[DVec3]) -> (DVec3, u32) {
     best
 }
 
+/// A face or a tetrahedron is flat if its content is this part of what its edges could span: its foot is rounding then.
+const FLAT: f64 = 1e-11;
+
 /// The foot of the origin on a face, if it lies within it.
 fn foot(c: &[DVec3]) -> Option<DVec3> {
     let inside = |shares: &[f64]| shares.iter().all(|s| *s >= -1e-12);
@@ -199,6 +219,10 @@ fn foot(c: &[DVec3]) -> Option<DVec3> {
             let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
             let (p, q) = (-a.dot(u), -a.dot(v));
             let det = uu * vv - uv * uv;
+            // Of a flat face the edges tell.
+            if det <= FLAT * uu * vv {
+                return None;
+            }
             let (s, t) = ((p * vv - q * uv) / det, (q * uu - p * uv) / det);
             inside(&[s, t, 1.0 - s - t]).then(|| *a + u * s + v * t)
         }
@@ -206,7 +230,9 @@ fn foot(c: &[DVec3]) -> Option<DVec3> {
             let m = DMat3::from_cols(*b - *a, *c - *a, *d - *a);
             let shares = m.inverse() * -*a;
             let all = [shares.x, shares.y, shares.z, 1.0 - shares.element_sum()];
-            (m.determinant() != 0.0 && inside(&all)).then_some(DVec3::ZERO)
+            let size = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
+            let is_flat = m.determinant().abs() <= FLAT * size;
+            (!is_flat && inside(&all)).then_some(DVec3::ZERO)
         }
         _ => None,
     }
