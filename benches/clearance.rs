@@ -13,12 +13,12 @@ use driven::{check, frame_times, knots, solve};
 use glam::{DMat3, DVec3};
 
 use mechanim::diag::Source;
-use mechanim::distance::core::{Element, elements};
-use mechanim::distance::pair::distance;
+use mechanim::distance::core::{Element, shape_elements};
+use mechanim::distance::pair::signed_distance;
 
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ fn element(solid: Solid) -> Element {
         colour: [0; 3],
         opacity: 1.0,
     };
-    elements(&[shape]).remove(0)
+    shape_elements(&[shape]).remove(0)
 }
 
 /// A pose on a path that passes through all kinds of positions.
@@ -52,7 +52,7 @@ fn micros(a: &Element, b: &Element, queries: usize) -> f64 {
     let round = |_| {
         let start = Instant::now();
         for other in &placed {
-            black_box(distance(black_box(a), other));
+            black_box(signed_distance(black_box(a), other));
         }
         start.elapsed().as_secs_f64() * 1e6 / queries as f64
     };
@@ -122,14 +122,14 @@ fn known(name: &str, pairs: &[Known]) {
     let round = |_| {
         let start = Instant::now();
         for (a, b, _) in pairs {
-            black_box(distance(black_box(a), black_box(b)));
+            black_box(signed_distance(black_box(a), black_box(b)));
         }
         start.elapsed().as_secs_f64() * 1e6 / pairs.len() as f64
     };
     let best = (0..50).map(round).fold(f64::INFINITY, f64::min);
     let off = pairs
         .iter()
-        .map(|(a, b, exact)| (distance(a, b).distance - exact).abs());
+        .map(|(a, b, exact)| (signed_distance(a, b).distance - exact).abs());
     let worst = off.fold(0.0, f64::max);
     println!("{name:<20} {best:>8.3} us a query, error at most {worst:.1e}");
 }
@@ -248,7 +248,7 @@ fn check_scene(path: &str) -> f64 {
         name: path.to_owned(),
         text,
     };
-    let scene = load(&source, &Overrides::default()).unwrap();
+    let scene = load_scene(&source, &Overrides::default()).unwrap();
     let times = frame_times(&scene, scene.view.fps);
     let start = Instant::now();
     let trajectory = solve(&scene, &knots(&scene, &times)).unwrap();

@@ -217,7 +217,7 @@ fn draw(stage: Stage, frame: &Frame) -> RgbaImage {
 fn reference(number: u32, ground: bool) -> Vec<[f64; 3]> {
     const SCALE: u32 = 8;
     let large = draw(stage(SCALE, 16, ground), &frame(number, &bodies_colours()));
-    let curve = mechanim::render::colour::Curve::shared();
+    let curve = mechanim::render::colour::ToneCurve::shared();
     let mut sums = vec![[0.0; 3]; (SIZE[0] * SIZE[1]) as usize];
     for (x, y, pixel) in large.enumerate_pixels() {
         let sum = &mut sums[((y / SCALE) * SIZE[0] + x / SCALE) as usize];

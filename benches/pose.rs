@@ -7,7 +7,7 @@
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certifier;
 use mechanim::kinematics::loops::forward::closure_error;
-use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::continuation::solve_motion;
 
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;
@@ -16,7 +16,7 @@ use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
 use mechanim::kinematics::structure::system::System;
 
 use mechanim::model::actuation::Actuation;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Instant;
@@ -131,7 +131,7 @@ fn summary(mut micros: Vec<f64>) -> (f64, f64) {
 
 fn timed(system: &System, actuation: &Actuation, times: &[f64]) -> (f64, Trajectory) {
     let start = Instant::now();
-    let trajectory = solve(system, actuation, times);
+    let trajectory = solve_motion(system, actuation, times);
     let micros = start.elapsed().as_secs_f64() * 1e6 / times.len() as f64;
     (micros, trajectory)
 }
@@ -191,10 +191,10 @@ fn measure(name: &str, scene: &Scene, count: usize, repetitions: usize) -> Optio
 /// Calls of `solve` for a single pose, best of several hundred: with the system made for each, with one system from the
 /// scene's start values, and with one system from the pose itself.
 fn single_poses(name: &str) -> Option<[f64; 3]> {
-    let scene = load(&builtin::find(name)?, &Overrides::default()).ok()?;
+    let scene = load_scene(&builtin::find_builtin(name)?, &Overrides::default()).ok()?;
     let make = || System::new(Arc::clone(&scene.mechanism), &scene.actuation).ok();
     let system = make()?;
-    let pose = solve(&system, &scene.actuation, &[0.0])
+    let pose = solve_motion(&system, &scene.actuation, &[0.0])
         .samples
         .pop()?
         .pose?;
@@ -211,15 +211,18 @@ fn single_poses(name: &str) -> Option<[f64; 3]> {
         micros.fold(f64::INFINITY, f64::min)
     };
     let anew = best(&mut || {
-        make().map_or_else(Trajectory::default, |s| solve(&s, &scene.actuation, &[0.0]))
+        make().map_or_else(Trajectory::default, |s| {
+            solve_motion(&s, &scene.actuation, &[0.0])
+        })
     });
-    let from_guess = best(&mut || solve(&system, &scene.actuation, &[0.0]));
-    let from_pose = best(&mut || solve(&system, &near, &[0.0]));
+    let from_guess = best(&mut || solve_motion(&system, &scene.actuation, &[0.0]));
+    let from_pose = best(&mut || solve_motion(&system, &near, &[0.0]));
     Some([anew, from_guess, from_pose])
 }
 
 fn main() {
-    let read = |source: &Source| -> Option<Scene> { load(source, &Overrides::default()).ok() };
+    let read =
+        |source: &Source| -> Option<Scene> { load_scene(source, &Overrides::default()).ok() };
     println!(
         "µs per pose: best / median. Lengths in the scene's unit; bounds of angles times the mechanism's size."
     );
@@ -236,7 +239,12 @@ fn main() {
         cases.push((name.to_owned(), Some(source), count, REPETITIONS));
     }
     for (name, count) in [("slider-crank", 360), ("seven-r", 360), ("gearshift", 300)] {
-        cases.push((name.to_owned(), builtin::find(name), count, REPETITIONS));
+        cases.push((
+            name.to_owned(),
+            builtin::find_builtin(name),
+            count,
+            REPETITIONS,
+        ));
     }
     for count in [1, 10, 100] {
         let repetitions = REPETITIONS.min(310 / count).max(5);

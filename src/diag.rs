@@ -92,7 +92,7 @@ impl Diagnostic {
 
     /// Adds "did you mean" if one of `known` is close to `word`.
     pub fn suggest<'a>(self, word: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
-        match nearest(word, known) {
+        match nearest_name(word, known) {
             Some(name) => self.hint(format!("did you mean `{name}`?")),
             None => self,
         }
@@ -103,7 +103,7 @@ impl Diagnostic {
 const SIMILAR: f64 = 0.75;
 
 /// The known name most like `word`, if any is like it at all.
-pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
         .map(|name| {
@@ -118,7 +118,7 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 }
 
 /// A number as messages show it: in full while that is short.
-pub fn shown(value: f64) -> String {
+pub fn shown_number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() || (1e-6..1e9).contains(&size) {
         format!("{value}")
@@ -170,22 +170,22 @@ fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
 }
 
 /// A message with its quoted values (`` `so` ``), and itself, cut to what is read.
-pub fn shortened(text: &str) -> Cow<'_, str> {
+pub fn shorten_text(text: &str) -> Cow<'_, str> {
     if text.len() <= MOST_QUOTED {
         return Cow::Borrowed(text);
     }
     let parts = text.split('`').enumerate();
     let parts: Vec<Cow<str>> = parts
         .map(|(k, part)| match k % 2 {
-            1 => cut(part, MOST_QUOTED),
+            1 => cut_text(part, MOST_QUOTED),
             _ => Cow::Borrowed(part),
         })
         .collect();
-    Cow::Owned(cut(&parts.join("`"), MOST_SAID).into_owned())
+    Cow::Owned(cut_text(&parts.join("`"), MOST_SAID).into_owned())
 }
 
 /// The beginning of what is longer than so many characters.
-fn cut(text: &str, most: usize) -> Cow<'_, str> {
+fn cut_text(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
         None => Cow::Borrowed(text),
@@ -333,7 +333,7 @@ mod tests {
     fn long_values_and_messages_are_cut() {
         let value = "ä".repeat(1_000_000);
         let message = format!("t.csv:2: `{value}` is not a value for `phi`");
-        let said = shortened(&message);
+        let said = shorten_text(&message);
         assert!(said.chars().count() < 200, "{said}");
         assert!(said.ends_with("is not a value for `phi`"), "{said}");
         assert_eq!(shortened(&value).chars().count(), MOST_SAID + 1);

@@ -9,7 +9,7 @@ use std::time::Duration;
 const WATCH: Duration = Duration::from_millis(5);
 
 /// Number of threads that the machine runs at once.
-pub fn cores() -> usize {
+pub fn core_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
@@ -17,7 +17,7 @@ pub fn cores() -> usize {
 /// whose `work` returns `None` does no more of them. The results with their numbers, ascending.
 ///
 /// Where the system starts fewer threads than were asked for, those do all the work; the calling one always takes part.
-pub fn share<W, T: Send>(
+pub fn share_work<W, T: Send>(
     count: usize,
     threads: usize,
     make: impl Fn() -> W + Sync,
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn every_job_is_done_once_and_in_order() {
         for threads in [0, 1, 3, 50] {
-            let squares = share(20, threads, || 0, |_, k| Some(k * k));
+            let squares = share_work(20, threads, || 0, |_, k| Some(k * k));
             assert_eq!(squares, (0..20).map(|k| (k, k * k)).collect::<Vec<_>>());
             let watched = share_watched(20, threads, || (), |_, k| Some(k * k), &|_| ());
             assert_eq!(watched, squares);
@@ -132,7 +132,7 @@ mod tests {
     /// Whoever meets the end stops; what was done before stays.
     #[test]
     fn work_ends_early() {
-        let found = share(1000, 1, || 0, |_, k| (k < 7).then_some(k));
+        let found = share_work(1000, 1, || 0, |_, k| (k < 7).then_some(k));
         assert_eq!(found.len(), 7);
     }
 }

@@ -201,12 +201,12 @@ fn amount_of(unit: Unit, text: &str) -> Option<f64> {
 static OF_PROCESS: OnceLock<Limits> = OnceLock::new();
 
 /// Sets the limits of the process; only the first call counts.
-pub fn set(limits: Limits) {
+pub fn set_limits(limits: Limits) {
     let _ = OF_PROCESS.set(limits);
 }
 
 /// The limits of the process.
-pub fn limits() -> Limits {
+pub fn current_limits() -> Limits {
     OF_PROCESS.get().copied().unwrap_or_default()
 }
 
@@ -253,7 +253,7 @@ impl Memory {
             let least = group.chain(machine).fold(f64::INFINITY, f64::min);
             let addresses = line_of("/proc/self/limits", "Max address space");
             Memory {
-                resident: limits().most(Resource::Memory).min(SHARE * least),
+                resident: current_limits().most(Resource::Memory).min(SHARE * least),
                 addresses: SHARE * addresses.unwrap_or(f64::INFINITY),
             }
         })

@@ -190,7 +190,7 @@ pub fn skew_matrix(v: DVec3) -> DMat3 {
 
 /// The unit quaternions of rotation matrices, each with the sign nearest to the one before it: interpolating between
 /// neighbours then takes the short way.
-pub fn rotations(matrices: &[DMat3]) -> Vec<DQuat> {
+pub fn rotation_quaternions(matrices: &[DMat3]) -> Vec<DQuat> {
     let mut list: Vec<DQuat> = Vec::with_capacity(matrices.len());
     for matrix in matrices {
         let rotation = DQuat::from_mat3(matrix).normalize();
@@ -202,7 +202,7 @@ pub fn rotations(matrices: &[DMat3]) -> Vec<DQuat> {
 
 /// The f64 to f32 door: what the renderers receive. Nothing else in the crate narrows a coordinate.
 #[inline]
-pub fn narrow(v: DVec3) -> [f32; 3] {
+pub fn narrow_vector(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 

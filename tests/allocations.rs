@@ -14,10 +14,10 @@ use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
 use mechanim::kinematics::solve::predictor::{HIGHEST_ORDER, Predictor};
 
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 
 fn read(source: &Source) -> Model {
-    Model::from(load(source, &Overrides::default()).unwrap())
+    Model::from(load_scene(source, &Overrides::default()).unwrap())
 }
 
 fn mechanisms() -> Vec<Model> {
@@ -35,7 +35,8 @@ fn mechanisms() -> Vec<Model> {
                [equations]\nhold = \"q - sin(phi)/3\"\n[guess]\nq = 0.3\na = 0.3\nb = -1\n"
             .into(),
     };
-    let built_in = ["gearshift", "slider-crank", "seven-r"].map(|n| builtin::find(n).unwrap());
+    let built_in =
+        ["gearshift", "slider-crank", "seven-r"].map(|n| builtin::find_builtin(n).unwrap());
     built_in
         .iter()
         .chain([&bennett, &formula])

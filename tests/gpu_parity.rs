@@ -12,7 +12,7 @@ use mechanim::geometry::mesh_of;
 use mechanim::math::Pose;
 use mechanim::model::shape::Solid;
 use mechanim::render::adapter::{AdapterChoice, AdapterInfo};
-use mechanim::render::camera::{ViewDirection, fit};
+use mechanim::render::camera::{ViewDirection, fit_camera};
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::gpu::GpuRenderer;
 use mechanim::render::look::Rim;
@@ -81,7 +81,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
         meshes: solids().iter().map(|solid| mesh_of(solid, 0.004)).collect(),
         size,
         samples,
-        camera: fit((0..8).map(corner), &view, projection, aspect, 0.06),
+        camera: fit_camera((0..8).map(corner), &view, projection, aspect, 0.06),
         background: [0xf4, 0xf5, 0xf7],
         rim: Rim::DARK,
         ground: Some(Ground {

@@ -1,7 +1,7 @@
 //! Paths of traced points of random pieces around those of the mechanism as drawn.
 
-use super::study::{Evaluator, Family, Stand};
-use super::tolerance::{Batch, values_of};
+use super::study::{Evaluator, ParametricMechanism, TrackPoses};
+use super::tolerance::{SampleBatch, values_of};
 use glam::DVec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -32,11 +32,11 @@ pub struct Spread {
 /// Paths of all traced points along all tracks, with those of the batch's pieces; `None` if `cancel` was raised.
 ///
 /// Empty without traced points. Piece n is that of [`super::tolerance::pieces`].
-pub fn clouds(
-    family: &Family,
-    nominal: &Stand,
+pub fn path_clouds(
+    family: &ParametricMechanism,
+    nominal: &TrackPoses,
     tolerances: &[f64],
-    batch: Batch,
+    batch: SampleBatch,
     cancel: &AtomicBool,
 ) -> Option<Vec<PathCloud>> {
     let mut evaluator = Evaluator::new(family);
@@ -95,8 +95,8 @@ impl PathCloud {
     fn directions(&self) -> Vec<DVec3> {
         let mut directions: Vec<DVec3> = Vec::with_capacity(self.nominal.len());
         for k in 0..self.nominal.len() {
-            let first = tangent(&self.nominal, k).any_orthonormal_vector();
-            let second = tangent(&self.nominal, k).cross(first);
+            let first = path_tangent(&self.nominal, k).any_orthonormal_vector();
+            let second = path_tangent(&self.nominal, k).cross(first);
             let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
             for piece in &self.pieces {
                 let off = piece[k] - self.nominal[k];
@@ -142,7 +142,7 @@ impl PathCloud {
 }
 
 /// The unit vector along a path at point `k`, by central differences; z where the path stands still.
-fn tangent(path: &[DVec3], k: usize) -> DVec3 {
+fn path_tangent(path: &[DVec3], k: usize) -> DVec3 {
     let (before, after) = (k.saturating_sub(1), (k + 1).min(path.len() - 1));
     (path[after] - path[before])
         .try_normalize()

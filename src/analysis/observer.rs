@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 /// Coordinates of all body frames and traced points in the scene's unit. A scene without bodies is seen by its
 /// unknowns; angles then count as angle times size.
-pub fn positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
+pub fn marked_positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     if mechanism.bodies.is_empty() {
         let unknowns = mechanism.unknowns.iter().zip(coordinates);
         return unknowns
@@ -27,7 +27,7 @@ pub fn positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
 }
 
 /// Largest difference of two lists of positions; infinite where anything is not a number.
-pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+pub fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| {
         let difference = (a - b).abs();
         if difference.is_nan() {

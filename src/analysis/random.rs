@@ -11,7 +11,7 @@ pub struct Random {
 
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-fn mix(mut z: u64) -> u64 {
+fn mix_bits(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -20,16 +20,16 @@ fn mix(mut z: u64) -> u64 {
 impl Random {
     /// The numbers of item `item` of stream `stream`.
     pub fn new(seed: u64, stream: u64, item: u64) -> Self {
-        let keyed =
-            mix(seed.wrapping_add(GOLDEN)) ^ mix(stream.wrapping_mul(GOLDEN).wrapping_add(1));
+        let keyed = mix_bits(seed.wrapping_add(GOLDEN))
+            ^ mix_bits(stream.wrapping_mul(GOLDEN).wrapping_add(1));
         Self {
-            state: mix(keyed ^ mix(item.wrapping_add(GOLDEN.rotate_left(32)))),
+            state: mix_bits(keyed ^ mix_bits(item.wrapping_add(GOLDEN.rotate_left(32)))),
         }
     }
 
     fn next(&mut self) -> u64 {
         self.state = self.state.wrapping_add(GOLDEN);
-        mix(self.state)
+        mix_bits(self.state)
     }
 
     /// Uniform in [0, 1).

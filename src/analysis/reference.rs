@@ -1,8 +1,8 @@
 //! The poses that routes are compared with: solved with all care, and how well they are known.
 
-use super::observer::{distance, positions};
+use super::observer::{largest_distance, marked_positions};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
@@ -28,7 +28,7 @@ impl Reference {
     /// Solves `system` along `actuation` at `times`.
     pub fn new(system: &System, actuation: &Actuation, times: Vec<f64>) -> Self {
         let mechanism = system.mechanism();
-        let trajectory = solve(system, actuation, &times);
+        let trajectory = solve_motion(system, actuation, &times);
         let mut reference = Self {
             times,
             bound: Some(0.0),
@@ -57,8 +57,8 @@ impl Reference {
             } else {
                 newton_step(system, &coordinates)
             };
-            let here = positions(mechanism, &coordinates);
-            let moved = distance(&here, &positions(mechanism, &next));
+            let here = marked_positions(mechanism, &coordinates);
+            let moved = largest_distance(&here, &marked_positions(mechanism, &next));
             reference.moved = reference.moved.max(moved);
             reference.moved_at_end = moved;
             reference.poses.push(Some(coordinates));

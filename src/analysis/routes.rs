@@ -3,7 +3,7 @@
 //! They exist to be compared. What `mechanim` itself does is in [`continuation`](crate::kinematics::motion::continuation).
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::rates::higher_order::{By, rates};
+use crate::kinematics::rates::higher_order::{By, higher_rates};
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
@@ -126,7 +126,7 @@ impl<'m> Walker<'m> {
             _ => {
                 let n = self.system.mechanism().unknowns.len();
                 let inputs = By::Time.inputs(self.actuation, &coordinates[n..], from, order);
-                let series = rates(self.system, coordinates, &inputs, order)?;
+                let series = higher_rates(self.system, coordinates, &inputs, order)?;
                 coordinates
                     .iter_mut()
                     .zip(&series)

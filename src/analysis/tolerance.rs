@@ -2,7 +2,7 @@
 //! depend on how the work is divided.
 
 use super::random::Random;
-use super::study::{Evaluator, Family, Gradients, Stand};
+use super::study::{Evaluator, Gradients, ParametricMechanism, TrackPoses};
 use crate::jobs::share_watched;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -47,7 +47,7 @@ pub struct Linear {
 }
 
 /// The linear scatter of every measure.
-pub fn linear(
+pub fn linear_tolerance(
     gradients: &Gradients,
     tolerances: &[f64],
     distribution: Distribution,
@@ -89,7 +89,7 @@ pub struct Pieces {
 
 /// How many pieces, and how they scatter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Batch {
+pub struct SampleBatch {
     /// Number of pieces.
     pub samples: usize,
     /// Number of the first piece: several runs can share the work.
@@ -108,11 +108,11 @@ const PORTION: usize = 64;
 /// Makes and measures random pieces around `nominal`; those made so far if `cancel` is raised.
 ///
 /// `watch` is called now and then on this thread with the number of pieces made.
-pub fn pieces(
-    family: &Family,
-    nominal: &Stand,
+pub fn sample_pieces(
+    family: &ParametricMechanism,
+    nominal: &TrackPoses,
     tolerances: &[f64],
-    batch: Batch,
+    batch: SampleBatch,
     cancel: &AtomicBool,
     watch: &dyn Fn(usize),
 ) -> Pieces {
@@ -125,7 +125,7 @@ pub fn pieces(
         let mut values = Vec::with_capacity(PORTION * measures);
         for item in start..batch.samples.min(start + PORTION) {
             let drawn = values_of(nominal, tolerances, batch, item);
-            match piece(evaluator, nominal, &drawn) {
+            match sample_piece(evaluator, nominal, &drawn) {
                 Some(found) => values.extend(found),
                 None => values.resize(values.len() + measures, f64::NAN),
             }
@@ -147,11 +147,16 @@ pub fn pieces(
         }
         values.extend(portion);
     }
-    summary(family, values, measures, batch.first)
+    summarise_pieces(family, values, measures, batch.first)
 }
 
 /// Values of the variables of piece `item` of a batch.
-pub fn values_of(nominal: &Stand, tolerances: &[f64], batch: Batch, item: usize) -> Vec<f64> {
+pub fn values_of(
+    nominal: &TrackPoses,
+    tolerances: &[f64],
+    batch: SampleBatch,
+    item: usize,
+) -> Vec<f64> {
     let mut random = Random::new(batch.seed, 0, (batch.first + item) as u64);
     let drawn = nominal.values.iter().zip(tolerances);
     drawn
@@ -159,12 +164,21 @@ pub fn values_of(nominal: &Stand, tolerances: &[f64], batch: Batch, item: usize)
         .collect()
 }
 
-fn piece(evaluator: &mut Evaluator, nominal: &Stand, values: &[f64]) -> Option<Vec<f64>> {
+fn sample_piece(
+    evaluator: &mut Evaluator,
+    nominal: &TrackPoses,
+    values: &[f64],
+) -> Option<Vec<f64>> {
     let stand = evaluator.approach(nominal, values).ok()?;
     Some(evaluator.measure(&stand).ok()?.measures)
 }
 
-fn summary(family: &Family, values: Vec<f64>, measures: usize, first: usize) -> Pieces {
+fn summarise_pieces(
+    family: &ParametricMechanism,
+    values: Vec<f64>,
+    measures: usize,
+    first: usize,
+) -> Pieces {
     let list = &family.measures.list;
     let (mut failed, mut good, mut digest) = (0, 0, 0u64);
     for (item, piece) in values.chunks_exact(measures.max(1)).enumerate() {
@@ -193,7 +207,7 @@ fn summary(family: &Family, values: Vec<f64>, measures: usize, first: usize) -> 
 }
 
 /// The value below which `share` (0 to 1) of ascending `values` lie, interpolated; NaN if there are none.
-pub fn quantile(values: &[f64], share: f64) -> f64 {
+pub fn sorted_quantile(values: &[f64], share: f64) -> f64 {
     let place = share * values.len().saturating_sub(1) as f64;
     let (low, part) = (place.floor() as usize, place.fract());
     let high = (low + 1).min(values.len().saturating_sub(1));
@@ -226,7 +240,7 @@ impl Pieces {
         let mean = values.iter().sum::<f64>() / count;
         let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
         values.sort_unstable_by(f64::total_cmp);
-        let at = |share: &f64| quantile(&values, *share);
+        let at = |share: &f64| sorted_quantile(&values, *share);
         Some(Scatter {
             mean,
             deviation: (square / (count - 1.0).max(1.0)).sqrt(),

@@ -3,11 +3,11 @@
 //! Every route delivers the same poses; one that makes smaller steps in between pays for them. Times are measured
 //! and vary with the machine; errors do not.
 
-use super::observer::{distance, positions};
+use super::observer::{largest_distance, marked_positions};
 use super::reference::Reference;
 use super::routes::{RotationForm, Route, Walker};
 use crate::kinematics::loops::forward;
-use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::is_cyclic;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -31,7 +31,7 @@ pub const DRIFT_STEPS: usize = 180;
 
 /// What was measured of one route.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct PrecisionRow {
     /// Name of the group it belongs to; a curve of the chart.
     pub family: &'static str,
     /// The route; `None` for the program's own way.
@@ -67,7 +67,7 @@ pub struct Drift {
 
 /// The whole study.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Study {
+pub struct PrecisionStudy {
     /// Instants compared, the start not counted.
     pub poses: usize,
     /// Unknowns of the mechanism.
@@ -75,7 +75,7 @@ pub struct Study {
     /// Worst proved error of an unknown in the reference, in the scene's unit; `None` where any has no proof.
     pub reference_bound: Option<f64>,
     /// One per route and setting.
-    pub rows: Vec<Row>,
+    pub rows: Vec<PrecisionRow>,
     /// Empty where the motion does not return to its start.
     pub drift: Vec<Drift>,
 }
@@ -107,21 +107,21 @@ struct Bench<'m> {
 ///
 /// # Errors
 /// See [`StudyError`].
-pub fn study(
+pub fn study_precision(
     system: &System,
     actuation: &Actuation,
     poses: usize,
     turns: usize,
-) -> Result<Study, StudyError> {
+) -> Result<PrecisionStudy, StudyError> {
     let mechanism = system.mechanism();
-    let times = instants(actuation.duration, poses);
+    let times = even_instants(actuation.duration, poses);
     let reference = Reference::new(system, actuation, times);
     let mut truth = Vec::with_capacity(poses + 1);
     for (time, pose) in reference.times.iter().zip(&reference.poses) {
         let Some(pose) = pose else {
             return Err(StudyError::Gap { time: *time });
         };
-        truth.push(positions(mechanism, pose));
+        truth.push(marked_positions(mechanism, pose));
     }
     let start = reference.poses[0].clone().unwrap_or_default();
     let bench = Bench {
@@ -132,9 +132,9 @@ pub fn study(
         start,
     };
     let mut rows = vec![bench.own_row()];
-    let settings = settings().into_iter();
+    let settings = route_settings().into_iter();
     rows.extend(settings.map(|(family, route, factor)| bench.row(family, route, poses * factor)));
-    Ok(Study {
+    Ok(PrecisionStudy {
         poses,
         unknowns: mechanism.unknowns.len(),
         reference_bound: bench.reference.bound,
@@ -144,13 +144,13 @@ pub fn study(
 }
 
 /// `count` equal steps from the start to the end of the drive.
-fn instants(duration: f64, count: usize) -> Vec<f64> {
+fn even_instants(duration: f64, count: usize) -> Vec<f64> {
     let share = |k: usize| k as f64 / count as f64;
     (0..=count).map(|k| duration * share(k)).collect()
 }
 
 /// Families, routes, and steps per pose.
-fn settings() -> Vec<(&'static str, Route, usize)> {
+fn route_settings() -> Vec<(&'static str, Route, usize)> {
     let position = |predictor, tolerance, form| Route::Position {
         predictor,
         tolerance,
@@ -194,14 +194,14 @@ impl Bench<'_> {
         self.system.mechanism()
     }
 
-    fn row(&self, family: &'static str, route: Route, steps: usize) -> Row {
+    fn row(&self, family: &'static str, route: Route, steps: usize) -> PrecisionRow {
         let poses = self.reference.times.len() - 1;
         let mut walker = Walker::new(self.system, self.actuation);
-        let (found, time) = fastest(|| {
+        let (found, time) = fastest_run(|| {
             walker.iterations = 0;
             self.walk(&mut walker, route, steps)
         });
-        Row {
+        PrecisionRow {
             family,
             route: Some(route),
             steps,
@@ -232,12 +232,12 @@ impl Bench<'_> {
     }
 
     /// Errors of the poses at the instants after the start.
-    fn judged(&self, found: &[Vec<f64>]) -> Row {
+    fn judged(&self, found: &[Vec<f64>]) -> PrecisionRow {
         let truth = &self.truth[1..];
         let errors: Vec<f64> = found
             .iter()
             .zip(truth)
-            .map(|(pose, truth)| distance(&positions(self.mechanism(), pose), truth))
+            .map(|(pose, truth)| largest_distance(&marked_positions(self.mechanism(), pose), truth))
             .collect();
         let limit = LOST * self.mechanism().size;
         let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
@@ -245,7 +245,7 @@ impl Bench<'_> {
             .iter()
             .map(|pose| forward::closure_error(self.mechanism(), pose));
         let is_whole = found.len() == truth.len();
-        Row {
+        PrecisionRow {
             family: "",
             route: None,
             steps: 0,
@@ -263,22 +263,22 @@ impl Bench<'_> {
     }
 
     /// What `mechanim solve` does: steps as long as they may be, branch watched, every pose proved.
-    fn own_row(&self) -> Row {
+    fn own_row(&self) -> PrecisionRow {
         let times = &self.reference.times;
         let poses = times.len() - 1;
-        let (trajectory, time) = fastest(|| solve(self.system, self.actuation, times));
+        let (trajectory, time) = fastest_run(|| solve_motion(self.system, self.actuation, times));
         let samples = trajectory.samples[1..].iter();
         let found: Vec<Vec<f64>> = samples
             .filter_map(|s| Some([s.pose.as_ref()?.unknowns.as_slice(), &s.inputs].concat()))
             .collect();
         // The reference are these very poses; what another Newton step moves is what is left of their error.
-        let judged = Row {
+        let judged = PrecisionRow {
             error: self.reference.moved,
             end_error: self.reference.moved_at_end,
             ..self.judged(&found)
         };
         let iterations: u32 = trajectory.poses().skip(1).map(|p| p.iterations).sum();
-        Row {
+        PrecisionRow {
             family: "mechanim solve",
             steps: poses,
             time: time * 1e6 / poses as f64,
@@ -290,7 +290,7 @@ impl Bench<'_> {
     /// Errors after 1, 10, 100 … turns, as far as `turns`.
     fn drift(&self, turns: usize) -> Vec<Drift> {
         let (first, last) = (&self.truth[0], &self.truth[self.truth.len() - 1]);
-        let returns = distance(first, last) <= RETURNS * self.mechanism().size;
+        let returns = largest_distance(first, last) <= RETURNS * self.mechanism().size;
         if !returns || !is_cyclic(self.mechanism(), self.actuation) {
             return Vec::new();
         }
@@ -331,11 +331,11 @@ impl Bench<'_> {
             }
             if turn == next {
                 next *= 10;
-                let here = positions(self.mechanism(), &coordinates);
+                let here = marked_positions(self.mechanism(), &coordinates);
                 list.push(Drift {
                     name,
                     turns: turn,
-                    error: distance(&here, &self.truth[0]),
+                    error: largest_distance(&here, &self.truth[0]),
                     closure: forward::closure_error(self.mechanism(), &coordinates),
                 });
             }
@@ -344,7 +344,7 @@ impl Bench<'_> {
 }
 
 /// The result of `run`, and the shortest time in seconds it took.
-fn fastest<T>(mut run: impl FnMut() -> T) -> (T, f64) {
+fn fastest_run<T>(mut run: impl FnMut() -> T) -> (T, f64) {
     let begin = Instant::now();
     let mut result = run();
     let mut best = begin.elapsed().as_secs_f64();

@@ -3,9 +3,9 @@
 use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
-use crate::clearance::check::{ClearanceReport, Closely, PairReport, check};
+use crate::clearance::check::{ClearanceReport, Closely, PairReport, check_clearance};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
-use crate::kinematics::motion::sampling::knots;
+use crate::kinematics::motion::sampling::knot_times;
 use crate::report::check::{MotionReport, without_pose};
 use crate::report::junit::to_junit;
 use crate::report::verdict::{Asked, Status, Verdict};
@@ -76,13 +76,13 @@ impl Check {
         };
         let begun = Instant::now();
         let never = || false;
-        let all = knots(actuation, &times);
+        let all = knot_times(actuation, &times);
         let trajectory = solve_proved(system, actuation, &all, proofs, &never);
         let solving = begun.elapsed().as_secs_f64();
         if trajectory.poses().next().is_none() {
             let verdict = Verdict {
                 title: mechanism.title.clone(),
-                cases: vec![closure::closes(mechanism, &trajectory)],
+                cases: vec![closure::closing_case(mechanism, &trajectory)],
             };
             let json = without_pose(mechanism, &trajectory, &verdict);
             return Ok(Self {
@@ -102,7 +102,7 @@ impl Check {
                 pairs: usize::MAX,
                 times: true,
             };
-            check(system, actuation, rules, &trajectory, closely, &|_, _| {})
+            check_clearance(system, actuation, rules, &trajectory, closely, &|_, _| {})
         });
         let asked = Asked {
             closure: options.closure,
@@ -183,7 +183,7 @@ impl Check {
 fn pairs(loaded: &Loaded, found: &ClearanceReport) -> Vec<PairClearance> {
     let mechanism = &loaded.scene.mechanism;
     let pair = |p: &PairReport| PairClearance {
-        bodies: clearance::names(mechanism, p).map(str::to_owned),
+        bodies: clearance::body_names(mechanism, p).map(str::to_owned),
         minimum: p.minimum,
         distance: p.least.distance,
         time: p.least.time,

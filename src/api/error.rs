@@ -1,6 +1,6 @@
 //! What can go wrong, as one type.
 
-use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest};
+use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
 use crate::export::ExportError;
 use crate::export::pump::PumpError;
 use crate::kinematics::structure::block::StructureError;
@@ -58,7 +58,7 @@ impl Error {
     ) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
         let mut hints = Vec::new();
-        if let Some(near) = nearest(name, known.iter().copied()) {
+        if let Some(near) = nearest_name(name, known.iter().copied()) {
             hints.push(format!("did you mean `{near}`?"));
         }
         hints.push(match known.is_empty() {

@@ -241,10 +241,10 @@ impl<'m> Film<'m> {
         };
         let trajectory = self.trajectory;
         let views = match scene.view.four {
-            true => panes::scenes(&scene),
+            true => panes::pane_scenes(&scene),
             false => Vec::new(),
         };
-        let panes = panes::stagings(&views, trajectory, options, &Marks::default());
+        let panes = panes::pane_stagings(&views, trajectory, options, &Marks::default());
         let staging = Staging::new(&scene, trajectory, options);
         draw(Pictures {
             scene: &scene,

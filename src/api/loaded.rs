@@ -3,7 +3,7 @@
 use super::error::Error;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
-use crate::scene::{Overrides, Scene, load};
+use crate::scene::{Overrides, Scene, load_scene};
 use std::sync::Arc;
 
 /// A scene as read, and its mechanism as analysed.
@@ -17,7 +17,7 @@ pub(super) struct Loaded {
 impl Loaded {
     /// Errors: mistakes in the scene; a mechanism that is not determined.
     pub(super) fn new(text: Source, overrides: Overrides) -> Result<Self, Error> {
-        let scene = load(&text, &overrides)?;
+        let scene = load_scene(&text, &overrides)?;
         let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
         Ok(Self {
             text,

@@ -6,12 +6,14 @@ use super::film::Film;
 use super::loaded::Loaded;
 use super::pose::Pose;
 use crate::export::{Output, Stream};
-use crate::kinematics::certificate::rows::redundant;
-use crate::kinematics::measures::measure;
+use crate::kinematics::certificate::rows::redundant_rows;
+use crate::kinematics::measures::measure_motion;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
-use crate::kinematics::motion::sampling::{MAX_SAMPLES, allow, even_times, frame_times, only};
+use crate::kinematics::motion::sampling::{
+    MAX_SAMPLES, allow_samples, even_times, frame_times, only_times,
+};
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
-use crate::report::sentences::{gap_sentence, sentence};
+use crate::report::sentences::{event_sentence, gap_sentence};
 use crate::report::table::{Columns, write_csv, write_json};
 use std::fmt;
 use std::sync::Arc;
@@ -61,7 +63,7 @@ impl Samples {
             solved.sort_by(f64::total_cmp);
             solved.dedup();
         }
-        allow(mechanism, solved.len())?;
+        allow_samples(mechanism, solved.len())?;
         Ok([kept, solved])
     }
 }
@@ -90,7 +92,7 @@ impl Motion {
         let all = solve_proved(&loaded.system, actuation, &solved, Proofs::Poses, cancelled);
         let trajectory = match kept.len() == solved.len() {
             true => all,
-            false => only(actuation, &all, &kept),
+            false => only_times(actuation, &all, &kept),
         };
         Ok(Self { loaded, trajectory })
     }
@@ -202,7 +204,7 @@ impl Motion {
     pub fn measures(&self) -> Vec<(String, Option<f64>)> {
         let scene = &self.loaded.scene;
         let (system, trajectory) = (&self.loaded.system, &self.trajectory);
-        let values = measure(system, &scene.actuation, &scene.measures, trajectory);
+        let values = measure_motion(system, &scene.actuation, &scene.measures, trajectory);
         let named = scene.measures.list.iter().zip(values);
         let units =
             |measure: &crate::model::measure::Measure| scene.mechanism.file_units(measure.kind);
@@ -233,7 +235,7 @@ impl Motion {
         };
         let events = self.trajectory.events.iter();
         let events = events.filter(|event| !ends(&event.kind));
-        gaps.chain(events.map(|event| sentence(mechanism, event)))
+        gaps.chain(events.map(|event| event_sentence(mechanism, event)))
             .collect()
     }
 
@@ -276,7 +278,7 @@ impl Motion {
 
     fn columns(&self) -> Columns {
         Columns {
-            redundant: redundant(&self.loaded.system) > 0,
+            redundant: redundant_rows(&self.loaded.system) > 0,
             ..Columns::default()
         }
     }

@@ -1,7 +1,7 @@
 //! Drives through rows of values.
 
 use super::error::{Error, ErrorKind};
-use crate::limits::{Resource, limits};
+use crate::limits::{Resource, current_limits};
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{Coordinate, Mechanism};
 use crate::scene::OtherDrives;
@@ -38,7 +38,7 @@ pub(super) fn drives(
             "times of rows ascend from zero or later".to_owned(),
         ));
     }
-    limits().allow(
+    current_limits().allow(
         Resource::Samples,
         (times.len() * (1 + inputs.len())) as f64,
         &"rows of inputs",

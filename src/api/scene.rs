@@ -61,7 +61,7 @@ impl Scene {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn builtin(name: &str) -> Result<Self, Error> {
-        match builtin::find(name) {
+        match builtin::find_builtin(name) {
             Some(text) => Self::load(text, Overrides::default()),
             None => Err(source::no_builtin(name).into()),
         }
@@ -91,7 +91,7 @@ impl Scene {
             folder: source::folder_of(path),
             ..Overrides::default()
         };
-        Self::load(source::open(path)?, overrides)
+        Self::load(source::open_source(path)?, overrides)
     }
 
     /// The scene that `text` describes, called `name` in messages.

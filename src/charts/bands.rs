@@ -1,16 +1,16 @@
 //! The chart of bands over time: how far pieces can be from the motion as drawn, and how far some were found to be.
 
 use crate::analysis::enclosure::{Band, Enclosed, Plan, shown_names};
-use crate::plot::chart::{Axis, Band as Area, Chart, Panel, Series, Shade};
+use crate::plot::chart::{Axis, Band as Area, Chart, Panel, PlotSeries, Shade};
 
 /// One panel a quantity; `wanted` are their indices.
-pub fn chart(plan: &Plan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
+pub fn band_chart(plan: &Plan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
     let mechanism = plan.family.mechanism();
     let names = shown_names(mechanism);
     let panels = wanted.iter().filter_map(|index| {
         let (name, kind) = names.get(*index)?;
         let unit = mechanism.file_units(*kind);
-        Some(panel(
+        Some(band_panel(
             name,
             mechanism.unit_name(*kind),
             unit,
@@ -29,7 +29,7 @@ pub fn chart(plan: &Plan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
     }
 }
 
-fn panel(name: &str, unit: &str, factor: f64, motion: &[Enclosed], index: usize) -> Panel {
+fn band_panel(name: &str, unit: &str, factor: f64, motion: &[Enclosed], index: usize) -> Panel {
     let band = |enclosed: &Enclosed| enclosed.bands.as_ref().ok()?.list.get(index).copied();
     // Bands are drawn one for each run of samples that have them.
     let mut areas: Vec<Area> = Vec::new();
@@ -67,10 +67,10 @@ fn panel(name: &str, unit: &str, factor: f64, motion: &[Enclosed], index: usize)
         });
         points.collect::<Vec<_>>()
     };
-    let series = |name: &str, points| Series {
+    let series = |name: &str, points| PlotSeries {
         name: name.to_owned(),
         points,
-        ..Series::default()
+        ..PlotSeries::default()
     };
     Panel {
         title: name.to_owned(),

@@ -2,18 +2,18 @@
 
 use crate::clearance::check::{ClearanceReport, PairReport};
 use crate::model::mechanism::Mechanism;
-use crate::plot::chart::{Axis, Chart, EventMark, Panel, Series, Shade};
+use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
 use crate::report::rounded::not_below;
 
 /// What a pair never comes below, if that says anything: a depth has no bound.
-fn bound(pair: &PairReport) -> Option<f64> {
+fn chart_bound(pair: &PairReport) -> Option<f64> {
     let least = &pair.least;
     let is_one = least.distance > 0.0 && least.bound.is_finite() && least.bound >= 0.0;
     is_one.then_some(least.bound)
 }
 
 /// One curve a pair, the `most` worst ones; the dashed line is the minimum asked for, the mark the worst moment.
-pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Chart {
+pub fn clearance_chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Chart {
     let shown = &report.judged[..most
         .clamp(1, report.judged.len().max(1))
         .min(report.judged.len())];
@@ -46,10 +46,10 @@ pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Ch
             .collect();
         points.push([pair.least.time, pair.least.distance]);
         points.sort_by(|p, q| p[0].total_cmp(&q[0]));
-        panel.series.push(Series {
+        panel.series.push(PlotSeries {
             name: format!("{a} / {b}"),
             points: points.into_iter().map(Some).collect(),
-            ..Series::default()
+            ..PlotSeries::default()
         });
         if !minima.contains(&pair.minimum) {
             minima.push(pair.minimum);
@@ -57,7 +57,7 @@ pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Ch
     }
     let worst = report.worst();
     if let (Some(first), Some(last)) = (report.times.first(), report.times.last()) {
-        let bound = worst.and_then(bound).into_iter();
+        let bound = worst.and_then(chart_bound).into_iter();
         let levels = minima.iter().copied().chain(bound);
         panel.lines = levels.map(|v| [[*first, v], [*last, v]]).collect();
     }
@@ -72,7 +72,7 @@ pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Ch
         if shown.len() == 1 {
             panel.title = format!("{a} / {b}");
         }
-        let known = match (bound(worst), least.is_certified) {
+        let known = match (chart_bound(worst), least.is_certified) {
             (None, _) => "a depth has no bound".to_owned(),
             (Some(bound), true) => format!("never below {} {unit} (proved)", not_below(bound, 4)),
             (Some(bound), false) => {

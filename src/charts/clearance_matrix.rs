@@ -2,7 +2,7 @@
 
 use crate::clearance::check::{ClearanceClass, ClearanceReport, PairReport};
 use crate::model::mechanism::Mechanism;
-use crate::plot::matrix::{Cell, MatrixChart};
+use crate::plot::matrix::{MatrixCell, MatrixChart};
 use crate::plot::theme::Colour;
 use std::collections::HashMap;
 
@@ -18,14 +18,18 @@ const CLASSES: [(ClearanceClass, Colour); 5] = [
     (ClearanceClass::Excluded, [0xd8, 0xdc, 0xe0, 255]),
 ];
 
-fn colour(class: ClearanceClass) -> Colour {
+fn class_colour(class: ClearanceClass) -> Colour {
     let known = CLASSES.iter().find(|(c, _)| *c == class);
     known.map_or([0, 0, 0, 255], |(_, colour)| *colour)
 }
 
 /// All pairs; those within `band` of their minimum are near, without a band those within twice the minimum.
-pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, band: Option<f64>) -> MatrixChart {
-    let shown = bodies(mechanism, report);
+pub fn clearance_matrix(
+    mechanism: &Mechanism,
+    report: &ClearanceReport,
+    band: Option<f64>,
+) -> MatrixChart {
+    let shown = judged_bodies(mechanism, report);
     let place: HashMap<usize, usize> = shown
         .iter()
         .enumerate()
@@ -34,22 +38,22 @@ pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, band: Option<f64>)
     let cell = |pair: &PairReport| {
         let [a, b] = pair.pair.map(|body| place.get(&body).copied());
         let (a, b) = (a?, b?);
-        Some(Cell {
+        Some(MatrixCell {
             place: [a.max(b), a.min(b)],
-            fill: colour(pair.class(band)),
-            text: short(pair.least.distance),
+            fill: class_colour(pair.class(band)),
+            text: short_number(pair.least.distance),
         })
     };
     // A pair that is judged but for the shapes at its joint is shown as judged.
     let judged = report.judged.iter().filter_map(cell);
-    let mut cells: HashMap<[usize; 2], Cell> = report
+    let mut cells: HashMap<[usize; 2], MatrixCell> = report
         .excluded
         .iter()
         .filter_map(cell)
         .map(|c| (c.place, c))
         .collect();
     cells.extend(judged.map(|c| (c.place, c)));
-    let mut cells: Vec<Cell> = cells.into_values().collect();
+    let mut cells: Vec<MatrixCell> = cells.into_values().collect();
     cells.sort_by_key(|c| c.place);
     let name = |body: &usize| mechanism.bodies[*body].name.clone();
     MatrixChart {
@@ -58,14 +62,14 @@ pub fn chart(mechanism: &Mechanism, report: &ClearanceReport, band: Option<f64>)
         names: shown.iter().map(name).collect(),
         cells,
         legend: CLASSES
-            .map(|(class, colour)| (colour, legend(report, class, band)))
+            .map(|(class, colour)| (colour, class_legend(report, class, band)))
             .into(),
-        notes: notes(mechanism, report, shown.len()),
+        notes: matrix_notes(mechanism, report, shown.len()),
     }
 }
 
 /// The bodies with shapes, those of the worst pairs if they are too many.
-fn bodies(mechanism: &Mechanism, report: &ClearanceReport) -> Vec<usize> {
+fn judged_bodies(mechanism: &Mechanism, report: &ClearanceReport) -> Vec<usize> {
     let all = 0..mechanism.bodies.len();
     let mut shown: Vec<usize> = all
         .filter(|k| !mechanism.bodies[*k].shapes.is_empty())
@@ -88,7 +92,7 @@ fn bodies(mechanism: &Mechanism, report: &ClearanceReport) -> Vec<usize> {
     shown
 }
 
-fn legend(report: &ClearanceReport, class: ClearanceClass, band: Option<f64>) -> String {
+fn class_legend(report: &ClearanceReport, class: ClearanceClass, band: Option<f64>) -> String {
     let pairs = report.judged.iter().chain(&report.excluded);
     let listed = pairs.filter(|p| p.class(band) == class).count();
     let rest: usize = match class {
@@ -106,7 +110,7 @@ fn legend(report: &ClearanceReport, class: ClearanceClass, band: Option<f64>) ->
     format!("{} {}", listed + rest, class.word())
 }
 
-fn notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -> Vec<String> {
+fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -> Vec<String> {
     let unit = &mechanism.length_unit;
     let mut notes = vec![format!(
         "Least distances over the motion in {unit}, column by number; negative ones are depths."
@@ -126,7 +130,7 @@ fn notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -> Vec<S
 }
 
 /// A distance in about four signs.
-fn short(value: f64) -> String {
+fn short_number(value: f64) -> String {
     match value.abs() {
         size if size >= 1e5 => format!("{value:.0e}"),
         size if size >= 100.0 => format!("{value:.0}"),

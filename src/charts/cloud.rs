@@ -1,7 +1,7 @@
 //! The chart of a cloud of paths: how far random pieces run beside the path of the mechanism as drawn.
 
 use crate::analysis::cloud::{PathCloud, Spread};
-use crate::plot::chart::{Axis, Band, Chart, Panel, Series};
+use crate::plot::chart::{Axis, Band, Chart, Panel, PlotSeries};
 
 /// Shares of the pieces that the bands hold, from their lower to their upper edge.
 pub const BANDS: [[f64; 2]; 2] = [[0.001, 0.999], [0.05, 0.95]];
@@ -10,8 +10,11 @@ pub const BANDS: [[f64; 2]; 2] = [[0.001, 0.999], [0.05, 0.95]];
 const MOST_LINES: usize = 60;
 
 /// One panel a path: the deviation across it over the length along it.
-pub fn chart(title: &str, unit: &str, clouds: &[PathCloud]) -> Chart {
-    let panels: Vec<Panel> = clouds.iter().map(|cloud| panel(cloud, unit)).collect();
+pub fn cloud_chart(title: &str, unit: &str, clouds: &[PathCloud]) -> Chart {
+    let panels: Vec<Panel> = clouds
+        .iter()
+        .map(|cloud| cloud_panel(cloud, unit))
+        .collect();
     let pieces = clouds.first().map_or(0, |c| c.pieces.len());
     let lines = pieces.min(MOST_LINES);
     Chart {
@@ -24,7 +27,7 @@ pub fn chart(title: &str, unit: &str, clouds: &[PathCloud]) -> Chart {
     }
 }
 
-fn panel(cloud: &PathCloud, unit: &str) -> Panel {
+fn cloud_panel(cloud: &PathCloud, unit: &str) -> Panel {
     let Spread { along, across } = cloud.spread();
     let line = |deviations: &[f64]| -> Vec<[f64; 2]> {
         along
@@ -34,11 +37,11 @@ fn panel(cloud: &PathCloud, unit: &str) -> Panel {
             .map(<[f64; 2]>::from)
             .collect()
     };
-    let at = |share: f64| line(&quantiles(&across, along.len(), share));
-    let named = |name: &str, points: Vec<[f64; 2]>| Series {
+    let at = |share: f64| line(&column_quantiles(&across, along.len(), share));
+    let named = |name: &str, points: Vec<[f64; 2]>| PlotSeries {
         name: name.to_owned(),
         points: points.into_iter().map(Some).collect(),
-        ..Series::default()
+        ..PlotSeries::default()
     };
     let bands = BANDS.map(|[low, high]| Band {
         lower: at(low),
@@ -69,11 +72,11 @@ fn panel(cloud: &PathCloud, unit: &str) -> Panel {
 }
 
 /// The quantile of every column of `rows`.
-fn quantiles(rows: &[Vec<f64>], columns: usize, share: f64) -> Vec<f64> {
+fn column_quantiles(rows: &[Vec<f64>], columns: usize, share: f64) -> Vec<f64> {
     let of = |k: usize| {
         let mut values: Vec<f64> = rows.iter().map(|row| row[k]).collect();
         values.sort_unstable_by(f64::total_cmp);
-        crate::analysis::tolerance::quantile(&values, share)
+        crate::analysis::tolerance::sorted_quantile(&values, share)
     };
     (0..columns).map(of).collect()
 }

@@ -10,7 +10,7 @@ const OUTLYING: f64 = 8.0;
 const TAIL: f64 = 0.05;
 
 /// Six digits.
-pub(super) fn short(value: f64) -> String {
+pub(super) fn short_number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -26,7 +26,7 @@ pub(super) fn short(value: f64) -> String {
 
 /// Ranges of the axis over runs of samples without a pose or without a value, each up to the next sample that has
 /// one; overlapping ones are joined.
-pub(super) fn shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Vec<Shade> {
+pub(super) fn gap_shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Vec<Shade> {
     let is_marked = |k: usize| poseless[k] || valueless[k];
     let mut ranges: Vec<Shade> = Vec::new();
     let mut k = 0;
@@ -108,7 +108,7 @@ pub(super) fn leave_out_outliers(panel: &mut Panel) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::chart::Series;
+    use crate::plot::chart::PlotSeries;
 
     #[test]
     fn runs_without_values_reach_to_their_neighbours() {

@@ -1,17 +1,17 @@
 //! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose the chart
 //! says so.
 
-use super::gaps::{leave_out_outliers, shades, short};
+use super::gaps::{gap_shades, leave_out_outliers, short_number};
 use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::rates::higher_order::{By, rates};
+use crate::kinematics::rates::higher_order::{By, higher_rates};
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::plot::{Abscissa, Curve, Per, Plot, Rate};
+use crate::model::plot::{Abscissa, Per, Plot, PlotCurve, Rate};
 use crate::numbers::series::TaylorSeries;
-use crate::plot::chart::{Axis, Chart, EventMark, Panel, Series};
+use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries};
 use crate::plot::scale::ScaleKind;
 use std::f64::consts::PI;
 
@@ -19,19 +19,19 @@ use std::f64::consts::PI;
 const MOST_DEFAULT_CURVES: usize = 12;
 
 /// Charts `plots` of `trajectory`.
-pub fn chart(
+pub fn motion_chart(
     system: &System,
     actuation: &Actuation,
     plots: &[Plot],
     trajectory: &Trajectory,
 ) -> Chart {
     let mechanism = system.mechanism();
-    let mut motion = Motion {
+    let mut motion = ChartedMotion {
         mechanism,
         system,
         actuation,
         trajectory,
-        slots: slots(mechanism, trajectory),
+        slots: pose_slots(mechanism, trajectory),
         series: Vec::new(),
     };
     let mut chart = Chart {
@@ -64,7 +64,7 @@ pub fn chart(
 /// What is plotted of a scene that says nothing about it: its outputs, else its traced points, else its unknowns,
 /// against its only moving input if that goes one way, else against time.
 pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
-    let slot = |slot: usize, label: &str, kind: Kind| Curve {
+    let slot = |slot: usize, label: &str, kind: Kind| PlotCurve {
         label: label.to_owned(),
         unit: mechanism.unit_name(kind).to_owned(),
         factor: mechanism.file_units(kind),
@@ -75,7 +75,7 @@ pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
     let n = mechanism.coordinate_count();
     let after_traces = n + 3 * mechanism.traces.len();
     let outputs = mechanism.outputs.iter().enumerate();
-    let mut y: Vec<Curve> = outputs
+    let mut y: Vec<PlotCurve> = outputs
         .map(|(k, o)| slot(after_traces + k, &o.name, o.kind))
         .collect();
     if y.is_empty() {
@@ -126,7 +126,7 @@ fn lone_input(actuation: &Actuation) -> Option<usize> {
 }
 
 /// Values of all slots at every sample that has a pose.
-fn slots(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Option<Vec<f64>>> {
+fn pose_slots(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Option<Vec<f64>>> {
     let of = |sample: &Sample| {
         let pose = sample.pose.as_ref()?;
         let mut slots = pose.unknowns.clone();
@@ -143,7 +143,7 @@ fn slots(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Option<Vec<f64>>
 type SeriesOfSamples = Vec<Option<Vec<TaylorSeries>>>;
 
 /// A trajectory and what has been computed of it.
-struct Motion<'a> {
+struct ChartedMotion<'a> {
     mechanism: &'a Mechanism,
     system: &'a System,
     actuation: &'a Actuation,
@@ -152,7 +152,7 @@ struct Motion<'a> {
     series: Vec<(Rate, SeriesOfSamples)>,
 }
 
-impl Motion<'_> {
+impl ChartedMotion<'_> {
     /// Adds the panels of a plot: one per unit.
     fn add(&mut self, plot: &Plot, chart: &mut Chart) {
         let places = self.abscissa(&plot.x);
@@ -163,7 +163,7 @@ impl Motion<'_> {
             }
         }
         for (k, unit) in units.into_iter().enumerate() {
-            let curves: Vec<&Curve> = plot.y.iter().filter(|c| c.unit == unit).collect();
+            let curves: Vec<&PlotCurve> = plot.y.iter().filter(|c| c.unit == unit).collect();
             let mut panel = self.panel(plot, &curves, &places);
             // Reference points belong to the first quantity.
             if k == 0 {
@@ -177,7 +177,7 @@ impl Motion<'_> {
     }
 
     /// Curves of one unit.
-    fn panel(&mut self, plot: &Plot, curves: &[&Curve], places: &[f64]) -> Panel {
+    fn panel(&mut self, plot: &Plot, curves: &[&PlotCurve], places: &[f64]) -> Panel {
         let is_known = self.places_of_all(&plot.x);
         let (label, unit) = match &plot.x {
             Abscissa::Time => ("time", "s"),
@@ -211,22 +211,22 @@ impl Motion<'_> {
         if is_known {
             panel.events = self.events(&plot.x);
             let poseless: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
-            panel.shades = shades(&poseless, &valueless, places);
+            panel.shades = gap_shades(&poseless, &valueless, places);
         }
         panel
     }
 
     fn series_of(
         &mut self,
-        curve: &Curve,
+        curve: &PlotCurve,
         x: &Abscissa,
         places: &[f64],
         valueless: &mut [bool],
-    ) -> Series {
+    ) -> PlotSeries {
         let values = self.values(curve);
-        let mut series = Series {
+        let mut series = PlotSeries {
             name: curve.label.clone(),
-            ..Series::default()
+            ..PlotSeries::default()
         };
         for (k, value) in values.iter().enumerate() {
             let point = value.map(|v| [places[k], v * curve.factor]);
@@ -253,7 +253,7 @@ impl Motion<'_> {
     }
 
     /// Internal values of a quantity at all samples; `None` without a pose or, for a rate, at a singular one.
-    fn values(&mut self, curve: &Curve) -> Vec<Option<f64>> {
+    fn values(&mut self, curve: &PlotCurve) -> Vec<Option<f64>> {
         let Some(rate) = curve.rate else {
             let values = self
                 .slots
@@ -282,7 +282,7 @@ impl Motion<'_> {
             let pose = sample.pose.as_ref()?;
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
             let inputs = by.inputs(self.actuation, &sample.inputs, sample.time, rate.order);
-            let series = rates(system, &coordinates, &inputs, rate.order)?;
+            let series = higher_rates(system, &coordinates, &inputs, rate.order)?;
             Some(observed_slots(mechanism, &series))
         };
         let all = self.trajectory.samples.iter().map(of).collect();
@@ -339,7 +339,7 @@ impl Motion<'_> {
         let mut marks: Vec<EventMark> = Vec::new();
         for event in &self.trajectory.events {
             let place = self.place(x, event.time, &event.inputs);
-            let label = word(event, place, x);
+            let label = event_word(event, place, x);
             let mark = EventMark { x: place, label };
             if !marks.contains(&mark) && !mark.label.is_empty() {
                 marks.push(mark);
@@ -350,13 +350,13 @@ impl Motion<'_> {
 }
 
 /// An event in a word or two.
-fn word(event: &Event, place: f64, x: &Abscissa) -> String {
+fn event_word(event: &Event, place: f64, x: &Abscissa) -> String {
     let unit = match x {
         Abscissa::Time => "s",
         Abscissa::Quantity(curve) => curve.unit.as_str(),
     };
     match &event.kind {
-        EventKind::MotionEnds(_) => format!("ends at {} {unit}", short(place))
+        EventKind::MotionEnds(_) => format!("ends at {} {unit}", short_number(place))
             .trim_end()
             .to_owned(),
         EventKind::MotionResumes { same_branch: true } => "resumes".to_owned(),

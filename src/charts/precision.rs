@@ -1,17 +1,17 @@
 //! The chart of a work-precision study: time per pose over error.
 
 use crate::analysis::routes::{RotationForm, Route};
-use crate::analysis::work_precision::{Row, Study};
+use crate::analysis::work_precision::{PrecisionRow, PrecisionStudy};
 use crate::model::mechanism::Mechanism;
-use crate::plot::{Axis, Chart, Panel, ScaleKind, Series, SeriesStyle};
+use crate::plot::{Axis, Chart, Panel, PlotSeries, ScaleKind, SeriesStyle};
 
 /// Errors below this share of the size are drawn here: zero has no place on a logarithmic axis.
 const LEAST_SHOWN: f64 = 1e-17;
 
 /// Time per pose over error, both logarithmic; one curve per family, fastest and most exact towards the lower left.
-pub fn chart(mechanism: &Mechanism, study: &Study) -> Chart {
+pub fn precision_chart(mechanism: &Mechanism, study: &PrecisionStudy) -> Chart {
     let mut families: Vec<&str> = Vec::new();
-    let shown: Vec<&Row> = study.rows.iter().filter(|r| is_shown(r, study)).collect();
+    let shown: Vec<&PrecisionRow> = study.rows.iter().filter(|r| is_shown(r, study)).collect();
     for row in &shown {
         if !families.contains(&row.family) {
             families.push(row.family);
@@ -22,11 +22,11 @@ pub fn chart(mechanism: &Mechanism, study: &Study) -> Chart {
         let rows = shown.iter().filter(|r| r.family == family);
         let mut points: Vec<[f64; 2]> = rows.map(|r| [r.error.max(least), r.time]).collect();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        Series {
+        PlotSeries {
             name: family.to_owned(),
             points: points.into_iter().map(Some).collect(),
             style: SeriesStyle::Dots,
-            ..Series::default()
+            ..PlotSeries::default()
         }
     });
     let axis = |label: &str, unit: &str| Axis {
@@ -56,7 +56,7 @@ pub fn chart(mechanism: &Mechanism, study: &Study) -> Chart {
 
 /// Whether a row is a point of the chart: the skew residual lies on top of the rotation vector's curve, and Newton
 /// needs no smaller steps; both are in the table.
-fn is_shown(row: &Row, study: &Study) -> bool {
+fn is_shown(row: &PrecisionRow, study: &PrecisionStudy) -> bool {
     let is_variant = match row.route {
         Some(Route::Position { form, .. }) => {
             form == RotationForm::Skew || row.steps != study.poses

@@ -3,10 +3,10 @@
 use crate::model::measure::Measure;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::plot::bars::{BarBlock, BarChart, BarColumn};
-use crate::report::sensitivity::Table;
+use crate::report::sensitivity::SensitivityTable;
 
 /// The bars of a table; measure `rank` decides the order and comes first.
-pub fn chart(table: &Table, rank: usize) -> BarChart {
+pub fn sensitivity_chart(table: &SensitivityTable, rank: usize) -> BarChart {
     let mechanism = &table.family.mechanism();
     let (measures, variables) = (&table.family.measures.list, &table.family.study.variables);
     let mut columns: Vec<usize> = (0..measures.len()).collect();
@@ -17,12 +17,12 @@ pub fn chart(table: &Table, rank: usize) -> BarChart {
         let of_kind = |v: &&usize| variables[**v].kind == kind;
         let rows: Vec<usize> = table.order.iter().filter(of_kind).copied().collect();
         (!rows.is_empty()).then(|| BarBlock {
-            heading: format!("per {}", unit(mechanism, kind)),
+            heading: format!("per {}", kind_unit(mechanism, kind)),
             rows: rows.iter().map(|v| variables[*v].name.clone()).collect(),
             columns: columns
                 .iter()
                 .map(|m| BarColumn {
-                    label: label(mechanism, &measures[*m]),
+                    label: measure_label(mechanism, &measures[*m]),
                     values: rows.iter().map(|v| table.slope(*m, *v)).collect(),
                 })
                 .collect(),
@@ -40,7 +40,7 @@ pub fn chart(table: &Table, rank: usize) -> BarChart {
     }
 }
 
-fn unit(mechanism: &Mechanism, kind: Kind) -> &str {
+fn kind_unit(mechanism: &Mechanism, kind: Kind) -> &str {
     match kind {
         Kind::Length => &mechanism.length_unit,
         Kind::Angle => &mechanism.angle_unit.name,
@@ -48,9 +48,9 @@ fn unit(mechanism: &Mechanism, kind: Kind) -> &str {
     }
 }
 
-fn label(mechanism: &Mechanism, measure: &Measure) -> String {
+fn measure_label(mechanism: &Mechanism, measure: &Measure) -> String {
     match measure.kind {
         Kind::Number => format!("d{}", measure.name),
-        kind => format!("d{} [{}]", measure.name, unit(mechanism, kind)),
+        kind => format!("d{} [{}]", measure.name, kind_unit(mechanism, kind)),
     }
 }

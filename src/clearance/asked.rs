@@ -3,8 +3,8 @@
 use super::contact::AT_LEAST;
 use super::found::{Judgement, PairReport, Violation, Violations};
 use super::joint_region::JointRegion;
-use super::motion::Motion;
-use super::neighbours::{Neighbours, neighbours};
+use super::motion::ProvedMotion;
+use super::neighbours::{Neighbours, joint_neighbours};
 use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
@@ -26,7 +26,7 @@ pub(super) struct AskedPair<'a> {
 
 /// What was found of a pair: neighbours are judged but for the shapes at their joint.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct BoundSearch {
     pub(super) judged: Vec<PairReport>,
     pub(super) excluded: Vec<PairReport>,
     pub(super) warning: Option<String>,
@@ -37,22 +37,22 @@ impl<'a> AskedPair<'a> {
         self.rules.minimum_of(self.bodies)
     }
 
-    fn sweep(&self, motion: &Motion) -> PairSweep<'a> {
+    fn sweep(&self, motion: &ProvedMotion) -> PairSweep<'a> {
         self.sweep_of(motion, self.hulls)
     }
 
     /// With the shapes in other parts.
-    fn sweep_of<'h>(&self, motion: &Motion, hulls: [&'h Hull; 2]) -> PairSweep<'h> {
+    fn sweep_of<'h>(&self, motion: &ProvedMotion, hulls: [&'h Hull; 2]) -> PairSweep<'h> {
         PairSweep::new(motion, self.bodies, hulls, self.tolerance, self.minimum())
     }
 
     /// The rules in their order: what the scene says of the pair itself comes first.
-    pub(super) fn look(&self, motion: &mut Motion) -> Found {
-        let mut found = Found::default();
+    pub(super) fn look(&self, motion: &mut ProvedMotion) -> BoundSearch {
+        let mut found = BoundSearch::default();
         let minimum = self.minimum();
         let whole = self.sweep(motion);
         if self.rules.touching.contains(&self.bodies) {
-            found.judged.extend(touching(motion, &whole));
+            found.judged.extend(judge_touching(motion, &whole));
             return found;
         }
         if self.rules.has_own_minimum(self.bodies) {
@@ -60,7 +60,7 @@ impl<'a> AskedPair<'a> {
             return found;
         }
         let joints = &motion.system.mechanism().joints;
-        let near = neighbours(motion, joints, self.bodies, self.hulls, minimum);
+        let near = joint_neighbours(motion, joints, self.bodies, self.hulls, minimum);
         if let Some(ignored) = self.ignored {
             self.ignore(motion, ignored, near.as_ref(), &mut found);
             return found;
@@ -71,7 +71,7 @@ impl<'a> AskedPair<'a> {
                 let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
                 let first = motion.samples.first().copied();
                 let least = first.and_then(|k| whole.sampled(motion, &[k], None));
-                let report = least.map(|least| excluded(&whole, minimum, least, judgement));
+                let report = least.map(|least| excluded_report(&whole, minimum, least, judgement));
                 found.excluded.extend(report);
             }
             Some(Neighbours::Joined { words, region }) => {
@@ -89,11 +89,11 @@ impl<'a> AskedPair<'a> {
     /// each pair of parts for itself, but for those in `without`.
     fn look_at_joint(
         &self,
-        motion: &mut Motion,
+        motion: &mut ProvedMotion,
         words: &'static str,
         region: &JointRegion,
         without: &[[usize; 2]],
-        found: &mut Found,
+        found: &mut BoundSearch,
     ) {
         let Some(&first) = motion.samples.first() else {
             return;
@@ -122,10 +122,15 @@ impl<'a> AskedPair<'a> {
             let allowed = assembled.distance.min(0.0) - region.growth(*pair);
             match least.distance < allowed {
                 true => {
-                    let report = excluded(&only, allowed, least, Judgement::Failed);
+                    let report = excluded_report(&only, allowed, least, Judgement::Failed);
                     found.judged.push(report);
                 }
-                false => kept.push(excluded(&only, self.minimum(), least, judgement.clone())),
+                false => kept.push(excluded_report(
+                    &only,
+                    self.minimum(),
+                    least,
+                    judgement.clone(),
+                )),
             }
         }
         left_out.sort_unstable();
@@ -141,10 +146,10 @@ impl<'a> AskedPair<'a> {
     /// A pair that the scene leaves out: with all of its shapes or some, down to any depth or not.
     fn ignore(
         &self,
-        motion: &mut Motion,
+        motion: &mut ProvedMotion,
         ignored: &Ignored,
         near: Option<&Neighbours>,
-        found: &mut Found,
+        found: &mut BoundSearch,
     ) {
         let minimum = self.minimum();
         let mut out = self.sweep(motion);
@@ -171,7 +176,7 @@ impl<'a> AskedPair<'a> {
         }
         if let Some(down_to) = ignored.down_to {
             let deep = out.with_minimum(down_to);
-            let report = judge(motion, &deep, down_to).filter(|r| r.is_deeper());
+            let report = judge_minimum(motion, &deep, down_to).filter(|r| r.is_deeper());
             out = deep.with_minimum(minimum);
             if let Some(report) = report {
                 found.judged.push(report);
@@ -180,7 +185,7 @@ impl<'a> AskedPair<'a> {
         }
         let judgement = Judgement::Ignored(ignored.reason.clone());
         let least = out.searched(motion);
-        let report = least.map(|least| excluded(&out, minimum, least, judgement));
+        let report = least.map(|least| excluded_report(&out, minimum, least, judgement));
         found.excluded.extend(report);
         let is_all = ignored.shapes.is_empty() && ignored.down_to.is_none();
         if is_all && !ignored.is_one_of_many {
@@ -194,19 +199,19 @@ impl<'a> AskedPair<'a> {
     }
 
     /// Judges the pair, and finds out when it is too near.
-    fn judge(&self, motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
-        let mut report = judge(motion, sweep, self.minimum())?;
+    fn judge(&self, motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
+        let mut report = judge_minimum(motion, sweep, self.minimum())?;
         let is_wanted = self.with_times && !report.judgement.is_kept();
         if is_wanted {
             let mut violations = sweep.violations(motion, report.least.is_enclosed);
-            reconcile(motion, sweep, &mut report, &mut violations);
+            reconcile_reports(motion, sweep, &mut report, &mut violations);
             report.violations = Some(violations);
         }
         Some(report)
     }
 
     /// That an exclusion excludes nothing: what it leaves out would pass.
-    fn needless(&self, motion: &mut Motion, near: Option<&Neighbours>) -> Option<String> {
+    fn needless(&self, motion: &mut ProvedMotion, near: Option<&Neighbours>) -> Option<String> {
         let [a, b] = self
             .bodies
             .map(|k| &motion.system.mechanism().bodies[k].name);
@@ -225,19 +230,24 @@ impl<'a> AskedPair<'a> {
             None => return Some(needless + "only shapes at their joint touch"),
         }
         if let Some(Neighbours::Joined { words, region }) = near {
-            let mut at_joint = Found::default();
+            let mut at_joint = BoundSearch::default();
             self.look_at_joint(motion, words, region, &[], &mut at_joint);
             if !at_joint.judged.is_empty() {
                 return None;
             }
         }
-        let found = judge(motion, &rest, self.minimum())?;
+        let found = judge_minimum(motion, &rest, self.minimum())?;
         (found.judgement == Judgement::Passed).then(|| needless + "without it they pass")
     }
 }
 
 /// The report of a pair that is not judged.
-fn excluded(sweep: &PairSweep, minimum: f64, least: Least, judgement: Judgement) -> PairReport {
+fn excluded_report(
+    sweep: &PairSweep,
+    minimum: f64,
+    least: Least,
+    judgement: Judgement,
+) -> PairReport {
     PairReport {
         pair: sweep.bodies(),
         minimum,
@@ -254,7 +264,7 @@ fn excluded(sweep: &PairSweep, minimum: f64, least: Least, judgement: Judgement)
 
 /// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
 /// reported is where it is farthest from touching.
-fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
+fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
     let size = motion.system.mechanism().size;
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
@@ -306,8 +316,8 @@ fn touching(motion: &mut Motion, sweep: &PairSweep) -> Option<PairReport> {
 }
 
 /// The least distance and the times of violations are looked for apart: what either has seen counts for both.
-fn reconcile(
-    motion: &mut Motion,
+fn reconcile_reports(
+    motion: &mut ProvedMotion,
     sweep: &PairSweep,
     report: &mut PairReport,
     violations: &mut Violations,
@@ -335,7 +345,7 @@ fn reconcile(
     }
 }
 
-fn judge(motion: &mut Motion, sweep: &PairSweep, minimum: f64) -> Option<PairReport> {
+fn judge_minimum(motion: &mut ProvedMotion, sweep: &PairSweep, minimum: f64) -> Option<PairReport> {
     let mut distances = Vec::new();
     let mut least = sweep.least_over(motion, &mut distances)?;
     if sweep.is_endless() && least.bound == f64::NEG_INFINITY {

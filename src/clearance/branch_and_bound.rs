@@ -8,10 +8,10 @@
 //! distance as was asked. A search that is cut off has what was proved until then.
 
 use super::meeting::Meeting;
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
-use crate::distance::bodies::{apart, nearest};
-use crate::distance::core::{Core, Element};
+use crate::distance::bodies::{nearest_bodies, sphere_separation};
+use crate::distance::core::{Element, Primitive};
 use std::rc::Rc;
 
 /// Most pieces of time looked at for one pair.
@@ -28,7 +28,7 @@ const WORTH_A_POSE: f64 = 0.25;
 
 /// A piece of a stretch.
 #[derive(Clone)]
-pub(super) struct Piece {
+pub(super) struct Segment {
     pub(super) stretch: usize,
     pub(super) middle: f64,
     pub(super) half: f64,
@@ -38,7 +38,7 @@ pub(super) struct Piece {
     near: Option<Rc<[[usize; 2]]>>,
 }
 
-impl Piece {
+impl Segment {
     /// A whole stretch of which nothing is known.
     pub(super) fn whole(stretch: usize) -> Self {
         Self::part(stretch, 0.0, 1.0)
@@ -62,7 +62,7 @@ impl Piece {
 }
 
 /// What a look at a piece found.
-pub(super) struct Look {
+pub(super) struct BoundGoal {
     /// No distance of the piece is lower.
     pub(super) lowest: f64,
     /// No pose of the motion in the middle of the piece is farther apart than this.
@@ -83,20 +83,20 @@ enum Goal {
 
 /// Pieces still to be looked at, and those that are settled.
 #[derive(Default)]
-struct Search {
-    open: Vec<Piece>,
-    settled: Vec<(Piece, Look)>,
+struct SegmentSearch {
+    open: Vec<Segment>,
+    settled: Vec<(Segment, BoundGoal)>,
     looks: usize,
 }
 
 impl PairSweep<'_> {
     /// The least distance over the whole motion with its bound; fills `distances` with those of the samples.
-    pub fn least_over(&self, motion: &mut Motion, distances: &mut Vec<f64>) -> Option<Least> {
+    pub fn least_over(&self, motion: &mut ProvedMotion, distances: &mut Vec<f64>) -> Option<Least> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, Some(distances))?;
-        let mut search = Search {
+        let mut search = SegmentSearch {
             open: self.roots(motion, distances),
-            ..Search::default()
+            ..SegmentSearch::default()
         };
         for goal in [Goal::Minimum, Goal::Tolerance] {
             let value = self.value_of(motion, goal, &best);
@@ -126,7 +126,7 @@ impl PairSweep<'_> {
     }
 
     /// What the bound of a piece must reach.
-    fn value_of(&self, motion: &Motion, goal: Goal, best: &Best) -> f64 {
+    fn value_of(&self, motion: &ProvedMotion, goal: Goal, best: &Best) -> f64 {
         match goal {
             Goal::Minimum if best.found.proximity.distance >= self.enough() => {
                 self.enough() + self.pose_slack(motion)
@@ -136,7 +136,7 @@ impl PairSweep<'_> {
     }
 
     /// All stretches of the motion, each as one piece, the one with the lowest distances at its ends last.
-    fn roots(&self, motion: &Motion, distances: &[f64]) -> Vec<Piece> {
+    fn roots(&self, motion: &ProvedMotion, distances: &[f64]) -> Vec<Segment> {
         let has_mesh = self.hulls.iter().any(|hull| hull.has_mesh());
         // A mesh that is met at a sample may be in the other body as deep as may be.
         let value = |place: Option<usize>| match place.map(|place| distances[place]) {
@@ -145,18 +145,24 @@ impl PairSweep<'_> {
         };
         let whole = |root: usize| {
             let ends = motion.stretches[root].ends;
-            Piece {
+            Segment {
                 ends: value(ends[0]).min(value(ends[1])),
-                ..Piece::whole(root)
+                ..Segment::whole(root)
             }
         };
-        let mut open: Vec<Piece> = (0..motion.roots).map(whole).collect();
+        let mut open: Vec<Segment> = (0..motion.roots).map(whole).collect();
         open.sort_by(|p, q| q.ends.total_cmp(&p.ends));
         open
     }
 
     /// Looks at the open pieces, and at their halves, until each reaches the goal or cannot be halved.
-    fn settle(&self, motion: &mut Motion, search: &mut Search, goal: Goal, best: &mut Best) {
+    fn settle(
+        &self,
+        motion: &mut ProvedMotion,
+        search: &mut SegmentSearch,
+        goal: Goal,
+        best: &mut Best,
+    ) {
         while let Some(piece) = search.open.pop() {
             search.looks += 1;
             let goals = [self.value_of(motion, goal, best), self.target(best)];
@@ -170,7 +176,10 @@ impl PairSweep<'_> {
             let is_open = look.lowest < self.value_of(motion, goal, best)
                 && look.lowest > f64::NEG_INFINITY
                 && search.looks < most;
-            match is_open.then(|| parts(motion, &piece, &look)).flatten() {
+            match is_open
+                .then(|| split_piece(motion, &piece, &look))
+                .flatten()
+            {
                 Some(parts) => search.open.extend(parts),
                 None => search.settled.push((piece, look)),
             }
@@ -178,7 +187,13 @@ impl PairSweep<'_> {
     }
 
     /// A lower distance counts once it is that of an exact pose.
-    fn measure(&self, motion: &mut Motion, piece: &Piece, look: &Look, best: &mut Best) {
+    fn measure(
+        &self,
+        motion: &mut ProvedMotion,
+        piece: &Segment,
+        look: &BoundGoal,
+        best: &mut Best,
+    ) {
         let near = best.found.proximity.distance;
         // However little lower: a pose below the minimum decides.
         let decides = near >= self.enough() && look.middle < self.enough();
@@ -189,7 +204,7 @@ impl PairSweep<'_> {
             return;
         };
         let pose = self.relative(motion, instant);
-        let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+        let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
         if let Some(found) = found.filter(|f| f.proximity.distance < near) {
             *best = Best {
                 found,
@@ -200,7 +215,12 @@ impl PairSweep<'_> {
     }
 
     /// Lower bound over a piece, as far as the goal needs it. Pairs of elements are near unless they reach the last goal, too.
-    pub(super) fn look(&self, motion: &Motion, piece: &Piece, [goal, last]: [f64; 2]) -> Look {
+    pub(super) fn look(
+        &self,
+        motion: &ProvedMotion,
+        piece: &Segment,
+        [goal, last]: [f64; 2],
+    ) -> BoundGoal {
         let stretch = &motion.stretches[piece.stretch];
         let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
         let moved = self.chain.around(arguments, s, half);
@@ -211,7 +231,7 @@ impl PairSweep<'_> {
         let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
         let lowest = from_ends.max(far);
         if lowest >= goal {
-            return Look {
+            return BoundGoal {
                 lowest,
                 middle: f64::INFINITY,
                 is_blurred: false,
@@ -230,10 +250,10 @@ impl PairSweep<'_> {
             let mine = &self.hulls[1].elements[j];
             let second = placed[j].get_or_insert_with(|| mine.moved(&moved.pose));
             let way = match (&back, &mine.core) {
-                (Some(back), Core::HalfSpace(_)) => back.distance(first.bounds()),
+                (Some(back), Primitive::HalfSpace(_)) => back.distance(first.bounds()),
                 _ => moved.distance(mine.bounds()),
             };
-            let far = apart(first, second) - way;
+            let far = sphere_separation(first, second) - way;
             if far >= goal {
                 lowest = lowest.min(far);
                 left.extend((far < last).then_some([i, j]));
@@ -242,7 +262,7 @@ impl PairSweep<'_> {
             let meeting = Meeting::new(first, second, mine, &moved);
             nearest = nearest.min(meeting.found.distance);
             let below = match (&back, &mine.core) {
-                (Some(back), Core::HalfSpace(_)) => {
+                (Some(back), Primitive::HalfSpace(_)) => {
                     Meeting::new(mine, &first.moved(&back.pose), first, back).below([goal, last])
                 }
                 _ => meeting.below([goal, last]),
@@ -266,7 +286,7 @@ impl PairSweep<'_> {
             }
         }
         let blur = self.chain.blur(arguments, ball);
-        Look {
+        BoundGoal {
             lowest,
             middle: nearest + blur,
             is_blurred: nearest - 2.0 * blur < goal,
@@ -275,9 +295,9 @@ impl PairSweep<'_> {
     }
 }
 
-impl Search {
+impl SegmentSearch {
     /// Halves what is settled below the goal.
-    fn reopen(&mut self, motion: &mut Motion, goal: f64) {
+    fn reopen(&mut self, motion: &mut ProvedMotion, goal: f64) {
         let mut kept = Vec::new();
         // The lowest is looked at first.
         self.settled
@@ -285,7 +305,10 @@ impl Search {
         for (piece, look) in self.settled.drain(..) {
             let is_low = look.lowest < goal && look.lowest > f64::NEG_INFINITY;
             let is_open = is_low && self.looks < MAX_LOOKS;
-            match is_open.then(|| parts(motion, &piece, &look)).flatten() {
+            match is_open
+                .then(|| split_piece(motion, &piece, &look))
+                .flatten()
+            {
                 Some(parts) => self.open.extend(parts),
                 None => kept.push((piece, look)),
             }
@@ -295,8 +318,12 @@ impl Search {
 }
 
 /// The two halves of a piece; of a stretch with narrower bounds where that is what is missing.
-pub(super) fn parts(motion: &mut Motion, piece: &Piece, look: &Look) -> Option<[Piece; 2]> {
-    let part = |stretch: usize, middle: f64, half: f64| Piece {
+pub(super) fn split_piece(
+    motion: &mut ProvedMotion,
+    piece: &Segment,
+    look: &BoundGoal,
+) -> Option<[Segment; 2]> {
+    let part = |stretch: usize, middle: f64, half: f64| Segment {
         stretch,
         middle,
         half,

@@ -4,12 +4,12 @@
 //! farthest way of its points. So two bodies whose boxes are apart are as far apart, and that is proved as far as the
 //! stretch is. Boxes are sorted along an axis and compared with those that follow (sweep and prune).
 
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
 use crate::distance::bodies::Hull;
 use crate::distance::core::Element;
-use crate::kinematics::certificate::tube::Model;
+use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
 use crate::model::chain::Chain;
 use glam::DVec3;
@@ -32,12 +32,12 @@ const SPLITS: u32 = 4;
 
 /// A box along the axes of the world.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
+struct SweptBox {
     low: DVec3,
     high: DVec3,
 }
 
-impl Bounds {
+impl SweptBox {
     const EVERYWHERE: Self = Self {
         low: DVec3::NEG_INFINITY,
         high: DVec3::INFINITY,
@@ -76,14 +76,14 @@ pub(super) struct Sweeper {
 }
 
 /// How far an element reaches along the axes of its body.
-fn reach(element: &Element) -> Bounds {
+fn swept_reach(element: &Element) -> SweptBox {
     let (center, radius) = element.bounds();
     let along = |n: DVec3| {
         let reach = element.core.support(n).map(|s| s + element.radius);
         reach.unwrap_or_else(|| n.dot(center) + radius)
     };
     let [x, y, z] = DVec3::AXES;
-    Bounds {
+    SweptBox {
         low: -DVec3::new(along(-x), along(-y), along(-z)),
         high: DVec3::new(along(x), along(y), along(z)),
     }
@@ -91,13 +91,13 @@ fn reach(element: &Element) -> Bounds {
 
 impl Sweeper {
     /// A body of the motion's mechanism, with its hull.
-    pub(super) fn new(motion: &Motion, body: usize, hull: &Hull) -> Self {
+    pub(super) fn new(motion: &ProvedMotion, body: usize, hull: &Hull) -> Self {
         let mechanism = motion.system.mechanism();
         let chain = RelativeChain::new(&Chain::default(), &mechanism.bodies[body].world_from_body);
         let (center, radius) = hull.ball;
         let extent = chain.longest(motion.poses()) + center.length() + radius;
-        let all = hull.elements.iter().map(reach);
-        let own = all.reduce(|a, b| a.around(&b)).filter(Bounds::is_finite);
+        let all = hull.elements.iter().map(swept_reach);
+        let own = all.reduce(|a, b| a.around(&b)).filter(SweptBox::is_finite);
         Self {
             body,
             part: mechanism.joints.of_body[body],
@@ -113,7 +113,13 @@ impl Sweeper {
 
     /// What it sweeps around the place `s` of a stretch, no farther than `half` from it. Parts in which it moves farther than
     /// `fine` are halved.
-    fn swept(&self, arguments: &[Model], [s, half]: [f64; 2], fine: f64, splits: u32) -> Bounds {
+    fn swept(
+        &self,
+        arguments: &[TaylorModel],
+        [s, half]: [f64; 2],
+        fine: f64,
+        splits: u32,
+    ) -> SweptBox {
         let moved = self.chain.around(arguments, s, half);
         let way = moved.distance(self.ball);
         if way <= fine || splits == 0 || self.own.is_none() {
@@ -125,35 +131,35 @@ impl Sweeper {
         first.around(&second)
     }
 
-    fn placed(&self, pose: &Pose, grown: f64) -> Bounds {
+    fn placed(&self, pose: &Pose, grown: f64) -> SweptBox {
         let Some([center, half]) = self.own else {
-            return Bounds::EVERYWHERE;
+            return SweptBox::EVERYWHERE;
         };
         let center = pose.transform_point(center);
         let columns = [0, 1, 2].map(|k| pose.rotation.col(k).abs());
         let half = columns[0] * half.x + columns[1] * half.y + columns[2] * half.z;
         let half = half + DVec3::splat(grown + self.slack);
-        let bounds = Bounds {
+        let bounds = SweptBox {
             low: center - half,
             high: center + half,
         };
         match bounds.is_finite() {
             true => bounds,
-            false => Bounds::EVERYWHERE,
+            false => SweptBox::EVERYWHERE,
         }
     }
 }
 
 /// The bodies of a motion with shapes, before any two of them are compared.
 pub(super) struct BroadPhase<'m> {
-    motion: &'m Motion<'m>,
+    motion: &'m ProvedMotion<'m>,
     bodies: Vec<Sweeper>,
     /// Samples at the end of no stretch.
     alone: Vec<usize>,
 }
 
 /// Pairs of bodies that come near each other.
-pub(super) struct Near {
+pub(super) struct NearPairs {
     /// Ascending indices, in order.
     pub(super) pairs: Vec<[usize; 2]>,
     /// All other pairs, but for those of one part, are never nearer than this.
@@ -162,7 +168,7 @@ pub(super) struct Near {
 
 impl<'m> BroadPhase<'m> {
     /// All bodies with a hull.
-    pub(super) fn new(motion: &'m Motion<'m>, hulls: &[Option<Hull>]) -> Self {
+    pub(super) fn new(motion: &'m ProvedMotion<'m>, hulls: &[Option<Hull>]) -> Self {
         let with_hull = hulls.iter().enumerate();
         let bodies =
             with_hull.filter_map(|(k, hull)| Some(Sweeper::new(motion, k, hull.as_ref()?)));
@@ -184,7 +190,7 @@ impl<'m> BroadPhase<'m> {
 
     /// The pairs that come nearer than `minimum`, and further ones until they are about as many as `wanted`;
     /// `None` of a motion without poses.
-    pub(super) fn near(&self, minimum: f64, wanted: usize) -> Option<Near> {
+    pub(super) fn near(&self, minimum: f64, wanted: usize) -> Option<NearPairs> {
         if self.moments() == 0 {
             return None;
         }
@@ -197,7 +203,7 @@ impl<'m> BroadPhase<'m> {
         }
         let mut pairs: Vec<[usize; 2]> = met.into_iter().collect();
         pairs.sort_unstable();
-        Some(Near { pairs, apart })
+        Some(NearPairs { pairs, apart })
     }
 
     /// Stretches of the motion, then samples that belong to none.
@@ -205,7 +211,7 @@ impl<'m> BroadPhase<'m> {
         self.motion.roots + self.alone.len()
     }
 
-    fn boxes(&self, moment: usize, apart: f64) -> Vec<Bounds> {
+    fn boxes(&self, moment: usize, apart: f64) -> Vec<SweptBox> {
         let motion = self.motion;
         let swept = |body: &Sweeper| match moment.checked_sub(motion.roots) {
             None => {
@@ -262,8 +268,8 @@ impl<'m> BroadPhase<'m> {
     }
 
     /// Pairs of boxes that are no farther apart than this, until `meet` wants no more.
-    fn compare(&self, boxes: &[Bounds], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
-        let axis = widest(boxes);
+    fn compare(&self, boxes: &[SweptBox], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
+        let axis = widest_axis(boxes);
         let mut order: Vec<usize> = (0..boxes.len()).collect();
         order.sort_by(|a, b| boxes[*a].low[axis].total_cmp(&boxes[*b].low[axis]));
         let mut open: Vec<usize> = Vec::new();
@@ -283,7 +289,7 @@ impl<'m> BroadPhase<'m> {
 }
 
 /// The axis along which boxes lie farthest apart.
-fn widest(boxes: &[Bounds]) -> usize {
+fn widest_axis(boxes: &[SweptBox]) -> usize {
     let finite = boxes.iter().filter(|b| b.is_finite()).copied();
     let all = finite.reduce(|a, b| a.around(&b));
     let edges = all.map_or(DVec3::ZERO, |b| b.high - b.low);

@@ -7,7 +7,7 @@ pub use super::found::{
     ClearanceClass, ClearanceReport, FarPairs, Judgement, PairReport, Violation, Violations,
 };
 use super::mesh_faults::{mesh_warnings, without_inside};
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::neighbours::Neighbours;
 use crate::distance::bodies::Hull;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -44,7 +44,7 @@ impl Closely {
 
 /// Checks the clearances of a mechanism over a motion of certified poses: what lies between them is looked at, too, what
 /// lies before and after them is not.
-pub fn check(
+pub fn check_clearance(
     system: &System,
     actuation: &Actuation,
     rules: &ClearanceRules,
@@ -54,13 +54,13 @@ pub fn check(
 ) -> ClearanceReport {
     // Proving the motion and sorting the triangles of meshes may take a while.
     progress(0, 1);
-    let motion = Motion::new(system, actuation, trajectory);
+    let motion = ProvedMotion::new(system, actuation, trajectory);
     check_over(motion, rules, closely, progress)
 }
 
 /// The same over a motion that is covered already.
 pub(super) fn check_over(
-    mut motion: Motion,
+    mut motion: ProvedMotion,
     rules: &ClearanceRules,
     closely: Closely,
     progress: &dyn Fn(usize, usize),
@@ -116,12 +116,12 @@ pub(super) fn check_over(
     report.without_inside = without_inside(mechanism, &hulls, is_judged);
     let reasons = report.without_inside.iter().map(|(_, text)| text.clone());
     report.warnings.extend(reasons);
-    sort(&mut report);
+    sort_report(&mut report);
     report
 }
 
 /// The worst first, and what the scene excludes before what joints do.
-fn sort(report: &mut ClearanceReport) {
+fn sort_report(report: &mut ClearanceReport) {
     let rank = |p: &PairReport| match p.judgement {
         Judgement::Failed => 0,
         Judgement::Undecided => 1,
@@ -148,7 +148,7 @@ impl Selection {
     /// All pairs, if they are no more than `wanted`. Else those of one rigid part are counted, and of the others those that
     /// are far apart, unless the scene names them.
     fn new(
-        motion: &Motion,
+        motion: &ProvedMotion,
         hulls: &[Option<Hull>],
         rules: &ClearanceRules,
         ignored: &HashMap<[usize; 2], &Ignored>,
@@ -165,16 +165,18 @@ impl Selection {
         let phase = BroadPhase::new(motion, hulls);
         let [all, rigid] = phase.counts();
         if all <= wanted {
-            selection.pairs = pairs(hulls.len()).filter(is_shaped).collect();
+            selection.pairs = all_pairs(hulls.len()).filter(is_shaped).collect();
             return selection;
         }
-        let mut looked_at = named(rules);
+        let mut looked_at = named_pairs(rules);
         looked_at.retain(is_shaped);
         let far = (all - rigid > wanted).then(|| phase.near(rules.largest_minimum(), wanted));
         let far = far.flatten();
         match &far {
             Some(near) => looked_at.extend(&near.pairs),
-            None => looked_at.extend(pairs(hulls.len()).filter(|p| is_shaped(p) && !is_rigid(p))),
+            None => {
+                looked_at.extend(all_pairs(hulls.len()).filter(|p| is_shaped(p) && !is_rigid(p)))
+            }
         }
         let rigid = rigid - looked_at.iter().filter(|p| is_rigid(p)).count();
         selection.count(Judgement::Neighbours(Neighbours::Rigid.words()), rigid);
@@ -210,7 +212,7 @@ impl Selection {
 }
 
 /// Pairs that the scene says something of by both names.
-fn named(rules: &ClearanceRules) -> HashSet<[usize; 2]> {
+fn named_pairs(rules: &ClearanceRules) -> HashSet<[usize; 2]> {
     let own = rules.pairs.iter().filter(|p| !p.is_one_of_many);
     let ignored = rules.ignored.iter().filter(|i| !i.is_one_of_many);
     let touching = rules.touching.iter().copied();
@@ -219,6 +221,6 @@ fn named(rules: &ClearanceRules) -> HashSet<[usize; 2]> {
 }
 
 /// All pairs of numbers below `count`.
-fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
+fn all_pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..count).flat_map(move |a| (a + 1..count).map(move |b| [a, b]))
 }

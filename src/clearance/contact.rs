@@ -1,11 +1,11 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
-use super::branch_and_bound::{Look, Piece, parts};
+use super::branch_and_bound::{BoundGoal, Segment, split_piece};
 use super::meeting::Meeting;
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::relative::{RelativeChain, RelativeMove};
 use super::sweep::PairSweep;
-use crate::distance::bodies::apart;
+use crate::distance::bodies::sphere_separation;
 
 /// How near to touching two bodies in contact should be proved to stay between the samples, in mechanism sizes. At the samples
 /// they are known to rounding.
@@ -58,7 +58,7 @@ impl Contact {
 }
 
 /// How often a stretch is halved until it is short.
-fn halvings_of_long(motion: &Motion, root: usize) -> u32 {
+fn halvings_of_long(motion: &ProvedMotion, root: usize) -> u32 {
     let [start, end] = motion.span();
     let [from, to] = motion.times(root, [-1.0, 1.0]);
     let short = (to - from) / (SHORT * (end - start));
@@ -72,7 +72,7 @@ fn halvings_of_long(motion: &Motion, root: usize) -> u32 {
 impl PairSweep<'_> {
     /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
     /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
-    pub fn contact_over(&self, motion: &mut Motion) -> Contact {
+    pub fn contact_over(&self, motion: &mut ProvedMotion) -> Contact {
         let size = motion.system.mechanism().size;
         let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack(motion));
         let mut contact = Contact {
@@ -91,8 +91,8 @@ impl PairSweep<'_> {
             contact.is_certified &= motion.stretches[root].is_certified;
             let longer = halvings_of_long(motion, root);
             let middle = |k: u32| -1.0 + (2.0 * f64::from(k) + 1.0) * half;
-            let first = (0..PIECES).map(|k| (Piece::part(root, middle(k), half), 0));
-            let mut open: Vec<(Piece, u32)> = first.collect();
+            let first = (0..PIECES).map(|k| (Segment::part(root, middle(k), half), 0));
+            let mut open: Vec<(Segment, u32)> = first.collect();
             while let Some((piece, depth)) = open.pop() {
                 looks += 1;
                 let arguments = &motion.stretches[piece.stretch].arguments;
@@ -111,14 +111,14 @@ impl PairSweep<'_> {
                 };
                 let ends = looks >= MOST_LOOKS || contact.broken.is_some();
                 let is_settled = is_within(allowed) || depth >= most + longer || ends;
-                let look = Look {
+                let look = BoundGoal {
                     lowest: low,
                     middle: high,
                     is_blurred: self.chain.blur(arguments, self.hulls[1].ball) > BLURRED * allowed,
                     near: None,
                 };
                 let halves = (!is_settled)
-                    .then(|| parts(motion, &piece, &look))
+                    .then(|| split_piece(motion, &piece, &look))
                     .flatten();
                 match halves {
                     Some(halves) => open.extend(halves.map(|half| (half, depth + 1))),
@@ -146,7 +146,7 @@ impl PairSweep<'_> {
         for mine in &self.hulls[1].elements {
             let second = mine.moved(&moved.pose);
             for first in &self.hulls[0].elements {
-                if apart(first, &second) - way >= high.min(low) {
+                if sphere_separation(first, &second) - way >= high.min(low) {
                     continue;
                 }
                 let meeting = Meeting::new(first, &second, mine, moved);

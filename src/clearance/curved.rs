@@ -9,15 +9,15 @@
 
 use super::meeting::Meeting;
 use super::relative::RelativeMove;
-use crate::distance::core::{Circle, Core};
+use crate::distance::core::{Circle, Primitive};
 use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
-use crate::distance::search::{Spot, grid, least, least_on_circle};
+use crate::distance::search::{CurveSpot, angle_grid, least_on_circle, least_spot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// What stands still, and how far f can bend down.
 struct Still<'a> {
-    core: &'a Core,
+    core: &'a Primitive,
     /// Of a circle the whole disc: f is convex then, and no larger.
     is_filled: bool,
     /// K.
@@ -27,7 +27,7 @@ struct Still<'a> {
 impl Still<'_> {
     fn hit(&self, point: DVec3) -> Option<PointHit> {
         match self.core {
-            Core::Circle(circle) if self.is_filled => Some(to_disc(circle, point)),
+            Primitive::Circle(circle) if self.is_filled => Some(to_disc(circle, point)),
             core => point_to(core, point),
         }
     }
@@ -35,14 +35,14 @@ impl Still<'_> {
     /// No larger circle that moves is looked along.
     fn largest(&self) -> f64 {
         match self.core {
-            Core::Circle(circle) => circle.radius,
+            Primitive::Circle(circle) => circle.radius,
             _ => f64::INFINITY,
         }
     }
 }
 
 /// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus, moves; `None` for others.
-pub fn below(meeting: &Meeting) -> Option<f64> {
+pub fn lower_bound(meeting: &Meeting) -> Option<f64> {
     let Meeting {
         a, b, mine, moved, ..
     } = *meeting;
@@ -55,7 +55,7 @@ pub fn below(meeting: &Meeting) -> Option<f64> {
         bends: 0.0,
     };
     match &a.core {
-        Core::Circle(circle) => {
+        Primitive::Circle(circle) => {
             still.is_filled = off_axis(circle, meeting.core_points()[1]) >= circle.radius;
             if !still.is_filled {
                 // Points that are farther off than this come no nearer than the nearest one is.
@@ -66,14 +66,14 @@ pub fn below(meeting: &Meeting) -> Option<f64> {
                 still.bends = near.recip();
             }
         }
-        Core::Mesh(..) | Core::HalfSpace(_) => return None,
+        Primitive::Mesh(..) | Primitive::HalfSpace(_) => return None,
         _ => {}
     }
     let lowest = match &b.core {
-        Core::Point(p) => of_point(&still, *p, moved)?,
-        Core::Segment(ends) => of_segment(&still, ends, moved),
+        Primitive::Point(p) => of_point(&still, *p, moved)?,
+        Primitive::Segment(ends) => of_segment(&still, ends, moved),
         // Of a small ring at a large one the least is looked for along the small one, as its distance is.
-        Core::Circle(circle) if circle.radius > 0.0 && circle.radius <= still.largest() => {
+        Primitive::Circle(circle) if circle.radius > 0.0 && circle.radius <= still.largest() => {
             of_circle(&still, circle, moved)
         }
         _ => return None,
@@ -81,8 +81,11 @@ pub fn below(meeting: &Meeting) -> Option<f64> {
     let lost = still.bends * way * way + meeting.beyond_linear();
     let apart = lowest.min(apart) - lost;
     // How deep a segment is in a solid is not told by its deepest point alone.
-    let is_solid = matches!(a.core, Core::Box(_) | Core::Frustum(_) | Core::Triangle(_));
-    if is_solid && matches!(b.core, Core::Segment(_)) && apart <= 0.0 {
+    let is_solid = matches!(
+        a.core,
+        Primitive::Box(_) | Primitive::Frustum(_) | Primitive::Triangle(_)
+    );
+    if is_solid && matches!(b.core, Primitive::Segment(_)) && apart <= 0.0 {
         return None;
     }
     Some(apart - meeting.radii())
@@ -95,20 +98,20 @@ fn off_axis(circle: &Circle, point: DVec3) -> f64 {
 }
 
 /// No point of a core that is nearer to a circle than `limit` is nearer than this to the circle's axis. Curves are cut.
-fn nearest_to_axis(circle: &Circle, core: &Core, limit: f64) -> f64 {
+fn nearest_to_axis(circle: &Circle, core: &Primitive, limit: f64) -> f64 {
     let look = |q: DVec3| [to_circle(circle, q).distance, off_axis(circle, q)];
-    let parts = (grid().len() - 1) as f64;
+    let parts = (angle_grid().len() - 1) as f64;
     let (ends, arc): (Vec<[f64; 2]>, f64) = match core {
-        Core::Point(p) => return off_axis(circle, *p),
-        Core::Segment([from, to]) => {
+        Primitive::Point(p) => return off_axis(circle, *p),
+        Primitive::Segment([from, to]) => {
             let at = |k: usize| *from + (*to - *from) * (k as f64 / parts);
-            let ends = (0..grid().len()).map(|k| look(at(k))).collect();
+            let ends = (0..angle_grid().len()).map(|k| look(at(k))).collect();
             (ends, from.distance(*to) / parts)
         }
-        Core::Circle(moving) => {
+        Primitive::Circle(moving) => {
             let [x, y] = moving.directions().map(|d| d * moving.radius);
             let at = |(sin, cos): &(f64, f64)| moving.center + x * *cos + y * *sin;
-            let ends = grid().iter().map(|place| look(at(place))).collect();
+            let ends = angle_grid().iter().map(|place| look(at(place))).collect();
             (ends, TAU * moving.radius / parts)
         }
         _ => return 0.0,
@@ -127,14 +130,21 @@ fn of_point(still: &Still, q: DVec3, moved: &RelativeMove) -> Option<f64> {
 }
 
 /// 2 f(q) - f(q ± X) at a point that moves along a core with the given tangent.
-fn spot(still: &Still, moved: &RelativeMove, sign: f64, at: f64, q: DVec3, tangent: DVec3) -> Spot {
+fn moved_spot(
+    still: &Still,
+    moved: &RelativeMove,
+    sign: f64,
+    at: f64,
+    q: DVec3,
+    tangent: DVec3,
+) -> CurveSpot {
     let there = q + moved.rate(q) * sign;
     let turned = tangent + moved.spin.cross(tangent) * sign;
     let hits = [still.hit(q), still.hit(there)];
     let [Some(here), Some(there)] = hits else {
-        return Spot::default();
+        return CurveSpot::default();
     };
-    Spot {
+    CurveSpot {
         at,
         value: 2.0 * here.distance - there.distance,
         slope: 2.0 * here.normal.dot(tangent) - there.normal.dot(turned),
@@ -142,17 +152,17 @@ fn spot(still: &Still, moved: &RelativeMove, sign: f64, at: f64, q: DVec3, tange
 }
 
 /// X changes along a core as fast as the spin takes its points: the slope of 2 f(q) - f(q ± X) for each unit of length.
-fn steepest(moved: &RelativeMove) -> f64 {
+fn steepest_rate(moved: &RelativeMove) -> f64 {
     3.0 + moved.spin.length()
 }
 
 /// The least of 2 f(q) - f(q ± X) over the points q of a segment.
 fn of_segment(still: &Still, ends: &[DVec3; 2], moved: &RelativeMove) -> f64 {
     let span = ends[1] - ends[0];
-    let steepest = span.length() * steepest(moved);
+    let steepest = span.length() * steepest_rate(moved);
     let towards = |sign: f64| {
-        let at = |t: f64| spot(still, moved, sign, t, ends[0] + span * t, span);
-        least(0.0, 1.0, steepest, at).value
+        let at = |t: f64| moved_spot(still, moved, sign, t, ends[0] + span * t, span);
+        least_spot(0.0, 1.0, steepest, at).value
     };
     towards(1.0).min(towards(-1.0))
 }
@@ -160,11 +170,11 @@ fn of_segment(still: &Still, ends: &[DVec3; 2], moved: &RelativeMove) -> f64 {
 /// The same over those of a circle.
 fn of_circle(still: &Still, circle: &Circle, moved: &RelativeMove) -> f64 {
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    let steepest = circle.radius * steepest(moved);
+    let steepest = circle.radius * steepest_rate(moved);
     let towards = |sign: f64| {
         let at = |angle: f64, (sin, cos): (f64, f64)| {
             let (q, tangent) = (circle.center + x * cos + y * sin, y * cos - x * sin);
-            spot(still, moved, sign, angle, q, tangent)
+            moved_spot(still, moved, sign, angle, q, tangent)
         };
         least_on_circle(steepest, at).value
     };

@@ -3,17 +3,17 @@
 //! They are measured at every sample and in the middle of every stretch of the motion, of which quick moves have many, and
 //! around the lowest place of these in ever smaller steps.
 
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
-use super::track::Track;
-use crate::distance::bodies::nearest;
+use super::track::PairTrack;
+use crate::distance::bodies::nearest_bodies;
 
 /// Steps from the lowest place to lower ones, each half as long as the one before: a stretch to 1e-4 of it.
 const HALVINGS: u32 = 13;
 
 impl PairSweep<'_> {
     /// The least distance over the whole motion as a search finds it, without a bound.
-    pub(super) fn searched(&self, motion: &mut Motion) -> Option<Least> {
+    pub(super) fn searched(&self, motion: &mut ProvedMotion) -> Option<Least> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, None)?;
         if let Some(stretch) = self.lowest_middle(motion, &best) {
@@ -27,9 +27,9 @@ impl PairSweep<'_> {
     }
 
     /// The stretch in whose middle the bodies are nearest, if that is nearer than at the samples.
-    fn lowest_middle(&self, motion: &Motion, best: &Best) -> Option<usize> {
+    fn lowest_middle(&self, motion: &ProvedMotion, best: &Best) -> Option<usize> {
         let mut limit = best.found.proximity.distance;
-        let mut track = Track::new(self.hulls, &self.left_out);
+        let mut track = PairTrack::new(self.hulls, &self.left_out);
         let mut lowest = None;
         for index in 0..motion.roots {
             let pose = self
@@ -45,11 +45,11 @@ impl PairSweep<'_> {
     }
 
     /// Goes from a place of a stretch to lower ones.
-    fn descend(&self, motion: &mut Motion, (stretch, start): (usize, f64), best: &mut Best) {
+    fn descend(&self, motion: &mut ProvedMotion, (stretch, start): (usize, f64), best: &mut Best) {
         let arguments = &motion.stretches[stretch].arguments;
         let distance = |s: f64| {
             let pose = self.chain.around(arguments, s, 0.0).pose;
-            let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
             found.map_or(f64::INFINITY, |f| f.proximity.distance)
         };
         let (mut at, mut lowest) = (start, distance(start));
@@ -69,7 +69,7 @@ impl PairSweep<'_> {
             return;
         };
         let pose = self.relative(motion, instant);
-        let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+        let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
         if let Some(found) = found.filter(|f| f.proximity.distance < best.found.proximity.distance)
         {
             *best = Best {
@@ -82,7 +82,7 @@ impl PairSweep<'_> {
 }
 
 /// The stretches that end or begin with an instant, and where on them that is.
-fn ends_at(motion: &Motion, instant: usize) -> Vec<(usize, f64)> {
+fn ends_at(motion: &ProvedMotion, instant: usize) -> Vec<(usize, f64)> {
     let Some(place) = motion.samples.iter().position(|k| *k == instant) else {
         return Vec::new();
     };

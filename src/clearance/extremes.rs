@@ -3,8 +3,8 @@
 //! Over a stretch a formula is a polynomial and a remainder. Where it may still exceed the best value found, a pose is solved
 //! and the part is halved; where the remainder is what is left, the stretch itself is.
 
-use super::motion::Motion;
-use crate::kinematics::certificate::tube::Model;
+use super::motion::ProvedMotion;
+use crate::kinematics::certificate::tube::TaylorModel;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
 use std::cmp::Ordering;
@@ -91,10 +91,10 @@ impl Ord for Part {
 
 /// The search for one formula's greatest value, or that of its negative.
 struct Search<'a, 'm> {
-    motion: &'a mut Motion<'m>,
+    motion: &'a mut ProvedMotion<'m>,
     formula: &'a Expression,
     sign: f64,
-    models: HashMap<usize, Model>,
+    models: HashMap<usize, TaylorModel>,
     parts: BinaryHeap<Part>,
     best: Option<Best>,
     least: f64,
@@ -111,7 +111,7 @@ struct Best {
 }
 
 /// The greatest value of `sign` times a formula; `None` where it has no value at some sampled pose.
-pub fn greatest(motion: &mut Motion, formula: &Expression, sign: f64) -> Option<Greatest> {
+pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> Option<Greatest> {
     let kept = motion.instants.len();
     let is_certified = motion.is_certified();
     let mut search = Search {

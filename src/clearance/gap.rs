@@ -4,7 +4,7 @@ use super::curved;
 use super::meeting::Meeting;
 use super::mesh_meeting;
 use super::slab::{Control, Slab};
-use crate::distance::core::Core;
+use crate::distance::core::Primitive;
 use crate::distance::point::point_to;
 use glam::DVec3;
 
@@ -12,12 +12,12 @@ impl Meeting<'_> {
     /// Lower bound of the distance. Of meshes it need not be better than the second goal, nor good if it cannot reach the first.
     pub fn below(&self, goals: [f64; 2]) -> f64 {
         let plain = self.found.distance - self.moved.distance(self.mine.bounds());
-        let is = |kind: fn(&Core) -> bool| kind(&self.a.core) || kind(&self.b.core);
+        let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
         // A half-space is as far from a mesh as from its hull.
-        if is(|core| matches!(core, Core::Mesh(..)))
-            && !is(|core| matches!(core, Core::HalfSpace(_)))
+        if is(|core| matches!(core, Primitive::Mesh(..)))
+            && !is(|core| matches!(core, Primitive::HalfSpace(_)))
         {
-            return plain.max(mesh_meeting::below(self, goals).min(self.found.distance));
+            return plain.max(mesh_meeting::lower_bound(self, goals).min(self.found.distance));
         }
         let slabs = self.slabs();
         let gaps = slabs.iter().flatten().filter_map(|slab| {
@@ -71,7 +71,7 @@ impl Meeting<'_> {
     /// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
     pub fn below_in_contact(&self, enough: f64) -> f64 {
         let flat = self.below([enough; 2]);
-        curved::below(self).map_or(flat, |low| flat.max(low))
+        curved::lower_bound(self).map_or(flat, |low| flat.max(low))
     }
 
     /// Upper bound of the distance: that of the points that were nearest.
@@ -81,7 +81,7 @@ impl Meeting<'_> {
         let linear = (to - from + rate).length().max((to - from - rate).length());
         // The distance from a convex core is convex on the way of a point.
         let linear = match &self.a.core {
-            Core::Circle(_) => linear,
+            Primitive::Circle(_) => linear,
             core => [to - rate, to + rate]
                 .map(|q| point_to(core, q).map_or(f64::INFINITY, |hit| hit.distance))
                 .into_iter()
@@ -90,9 +90,9 @@ impl Meeting<'_> {
         };
         let high = linear + self.beyond_linear() - self.radii();
         // What touches a mesh is not said to be deeper.
-        let is = |kind: fn(&Core) -> bool| kind(&self.a.core) || kind(&self.b.core);
-        let has_no_depth = is(|core| matches!(core, Core::Mesh(..)));
-        if has_no_depth && !is(|core| matches!(core, Core::HalfSpace(_))) {
+        let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
+        let has_no_depth = is(|core| matches!(core, Primitive::Mesh(..)));
+        if has_no_depth && !is(|core| matches!(core, Primitive::HalfSpace(_))) {
             return high.max(0.0);
         }
         high
@@ -103,12 +103,12 @@ impl Meeting<'_> {
 mod tests {
     use super::super::relative::RelativeChain;
     use super::*;
-    use crate::distance::core::{Block, Circle, Element, Frustum, HalfSpace};
+    use crate::distance::core::{BoxCore, Circle, Element, Frustum, HalfSpace};
     use crate::distance::mesh_tree::MeshTree;
-    use crate::distance::pair::distance;
-    use crate::kinematics::certificate::tube::Model;
+    use crate::distance::pair::signed_distance;
+    use crate::kinematics::certificate::tube::TaylorModel;
     use crate::math::Pose;
-    use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+    use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
     use crate::model::shape::TriangleSoup;
     use glam::{DMat3, DQuat};
     use std::sync::Arc;
@@ -153,28 +153,28 @@ mod tests {
             let size = 1.0 + 0.5 * self.next();
             let (axis, center, from) = (DVec3::Z, DVec3::ZERO, DVec3::ZERO);
             let core = match kind {
-                0 => Core::Point(from),
-                1 => Core::Segment([from, axis * size]),
-                2 | 3 => Core::Circle(Circle {
+                0 => Primitive::Point(from),
+                1 => Primitive::Segment([from, axis * size]),
+                2 | 3 => Primitive::Circle(Circle {
                     center,
                     axis,
                     radius: if kind == 2 { size } else { 8.0 * size },
                 }),
-                4 => Core::Box(Block {
+                4 => Primitive::Box(BoxCore {
                     from_box: Pose::IDENTITY,
                     half: DVec3::new(size, 0.5, 0.2),
                 }),
-                5 => Core::Frustum(Frustum {
+                5 => Primitive::Frustum(Frustum {
                     from,
                     axis,
                     length: 2.0,
                     radii: [size, 0.7],
                 }),
-                6 => Core::HalfSpace(HalfSpace {
+                6 => Primitive::HalfSpace(HalfSpace {
                     point: center,
                     normal: axis,
                 }),
-                _ => Core::Mesh(Arc::new(MeshTree::new(&self.soup(size))), Pose::IDENTITY),
+                _ => Primitive::Mesh(Arc::new(MeshTree::new(&self.soup(size))), Pose::IDENTITY),
             };
             let radius = if kind < 4 { 0.3 } else { 0.0 };
             let shape = 0;
@@ -187,8 +187,8 @@ mod tests {
         }
     }
 
-    fn joint(motion: Motion, axis: usize, argument: usize) -> Step {
-        Step::Joint {
+    fn joint(motion: ElementaryMotion, axis: usize, argument: usize) -> ChainStep {
+        ChainStep::Joint {
             motion,
             axis,
             argument,
@@ -205,7 +205,7 @@ mod tests {
             let kinds = [0, 1, 2, 3, 4, 5, 6, 7, 7];
             let (kind, moving) = (kinds[round % 9], [0, 1, 2, 3, 4, 5, 7][round / 9 % 7]);
             let (a, mine) = (draws.element(kind), draws.element(moving));
-            let fixed = [0; 4].map(|_| Step::Fixed(draws.pose(1.0).into()));
+            let fixed = [0; 4].map(|_| ChainStep::Fixed(draws.pose(1.0).into()));
             let chain = Chain {
                 steps: vec![
                     fixed[0],
@@ -219,7 +219,7 @@ mod tests {
             };
             let chain = RelativeChain::new(&Chain::default(), &chain);
             let models = [0; 3].map(|_| {
-                let mut model = Model::constant(draws.next());
+                let mut model = TaylorModel::constant(draws.next());
                 (model.c[1], model.c[2]) = (draws.next(), 0.3 * draws.next());
                 model
             });
@@ -237,13 +237,13 @@ mod tests {
             let (low, high) = (meeting.below_in_contact(f64::INFINITY), meeting.above());
             let plain = found.distance - moved.distance(mine.bounds());
             assert!(low >= plain && low <= found.distance);
-            let of_curve = curved::below(&meeting);
+            let of_curve = curved::lower_bound(&meeting);
             let mut least = f64::INFINITY;
             for step in -8..=8 {
                 let there = s + half * f64::from(step) / 8.0;
                 let values =
                     models.map(|m| ArgumentValue::new(m.c[0] + there * (m.c[1] + there * m.c[2])));
-                let d = distance(&a, &mine.moved(&chain.pose(&values))).distance;
+                let d = signed_distance(&a, &mine.moved(&chain.pose(&values))).distance;
                 least = least.min(d);
                 assert!(
                     low <= d + 1e-12,

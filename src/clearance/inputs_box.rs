@@ -5,8 +5,8 @@
 //! them. Strips that leave a pair open are halved.
 
 use super::check::{Closely, Judgement, PairReport, check_over};
-use super::motion::Motion;
-use crate::kinematics::motion::continuation::solve;
+use super::motion::ProvedMotion;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
@@ -209,7 +209,7 @@ fn motion_along<'m>(
     actuation: &Actuation,
     sides: [Side; 2],
     range: [f64; 2],
-) -> Option<(Actuation, Motion<'m>)> {
+) -> Option<(Actuation, ProvedMotion<'m>)> {
     let middle = 0.5 * (range[0] + range[1]);
     let start = actuation.inputs_at(0.0);
     let mut from = start.clone();
@@ -217,13 +217,13 @@ fn motion_along<'m>(
     from[sides[0].input] = sides[0].range[0];
     let mut to = from.clone();
     to[sides[0].input] = sides[0].range[1];
-    let first = solve(system, actuation, &[0.0])
+    let first = solve_motion(system, actuation, &[0.0])
         .samples
         .into_iter()
         .next()?
         .pose?;
     let way = Actuation::straight(&start, &from, first.unknowns);
-    let reached = solve(system, &way, &[0.0, 1.0])
+    let reached = solve_motion(system, &way, &[0.0, 1.0])
         .samples
         .into_iter()
         .nth(1)?
@@ -232,11 +232,11 @@ fn motion_along<'m>(
     let times: Vec<f64> = (0..SAMPLES)
         .map(|k| k as f64 / (SAMPLES - 1) as f64)
         .collect();
-    let trajectory = solve(system, &along, &times);
+    let trajectory = solve_motion(system, &along, &times);
     let mut play = vec![0.0; start.len()];
     if sides[0].input != sides[1].input {
         play[sides[1].input] = 0.5 * (range[1] - range[0]) * (1.0 + 1e-12);
     }
-    let motion = Motion::with_play(system, &along, &trajectory, play);
+    let motion = ProvedMotion::with_play(system, &along, &trajectory, play);
     Some((along, motion))
 }

@@ -3,8 +3,8 @@
 //! A long shape that is held by a joint is cut into the part that is near the joint and the parts that are not, so that only
 //! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
 
-use crate::distance::bodies::{Hull, LeftOut, nearest};
-use crate::distance::core::{Block, Core, Element, Frustum};
+use crate::distance::bodies::{Hull, LeftOut, nearest_bodies};
+use crate::distance::core::{BoxCore, Element, Frustum, Primitive};
 use crate::math::Pose;
 use glam::DVec3;
 
@@ -71,10 +71,10 @@ impl Place {
     /// Whether an element looks the same however the joint turns.
     fn turns_into_itself(&self, element: &Element) -> bool {
         let (axis, points) = match &element.core {
-            Core::Point(p) => (None, vec![*p]),
-            Core::Segment([a, b]) => ((*b - *a).try_normalize(), vec![*a, *b]),
-            Core::Frustum(f) => (Some(f.axis), vec![f.from]),
-            Core::Circle(c) => (Some(c.axis), vec![c.center]),
+            Primitive::Point(p) => (None, vec![*p]),
+            Primitive::Segment([a, b]) => ((*b - *a).try_normalize(), vec![*a, *b]),
+            Primitive::Frustum(f) => (Some(f.axis), vec![f.from]),
+            Primitive::Circle(c) => (Some(c.axis), vec![c.center]),
             _ => return false,
         };
         let play = COAXIAL * thickness(element);
@@ -120,10 +120,10 @@ struct Spine {
 impl Spine {
     fn of(element: &Element) -> Option<Self> {
         let (from, way, thickness) = match &element.core {
-            Core::Segment([a, b]) => (*a, *b - *a, 0.0),
-            Core::Frustum(f) => (f.from, f.axis * f.length, f.radii[0].max(f.radii[1])),
-            Core::Box(b) => {
-                let axis = longest(b.half);
+            Primitive::Segment([a, b]) => (*a, *b - *a, 0.0),
+            Primitive::Frustum(f) => (f.from, f.axis * f.length, f.radii[0].max(f.radii[1])),
+            Primitive::Box(b) => {
+                let axis = longest_axis(b.half);
                 let way = b.from_box.rotation.col(axis) * (2.0 * b.half[axis]);
                 let mut across = b.half;
                 across[axis] = 0.0;
@@ -141,30 +141,30 @@ impl Spine {
     }
 }
 
-fn longest(half: DVec3) -> usize {
+fn longest_axis(half: DVec3) -> usize {
     (0..3).fold(0, |best, k| if half[k] > half[best] { k } else { best })
 }
 
 /// A part of a long element: between two shares of its length.
-fn part(element: &Element, low: f64, high: f64) -> Element {
+fn element_part(element: &Element, low: f64, high: f64) -> Element {
     let core = match &element.core {
-        Core::Segment([a, b]) => Core::Segment([a.lerp(*b, low), a.lerp(*b, high)]),
-        Core::Frustum(f) => {
+        Primitive::Segment([a, b]) => Primitive::Segment([a.lerp(*b, low), a.lerp(*b, high)]),
+        Primitive::Frustum(f) => {
             let radius = |share: f64| f.radii[0] + share * (f.radii[1] - f.radii[0]);
-            Core::Frustum(Frustum {
+            Primitive::Frustum(Frustum {
                 from: f.from + f.axis * (low * f.length),
                 axis: f.axis,
                 length: (high - low) * f.length,
                 radii: [radius(low), radius(high)],
             })
         }
-        Core::Box(b) => {
-            let axis = longest(b.half);
+        Primitive::Box(b) => {
+            let axis = longest_axis(b.half);
             let (mut half, mut from_box) = (b.half, b.from_box);
             half[axis] *= high - low;
             let shift = (low + high - 1.0) * b.half[axis];
             from_box.translation += b.from_box.rotation.col(axis) * shift;
-            Core::Box(Block { from_box, half })
+            Primitive::Box(BoxCore { from_box, half })
         }
         other => other.clone(),
     };
@@ -172,7 +172,7 @@ fn part(element: &Element, low: f64, high: f64) -> Element {
 }
 
 /// The parts of an element within `reach` of a place, and those beyond.
-fn parts(element: &Element, place: &Place, reach: f64) -> (Element, Vec<Element>) {
+fn element_parts(element: &Element, place: &Place, reach: f64) -> (Element, Vec<Element>) {
     let whole = (element.clone(), Vec::new());
     let Some(spine) = Spine::of(element) else {
         return whole;
@@ -186,9 +186,9 @@ fn parts(element: &Element, place: &Place, reach: f64) -> (Element, Vec<Element>
         return whole;
     }
     let mut beyond = Vec::new();
-    beyond.extend((low > 0.0).then(|| part(element, 0.0, low)));
-    beyond.extend((high < 1.0).then(|| part(element, high, 1.0)));
-    (part(element, low, high), beyond)
+    beyond.extend((low > 0.0).then(|| element_part(element, 0.0, low)));
+    beyond.extend((high < 1.0).then(|| element_part(element, high, 1.0)));
+    (element_part(element, low, high), beyond)
 }
 
 /// Two bodies with the parts of their shapes that touch at their joint apart from all others.
@@ -214,12 +214,12 @@ impl JointRegion {
         first_from_second: &Pose,
         minimum: f64,
     ) -> Self {
-        let mut reach = REACH * thickest(hulls, touching);
+        let mut reach = REACH * thickest_element(hulls, touching);
         for _ in 0..DOUBLINGS {
             let cut = Self::cut(hulls, touching, places, reach);
             let left_out: LeftOut = cut.touching.iter().copied().collect();
             // Parts of pairs that do not touch as a whole keep the minimum anyway.
-            let found = nearest(&cut.hulls[0], &cut.hulls[1], first_from_second, &left_out);
+            let found = nearest_bodies(&cut.hulls[0], &cut.hulls[1], first_from_second, &left_out);
             if found.is_none_or(|found| found.proximity.distance > minimum) {
                 return cut;
             }
@@ -255,7 +255,8 @@ impl JointRegion {
         for side in 0..2 {
             for k in 0..hulls[side].elements.len() {
                 if touching.iter().any(|pair| pair[side] == k) {
-                    let (near, beyond) = parts(&hulls[side].elements[k], &places[side], reach);
+                    let (near, beyond) =
+                        element_parts(&hulls[side].elements[k], &places[side], reach);
                     // The near part keeps the number.
                     new[side][k] = near;
                     new[side].extend(beyond);
@@ -282,7 +283,7 @@ impl JointRegion {
 }
 
 /// The largest sum of thicknesses of two shapes that touch.
-fn thickest(hulls: [&Hull; 2], touching: &[[usize; 2]]) -> f64 {
+fn thickest_element(hulls: [&Hull; 2], touching: &[[usize; 2]]) -> f64 {
     let of = |side: usize, k: usize| thickness(&hulls[side].elements[k]);
     let both = touching.iter().map(|[i, j]| of(0, *i) + of(1, *j));
     both.fold(0.0, f64::max)

@@ -2,7 +2,7 @@
 //! bound on its other side.
 
 use super::extremes::greatest;
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::distance::solids::left_out;
@@ -40,7 +40,7 @@ pub fn is_of_whole_motion(mechanism: &Mechanism, measure: &Measure) -> bool {
 
 /// What is known of a measure over a motion of certified poses; `None` where it is one of the samples, or has no value at
 /// some of them. Least distances are found to `tolerance`.
-pub fn known(motion: &mut Motion, measure: &Measure, tolerance: f64) -> Option<Known> {
+pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Option<Known> {
     let mechanism = motion.system.mechanism();
     if let Some(distance) = distance_of(mechanism, measure) {
         return least_distance(motion, distance, measure.min.unwrap_or(0.0), tolerance);
@@ -112,7 +112,7 @@ pub fn distance_of<'m>(mechanism: &'m Mechanism, measure: &Measure) -> Option<&'
 /// The least of a distance over a motion, with its bound as near as `tolerance` asks; `limit` is what it must not fall below,
 /// zero if anything goes.
 fn least_distance(
-    motion: &mut Motion,
+    motion: &mut ProvedMotion,
     distance: &Distance,
     limit: f64,
     tolerance: f64,
@@ -131,7 +131,7 @@ fn least_distance(
     })
 }
 
-fn of_pair(motion: &mut Motion, gap: &Gap, limit: f64, tolerance: f64) -> Option<Known> {
+fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> Option<Known> {
     let bodies = gap.bodies.map(|k| &motion.system.mechanism().bodies[k]);
     let hulls = [Hull::new(bodies[0])?, Hull::new(bodies[1])?];
     let hulls = hulls.each_ref();

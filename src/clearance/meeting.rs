@@ -2,7 +2,7 @@
 
 use super::relative::RelativeMove;
 use crate::distance::core::Element;
-use crate::distance::pair::{Proximity, distance};
+use crate::distance::pair::{Proximity, signed_distance};
 use glam::DVec3;
 
 /// Two elements, the second of which moves for a short time.
@@ -28,7 +28,7 @@ impl<'e> Meeting<'e> {
             b,
             mine,
             moved,
-            found: distance(a, b),
+            found: signed_distance(a, b),
         }
     }
 

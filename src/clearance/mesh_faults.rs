@@ -1,16 +1,16 @@
 //! What is odd about the meshes of a check, and what is wrong with them.
 
 use crate::distance::bodies::Hull;
-use crate::distance::core::Core;
-use crate::distance::mesh_tree::{Enclosure, MeshTree};
+use crate::distance::core::Primitive;
+use crate::distance::mesh_tree::{MeshTree, ShellEnclosure};
 use crate::model::mechanism::Mechanism;
 
 /// Every mesh of a body.
-fn meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
+fn hull_meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
     hull.elements
         .iter()
         .filter_map(|element| match &element.core {
-            Core::Mesh(tree, _) => Some(tree.as_ref()),
+            Primitive::Mesh(tree, _) => Some(tree.as_ref()),
             _ => None,
         })
 }
@@ -19,9 +19,9 @@ fn meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
 pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
     let mut list = Vec::new();
     for (body, hull) in mechanism.bodies.iter().zip(hulls) {
-        for tree in hull.iter().flat_map(meshes) {
+        for tree in hull.iter().flat_map(hull_meshes) {
             let mesh = format!("the mesh of `{}` ({})", body.name, tree.source);
-            if tree.enclosure == Enclosure::InsideOut {
+            if tree.enclosure == ShellEnclosure::InsideOut {
                 list.push(format!(
                     "{mesh} is inside out: its inside is taken as the enclosed space all the same"
                 ));
@@ -48,8 +48,8 @@ pub(super) fn without_inside(
 ) -> Vec<(usize, String)> {
     let mut list = Vec::new();
     for (k, hull) in hulls.iter().enumerate() {
-        let open = hull.iter().flat_map(meshes);
-        for tree in open.filter(|tree| tree.enclosure == Enclosure::Open) {
+        let open = hull.iter().flat_map(hull_meshes);
+        for tree in open.filter(|tree| tree.enclosure == ShellEnclosure::Open) {
             if !is_judged(k) {
                 continue;
             }

@@ -7,8 +7,8 @@
 use super::meeting::Meeting;
 use super::slab::Slab;
 use crate::distance::boxes::OrientedBox;
-use crate::distance::core::{Core, Element};
-use crate::distance::mesh_tree::{Content, MeshTree, nearer_first, support};
+use crate::distance::core::{Element, Primitive};
+use crate::distance::mesh_tree::{Content, MeshTree, corner_support, nearer_first};
 use crate::distance::point::point_to;
 use crate::math::Pose;
 use glam::DVec3;
@@ -21,17 +21,17 @@ const WORTH_A_CLIMB: usize = 16;
 
 /// A part of an element, placed where it is in the middle of the time.
 #[derive(Clone, Copy)]
-enum Part<'e> {
+enum MeetingPart<'e> {
     /// A core that is no mesh.
-    Solid(&'e Core),
+    Solid(&'e Primitive),
     /// What a node of a placed mesh holds.
     Node(&'e MeshTree, &'e Pose, usize),
 }
 
-impl<'e> Part<'e> {
-    fn new(core: &'e Core) -> Self {
+impl<'e> MeetingPart<'e> {
+    fn new(core: &'e Primitive) -> Self {
         match core {
-            Core::Mesh(tree, pose) => Self::Node(tree, pose, 0),
+            Primitive::Mesh(tree, pose) => Self::Node(tree, pose, 0),
             solid => Self::Solid(solid),
         }
     }
@@ -98,21 +98,26 @@ impl<'e> Part<'e> {
 }
 
 /// The triangles of a leaf with where they are placed, or the one other core.
-fn cores<'e>(part: Part<'e>, element: &'e Element) -> impl Iterator<Item = Core> + 'e {
+fn part_cores<'e>(
+    part: MeetingPart<'e>,
+    element: &'e Element,
+) -> impl Iterator<Item = Primitive> + 'e {
     let (list, pose, solid): (&[[DVec3; 3]], _, _) = match (part, &element.core) {
-        (Part::Node(tree, _, node), Core::Mesh(_, pose)) => match tree.nodes[node].content {
-            Content::Leaf(start, end) => (&tree.triangles[start..end], *pose, None),
-            Content::Fork(_) => (&[], *pose, None),
-        },
+        (MeetingPart::Node(tree, _, node), Primitive::Mesh(_, pose)) => {
+            match tree.nodes[node].content {
+                Content::Leaf(start, end) => (&tree.triangles[start..end], *pose, None),
+                Content::Fork(_) => (&[], *pose, None),
+            }
+        }
         (_, core) => (&[], Pose::IDENTITY, Some(core.clone())),
     };
     let placed = list
         .iter()
-        .map(move |t| Core::Triangle(t.map(|p| pose.transform_point(p))));
+        .map(move |t| Primitive::Triangle(t.map(|p| pose.transform_point(p))));
     placed.chain(solid)
 }
 
-struct Search<'e> {
+struct MeetingSearch<'e> {
     meeting: &'e Meeting<'e>,
     slabs: [Option<Slab>; 2],
     goals: [f64; 2],
@@ -121,16 +126,20 @@ struct Search<'e> {
 }
 
 /// Lower bound of the distance, as far as the goals need it.
-pub(super) fn below(meeting: &Meeting, goals: [f64; 2]) -> f64 {
-    let parts = [Part::new(&meeting.a.core), Part::new(&meeting.b.core)];
-    let mut search = Search {
+pub(super) fn lower_bound(meeting: &Meeting, goals: [f64; 2]) -> f64 {
+    let parts = [
+        MeetingPart::new(&meeting.a.core),
+        MeetingPart::new(&meeting.b.core),
+    ];
+    let mut search = MeetingSearch {
         meeting,
         slabs: meeting.slabs(),
         goals,
         lowest: f64::INFINITY,
         splits: MOST_SPLITS,
     };
-    let is_empty = |part: &Part| matches!(part, Part::Node(tree, ..) if tree.is_empty());
+    let is_empty =
+        |part: &MeetingPart| matches!(part, MeetingPart::Node(tree, ..) if tree.is_empty());
     if !parts.iter().any(is_empty) {
         let whole = search.bound(parts);
         search.visit(parts, whole);
@@ -138,7 +147,7 @@ pub(super) fn below(meeting: &Meeting, goals: [f64; 2]) -> f64 {
     search.lowest
 }
 
-impl<'e> Search<'e> {
+impl<'e> MeetingSearch<'e> {
     /// Nothing above this needs a closer look.
     fn enough(&self) -> f64 {
         self.goals[1].min(self.lowest)
@@ -151,14 +160,14 @@ impl<'e> Search<'e> {
     }
 
     /// Lower bound of the distance of two parts: of their boxes along the plane, or in the middle less the way of the second.
-    fn bound(&self, [a, b]: [Part<'e>; 2]) -> f64 {
+    fn bound(&self, [a, b]: [MeetingPart<'e>; 2]) -> f64 {
         let flat = self.slab(|[n, back]| Some(a.support(n)? + b.support(back)?));
         if flat >= self.enough() {
             return flat;
         }
         let way = match (b, &self.meeting.mine.core) {
-            (Part::Node(tree, _, node), Core::Mesh(_, pose)) => {
-                let around = Part::around(tree, node);
+            (MeetingPart::Node(tree, _, node), Primitive::Mesh(_, pose)) => {
+                let around = MeetingPart::around(tree, node);
                 let center = pose.transform_point(around.center);
                 self.meeting.moved.distance((center, around.radius))
             }
@@ -168,15 +177,15 @@ impl<'e> Search<'e> {
     }
 
     /// The same in the middle of the time.
-    fn apart(&self, [a, b]: [Part<'e>; 2]) -> f64 {
+    fn apart(&self, [a, b]: [MeetingPart<'e>; 2]) -> f64 {
         let [(p, r), (q, s)] = [a.ball(), b.ball()];
-        let seen = |core: &Core, center: DVec3, radius: f64| match point_to(core, center) {
+        let seen = |core: &Primitive, center: DVec3, radius: f64| match point_to(core, center) {
             Some(hit) => (hit.normal, hit.distance - radius),
             None => (DVec3::ZERO, f64::NEG_INFINITY),
         };
         let (n, of_balls) = match (a, b) {
-            (Part::Solid(core), _) => seen(core, q, s),
-            (_, Part::Solid(core)) => {
+            (MeetingPart::Solid(core), _) => seen(core, q, s),
+            (_, MeetingPart::Solid(core)) => {
                 let (n, apart) = seen(core, p, r);
                 (-n, apart)
             }
@@ -201,7 +210,7 @@ impl<'e> Search<'e> {
     }
 
     /// Lowers the bound to that of two parts, as far as it is needed.
-    fn visit(&mut self, parts: [Part<'e>; 2], bound: f64) {
+    fn visit(&mut self, parts: [MeetingPart<'e>; 2], bound: f64) {
         if bound >= self.enough() {
             self.lower(bound);
             return;
@@ -235,7 +244,7 @@ impl<'e> Search<'e> {
     }
 
     /// Every triangle against every one of another leaf, or against the other core.
-    fn leaves(&mut self, [a, b]: [Part<'e>; 2]) {
+    fn leaves(&mut self, [a, b]: [MeetingPart<'e>; 2]) {
         let Meeting {
             a: first,
             b: second,
@@ -243,10 +252,11 @@ impl<'e> Search<'e> {
             moved,
             ..
         } = *self.meeting;
-        let of = |core: Core, element: &Element| Element { core, ..*element };
-        for (theirs, own) in cores(b, second).zip(cores(b, mine)) {
-            for core in cores(a, first) {
-                let flat = self.slab(|[n, back]| Some(reach(&core, n)? + reach(&theirs, back)?));
+        let of = |core: Primitive, element: &Element| Element { core, ..*element };
+        for (theirs, own) in part_cores(b, second).zip(part_cores(b, mine)) {
+            for core in part_cores(a, first) {
+                let flat =
+                    self.slab(|[n, back]| Some(core_reach(&core, n)? + core_reach(&theirs, back)?));
                 let low = if flat >= self.enough() {
                     flat
                 } else {
@@ -265,9 +275,9 @@ impl<'e> Search<'e> {
     }
 }
 
-fn reach(core: &Core, n: DVec3) -> Option<f64> {
+fn core_reach(core: &Primitive, n: DVec3) -> Option<f64> {
     match core {
-        Core::Triangle(corners) => Some(support(corners, n)),
+        Primitive::Triangle(corners) => Some(corner_support(corners, n)),
         core => core.support(n),
     }
 }

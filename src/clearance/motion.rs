@@ -4,7 +4,7 @@
 //! be from them. Where nothing can be proved (singular poses, kinks of formulas) a parabola is laid through three poses and
 //! its bound is an estimate, and is said to be.
 
-use crate::kinematics::certificate::tube::{Model, Prover, Tube};
+use crate::kinematics::certificate::tube::{Prover, TaylorModel, Tube};
 use crate::kinematics::loops::forward::body_poses;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
@@ -37,7 +37,7 @@ const ESTIMATE_SHARE: f64 = 0.1;
 
 /// A pose at a time.
 #[derive(Clone, Debug)]
-pub struct Instant {
+pub struct SampledInstant {
     /// Seconds.
     pub time: f64,
     /// Unknowns, then inputs.
@@ -50,7 +50,7 @@ pub struct Instant {
 
 /// A stretch of time.
 #[derive(Clone, Debug)]
-pub struct Stretch {
+pub struct MotionStretch {
     /// Seconds.
     pub start: f64,
     /// Seconds.
@@ -58,7 +58,7 @@ pub struct Stretch {
     /// Samples at its ends: places in [`Motion::samples`].
     pub ends: [Option<usize>; 2],
     /// All arguments of joints over the stretch, which goes from -1 to 1.
-    pub arguments: Vec<Model>,
+    pub arguments: Vec<TaylorModel>,
     /// The arguments' bounds are proved.
     pub is_certified: bool,
     way: Way,
@@ -86,18 +86,18 @@ fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
 }
 
 /// The motion of a mechanism over its drive.
-pub struct Motion<'m> {
+pub struct ProvedMotion<'m> {
     /// Whose motion.
     pub system: &'m System,
     actuation: Actuation,
     solver: PoseSolver<'m>,
     prover: Prover<'m>,
     /// All poses solved.
-    pub instants: Vec<Instant>,
+    pub instants: Vec<SampledInstant>,
     /// Indices of the poses at the sampled times.
     pub samples: Vec<usize>,
     /// All stretches; the first ones cover the motion.
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<MotionStretch>,
     /// How many of them do.
     pub roots: usize,
     /// Stretches between samples that could not be followed, as times.
@@ -110,7 +110,7 @@ pub struct Motion<'m> {
     anew: HashSet<usize>,
 }
 
-impl<'m> Motion<'m> {
+impl<'m> ProvedMotion<'m> {
     /// Covers a motion with stretches. Poses without a certificate are not as near to the motion as its tubes ask for,
     /// which then take much longer to prove.
     pub fn new(system: &'m System, actuation: &Actuation, trajectory: &Trajectory) -> Self {
@@ -149,7 +149,7 @@ impl<'m> Motion<'m> {
         for (k, sample) in trajectory.samples.iter().enumerate() {
             let here = sample.pose.as_ref().map(|pose| {
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                motion.instants.push(Instant {
+                motion.instants.push(SampledInstant {
                     time: sample.time,
                     bodies: pose.bodies.clone(),
                     arguments: mechanism.argument_values(&coordinates),
@@ -232,7 +232,7 @@ impl<'m> Motion<'m> {
         let mut whole = refused.is_none();
         for tube in tubes {
             let arguments = self.prover.arguments(&tube);
-            if !arguments.iter().all(Model::is_finite) {
+            if !arguments.iter().all(TaylorModel::is_finite) {
                 // A joint outside all loops whose formula has a kink or no value here.
                 whole = false;
                 break;
@@ -265,8 +265,13 @@ impl<'m> Motion<'m> {
         false
     }
 
-    fn add_tube(&mut self, tube: Tube, arguments: Vec<Model>, ends: [Option<usize>; 2]) -> usize {
-        self.stretches.push(Stretch {
+    fn add_tube(
+        &mut self,
+        tube: Tube,
+        arguments: Vec<TaylorModel>,
+        ends: [Option<usize>; 2],
+    ) -> usize {
+        self.stretches.push(MotionStretch {
             start: tube.start,
             end: tube.end,
             ends,
@@ -288,12 +293,12 @@ impl<'m> Motion<'m> {
                 0.5 * (c[k].value - a[k].value),
                 0.5 * (c[k].value + a[k].value) - b[k].value,
             );
-            let mut model = Model::constant(b[k].value);
+            let mut model = TaylorModel::constant(b[k].value);
             (model.c[1], model.c[2]) = (way, bend);
             model.rest = ESTIMATE_FACTOR * bend.abs() + ESTIMATE_SHARE * way.abs();
             model
         };
-        self.stretches.push(Stretch {
+        self.stretches.push(MotionStretch {
             start,
             end,
             ends: samples,
@@ -318,7 +323,7 @@ impl<'m> Motion<'m> {
     /// Keeps a closed pose; its index.
     fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
         let mechanism = self.system.mechanism();
-        self.instants.push(Instant {
+        self.instants.push(SampledInstant {
             time,
             bodies: body_poses(mechanism, &coordinates),
             arguments: mechanism.argument_values(&coordinates),
@@ -329,7 +334,7 @@ impl<'m> Motion<'m> {
 
     /// Times of places of a stretch.
     pub fn times<const N: usize>(&self, stretch: usize, places: [f64; N]) -> [f64; N] {
-        let Stretch { start, end, .. } = self.stretches[stretch];
+        let MotionStretch { start, end, .. } = self.stretches[stretch];
         places.map(|s| (0.5 * (start + end) + 0.5 * (end - start) * s).clamp(start, end))
     }
 
@@ -352,7 +357,7 @@ impl<'m> Motion<'m> {
     }
 
     /// A formula of coordinates, traced points and outputs over a stretch.
-    pub fn formula(&self, stretch: usize, formula: &Expression) -> Model {
+    pub fn formula(&self, stretch: usize, formula: &Expression) -> TaylorModel {
         let mechanism = self.system.mechanism();
         match &self.stretches[stretch].way {
             Way::Proved(tube) => tube.shown(mechanism).value(formula),
@@ -361,7 +366,7 @@ impl<'m> Motion<'m> {
                     let slots = observed_slots(mechanism, &self.instants[k].coordinates);
                     formula.value(&slots)
                 });
-                let mut model = Model::constant(0.5 * (a + b));
+                let mut model = TaylorModel::constant(0.5 * (a + b));
                 model.c[1] = 0.5 * (b - a);
                 model.rest = ESTIMATE_SHARE * (b - a).abs();
                 model
@@ -391,7 +396,7 @@ impl<'m> Motion<'m> {
             Way::Proved(tube) => {
                 let [first, second] = self.prover.halves(&tube)?;
                 let arguments = [&first, &second].map(|tube| self.prover.arguments(tube));
-                if !arguments.iter().flatten().all(Model::is_finite) {
+                if !arguments.iter().flatten().all(TaylorModel::is_finite) {
                     return None;
                 }
                 let [of_first, of_second] = arguments;

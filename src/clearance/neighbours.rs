@@ -4,15 +4,15 @@
 //! A body that belongs to a link between two others parts them, however near their axes are: they must clear each other.
 
 use super::joint_region::{JointRegion, Place};
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use crate::distance::bodies::Hull;
 use crate::distance::core::Element;
 use crate::distance::mesh;
-use crate::distance::pair::distance;
+use crate::distance::pair::signed_distance;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Motion as StepMotion};
+use crate::model::chain::{ArgumentValue, ElementaryMotion as StepMotion};
 use crate::model::joints::{Joint, JointKind, Joints};
-use crate::model::walk::walk;
+use crate::model::walk::walk_chain;
 use glam::DVec3;
 
 /// Shapes that are to touch may miss each other by this part of their extents.
@@ -46,8 +46,8 @@ impl Neighbours {
 }
 
 /// Why two bodies are neighbours, or `None` if they are not. Shapes nearer than `minimum` count as touching.
-pub fn neighbours(
-    motion: &Motion,
+pub fn joint_neighbours(
+    motion: &ProvedMotion,
     joints: &Joints,
     [a, b]: [usize; 2],
     hulls: [&Hull; 2],
@@ -65,7 +65,7 @@ pub fn neighbours(
     for (i, first) in hulls[0].elements.iter().enumerate() {
         for (j, mine) in hulls[1].elements.iter().enumerate() {
             let second = mine.moved(&a_from_b);
-            let contact = contact(first, &second, minimum);
+            let contact = contact_of(first, &second, minimum);
             let is_there = contact.is_some_and(|(point, radius)| {
                 place.is_near(world_from_a.transform_point(point), AROUND * radius)
             });
@@ -81,10 +81,10 @@ pub fn neighbours(
 }
 
 /// Where two elements touch, or are nearer than `minimum`, and the radius of the smaller one.
-fn contact(first: &Element, second: &Element, minimum: f64) -> Option<(DVec3, f64)> {
+fn contact_of(first: &Element, second: &Element, minimum: f64) -> Option<(DVec3, f64)> {
     let [(_, r), (_, s)] = [first.bounds(), second.bounds()];
     let radius = r.min(s);
-    let found = distance(first, second);
+    let found = signed_distance(first, second);
     let is_near = found.distance <= minimum + TOUCH * radius;
     let is_inside = || mesh::is_any([first, second]) && mesh::one_inside(&first.core, &second.core);
     let point = 0.5 * (found.points[0] + found.points[1]);
@@ -98,7 +98,7 @@ fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Plac
     }
     let mut here: Pose = joints.world_from(&joint.before).pose(arguments);
     let mut lines = Vec::new();
-    walk(&joint.steps, &mut here, arguments, |here, step| {
+    walk_chain(&joint.steps, &mut here, arguments, |here, step| {
         if step.motion == StepMotion::Rotation {
             lines.push([here.translation, here.rotation.col(step.axis)]);
         }

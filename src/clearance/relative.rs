@@ -1,16 +1,16 @@
 //! How far the points of one body move as seen from another one, around an instant of a stretch of time.
 
-use crate::kinematics::certificate::tube::Model;
+use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
-use crate::model::walk::{Carried, walk};
+use crate::model::walk::{Carried, walk_chain};
 use glam::{DMat3, DVec3};
 
 /// The chain from one body to another, without what both have in common.
 #[derive(Clone, Debug)]
 pub struct RelativeChain {
-    steps: Vec<Step>,
+    steps: Vec<ChainStep>,
 }
 
 /// Motion of a body as seen from another one, from the middle of a short time to its ends: every point x goes to
@@ -34,17 +34,17 @@ pub struct RelativeMove {
 }
 
 /// A matrix takes no unit vector farther.
-fn stretch(m: &DMat3) -> f64 {
+fn operator_norm(m: &DMat3) -> f64 {
     m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// The matrix of v ×.
-fn cross(v: DVec3) -> DMat3 {
+fn cross_matrix(v: DVec3) -> DMat3 {
     DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
 }
 
 /// Nothing times an endless length is nothing.
-fn times(rate: f64, length: f64) -> f64 {
+fn rate_times(rate: f64, length: f64) -> f64 {
     if rate == 0.0 { 0.0 } else { rate * length }
 }
 
@@ -56,25 +56,25 @@ impl RelativeMove {
 
     /// Nothing of a ball of b (centre and radius in b's frame) deviates from the two terms by more.
     pub fn deviation(&self, (center, radius): (DVec3, f64)) -> f64 {
-        (self.off + times(self.off_by_reach, center.length() + radius)) * (1.0 + 1e-12)
+        (self.off + rate_times(self.off_by_reach, center.length() + radius)) * (1.0 + 1e-12)
     }
 
     /// How far Y takes the points of a ball.
     pub fn bending(&self, (center, radius): (DVec3, f64)) -> f64 {
         let center = self.bend + self.twist * self.pose.transform_point(center);
-        (center.length() + times(stretch(&self.twist), radius)) * (1.0 + 1e-12)
+        (center.length() + rate_times(operator_norm(&self.twist), radius)) * (1.0 + 1e-12)
     }
 
     /// No point of a ball of b moves farther.
     pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
         let center = self.rate(self.pose.transform_point(ball.0));
-        let linear = center.length() + times(self.spin.length(), ball.1);
+        let linear = center.length() + rate_times(self.spin.length(), ball.1);
         linear * (1.0 + 1e-12) + self.bending(ball) + self.deviation(ball)
     }
 }
 
 /// The motion of the frame that a walk has reached, over the surroundings of a place.
-struct Moving {
+struct MovingBody {
     s: f64,
     half: f64,
     moved: RelativeMove,
@@ -88,15 +88,15 @@ struct Moving {
     off_by_length: f64,
 }
 
-impl Carried for Moving {
-    type Argument = Model;
+impl Carried for MovingBody {
+    type Argument = TaylorModel;
 
     fn fix(&mut self, fixed: &FixedPose) {
         self.length += fixed.translation.length();
         self.moved.pose.fix(fixed);
     }
 
-    fn shift(&mut self, axis: usize, sign: f64, by: &Model) {
+    fn shift(&mut self, axis: usize, sign: f64, by: &TaylorModel) {
         let by = by.around(self.s, self.half);
         let way = by.way.abs();
         let play = way + by.bend.abs() + by.off;
@@ -110,7 +110,7 @@ impl Carried for Moving {
         moved.pose.translation += unit * by.value;
     }
 
-    fn turn(&mut self, axis: usize, sign: f64, by: &Model) {
+    fn turn(&mut self, axis: usize, sign: f64, by: &TaylorModel) {
         let by = by.around(self.s, self.half);
         let way = by.way.abs();
         let play = way + by.bend.abs() + by.off;
@@ -118,8 +118,9 @@ impl Carried for Moving {
         let unit = moved.pose.rotation.col(axis) * sign;
         let spin = unit * by.way;
         let origin = moved.pose.translation;
-        let turn = cross(spin);
-        let second = cross(unit * by.bend) + turn * turn * 0.5 + cross(moved.spin) * turn;
+        let turn = cross_matrix(spin);
+        let second =
+            cross_matrix(unit * by.bend) + turn * turn * 0.5 + cross_matrix(moved.spin) * turn;
         moved.twist += second;
         moved.bend -= second * origin;
         moved.spin += spin;
@@ -140,7 +141,10 @@ impl RelativeChain {
     pub fn new(world_from_a: &Chain, world_from_b: &Chain) -> Self {
         let both = world_from_a.steps.iter().zip(&world_from_b.steps);
         let common = both.take_while(|(a, b)| a == b).count();
-        let back = world_from_a.steps[common..].iter().rev().map(Step::inverse);
+        let back = world_from_a.steps[common..]
+            .iter()
+            .rev()
+            .map(ChainStep::inverse);
         let forth = world_from_b.steps[common..].iter().copied();
         Self {
             steps: back.chain(forth).collect(),
@@ -154,17 +158,17 @@ impl RelativeChain {
 
     /// Length of the chain: of its constant parts, and of its translations where they are largest.
     pub fn longest<'a>(&self, poses: impl Iterator<Item = &'a Vec<ArgumentValue>> + Clone) -> f64 {
-        let length = |step: &Step| match *step {
-            Step::Fixed(pose) => pose.translation.length(),
-            Step::Joint {
-                motion: Motion::Translation,
+        let length = |step: &ChainStep| match *step {
+            ChainStep::Fixed(pose) => pose.translation.length(),
+            ChainStep::Joint {
+                motion: ElementaryMotion::Translation,
                 argument,
                 ..
             } => {
                 let values = poses.clone().map(|pose| pose[argument].value.abs());
                 values.fold(0.0, f64::max)
             }
-            Step::Joint { .. } => 0.0,
+            ChainStep::Joint { .. } => 0.0,
         };
         self.steps.iter().map(length).sum()
     }
@@ -172,7 +176,7 @@ impl RelativeChain {
     /// The pose `a_from_b`.
     pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
         let mut pose = Pose::IDENTITY;
-        walk(&self.steps, &mut pose, arguments, |_, _| {});
+        walk_chain(&self.steps, &mut pose, arguments, |_, _| {});
         pose
     }
 
@@ -181,8 +185,8 @@ impl RelativeChain {
     /// With ξᵢ the twist of joint i, which moves by wayᵢ u + bendᵢ u² to within offᵢ, the two terms are those of
     /// Π exp(ξᵢ (wayᵢ u + bendᵢ u²)). The rest is bounded joint by joint: a derivative by several joints is no larger
     /// than the reach from the last of them to the point.
-    pub fn around(&self, arguments: &[Model], s: f64, half: f64) -> RelativeMove {
-        let mut moving = Moving {
+    pub fn around(&self, arguments: &[TaylorModel], s: f64, half: f64) -> RelativeMove {
+        let mut moving = MovingBody {
             s,
             half,
             moved: RelativeMove {
@@ -199,7 +203,7 @@ impl RelativeChain {
             length: 0.0,
             off_by_length: 0.0,
         };
-        walk(&self.steps, &mut moving, arguments, |_, _| {});
+        walk_chain(&self.steps, &mut moving, arguments, |_, _| {});
         // A joint's reach is the whole length less that before it.
         let mut moved = moving.moved;
         let whole = moved.off_by_reach * moving.length;
@@ -208,18 +212,18 @@ impl RelativeChain {
     }
 
     /// What the bounds of the arguments alone let the points of a ball deviate by, however short the time.
-    pub fn blur(&self, arguments: &[Model], (center, radius): (DVec3, f64)) -> f64 {
+    pub fn blur(&self, arguments: &[TaylorModel], (center, radius): (DVec3, f64)) -> f64 {
         let (mut blur, mut reach) = (0.0, center.length() + radius);
         for step in self.steps.iter().rev() {
             match *step {
-                Step::Fixed(pose) => reach += pose.translation.length(),
-                Step::Joint {
+                ChainStep::Fixed(pose) => reach += pose.translation.length(),
+                ChainStep::Joint {
                     motion, argument, ..
                 } => {
                     let model = &arguments[argument];
                     match motion {
-                        Motion::Rotation => blur += times(model.rest, reach),
-                        Motion::Translation => {
+                        ElementaryMotion::Rotation => blur += rate_times(model.rest, reach),
+                        ElementaryMotion::Translation => {
                             blur += model.rest;
                             reach += model.size();
                         }

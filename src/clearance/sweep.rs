@@ -1,11 +1,11 @@
 //! Two bodies over a motion: their distances at its poses, and what counts as near enough. What lies between the poses is
 //! found by `branch_and_bound`.
 
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
-use super::track::Track;
-use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed, nearest};
-use crate::distance::core::{Core, Element};
+use super::track::PairTrack;
+use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed_shell, nearest_bodies};
+use crate::distance::core::{Element, Primitive};
 use crate::distance::mesh;
 use crate::distance::pair::is_inside;
 use crate::math::Pose;
@@ -76,7 +76,7 @@ pub(super) struct Best {
 
 /// No point that a chain of this length carries is farther from its exact place at a sampled time: for rounding, and for what
 /// the unknowns are off.
-pub(super) fn slack_of_poses(motion: &Motion, chain: &RelativeChain, extent: f64) -> f64 {
+pub(super) fn slack_of_poses(motion: &ProvedMotion, chain: &RelativeChain, extent: f64) -> f64 {
     let sizes = (extent / motion.system.mechanism().size).max(1.0);
     POSE_SLACK * extent + motion.pose_error * sizes * chain.joints() as f64
 }
@@ -85,7 +85,7 @@ impl<'a> PairSweep<'a> {
     /// Bodies by index with their hulls, and the least distance that passes. `tolerance` is relative to that, or to the
     /// distance where it is zero.
     pub fn new(
-        motion: &Motion,
+        motion: &ProvedMotion,
         bodies: [usize; 2],
         hulls: [&'a Hull; 2],
         tolerance: f64,
@@ -97,7 +97,7 @@ impl<'a> PairSweep<'a> {
         let bodies = order(bodies);
         let hulls = if swap { [hulls[1], hulls[0]] } else { hulls };
         let chain = |k: usize| &motion.system.mechanism().bodies[bodies[k]].world_from_body;
-        let is_endless = |e: &Element| matches!(e.core, Core::HalfSpace(_));
+        let is_endless = |e: &Element| matches!(e.core, Primitive::HalfSpace(_));
         let back = hulls[1].elements.iter().any(is_endless);
         let own = RelativeChain::new(chain(0), chain(1));
         let reach = |(center, radius): (DVec3, f64)| center.length() + radius;
@@ -166,14 +166,14 @@ impl<'a> PairSweep<'a> {
 
     /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
     /// touched.
-    pub(super) fn is_mesh_cut(&self, motion: &Motion, time: f64) -> bool {
+    pub(super) fn is_mesh_cut(&self, motion: &ProvedMotion, time: f64) -> bool {
         let at_time = |k: &usize| motion.instants[*k].time == time;
         (0..motion.instants.len()).filter(at_time).any(|instant| {
             let pose = self.relative(motion, instant);
             let meets = |shift: DVec3| {
                 let mut moved = pose;
                 moved.translation += shift * (CUT * self.extent);
-                let found = nearest(self.hulls[0], self.hulls[1], &moved, &self.left_out);
+                let found = nearest_bodies(self.hulls[0], self.hulls[1], &moved, &self.left_out);
                 found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
             };
             let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
@@ -198,7 +198,7 @@ impl<'a> PairSweep<'a> {
     }
 
     /// No point of a sampled pose is farther from its exact place, as seen from the other body.
-    pub(super) fn pose_slack(&self, motion: &Motion) -> f64 {
+    pub(super) fn pose_slack(&self, motion: &ProvedMotion) -> f64 {
         slack_of_poses(motion, &self.chain, self.extent)
     }
 
@@ -213,7 +213,7 @@ impl<'a> PairSweep<'a> {
         near - self.tolerance * scale.max(self.least_scale)
     }
 
-    pub(super) fn relative(&self, motion: &Motion, instant: usize) -> Pose {
+    pub(super) fn relative(&self, motion: &ProvedMotion, instant: usize) -> Pose {
         self.chain.pose(&motion.instants[instant].arguments)
     }
 
@@ -221,7 +221,7 @@ impl<'a> PairSweep<'a> {
     /// is quicker if they are not asked for.
     pub fn sampled(
         &self,
-        motion: &mut Motion,
+        motion: &mut ProvedMotion,
         instants: &[usize],
         distances: Option<&mut Vec<f64>>,
     ) -> Option<Least> {
@@ -232,12 +232,12 @@ impl<'a> PairSweep<'a> {
 
     pub(super) fn best_of(
         &self,
-        motion: &Motion,
+        motion: &ProvedMotion,
         instants: &[usize],
         mut distances: Option<&mut Vec<f64>>,
     ) -> Option<Best> {
         let mut best: Option<Best> = None;
-        let mut track = Track::new(self.hulls, &self.left_out);
+        let mut track = PairTrack::new(self.hulls, &self.left_out);
         for &instant in instants {
             let least = best.as_ref().map(|b| b.found.proximity.distance);
             let limit = match (&distances, least) {
@@ -265,7 +265,7 @@ impl<'a> PairSweep<'a> {
         for &instant in first.into_iter().chain(anew) {
             if let Some(best) = &mut best
                 && best.found.proximity.distance > 0.0
-                && let Some(elements) = enclosed(
+                && let Some(elements) = enclosed_shell(
                     self.hulls[0],
                     self.hulls[1],
                     &self.relative(motion, instant),
@@ -284,7 +284,7 @@ impl<'a> PairSweep<'a> {
     /// The report of the least distance.
     pub(super) fn least(
         &self,
-        motion: &Motion,
+        motion: &ProvedMotion,
         best: &Best,
         bound: f64,
         [is_certified, is_refined]: [bool; 2],

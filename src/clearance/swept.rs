@@ -5,13 +5,13 @@
 //! more than the step. The mesh is the level surface of f, interpolated on tetrahedra, at the step and what interpolating
 //! may add. f is a distance: it changes by no more than the way, from which both bounds follow.
 
-use super::motion::Motion;
+use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
 use crate::distance::bodies::Hull;
-use crate::distance::core::{Core, Element};
+use crate::distance::core::{Element, Primitive};
 use crate::distance::mesh;
-use crate::distance::pair::distance;
+use crate::distance::pair::signed_distance;
 use crate::geometry::Mesh;
 use crate::math::Pose;
 use crate::model::chain::Chain;
@@ -75,7 +75,7 @@ impl Swept {
     /// # Errors
     /// Bodies without shapes or without end, motions with gaps or with too many poses.
     pub fn new(
-        motion: &Motion,
+        motion: &ProvedMotion,
         body: usize,
         seen_from: Option<usize>,
         cells: u32,
@@ -123,7 +123,7 @@ fn extent(poses: &[Pose], (center, radius): (DVec3, f64)) -> f64 {
 
 /// Poses such that the body never is farther than `step` from where it is at one of them.
 fn poses(
-    motion: &Motion,
+    motion: &ProvedMotion,
     chain: &RelativeChain,
     hull: &Hull,
     step: f64,
@@ -162,12 +162,12 @@ impl Field<'_> {
     fn from_pose(&self, pose: &Pose, point: DVec3) -> f64 {
         let local = pose.inverse().transform_point(point);
         let probe = Element {
-            core: Core::Point(local),
+            core: Primitive::Point(local),
             radius: 0.0,
             shape: 0,
         };
         let of = |element: &Element| {
-            let near = distance(element, &probe).distance;
+            let near = signed_distance(element, &probe).distance;
             match near > 0.0 && mesh::is_any([element, &probe]) {
                 true if mesh::one_inside(&element.core, &probe.core) => 0.0,
                 _ => near,

@@ -1,9 +1,9 @@
 //! Distances of two bodies at one pose after the other. From pose to pose no distance changes by more than the points
 //! move, so that most elements need not be looked at again.
 
-use crate::distance::bodies::{BodyProximity, Hull, LeftOut, apart, parted};
+use crate::distance::bodies::{BodyProximity, Hull, LeftOut, separation_along, sphere_separation};
 use crate::distance::core::Element;
-use crate::distance::pair::distance;
+use crate::distance::pair::signed_distance;
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 const SLACK: f64 = 1e-9;
 
 /// Two bodies and what is known of their elements' distances.
-pub struct Track<'a> {
+pub struct PairTrack<'a> {
     hulls: [&'a Hull; 2],
     /// Balls around the elements of the second body, in its frame.
     balls: Vec<(DVec3, f64)>,
@@ -24,7 +24,7 @@ pub struct Track<'a> {
     nearest: usize,
 }
 
-impl<'a> Track<'a> {
+impl<'a> PairTrack<'a> {
     /// Two bodies of which nothing is known yet, but for some pairs of elements.
     pub fn new(hulls: [&'a Hull; 2], left_out: &LeftOut) -> Self {
         let balls: Vec<(DVec3, f64)> = hulls[1].elements.iter().map(Element::bounds).collect();
@@ -59,15 +59,16 @@ impl<'a> Track<'a> {
             let first = &self.hulls[0].elements[i];
             let second = placed[j].get_or_insert_with(|| self.hulls[1].elements[j].moved(a_from_b));
             if limit < f64::INFINITY {
-                self.lower[k] = self.lower[k].max(apart(first, second));
+                self.lower[k] = self.lower[k].max(sphere_separation(first, second));
                 if self.lower[k] < limit && self.normals[k] != DVec3::ZERO {
-                    self.lower[k] = self.lower[k].max(parted(first, second, self.normals[k]));
+                    self.lower[k] =
+                        self.lower[k].max(separation_along(first, second, self.normals[k]));
                 }
                 if self.lower[k] >= limit {
                     continue;
                 }
             }
-            let proximity = distance(first, second);
+            let proximity = signed_distance(first, second);
             // Depths are found by a search and known less well than distances.
             self.lower[k] = if proximity.distance > 0.0 {
                 proximity.distance

@@ -3,10 +3,10 @@
 //! Pieces of time are halved until one keeps the minimum, or breaks it from end to end, or is short. What is left, joined,
 //! are the times at which the minimum is broken, to within the shortest pieces.
 
-use super::branch_and_bound::{Piece, parts};
-use super::motion::Motion;
+use super::branch_and_bound::{Segment, split_piece};
+use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
-use crate::distance::bodies::{enclosed, nearest};
+use crate::distance::bodies::{enclosed_shell, nearest_bodies};
 
 /// Most pieces looked at for one pair.
 const MOST_LOOKS: usize = 6_000;
@@ -45,12 +45,12 @@ pub struct Violations {
 struct Low {
     violation: Violation,
     /// The lowest one, if it is not a sample.
-    piece: Option<Piece>,
+    piece: Option<Segment>,
 }
 
 impl PairSweep<'_> {
     /// When the minimum is broken. Empty where bodies are in each other without touching: no distance tells when that began.
-    pub(super) fn violations(&self, motion: &mut Motion, is_enclosed: bool) -> Violations {
+    pub(super) fn violations(&self, motion: &mut ProvedMotion, is_enclosed: bool) -> Violations {
         if is_enclosed {
             return Violations::default();
         }
@@ -83,8 +83,8 @@ impl PairSweep<'_> {
     }
 
     /// Pieces that are not known to keep the minimum.
-    fn low_pieces(&self, motion: &mut Motion, goal: f64) -> Vec<Low> {
-        let mut open: Vec<Piece> = (0..motion.roots).map(Piece::whole).collect();
+    fn low_pieces(&self, motion: &mut ProvedMotion, goal: f64) -> Vec<Low> {
+        let mut open: Vec<Segment> = (0..motion.roots).map(Segment::whole).collect();
         let (mut low, mut looks) = (Vec::new(), 0);
         let [start, end] = motion.span();
         let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
@@ -105,7 +105,7 @@ impl PairSweep<'_> {
             let is_short = to - from <= shortest || looks >= MOST_LOOKS;
             let halves = match is_short || highest < goal {
                 true => None,
-                false => parts(motion, &piece, &look),
+                false => split_piece(motion, &piece, &look),
             };
             match halves {
                 Some(halves) => open.extend(halves),
@@ -116,11 +116,11 @@ impl PairSweep<'_> {
     }
 
     /// Samples that belong to no stretch, and do not keep the minimum.
-    fn low_samples(&self, motion: &Motion, goal: f64) -> Vec<Low> {
+    fn low_samples(&self, motion: &ProvedMotion, goal: f64) -> Vec<Low> {
         let mut low = Vec::new();
         for instant in motion.alone() {
             let pose = self.relative(motion, instant);
-            let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
             let time = motion.instants[instant].time;
             let near = found.map(|f| f.proximity.distance).filter(|d| *d < goal);
             low.extend(near.map(|distance| Low::over(motion, [time; 2], distance, None)));
@@ -130,7 +130,7 @@ impl PairSweep<'_> {
 
     /// Whether a mesh encloses a body somewhere before or after it is met, or that cannot be told: the ends of all stretches
     /// that reach over these times tell, since nothing changes without a meeting or a jump.
-    fn is_enclosed_outside(&self, motion: &mut Motion, met: Option<&Low>) -> bool {
+    fn is_enclosed_outside(&self, motion: &mut ProvedMotion, met: Option<&Low>) -> bool {
         let [from, to] = met.map_or([f64::INFINITY, f64::NEG_INFINITY], |low| {
             [low.violation.from, low.violation.to]
         });
@@ -142,7 +142,7 @@ impl PairSweep<'_> {
                     return true;
                 };
                 let pose = self.relative(motion, instant);
-                if enclosed(self.hulls[0], self.hulls[1], &pose, &self.left_out).is_some() {
+                if enclosed_shell(self.hulls[0], self.hulls[1], &pose, &self.left_out).is_some() {
                     return true;
                 }
             }
@@ -151,7 +151,7 @@ impl PairSweep<'_> {
     }
 
     /// The lowest distance of an exact pose among those of a joined piece.
-    fn measure_low(&self, motion: &mut Motion, low: &mut Low, goal: f64) {
+    fn measure_low(&self, motion: &mut ProvedMotion, low: &mut Low, goal: f64) {
         let samples = motion.samples.iter().copied();
         let violation = &mut low.violation;
         let mut instants: Vec<usize> = samples
@@ -163,7 +163,7 @@ impl PairSweep<'_> {
         violation.distance = f64::INFINITY;
         for instant in instants {
             let pose = self.relative(motion, instant);
-            let found = nearest(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
             let distance = found.map_or(f64::INFINITY, |f| f.proximity.distance);
             if distance < violation.distance {
                 (violation.distance, violation.time) = (distance, motion.instants[instant].time);
@@ -174,12 +174,17 @@ impl PairSweep<'_> {
 }
 
 impl Low {
-    fn new(motion: &Motion, piece: Piece, middle: f64) -> Self {
+    fn new(motion: &ProvedMotion, piece: Segment, middle: f64) -> Self {
         let ends = motion.times(piece.stretch, piece.ends_of());
         Self::over(motion, ends, middle, Some(piece))
     }
 
-    fn over(motion: &Motion, [from, to]: [f64; 2], distance: f64, piece: Option<Piece>) -> Self {
+    fn over(
+        motion: &ProvedMotion,
+        [from, to]: [f64; 2],
+        distance: f64,
+        piece: Option<Segment>,
+    ) -> Self {
         let [start, end] = motion.span();
         let rounding = TIMES * (end - start);
         Self {

@@ -20,7 +20,7 @@ const GRACE_OF_PROOF: Duration = Duration::from_millis(150);
 
 /// Waits for a run to end after Ctrl-C. Where it does not, removes what is half-written and says so; true if the process
 /// is to end then.
-pub fn overdue() -> bool {
+pub fn is_overdue() -> bool {
     std::thread::sleep(GRACE);
     if SAVES.load(Ordering::Relaxed) {
         return false;

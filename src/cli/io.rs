@@ -4,7 +4,7 @@ use super::args::scene::SceneArgs;
 use super::term::Term;
 use super::term::outcome::Failure;
 use crate::diag::shown_lines;
-use crate::export::png::{Effort, encode};
+use crate::export::png::{Effort, encode_png};
 use crate::export::{Output, Stream, Target, folder_of};
 use image::RgbaImage;
 use serde_json::Value;
@@ -31,7 +31,7 @@ pub fn refuse_clashes(
         scenes
             .iter()
             .try_for_each(|scene| refuse_input(scene, path))?;
-        let place = place(path);
+        let place = absolute_place(path);
         if let Some((other, _)) = known.iter().find(|(_, known)| *known == place) {
             let message = format!("{other} and {option} both go to {}", path.display());
             return Err(Failure::usage(message, Vec::new()));
@@ -45,7 +45,7 @@ pub fn refuse_clashes(
 }
 
 /// Where a path leads: that of its folder where it is not there yet.
-fn place(path: &Path) -> PathBuf {
+fn absolute_place(path: &Path) -> PathBuf {
     if path == Path::new("-") {
         return path.to_owned();
     }
@@ -90,7 +90,7 @@ fn is_scene_file(args: &SceneArgs, out: &Path) -> bool {
 }
 
 /// Opens a file, or standard output for `-`.
-pub fn open(path: &Path) -> Result<Box<dyn Output>, Failure> {
+pub fn open_output(path: &Path) -> Result<Box<dyn Output>, Failure> {
     if path == Path::new("-") {
         return Ok(Box::new(Stream::new("standard output", std::io::stdout())));
     }
@@ -114,13 +114,13 @@ pub fn write_document(path: &Path, document: &Value) -> Result<(), Failure> {
 }
 
 fn write_out(path: &Path, text: &str) -> Result<(), Failure> {
-    unless_reader_left(write_bytes(open(path)?, text.as_bytes()))
+    unless_reader_left(write_bytes(open_output(path)?, text.as_bytes()))
 }
 
 /// Writes a picture as PNG.
 pub fn write_png(image: &RgbaImage, path: &Path) -> Result<(), Failure> {
     let mut bytes = Vec::new();
-    encode(image, Effort::Balanced, &mut bytes)?;
+    encode_png(image, Effort::Balanced, &mut bytes)?;
     write_bytes(Box::new(Target::create(path)?), &bytes)
 }
 

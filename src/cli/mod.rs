@@ -26,42 +26,42 @@ use term::{Term, outcome};
 
 /// The exit code of `run`, also where it panics: a fault of the program has its own code. Unwinding has removed
 /// unfinished files by then.
-pub fn guarded(run: impl FnOnce() -> i32 + std::panic::UnwindSafe) -> i32 {
+pub fn run_guarded(run: impl FnOnce() -> i32 + std::panic::UnwindSafe) -> i32 {
     std::panic::catch_unwind(run).unwrap_or(outcome::INTERNAL)
 }
 
 /// Runs the program with the given arguments (the first is its own name) and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
-    let matches = command().try_get_matches_from(arguments);
+    let matches = command_line().try_get_matches_from(arguments);
     let cli = match matches.and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => cli,
-        Err(error) => return usage(&error),
+        Err(error) => return usage_error(&error),
     };
     let term = Term::new(cli.color, cli.quiet);
-    if let Err(failure) = watch::begin(cli.limits) {
+    if let Err(failure) = watch::begin_watch(cli.limits) {
         term.failure(&failure);
         return failure.code();
     }
     let result = match cli.command {
-        Command::Render(args) => render::run(&args, &term),
-        Command::Solve(args) => solve::run(&args, &term),
-        Command::Check(args) => check::run(&args, &term),
-        Command::Modes(args) => modes::run(&args, &term),
-        Command::Plot(args) => plot::run(&args, &term),
-        Command::Accuracy(args) => accuracy::run(&args, &term),
-        Command::Encode(args) => encode::run(&args, &term),
-        Command::Diff(args) => diff::run(&args, &term),
-        Command::Snapshot(args) => snapshot::run(&args, &term),
-        Command::Sensitivity(args) => sensitivity::run(&args, &term),
-        Command::Tolerance(args) => tolerance::run(&args, &term),
-        Command::Enclose(args) => enclose::run(&args, &term),
-        Command::Optimise(args) => optimise::run(&args, &term),
-        Command::Synthesise(args) => synthesise::run(&args, &term),
-        Command::Scenes { name } => scenes::run(name.as_deref()),
-        Command::Info { json } => info::run(json),
-        Command::Completions { shell } => completions::run(shell),
-        Command::Schema { file } => schema::run(file),
-        Command::Manual { folder } => manual::run(&folder),
+        Command::Render(args) => render::run_render(&args, &term),
+        Command::Solve(args) => solve::run_solve(&args, &term),
+        Command::Check(args) => check::run_check(&args, &term),
+        Command::Modes(args) => modes::run_modes(&args, &term),
+        Command::Plot(args) => plot::run_plot(&args, &term),
+        Command::Accuracy(args) => accuracy::run_accuracy(&args, &term),
+        Command::Encode(args) => encode::run_encode(&args, &term),
+        Command::Diff(args) => diff::run_diff(&args, &term),
+        Command::Snapshot(args) => snapshot::run_snapshot(&args, &term),
+        Command::Sensitivity(args) => sensitivity::run_sensitivity(&args, &term),
+        Command::Tolerance(args) => tolerance::run_tolerance(&args, &term),
+        Command::Enclose(args) => enclose::run_enclose(&args, &term),
+        Command::Optimise(args) => optimise::run_optimise(&args, &term),
+        Command::Synthesise(args) => synthesise::run_synthesise(&args, &term),
+        Command::Scenes { name } => scenes::print_scenes(name.as_deref()),
+        Command::Info { json } => info::print_info(json),
+        Command::Completions { shell } => completions::print_completions(shell),
+        Command::Schema { file } => schema::print_schema(file),
+        Command::Manual { folder } => manual::write_manual(&folder),
     };
     match result {
         Ok(outcome) => outcome.code(),
@@ -75,7 +75,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
 }
 
 /// The arguments; a negative number behind an option is its value, so that the option can say what it takes.
-fn command() -> clap::Command {
+fn command_line() -> clap::Command {
     let takes_values = |arg: clap::Arg| {
         let is_option = arg.get_long().is_some() && arg.get_action().takes_values();
         arg.allow_negative_numbers(is_option)
@@ -84,7 +84,7 @@ fn command() -> clap::Command {
 }
 
 /// Prints help, version or a usage error where it belongs.
-fn usage(error: &clap::Error) -> i32 {
+fn usage_error(error: &clap::Error) -> i32 {
     let text = error.render().to_string();
     let printed = match crate::diag::shown_lines(&text) {
         std::borrow::Cow::Borrowed(_) => error.print(),

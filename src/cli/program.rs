@@ -1,6 +1,6 @@
 //! The whole program: signals, deadline, dispatch, exit code.
 
-use super::interrupt::{CANCEL, overdue};
+use super::interrupt::{CANCEL, is_overdue};
 use std::ffi::OsString;
 use std::panic::UnwindSafe;
 use std::sync::atomic::Ordering;
@@ -12,7 +12,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString> + UnwindSafe) -> i32 {
     // The first Ctrl-C ends a run in order, or after a short while without order; a second one does not wait.
     let handler = ctrlc::set_handler(|| {
         let is_second = CANCEL.swap(true, Ordering::Relaxed);
-        if is_second || overdue() {
+        if is_second || is_overdue() {
             std::process::exit(130);
         }
     });
@@ -20,7 +20,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString> + UnwindSafe) -> i32 {
         eprintln!("warning: Ctrl-C will not clean up: {error}");
     }
     super::watch::ends_by(|code| std::process::exit(code));
-    super::guarded(|| super::run(arguments))
+    super::run_guarded(|| super::run(arguments))
 }
 
 /// A file that grows beyond `ulimit -f` is an error of the write, as on a full disk, and no signal that kills the run with

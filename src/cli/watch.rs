@@ -2,7 +2,7 @@
 
 use super::term::outcome::{BAD_USAGE, Failure};
 use crate::diag::shown_text;
-use crate::limits::{LimitExceeded, Limits, Resource, limits, memory_exceeded, set};
+use crate::limits::{LimitExceeded, Limits, Resource, current_limits, memory_exceeded, set_limits};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -24,7 +24,7 @@ pub fn ends_by(end: fn(i32) -> !) {
 }
 
 /// Sets the limits of this run, and ends it with exit code 2 where it takes more time or memory than they allow.
-pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
+pub fn begin_watch(asked: Option<Limits>) -> Result<(), Failure> {
     let began = Instant::now();
     let mut all = asked.unwrap_or_default();
     if let Some(text) = std::env::var_os(VARIABLE) {
@@ -36,7 +36,7 @@ pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
             .map_err(|why| Failure::usage(format!("the variable {VARIABLE}: {why}"), Vec::new()))?;
         all = all.and(given);
     }
-    set(all);
+    set_limits(all);
     let Some(end) = END.get() else { return Ok(()) };
     let watch = std::thread::Builder::new().stack_size(STACK_BYTES);
     // Where the system has no thread for it, what is foreseen is refused all the same.
@@ -54,7 +54,10 @@ pub fn begin(asked: Option<Limits>) -> Result<(), Failure> {
 }
 
 fn time_exceeded(began: Instant) -> Option<LimitExceeded> {
-    let (wanted, most) = (began.elapsed().as_secs_f64(), limits().most(Resource::Time));
+    let (wanted, most) = (
+        began.elapsed().as_secs_f64(),
+        current_limits().most(Resource::Time),
+    );
     (wanted > most).then(|| LimitExceeded {
         resource: Resource::Time,
         most,

@@ -1,7 +1,7 @@
 //! Comparison of two rows of pictures, frame by frame: pixels, names, times, how often they play.
 
-use super::{Comparison, Difference, LADDER, compare};
-use crate::import::{FilmFrame, Plays, natural};
+use super::{Comparison, Difference, LADDER, compare_pictures};
+use crate::import::{FilmFrame, Plays, natural_order};
 use image::RgbaImage;
 use std::cmp::Ordering;
 use std::path::Path;
@@ -122,7 +122,7 @@ pub fn compare_films<E>(
             (Some(_), None) => Ordering::Less,
             (None, Some(_)) => Ordering::Greater,
             (Some(Ok(left)), Some(Ok(right))) => {
-                natural(Path::new(&left.name), Path::new(&right.name))
+                natural_order(Path::new(&left.name), Path::new(&right.name))
             }
             // The error comes out when the frame is taken.
             (Some(_), Some(_)) => Ordering::Equal,
@@ -139,31 +139,31 @@ pub fn compare_films<E>(
         };
         match (left, right) {
             (Some(left), Some(right)) => {
-                let frame = pair(&left, &right, allowed.tolerance);
-                let bad = rank(&frame.verdict);
+                let frame = compare_frames(&left, &right, allowed.tolerance);
+                let bad = verdict_rank(&frame.verdict);
                 if badness.is_none_or(|most| bad > most) {
                     badness = Some(bad);
                     report.worst = Some((report.frames.len(), left.picture, right.picture));
                 }
                 report.frames.push(frame);
             }
-            (Some(only), None) => report.frames.push(lone(only, FrameVerdict::OnlyInA)),
-            (None, Some(only)) => report.frames.push(lone(only, FrameVerdict::OnlyInB)),
+            (Some(only), None) => report.frames.push(lone_frame(only, FrameVerdict::OnlyInA)),
+            (None, Some(only)) => report.frames.push(lone_frame(only, FrameVerdict::OnlyInB)),
             (None, None) => return Ok(report),
         }
     }
 }
 
-fn pair(left: &FilmFrame, right: &FilmFrame, tolerance: u8) -> FrameReport {
+fn compare_frames(left: &FilmFrame, right: &FilmFrame, tolerance: u8) -> FrameReport {
     let differs = (left.seconds - right.seconds).abs() > SAME_DELAY;
     FrameReport {
         name: left.name.clone(),
-        verdict: FrameVerdict::Both(compare(&left.picture, &right.picture, tolerance)),
+        verdict: FrameVerdict::Both(compare_pictures(&left.picture, &right.picture, tolerance)),
         seconds: differs.then_some([left.seconds, right.seconds]),
     }
 }
 
-fn lone(frame: FilmFrame, verdict: FrameVerdict) -> FrameReport {
+fn lone_frame(frame: FilmFrame, verdict: FrameVerdict) -> FrameReport {
     FrameReport {
         name: frame.name,
         verdict,
@@ -172,7 +172,7 @@ fn lone(frame: FilmFrame, verdict: FrameVerdict) -> FrameReport {
 }
 
 /// How bad a pair is: another size first, then pixels over the tolerance, then the worst level.
-fn rank(verdict: &FrameVerdict) -> (bool, u64, u8) {
+fn verdict_rank(verdict: &FrameVerdict) -> (bool, u64, u8) {
     match verdict {
         FrameVerdict::Both(Comparison::SameSize(d)) => (false, d.over, d.worst),
         _ => (true, 0, 0),

@@ -85,7 +85,7 @@ pub struct Difference {
 }
 
 /// Compares `a` and `b` channel by channel; a pixel counts when a channel is off by more than `tolerance` levels.
-pub fn compare(a: &RgbaImage, b: &RgbaImage, tolerance: u8) -> Comparison {
+pub fn compare_pictures(a: &RgbaImage, b: &RgbaImage, tolerance: u8) -> Comparison {
     if a.dimensions() != b.dimensions() {
         return Comparison::SizeMismatch {
             a: a.dimensions().into(),
@@ -135,11 +135,11 @@ pub fn compare(a: &RgbaImage, b: &RgbaImage, tolerance: u8) -> Comparison {
 
 /// Expected, amplified difference and actual picture side by side, each given the larger width and height; what one
 /// of them lacks is magenta, and so is the frame around the pixels that differ by more than `tolerance` levels.
-pub fn triptych(expected: &RgbaImage, actual: &RgbaImage, tolerance: u8) -> RgbaImage {
+pub fn difference_triptych(expected: &RgbaImage, actual: &RgbaImage, tolerance: u8) -> RgbaImage {
     let width = expected.width().max(actual.width());
     let height = expected.height().max(actual.height());
     let pixel = |image: &RgbaImage, x, y| image.get_pixel_checked(x, y).copied();
-    let bounds = match compare(expected, actual, tolerance) {
+    let bounds = match compare_pictures(expected, actual, tolerance) {
         Comparison::SameSize(difference) => difference.bounds,
         Comparison::SizeMismatch { .. } => None,
     };
@@ -149,7 +149,7 @@ pub fn triptych(expected: &RgbaImage, actual: &RgbaImage, tolerance: u8) -> Rgba
         let shown = match panel {
             0 => e,
             1 if bounds.is_some_and(|bounds| is_on_mark(bounds, x, y)) => None,
-            1 => e.zip(a).map(|(e, a)| amplified(e, a)),
+            1 => e.zip(a).map(|(e, a)| amplify_difference(e, a)),
             _ => a,
         };
         shown.unwrap_or(FILL)
@@ -165,7 +165,7 @@ fn is_on_mark([left, top, right, bottom]: [u32; 4], x: u32, y: u32) -> bool {
 }
 
 /// Black where equal, brighter with the difference of each channel.
-fn amplified(e: Rgba<u8>, a: Rgba<u8>) -> Rgba<u8> {
+fn amplify_difference(e: Rgba<u8>, a: Rgba<u8>) -> Rgba<u8> {
     let [r, g, b] = std::array::from_fn(|c| e.0[c].abs_diff(a.0[c]).saturating_mul(AMPLIFY));
     Rgba([r, g, b, 255])
 }

@@ -20,7 +20,7 @@ fn picture(with_line: bool, shift: i32) -> RgbaImage {
 }
 
 fn difference(b: &RgbaImage, tolerance: u8) -> Difference {
-    match compare(&picture(true, 0), b, tolerance) {
+    match compare_pictures(&picture(true, 0), b, tolerance) {
         Comparison::SameSize(difference) => difference,
         other => panic!("{other:?}"),
     }
@@ -89,7 +89,7 @@ fn a_changed_alpha_counts_as_a_difference() {
 #[test]
 fn another_size_is_a_result_of_its_own() {
     let b = RgbaImage::new(64, 47);
-    let outcome = compare(&picture(true, 0), &b, 255);
+    let outcome = compare_pictures(&picture(true, 0), &b, 255);
     assert_eq!(
         outcome,
         Comparison::SizeMismatch {
@@ -105,7 +105,7 @@ fn the_triptych_shows_both_pictures_and_marks_what_one_lacks() {
     let a = picture(true, 0);
     let mut b = RgbaImage::from_fn(60, 50, |x, y| *a.get_pixel(x, y.min(47)));
     b.get_pixel_mut(3, 4).0[0] -= 5;
-    let t = triptych(&a, &b, 0);
+    let t = difference_triptych(&a, &b, 0);
     assert_eq!(t.dimensions(), (3 * 64 + 8, 50));
     assert_eq!(t.get_pixel(3, 4), a.get_pixel(3, 4));
     assert_eq!(t.get_pixel(68 + 3, 4), &Rgba([40, 0, 0, 255]));
@@ -121,7 +121,7 @@ fn one_pixel_in_a_triptych_has_a_mark_around_it() {
     let mut b = a.clone();
     b.get_pixel_mut(30, 20).0[1] ^= 1;
     let marked = |tolerance| {
-        let t = triptych(&a, &b, tolerance);
+        let t = difference_triptych(&a, &b, tolerance);
         let panel = (0..48).flat_map(|y| (0..64).map(move |x| (x, y)));
         panel
             .filter(|(x, y)| *t.get_pixel(68 + x, *y) == FILL)

@@ -1,9 +1,9 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
-use super::core::{Core, Element, elements};
+use super::core::{Element, Primitive, shape_elements};
 use super::mesh;
-use super::mesh_tree::Enclosure;
-use super::pair::{Proximity, distance};
+use super::mesh_tree::ShellEnclosure;
+use super::pair::{Proximity, signed_distance};
 use super::point::point_to;
 use crate::math::Pose;
 use crate::model::mechanism::Body;
@@ -31,7 +31,7 @@ pub struct BodyProximity {
 impl Hull {
     /// Of a body; `None` if it has no solids.
     pub fn new(body: &Body) -> Option<Self> {
-        let elements = elements(&body.shapes);
+        let elements = shape_elements(&body.shapes);
         let balls: Vec<(DVec3, f64)> = elements.iter().map(Element::bounds).collect();
         let low = balls.iter().map(|(c, r)| *c - *r).reduce(DVec3::min)?;
         let high = balls.iter().map(|(c, r)| *c + *r).reduce(DVec3::max)?;
@@ -65,12 +65,12 @@ impl Hull {
     pub fn has_mesh(&self) -> bool {
         self.elements
             .iter()
-            .any(|e| matches!(e.core, Core::Mesh(..)))
+            .any(|e| matches!(e.core, Primitive::Mesh(..)))
     }
 
     /// Whether a mesh of it should have an inside and has none.
     pub fn is_open(&self) -> bool {
-        let is_open = |e: &Element| matches!(&e.core, Core::Mesh(tree, _) if tree.enclosure == Enclosure::Open);
+        let is_open = |e: &Element| matches!(&e.core, Primitive::Mesh(tree, _) if tree.enclosure == ShellEnclosure::Open);
         self.elements.iter().any(is_open)
     }
 
@@ -82,7 +82,7 @@ impl Hull {
 }
 
 /// Lower bound of the distance of two elements in one frame.
-pub fn apart(a: &Element, b: &Element) -> f64 {
+pub fn sphere_separation(a: &Element, b: &Element) -> f64 {
     let ((p, r), (q, s)) = (a.bounds(), b.bounds());
     let mut lowest = p.distance(q) - r - s;
     // Long elements are far larger than they are thick: one's ball from the other itself says more.
@@ -96,7 +96,7 @@ pub fn apart(a: &Element, b: &Element) -> f64 {
 
 /// Lower bound of the signed distance of two elements in one frame: of what parts them along `n`, unit, from the first to
 /// the second. No depth is larger than the way that parts two elements, in whatever direction.
-pub fn parted(a: &Element, b: &Element, n: DVec3) -> f64 {
+pub fn separation_along(a: &Element, b: &Element, n: DVec3) -> f64 {
     match (a.core.support(n), b.core.support(-n)) {
         (Some(reach), Some(back)) => -(reach + back) - a.radius - b.radius,
         _ => f64::NEG_INFINITY,
@@ -107,7 +107,12 @@ pub fn parted(a: &Element, b: &Element, n: DVec3) -> f64 {
 pub type LeftOut = HashSet<[usize; 2]>;
 
 /// The nearest elements of two hulls, but for some pairs.
-pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Option<BodyProximity> {
+pub fn nearest_bodies(
+    a: &Hull,
+    b: &Hull,
+    a_from_b: &Pose,
+    left_out: &LeftOut,
+) -> Option<BodyProximity> {
     let placed: Vec<Element> = b.elements.iter().map(|e| e.moved(a_from_b)).collect();
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, first) in a.elements.iter().enumerate() {
@@ -116,7 +121,7 @@ pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Optio
                 .iter()
                 .enumerate()
                 .filter(|(j, _)| !left_out.contains(&[i, *j]))
-                .map(|(j, second)| (apart(first, second), i, j)),
+                .map(|(j, second)| (sphere_separation(first, second), i, j)),
         );
     }
     pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
@@ -125,7 +130,7 @@ pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Optio
         if best.is_some_and(|b| lowest >= b.proximity.distance) {
             break;
         }
-        let proximity = distance(&a.elements[i], &placed[j]);
+        let proximity = signed_distance(&a.elements[i], &placed[j]);
         if best.is_none_or(|b| proximity.distance < b.proximity.distance) {
             best = Some(BodyProximity {
                 proximity,
@@ -137,13 +142,18 @@ pub fn nearest(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Optio
 }
 
 /// Whether a mesh of one body encloses a solid of the other without touching it, or the other way round.
-pub fn enclosed(a: &Hull, b: &Hull, a_from_b: &Pose, left_out: &LeftOut) -> Option<[usize; 2]> {
+pub fn enclosed_shell(
+    a: &Hull,
+    b: &Hull,
+    a_from_b: &Pose,
+    left_out: &LeftOut,
+) -> Option<[usize; 2]> {
     for (i, first) in a.elements.iter().enumerate() {
         for (j, second) in b.elements.iter().enumerate() {
             let placed = second.moved(a_from_b);
             if mesh::is_any([first, second])
                 && !left_out.contains(&[i, j])
-                && apart(first, &placed) < 0.0
+                && sphere_separation(first, &placed) < 0.0
                 && mesh::one_inside(&first.core, &placed.core)
             {
                 return Some([i, j]);

@@ -27,7 +27,7 @@ impl OrientedBox {
     pub fn around(triangles: &[[DVec3; 3]]) -> Self {
         let stride = triangles.len().div_ceil(SAMPLED).max(1);
         let some: Vec<[DVec3; 3]> = triangles.iter().step_by(stride).copied().collect();
-        let turned = frame(&some);
+        let turned = principal_frame(&some);
         let is_smaller =
             Self::along(&some, turned).surface() < Self::along(&some, DMat3::IDENTITY).surface();
         Self::along(triangles, if is_smaller { turned } else { DMat3::IDENTITY })
@@ -78,14 +78,14 @@ impl OrientedBox {
 }
 
 /// Three unit vectors: across the triangles as far as they have a common plane, and along their longer extent in it.
-fn frame(triangles: &[[DVec3; 3]]) -> DMat3 {
+fn principal_frame(triangles: &[[DVec3; 3]]) -> DMat3 {
     let mut spread = DMat3::ZERO;
     let mut middle = DVec3::ZERO;
     for [a, b, c] in triangles {
         let area = (*b - *a).cross(*c - *a);
         let size = area.length();
         if size > 0.0 {
-            spread += outer(area, area / size);
+            spread += outer_product(area, area / size);
         }
         middle += (*a + *b + *c) / 3.0;
     }
@@ -104,7 +104,7 @@ fn frame(triangles: &[[DVec3; 3]]) -> DMat3 {
     DMat3::from_cols(x * cos + y * sin, y * cos - x * sin, normal)
 }
 
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+fn outer_product(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 

@@ -15,7 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Element {
     /// What is grown.
-    pub core: Core,
+    pub core: Primitive,
     /// By how much.
     pub radius: f64,
     /// Index of the body's shape it comes from.
@@ -35,7 +35,7 @@ pub struct Circle {
 
 /// A box: `from_box` maps its own axes, `half` are half edge lengths.
 #[derive(Clone, Copy, Debug)]
-pub struct Block {
+pub struct BoxCore {
     /// Pose of the box's own frame, origin in the centre.
     pub from_box: Pose,
     /// Half edge lengths.
@@ -66,7 +66,7 @@ pub struct HalfSpace {
 
 /// What an element is grown from.
 #[derive(Clone, Debug)]
-pub enum Core {
+pub enum Primitive {
     /// A point.
     Point(DVec3),
     /// A segment.
@@ -74,7 +74,7 @@ pub enum Core {
     /// A circle (the line, not the disk).
     Circle(Circle),
     /// A solid box.
-    Box(Block),
+    Box(BoxCore),
     /// A solid cylinder or frustum.
     Frustum(Frustum),
     /// A flat triangle.
@@ -136,14 +136,14 @@ pub const BOX_EDGES: [[usize; 2]; 12] = [
     [3, 7],
 ];
 
-impl Block {
+impl BoxCore {
     /// The corners; edges join them as in [`BOX_EDGES`].
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|k| self.from_box.transform_point(self.half * corner_signs(k)))
     }
 }
 
-impl Core {
+impl Primitive {
     /// The same core after a motion.
     pub fn moved(&self, pose: &Pose) -> Self {
         let point = |p: &DVec3| pose.transform_point(*p);
@@ -156,7 +156,7 @@ impl Core {
                 axis: pose.transform_vector(c.axis),
                 radius: c.radius,
             }),
-            Self::Box(b) => Self::Box(Block {
+            Self::Box(b) => Self::Box(BoxCore {
                 from_box: *pose * b.from_box,
                 half: b.half,
             }),
@@ -230,7 +230,7 @@ impl Core {
     }
 }
 
-impl Core {
+impl Primitive {
     /// A point p of a bounded convex core with the largest n · p; `None` for others.
     pub fn support_point(&self, n: DVec3) -> Option<DVec3> {
         let of = |points: &[DVec3]| {
@@ -253,7 +253,7 @@ impl Core {
     }
 }
 
-impl Core {
+impl Primitive {
     /// Which of two cores comes first: an order without meaning, so that a pair can be taken the same way round always.
     pub fn order(&self, other: &Self) -> Ordering {
         let by_kind = self.kind().cmp(&other.kind());
@@ -326,10 +326,10 @@ impl Element {
 }
 
 /// The elements of a body's shapes, in the body's frame. Translucent shapes count like all others.
-pub fn elements(shapes: &[Shape]) -> Vec<Element> {
+pub fn shape_elements(shapes: &[Shape]) -> Vec<Element> {
     let mut list = Vec::new();
     for (index, shape) in shapes.iter().enumerate() {
-        let mut add = |core: Core, radius: f64| {
+        let mut add = |core: Primitive, radius: f64| {
             list.push(Element {
                 core: core.moved(&shape.body_from_shape),
                 radius,
@@ -337,21 +337,23 @@ pub fn elements(shapes: &[Shape]) -> Vec<Element> {
             });
         };
         match &shape.solid {
-            Solid::Sphere { center, radius } => add(Core::Point(*center), *radius),
-            Solid::Capsule { from, to, radius } => add(segment([*from, *to]), *radius),
-            Solid::Cylinder { from, to, radius } => add(frustum(*from, *to, [*radius; 2]), 0.0),
+            Solid::Sphere { center, radius } => add(Primitive::Point(*center), *radius),
+            Solid::Capsule { from, to, radius } => add(segment_core([*from, *to]), *radius),
+            Solid::Cylinder { from, to, radius } => {
+                add(frustum_core(*from, *to, [*radius; 2]), 0.0)
+            }
             Solid::Cone {
                 from,
                 to,
                 radius_from,
                 radius_to,
-            } => add(frustum(*from, *to, [*radius_from, *radius_to]), 0.0),
+            } => add(frustum_core(*from, *to, [*radius_from, *radius_to]), 0.0),
             Solid::Box { center, size } => {
-                let block = Block {
+                let block = BoxCore {
                     from_box: Pose::from_translation(*center),
                     half: *size * 0.5,
                 };
-                add(Core::Box(block), 0.0);
+                add(Primitive::Box(block), 0.0);
             }
             Solid::Torus {
                 center,
@@ -364,7 +366,7 @@ pub fn elements(shapes: &[Shape]) -> Vec<Element> {
                     axis: *axis,
                     radius: *ring,
                 };
-                add(Core::Circle(circle), *tube);
+                add(Primitive::Circle(circle), *tube);
             }
             Solid::Tube {
                 points,
@@ -372,19 +374,19 @@ pub fn elements(shapes: &[Shape]) -> Vec<Element> {
                 closed,
             } => {
                 for pair in points.windows(2) {
-                    add(segment([pair[0], pair[1]]), *radius);
+                    add(segment_core([pair[0], pair[1]]), *radius);
                 }
                 if let (true, Some(first), Some(last)) = (closed, points.first(), points.last()) {
-                    add(segment([*last, *first]), *radius);
+                    add(segment_core([*last, *first]), *radius);
                 }
             }
             Solid::HalfSpace { point, normal, .. } => {
                 let (point, normal) = (*point, *normal);
-                add(Core::HalfSpace(HalfSpace { point, normal }), 0.0);
+                add(Primitive::HalfSpace(HalfSpace { point, normal }), 0.0);
             }
             Solid::Triangles(soup) => {
                 add(
-                    Core::Mesh(Arc::new(MeshTree::new(soup)), Pose::IDENTITY),
+                    Primitive::Mesh(Arc::new(MeshTree::new(soup)), Pose::IDENTITY),
                     0.0,
                 );
             }
@@ -394,17 +396,17 @@ pub fn elements(shapes: &[Shape]) -> Vec<Element> {
 }
 
 /// A segment, or a point where both ends are the same.
-fn segment(ends: [DVec3; 2]) -> Core {
+fn segment_core(ends: [DVec3; 2]) -> Primitive {
     if ends[0] == ends[1] {
-        Core::Point(ends[0])
+        Primitive::Point(ends[0])
     } else {
-        Core::Segment(ends)
+        Primitive::Segment(ends)
     }
 }
 
-fn frustum(from: DVec3, to: DVec3, radii: [f64; 2]) -> Core {
+fn frustum_core(from: DVec3, to: DVec3, radii: [f64; 2]) -> Primitive {
     let span = to - from;
-    Core::Frustum(Frustum {
+    Primitive::Frustum(Frustum {
         from,
         axis: span.try_normalize().unwrap_or(DVec3::Z),
         length: span.length(),

@@ -4,10 +4,10 @@
 //! sides whose common normal is known in closed form. Each candidate is a point of one core and its nearest point on
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
-use super::core::{BOX_EDGES, Circle, Core, Frustum};
+use super::core::{BOX_EDGES, Circle, Frustum, Primitive};
 use super::core_pair::CorePair;
 use super::point::{on_segment, point_to, to_segment};
-use super::search::{Spot, least_convex, least_near, least_on_circle};
+use super::search::{CurveSpot, least_convex, least_near, least_on_circle};
 use super::triangles;
 use crate::math::sin_cos;
 use glam::DVec3;
@@ -16,27 +16,27 @@ use std::f64::consts::{FRAC_PI_8, TAU};
 /// The nearest points of two cores, neither of which is a mesh.
 ///
 /// Where two solid cores overlap the distance is negative or zero, but no depth yet.
-pub fn nearest(a: &Core, b: &Core) -> CorePair {
+pub fn nearest_cores(a: &Primitive, b: &Primitive) -> CorePair {
     match (a, b) {
-        (_, Core::Point(p)) => of_point(a, *p),
-        (Core::Point(p), _) => of_point(b, *p).swapped(),
+        (_, Primitive::Point(p)) => of_point(a, *p),
+        (Primitive::Point(p), _) => of_point(b, *p).swapped(),
         // Along the smaller one: two minima that a small ring has at a large one are near each other on the large one only.
-        (Core::Circle(first), Core::Circle(second)) if first.radius < second.radius => {
+        (Primitive::Circle(first), Primitive::Circle(second)) if first.radius < second.radius => {
             of_circle(b, first).swapped()
         }
-        (_, Core::Circle(circle)) => of_circle(a, circle),
-        (Core::Circle(circle), _) => of_circle(b, circle).swapped(),
-        (Core::Segment(s), Core::Segment(t)) => of_segments(s, t),
-        (_, Core::Segment(ends)) => of_edge(a, ends),
-        (Core::Segment(ends), _) => of_edge(b, ends).swapped(),
-        (Core::Triangle(t), Core::Triangle(u)) => triangles::to_triangle(t, u),
-        (Core::Triangle(t), Core::Box(block)) => triangles::to_box(t, block),
-        (Core::Box(block), Core::Triangle(t)) => triangles::to_box(t, block).swapped(),
+        (_, Primitive::Circle(circle)) => of_circle(a, circle),
+        (Primitive::Circle(circle), _) => of_circle(b, circle).swapped(),
+        (Primitive::Segment(s), Primitive::Segment(t)) => of_segments(s, t),
+        (_, Primitive::Segment(ends)) => of_edge(a, ends),
+        (Primitive::Segment(ends), _) => of_edge(b, ends).swapped(),
+        (Primitive::Triangle(t), Primitive::Triangle(u)) => triangles::to_triangle(t, u),
+        (Primitive::Triangle(t), Primitive::Box(block)) => triangles::to_box(t, block),
+        (Primitive::Box(block), Primitive::Triangle(t)) => triangles::to_box(t, block).swapped(),
         _ => of_solids(a, b),
     }
 }
 
-fn of_point(a: &Core, point: DVec3) -> CorePair {
+fn of_point(a: &Primitive, point: DVec3) -> CorePair {
     point_to(a, point).map_or(CorePair::FAR, |hit| CorePair::onto_first(point, hit))
 }
 
@@ -82,23 +82,23 @@ pub fn of_segments(a: &[DVec3; 2], b: &[DVec3; 2]) -> CorePair {
 }
 
 /// Nearest points of a convex core and a segment: the distance is convex along the segment.
-fn of_edge(a: &Core, ends: &[DVec3; 2]) -> CorePair {
-    if let Core::Triangle(corners) = a {
+fn of_edge(a: &Primitive, ends: &[DVec3; 2]) -> CorePair {
+    if let Primitive::Triangle(corners) = a {
         return triangles::to_segment(corners, ends);
     }
-    if let Core::Box(block) = a
+    if let Primitive::Box(block) = a
         && let Some(apart) = triangles::box_to_segment(block, ends)
     {
         return apart;
     }
     let span = ends[1] - ends[0];
     let at = |t: f64| ends[0] + span * t;
-    let spot = least_convex(0.0, 1.0, |t| spot(a, t, at(t), span));
+    let spot = least_convex(0.0, 1.0, |t| core_spot(a, t, at(t), span));
     of_point(a, at(spot.at))
 }
 
-fn spot(a: &Core, at: f64, point: DVec3, tangent: DVec3) -> Spot {
-    point_to(a, point).map_or(Spot::default(), |hit| Spot {
+fn core_spot(a: &Primitive, at: f64, point: DVec3, tangent: DVec3) -> CurveSpot {
+    point_to(a, point).map_or(CurveSpot::default(), |hit| CurveSpot {
         at,
         value: hit.distance,
         slope: hit.normal.dot(tangent),
@@ -106,7 +106,7 @@ fn spot(a: &Core, at: f64, point: DVec3, tangent: DVec3) -> Spot {
 }
 
 /// Nearest points of any core and a circle.
-fn of_circle(a: &Core, circle: &Circle) -> CorePair {
+fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     if circle.radius <= 0.0 {
         return of_point(a, circle.center);
     }
@@ -119,16 +119,16 @@ fn of_circle(a: &Core, circle: &Circle) -> CorePair {
     let [x, y] = circle.directions().map(|d| d * circle.radius);
     let point = |(sin, cos): (f64, f64)| circle.center + x * cos + y * sin;
     let best = least_on_circle(circle.radius, |angle, (sin, cos)| {
-        spot(a, angle, point((sin, cos)), y * cos - x * sin)
+        core_spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
     of_point(a, point(sin_cos(best.at)))
 }
 
 /// Whether a core turns into itself about a circle's axis, to rounding: all points of the circle are as near then.
-pub fn is_coaxial(a: &Core, circle: &Circle) -> bool {
+pub fn is_coaxial(a: &Primitive, circle: &Circle) -> bool {
     let (on_axis, axis) = match a {
-        Core::Circle(other) => (other.center, other.axis),
-        Core::Frustum(frustum) => (frustum.from, frustum.axis),
+        Primitive::Circle(other) => (other.center, other.axis),
+        Primitive::Frustum(frustum) => (frustum.from, frustum.axis),
         _ => return false,
     };
     let offset = circle.center - on_axis;
@@ -147,8 +147,8 @@ const SMALLEST_STEP: f64 = 1e-6;
 /// The signed distance f of a convex core is convex, so that no point x of the disc is nearer than f(p) + n · (x - p) with the
 /// normal n at a point p of the circle. If n has λ inwards and s along the circle of radius r, that is no less than
 /// f(p) - r (√(λ² + s²) - λ).
-fn of_disc(a: &Core, circle: &Circle) -> Option<CorePair> {
-    if matches!(a, Core::Circle(_)) {
+fn of_disc(a: &Primitive, circle: &Circle) -> Option<CorePair> {
+    if matches!(a, Primitive::Circle(_)) {
         return None;
     }
     let (radius, [x, y]) = (circle.radius, circle.directions());
@@ -164,7 +164,7 @@ fn of_disc(a: &Core, circle: &Circle) -> Option<CorePair> {
     let step = (2.0 * turn.min(TAU - turn)).clamp(TAU * SMALLEST_STEP, FRAC_PI_8);
     let best = least_near(start, step, |angle| {
         let (outward, along) = at(angle);
-        spot(a, angle, circle.center + outward * radius, along * radius)
+        core_spot(a, angle, circle.center + outward * radius, along * radius)
     })?;
     let (outward, along) = at(best.at);
     let point = circle.center + outward * radius;
@@ -178,10 +178,10 @@ fn of_disc(a: &Core, circle: &Circle) -> Option<CorePair> {
 /// Corners of a polyhedral core, how many there are, and which of them its edges join.
 type Polyhedron = ([DVec3; 8], usize, &'static [[usize; 2]]);
 
-fn polyhedron(core: &Core) -> Option<Polyhedron> {
+fn core_polyhedron(core: &Primitive) -> Option<Polyhedron> {
     match core {
-        Core::Box(block) => Some((block.corners(), 8, &BOX_EDGES)),
-        Core::Triangle([a, b, c]) => {
+        Primitive::Box(block) => Some((block.corners(), 8, &BOX_EDGES)),
+        Primitive::Triangle([a, b, c]) => {
             let mut corners = [*a; 8];
             (corners[1], corners[2]) = (*b, *c);
             Some((corners, 3, &[[0, 1], [1, 2], [2, 0]]))
@@ -194,7 +194,7 @@ fn polyhedron(core: &Core) -> Option<Polyhedron> {
 const PROVED: f64 = 4.0 * f64::EPSILON;
 
 /// Whether the planes square to the line between two points part the cores they lie on: none are nearer then.
-fn is_proved(a: &Core, b: &Core, best: &CorePair) -> bool {
+fn is_proved(a: &Primitive, b: &Primitive, best: &CorePair) -> bool {
     if best.distance <= 0.0 || best.normal == DVec3::ZERO {
         return false;
     }
@@ -206,10 +206,10 @@ fn is_proved(a: &Core, b: &Core, best: &CorePair) -> bool {
 }
 
 /// Nearest points of two convex cores with faces: features in turn, until the best ones are proved to be nearest.
-fn of_solids(a: &Core, b: &Core) -> CorePair {
+fn of_solids(a: &Primitive, b: &Primitive) -> CorePair {
     let mut best = CorePair::FAR;
-    if let (Core::Frustum(f), Core::Frustum(g)) = (a, b) {
-        sides(f, g, &mut best);
+    if let (Primitive::Frustum(f), Primitive::Frustum(g)) = (a, b) {
+        compare_sides(f, g, &mut best);
         if is_proved(a, b, &best) {
             return best;
         }
@@ -233,9 +233,9 @@ fn with_swapped<T>(best: &mut CorePair, look: impl FnOnce(&mut CorePair) -> T) -
 }
 
 /// Corners of `b` against the solid `a`, and how far each is.
-fn corners_of_second(a: &Core, b: &Core, best: &mut CorePair) -> [f64; 8] {
+fn corners_of_second(a: &Primitive, b: &Primitive, best: &mut CorePair) -> [f64; 8] {
     let mut far = [0.0; 8];
-    if let Some((corners, count, _)) = polyhedron(b) {
+    if let Some((corners, count, _)) = core_polyhedron(b) {
         for k in 0..count {
             let hit = of_point(a, corners[k]);
             far[k] = hit.distance;
@@ -246,14 +246,14 @@ fn corners_of_second(a: &Core, b: &Core, best: &mut CorePair) -> [f64; 8] {
 }
 
 /// Edges, rims and spines of `b` against the solid `a`, until the best is proved to be the nearest: then this is true.
-fn edges_of_second(a: &Core, b: &Core, far: &[f64; 8], best: &mut CorePair) -> bool {
+fn edges_of_second(a: &Primitive, b: &Primitive, far: &[f64; 8], best: &mut CorePair) -> bool {
     let mut is_best = |pair: CorePair| {
         let is_nearer = pair.distance < best.distance;
         best.take(pair);
         (is_nearer && is_proved(a, b, best), best.distance)
     };
     let mut least = is_best(CorePair::FAR).1;
-    if let Some((corners, _, edges)) = polyhedron(b) {
+    if let Some((corners, _, edges)) = core_polyhedron(b) {
         for &[i, j] in edges {
             // The distance falls along the edge by no more than the way.
             let lowest = 0.5 * (far[i] + far[j] - corners[i].distance(corners[j]));
@@ -266,7 +266,7 @@ fn edges_of_second(a: &Core, b: &Core, far: &[f64; 8], best: &mut CorePair) -> b
             }
         }
     }
-    if let Core::Frustum(frustum) = b {
+    if let Primitive::Frustum(frustum) = b {
         let rims = frustum.rims();
         let mut rims = rims.map(|rim| (of_point(a, rim.center).distance - rim.radius, rim));
         rims.sort_by(|p, q| p.0.total_cmp(&q.0));
@@ -289,7 +289,7 @@ fn edges_of_second(a: &Core, b: &Core, far: &[f64; 8], best: &mut CorePair) -> b
 }
 
 /// Where the curved sides of two frusta face each other: the common normal makes a given angle with both axes.
-fn sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
+fn compare_sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
     let lean = |f: &Frustum| {
         let fall = f.radii[0] - f.radii[1];
         fall / libm::hypot(fall, f.length)
@@ -310,7 +310,7 @@ fn sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
     }
     for sign in [1.0, -1.0] {
         let n = in_plane + w * (sign * rest.sqrt());
-        let (p, q) = (ruling(f, n), ruling(g, -n));
+        let (p, q) = (side_ruling(f, n), side_ruling(g, -n));
         let (u, v, span) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
         let across = u.cross(v);
         let size = across.length_squared();
@@ -322,7 +322,7 @@ fn sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
             // Seen from the wrong end the sides face away from each other; a real overlap holds the middle.
             let middle = (points[0] + points[1]) * 0.5;
             let held = |f: &Frustum| {
-                let hit = point_to(&Core::Frustum(*f), middle);
+                let hit = point_to(&Primitive::Frustum(*f), middle);
                 hit.is_some_and(|hit| hit.distance <= 0.0)
             };
             if distance > 0.0 || (held(f) && held(g)) {
@@ -337,6 +337,6 @@ fn sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
 }
 
 /// The straight line of a frustum's side whose normal is nearest to `n`.
-fn ruling(f: &Frustum, n: DVec3) -> [DVec3; 2] {
+fn side_ruling(f: &Frustum, n: DVec3) -> [DVec3; 2] {
     f.rims().map(|rim| rim.center + rim.outward(n) * rim.radius)
 }

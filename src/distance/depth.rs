@@ -6,11 +6,11 @@
 //! a circle of directions, which is searched as a whole. Only two rims are left, which meet on a surface that is curved
 //! both ways: its point nearest to the origin is a least distance of the two circles, and all of these are tried.
 
-use super::core::{Circle, Core, Frustum};
+use super::core::{Circle, Frustum, Primitive};
 use super::core_pair::CorePair;
-use super::cores::{is_coaxial, nearest};
+use super::cores::{is_coaxial, nearest_cores};
 use super::point::to_circle;
-use super::search::{Spot, least_on_circle, minima_on_circle};
+use super::search::{CurveSpot, least_on_circle, minima_on_circle};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
@@ -26,10 +26,10 @@ struct Exit {
 
 impl Exit {
     /// Both ways along a direction of any length, if one is shorter.
-    fn take(&mut self, a: &Core, b: &Core, n: DVec3) {
+    fn take(&mut self, a: &Primitive, b: &Primitive, n: DVec3) {
         if let Some(n) = n.try_normalize() {
             for n in [n, -n] {
-                let found = exit(a, b, n);
+                let found = exit_along(a, b, n);
                 if found.way < self.way {
                     *self = found;
                 }
@@ -39,13 +39,13 @@ impl Exit {
 }
 
 /// Directions n = (u cos φ + v sin φ) cos β + w sin β.
-struct Ring {
+struct DepthRing {
     u: DVec3,
     v: DVec3,
     lift: DVec3,
 }
 
-impl Ring {
+impl DepthRing {
     /// All directions at right angles to `axis`, lifted towards it by an angle of this sine.
     fn about(axis: DVec3, sine: f64) -> Self {
         let (u, v) = axis.any_orthonormal_pair();
@@ -59,25 +59,25 @@ impl Ring {
 }
 
 /// Normals of flat faces.
-fn faces(core: &Core) -> Vec<DVec3> {
+fn face_normals(core: &Primitive) -> Vec<DVec3> {
     match core {
-        Core::Box(block) => {
+        Primitive::Box(block) => {
             let r = block.from_box.rotation;
             vec![r.x_axis, r.y_axis, r.z_axis]
         }
-        Core::Frustum(frustum) => vec![frustum.axis],
-        Core::Triangle([a, b, c]) => vec![(*b - *a).cross(*c - *a).normalize_or_zero()],
+        Primitive::Frustum(frustum) => vec![frustum.axis],
+        Primitive::Triangle([a, b, c]) => vec![(*b - *a).cross(*c - *a).normalize_or_zero()],
         _ => Vec::new(),
     }
 }
 
 /// Directions of straight edges, the sides of a cylinder among them.
-fn edges(core: &Core) -> Vec<DVec3> {
+fn edge_directions(core: &Primitive) -> Vec<DVec3> {
     match core {
-        Core::Segment([a, b]) => vec![(*b - *a).normalize_or_zero()],
-        Core::Box(_) => faces(core),
-        Core::Frustum(f) if f.radii[0] == f.radii[1] => vec![f.axis],
-        Core::Triangle([a, b, c]) => [*b - *a, *c - *b, *a - *c]
+        Primitive::Segment([a, b]) => vec![(*b - *a).normalize_or_zero()],
+        Primitive::Box(_) => face_normals(core),
+        Primitive::Frustum(f) if f.radii[0] == f.radii[1] => vec![f.axis],
+        Primitive::Triangle([a, b, c]) => [*b - *a, *c - *b, *a - *c]
             .map(DVec3::normalize_or_zero)
             .to_vec(),
         _ => Vec::new(),
@@ -85,17 +85,17 @@ fn edges(core: &Core) -> Vec<DVec3> {
 }
 
 /// Sine of the angle by which the side's normals lean towards the axis.
-fn lean(f: &Frustum) -> f64 {
+fn side_lean(f: &Frustum) -> f64 {
     let fall = f.radii[0] - f.radii[1];
     fall / libm::hypot(fall, f.length)
 }
 
 /// The point of the difference a - b that lies farthest along n.
-fn farthest(a: &Core, b: &Core, n: DVec3) -> Option<DVec3> {
+fn farthest_direction(a: &Primitive, b: &Primitive, n: DVec3) -> Option<DVec3> {
     Some(a.support_point(n)? - b.support_point(-n)?)
 }
 
-fn exit(a: &Core, b: &Core, n: DVec3) -> Exit {
+fn exit_along(a: &Primitive, b: &Primitive, n: DVec3) -> Exit {
     let way = match (a.support(n), b.support(-n)) {
         (Some(a), Some(b)) => a + b,
         _ => f64::INFINITY,
@@ -104,37 +104,37 @@ fn exit(a: &Core, b: &Core, n: DVec3) -> Exit {
 }
 
 /// The shortest translation that parts two convex cores; `near` is the pair of points that showed the overlap.
-pub fn overlap(a: &Core, b: &Core, near: CorePair) -> CorePair {
+pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair) -> CorePair {
     let mut best = Exit {
         way: f64::INFINITY,
         n: DVec3::Z,
     };
     let mut take = |n: DVec3| best.take(a, b, n);
-    let (first, second) = (edges(a), edges(b));
-    faces(a).into_iter().for_each(&mut take);
-    faces(b).into_iter().for_each(&mut take);
+    let (first, second) = (edge_directions(a), edge_directions(b));
+    face_normals(a).into_iter().for_each(&mut take);
+    face_normals(b).into_iter().for_each(&mut take);
     for u in &first {
         second.iter().for_each(|v| take(u.cross(*v)));
     }
     take(near.normal);
     for (round, other, edges) in [(a, b, &second), (b, a, &first)] {
-        if let Core::Frustum(f) = round {
+        if let Primitive::Frustum(f) = round {
             // The other one's edges on the rims, and this one's side on the other's corners and rims.
-            let lines = edges.iter().map(|e| Ring::about(*e, 0.0));
+            let lines = edges.iter().map(|e| DepthRing::about(*e, 0.0));
             let sign = if std::ptr::eq(round, a) { 1.0 } else { -1.0 };
-            let side = Ring::about(f.axis, sign * lean(f));
+            let side = DepthRing::about(f.axis, sign * side_lean(f));
             // The edge of another cylinder is its own side.
-            let has_edges = !matches!(other, Core::Frustum(_));
+            let has_edges = !matches!(other, Primitive::Frustum(_));
             let lines = lines.filter(|_| has_edges);
             for ring in lines.chain([side]) {
-                take(along(a, b, &ring));
+                take(ring_direction(a, b, &ring));
             }
         }
     }
-    if let (Core::Frustum(f), Core::Frustum(g)) = (a, b) {
+    if let (Primitive::Frustum(f), Primitive::Frustum(g)) = (a, b) {
         for rim in f.rims() {
             for other in g.rims() {
-                for n in rims(&rim, &other, best.way) {
+                for n in rim_directions(&rim, &other, best.way) {
                     best.take(a, b, n);
                 }
             }
@@ -143,28 +143,28 @@ pub fn overlap(a: &Core, b: &Core, near: CorePair) -> CorePair {
     let way = best.way.max(0.0);
     CorePair {
         distance: -way,
-        points: touching(a, b, best.n * way, best.n).unwrap_or(near.points),
+        points: touching_points(a, b, best.n * way, best.n).unwrap_or(near.points),
         normal: best.n,
     }
 }
 
 /// Where two cores would touch that are parted by the translation `way` along `n`, seen from where they are: the second
 /// one is taken as far again along `n`, which changes nothing about which points are nearest.
-fn touching(a: &Core, b: &Core, way: DVec3, n: DVec3) -> Option<[DVec3; 2]> {
+fn touching_points(a: &Primitive, b: &Primitive, way: DVec3, n: DVec3) -> Option<[DVec3; 2]> {
     let least = SEEN_APART * a.bounds().1.max(b.bounds().1);
     let farther = way + n * way.length().max(least);
-    let parted = nearest(a, &b.moved(&Pose::from_translation(farther)));
+    let parted = nearest_cores(a, &b.moved(&Pose::from_translation(farther)));
     (parted.distance > 0.0).then(|| [parted.points[0], parted.points[1] - farther])
 }
 
 /// The best direction of a ring.
-fn along(a: &Core, b: &Core, ring: &Ring) -> DVec3 {
+fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     let [(p, r), (q, s)] = [a.bounds(), b.bounds()];
     let steepest = p.distance(q) + r + s;
     let best = least_on_circle(steepest, |angle, (sin, cos)| {
         let n = at((sin, cos));
-        farthest(a, b, n).map_or(Spot::default(), |x| Spot {
+        farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
             at: angle,
             value: n.dot(x),
             slope: x.dot(ring.v * cos - ring.u * sin),
@@ -175,20 +175,20 @@ fn along(a: &Core, b: &Core, ring: &Ring) -> DVec3 {
 
 /// Directions in which two rims may part by less than `limit`: where their circles are nearest to each other, locally.
 /// There the Minkowski difference has a point of its rounded surface that is nearest to where the second core stands.
-fn rims(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
+fn rim_directions(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
     let [x, y] = of_second.directions().map(|d| d * of_second.radius);
     let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.center + x * cos + y * sin);
-    if is_coaxial(&Core::Circle(*of_first), of_second) {
+    if is_coaxial(&Primitive::Circle(*of_first), of_second) {
         return vec![at((0.0, 1.0)).normal];
     }
     let minima = minima_on_circle(of_second.radius, limit, |angle, (sin, cos)| {
         let hit = at((sin, cos));
-        Spot {
+        CurveSpot {
             at: angle,
             value: hit.distance,
             slope: hit.normal.dot(y * cos - x * sin),
         }
     });
-    let direction = |spot: Spot| at(sin_cos(spot.at)).normal;
+    let direction = |spot: CurveSpot| at(sin_cos(spot.at)).normal;
     minima.into_iter().map(direction).collect()
 }

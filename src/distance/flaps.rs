@@ -17,7 +17,7 @@ const ALONE: f64 = 2.0;
 const MOST: usize = 32;
 
 /// Which triangles are flaps; `at` gives a corner's place, and what is off its plane by no more than `flat` is flat.
-pub(crate) fn flaps(
+pub(crate) fn find_flaps(
     triangles: &[[usize; 3]],
     sides: &Sides,
     at: impl Fn(usize) -> DVec3,
@@ -26,8 +26,8 @@ pub(crate) fn flaps(
     let mut is_flap = vec![false; triangles.len()];
     let mut balls: Vec<(DVec3, f64)> = Vec::new();
     let mut found = Vec::new();
-    for sheet in sheets(triangles, sides) {
-        let edges = sheet.iter().flat_map(|k| edges(triangles[*k]));
+    for sheet in connected_sheets(triangles, sides) {
+        let edges = sheet.iter().flat_map(|k| triangle_edges(triangles[*k]));
         let mut counts = edges.filter_map(|edge| sides.get(&edge));
         let is_loose = counts.any(|[along, against]| (along.len() + against.len()) % 2 == 1);
         let corners = || sheet.iter().flat_map(|k| triangles[*k].map(&at));
@@ -50,12 +50,12 @@ pub(crate) fn flaps(
     is_flap
 }
 
-fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
+fn triangle_edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
     [[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)])
 }
 
 /// Triangles that hang together by edges with two sides.
-fn sheets(triangles: &[[usize; 3]], sides: &Sides) -> Vec<Vec<usize>> {
+fn connected_sheets(triangles: &[[usize; 3]], sides: &Sides) -> Vec<Vec<usize>> {
     let mut is_done = vec![false; triangles.len()];
     let mut sheets = Vec::new();
     for seed in 0..triangles.len() {
@@ -66,7 +66,7 @@ fn sheets(triangles: &[[usize; 3]], sides: &Sides) -> Vec<Vec<usize>> {
         let mut next = 0;
         while let Some(k) = sheet.get(next).copied() {
             next += 1;
-            for edge in edges(triangles[k]) {
+            for edge in triangle_edges(triangles[k]) {
                 let Some([along, against]) = sides.get(&edge) else {
                     continue;
                 };

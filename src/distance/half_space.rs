@@ -1,6 +1,6 @@
 //! Half-spaces: how far any core lies from one, or how deep in it. Closed forms.
 
-use super::core::{Circle, Core, HalfSpace};
+use super::core::{Circle, HalfSpace, Primitive};
 use super::core_pair::CorePair;
 use super::point::to_half_space;
 use glam::DVec3;
@@ -11,10 +11,10 @@ const PARALLEL: f64 = 1e-12;
 /// The point of a core that lies deepest. The depth is the shortest translation that takes the core out.
 ///
 /// Of two half-spaces only those that face each other have a distance; all others overlap without end.
-pub fn nearest(half: &HalfSpace, other: &Core) -> CorePair {
+pub fn nearest_to_half_space(half: &HalfSpace, other: &Primitive) -> CorePair {
     let n = half.normal;
     let point = match other {
-        Core::HalfSpace(second) => {
+        Primitive::HalfSpace(second) => {
             if (n + second.normal).length() > PARALLEL {
                 return CorePair {
                     distance: f64::NEG_INFINITY,
@@ -24,7 +24,7 @@ pub fn nearest(half: &HalfSpace, other: &Core) -> CorePair {
             }
             second.point
         }
-        core => lowest(core, n),
+        core => lowest_point(core, n),
     };
     let hit = to_half_space(half, point);
     CorePair {
@@ -35,32 +35,32 @@ pub fn nearest(half: &HalfSpace, other: &Core) -> CorePair {
 }
 
 /// Whether a core grown by `radius` lies wholly in the half-space.
-pub fn encloses(half: &HalfSpace, core: &Core, radius: f64) -> bool {
-    if let Core::HalfSpace(other) = core {
+pub fn encloses_core(half: &HalfSpace, core: &Primitive, radius: f64) -> bool {
+    if let Primitive::HalfSpace(other) = core {
         let same = (half.normal - other.normal).length() <= PARALLEL;
         return same && to_half_space(half, other.point).distance <= 0.0;
     }
-    to_half_space(half, lowest(core, -half.normal)).distance + radius <= 0.0
+    to_half_space(half, lowest_point(core, -half.normal)).distance + radius <= 0.0
 }
 
 /// A point of a bounded core with the least n · p.
-fn lowest(core: &Core, n: DVec3) -> DVec3 {
+fn lowest_point(core: &Primitive, n: DVec3) -> DVec3 {
     let of = |points: &[DVec3]| {
         let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
         points.iter().copied().reduce(lower).unwrap_or_default()
     };
     let of_rim = |rim: &Circle| rim.center - rim.outward(n) * rim.radius;
     match core {
-        Core::Point(p) => *p,
-        Core::Segment(ends) => of(ends),
-        Core::Triangle(corners) => of(corners),
-        Core::Circle(c) => of_rim(c),
-        Core::Box(block) => of(&block.corners()),
-        Core::Frustum(f) => of(&f.rims().map(|rim| of_rim(&rim))),
-        Core::Mesh(tree, pose) => {
+        Primitive::Point(p) => *p,
+        Primitive::Segment(ends) => of(ends),
+        Primitive::Triangle(corners) => of(corners),
+        Primitive::Circle(c) => of_rim(c),
+        Primitive::Box(block) => of(&block.corners()),
+        Primitive::Frustum(f) => of(&f.rims().map(|rim| of_rim(&rim))),
+        Primitive::Mesh(tree, pose) => {
             let lowest = tree.farthest(pose.rotation.transpose() * -n);
             pose.transform_point(lowest.unwrap_or_default())
         }
-        Core::HalfSpace(half) => half.point,
+        Primitive::HalfSpace(half) => half.point,
     }
 }

@@ -8,10 +8,10 @@
 //! A mesh is a surface. It has distances and a test for points inside, but no depth.
 
 use super::boxes::OrientedBox;
-use super::core::{Core, Element};
+use super::core::{Element, Primitive};
 use super::core_pair::CorePair;
 use super::cores;
-use super::mesh_tree::{Content, MeshTree, nearer_first, support};
+use super::mesh_tree::{Content, MeshTree, corner_support, nearer_first};
 use super::point::point_to;
 use super::triangles;
 use crate::math::Pose;
@@ -29,7 +29,7 @@ const WORTH_A_TRY: usize = 16;
 /// A mesh and a core that is none, in the mesh's frame.
 struct ToCore<'a> {
     tree: &'a MeshTree,
-    core: &'a Core,
+    core: &'a Primitive,
     is_convex: bool,
     best: CorePair,
     /// Largest -n · p of the core for the best normal n.
@@ -38,7 +38,10 @@ struct ToCore<'a> {
 
 impl ToCore<'_> {
     fn take(&mut self, triangle: usize) {
-        let pair = cores::nearest(&Core::Triangle(self.tree.triangles[triangle]), self.core);
+        let pair = cores::nearest_cores(
+            &Primitive::Triangle(self.tree.triangles[triangle]),
+            self.core,
+        );
         if pair.distance < self.best.distance {
             self.best = pair;
             self.reach = match self.core.support(-pair.normal) {
@@ -76,7 +79,7 @@ impl ToCore<'_> {
         let second = match self.tree.nodes[node].content {
             Content::Leaf(start, end) => {
                 for k in start..end {
-                    if !self.is_parted(support(&self.tree.triangles[k], self.best.normal)) {
+                    if !self.is_parted(corner_support(&self.tree.triangles[k], self.best.normal)) {
                         self.take(k);
                     }
                 }
@@ -194,8 +197,8 @@ impl ToMesh<'_> {
         let [first, second] = self.trees;
         for j in t..f {
             for i in s..e {
-                let reach = support(&first.triangles[i], self.best.normal);
-                let back = support(&second.triangles[j], -self.turned);
+                let reach = corner_support(&first.triangles[i], self.best.normal);
+                let back = corner_support(&second.triangles[j], -self.turned);
                 if !self.is_parted([reach, back]) {
                     self.take([i, j]);
                 }
@@ -205,12 +208,12 @@ impl ToMesh<'_> {
 }
 
 /// Nearest points of a placed mesh and a core; not below zero.
-pub fn nearest(tree: &MeshTree, pose: &Pose, other: &Core) -> CorePair {
+pub fn nearest_to_mesh(tree: &MeshTree, pose: &Pose, other: &Primitive) -> CorePair {
     let back = pose.inverse();
     let best = match other {
         _ if tree.is_empty() => CorePair::FAR,
-        Core::Mesh(second, _) if second.is_empty() => CorePair::FAR,
-        Core::Mesh(second, placed) => {
+        Primitive::Mesh(second, _) if second.is_empty() => CorePair::FAR,
+        Primitive::Mesh(second, placed) => {
             let pose = back * *placed;
             let mut search = ToMesh {
                 trees: [tree, second],
@@ -232,7 +235,7 @@ pub fn nearest(tree: &MeshTree, pose: &Pose, other: &Core) -> CorePair {
             let mut search = ToCore {
                 tree,
                 core: &core.moved(&back),
-                is_convex: !matches!(core, Core::Circle(_)),
+                is_convex: !matches!(core, Primitive::Circle(_)),
                 best: CorePair::FAR,
                 reach: f64::INFINITY,
             };
@@ -251,20 +254,22 @@ pub fn nearest(tree: &MeshTree, pose: &Pose, other: &Core) -> CorePair {
 
 /// Whether a mesh is among the elements.
 pub fn is_any(elements: [&Element; 2]) -> bool {
-    elements.iter().any(|e| matches!(e.core, Core::Mesh(..)))
+    elements
+        .iter()
+        .any(|e| matches!(e.core, Primitive::Mesh(..)))
 }
 
 /// Whether one of two elements, at least one of them a mesh and their surfaces apart, lies inside the other; of a mesh, one
 /// of its shells.
-pub fn one_inside(a: &Core, b: &Core) -> bool {
-    let holds = |outer: &Core, point: DVec3| match outer {
-        Core::Mesh(tree, pose) => tree.encloses(pose.inverse().transform_point(point)),
+pub fn one_inside(a: &Primitive, b: &Primitive) -> bool {
+    let holds = |outer: &Primitive, point: DVec3| match outer {
+        Primitive::Mesh(tree, pose) => tree.encloses(pose.inverse().transform_point(point)),
         // Where surfaces are apart, a half-space's depth says all.
-        Core::HalfSpace(_) => false,
+        Primitive::HalfSpace(_) => false,
         _ => point_to(outer, point).is_some_and(|hit| hit.distance <= 0.0),
     };
-    let holds_some = |outer: &Core, inner: &Core| match inner {
-        Core::Mesh(tree, pose) => {
+    let holds_some = |outer: &Primitive, inner: &Primitive| match inner {
+        Primitive::Mesh(tree, pose) => {
             let mut points = tree.points.iter().map(|p| pose.transform_point(*p));
             points.any(|point| holds(outer, point))
         }
@@ -274,14 +279,14 @@ pub fn one_inside(a: &Core, b: &Core) -> bool {
 }
 
 /// A point of a solid in one piece; none of what has no end.
-fn any_point(core: &Core) -> Option<DVec3> {
+fn any_point(core: &Primitive) -> Option<DVec3> {
     Some(match core {
-        Core::Point(p) => *p,
-        Core::Segment(ends) => ends[0],
-        Core::Circle(c) => c.center + c.directions()[0] * c.radius,
-        Core::Box(b) => b.from_box.translation,
-        Core::Frustum(f) => f.from,
-        Core::Triangle(t) => t[0],
-        Core::HalfSpace(_) | Core::Mesh(..) => return None,
+        Primitive::Point(p) => *p,
+        Primitive::Segment(ends) => ends[0],
+        Primitive::Circle(c) => c.center + c.directions()[0] * c.radius,
+        Primitive::Box(b) => b.from_box.translation,
+        Primitive::Frustum(f) => f.from,
+        Primitive::Triangle(t) => t[0],
+        Primitive::HalfSpace(_) | Primitive::Mesh(..) => return None,
     })
 }

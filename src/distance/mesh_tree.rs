@@ -1,7 +1,7 @@
 //! A tree of oriented boxes over the triangles of a file, which are taken as they are.
 
 use super::boxes::OrientedBox;
-pub use super::shells::Enclosure;
+pub use super::shells::ShellEnclosure;
 use super::shells::{Shells, turns_around};
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
@@ -11,7 +11,7 @@ const LEAF: usize = 4;
 
 /// Some triangles.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
+pub(crate) struct TreeNode {
     /// Holds them all.
     pub(crate) around: OrientedBox,
     /// A leaf's triangles, or the index of the second child (the first one follows).
@@ -30,7 +30,7 @@ pub struct MeshTree {
     /// Where they came from.
     pub source: String,
     /// Whether there is an inside.
-    pub enclosure: Enclosure,
+    pub enclosure: ShellEnclosure,
     /// Edges with one side only.
     pub open_edges: usize,
     /// A corner of every connected part.
@@ -40,7 +40,7 @@ pub struct MeshTree {
     /// What encloses space where that is not all triangles.
     walls: Option<Vec<[DVec3; 3]>>,
     pub(crate) triangles: Vec<[DVec3; 3]>,
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<TreeNode>,
 }
 
 impl MeshTree {
@@ -70,7 +70,7 @@ impl MeshTree {
         let around = OrientedBox::around(part);
         let index = self.nodes.len();
         let content = Content::Leaf(start, end);
-        self.nodes.push(Node { around, content });
+        self.nodes.push(TreeNode { around, content });
         if end - start <= LEAF {
             return;
         }
@@ -123,7 +123,7 @@ impl MeshTree {
         match self.nodes[node].content {
             Content::Leaf(start, end) => {
                 for triangle in start..end {
-                    let height = support(&self.triangles[triangle], n);
+                    let height = corner_support(&self.triangles[triangle], n);
                     if height > best.height {
                         *best = Highest { height, triangle };
                     }
@@ -142,7 +142,10 @@ impl MeshTree {
 
     /// Whether a point is inside, by the solid angle of all triangles; an open mesh has no inside.
     pub fn encloses(&self, point: DVec3) -> bool {
-        let is_hollow = matches!(self.enclosure, Enclosure::Solid | Enclosure::InsideOut);
+        let is_hollow = matches!(
+            self.enclosure,
+            ShellEnclosure::Solid | ShellEnclosure::InsideOut
+        );
         let (center, radius) = self.bounds();
         is_hollow
             && point.distance(center) <= radius
@@ -159,7 +162,7 @@ pub(crate) struct Highest {
 
 /// Largest n · p of a triangle.
 #[inline]
-pub(crate) fn support(corners: &[DVec3; 3], n: DVec3) -> f64 {
+pub(crate) fn corner_support(corners: &[DVec3; 3], n: DVec3) -> f64 {
     let [a, b, c] = corners.each_ref().map(|p| n.dot(*p));
     a.max(b).max(c)
 }

@@ -1,6 +1,6 @@
 //! Distance of a point from a core: closed forms with sign, nearest point and outward direction.
 
-use super::core::{Block, Circle, Core, Frustum, HalfSpace};
+use super::core::{BoxCore, Circle, Frustum, HalfSpace, Primitive};
 use crate::math::{Pose, square_to};
 use glam::{DVec2, DVec3};
 
@@ -33,16 +33,16 @@ impl PointHit {
 }
 
 /// Distance of `point` from a core; `None` for meshes.
-pub fn point_to(core: &Core, point: DVec3) -> Option<PointHit> {
+pub fn point_to(core: &Primitive, point: DVec3) -> Option<PointHit> {
     Some(match core {
-        Core::Point(p) => PointHit::outside(point, *p),
-        Core::Segment(ends) => to_segment(ends, point),
-        Core::Circle(circle) => to_circle(circle, point),
-        Core::Box(block) => to_box(block, point),
-        Core::Frustum(frustum) => to_frustum(frustum, point),
-        Core::Triangle(corners) => PointHit::outside(point, on_triangle(corners, point)),
-        Core::HalfSpace(half) => to_half_space(half, point),
-        Core::Mesh(..) => return None,
+        Primitive::Point(p) => PointHit::outside(point, *p),
+        Primitive::Segment(ends) => to_segment(ends, point),
+        Primitive::Circle(circle) => to_circle(circle, point),
+        Primitive::Box(block) => to_box(block, point),
+        Primitive::Frustum(frustum) => to_frustum(frustum, point),
+        Primitive::Triangle(corners) => PointHit::outside(point, on_triangle(corners, point)),
+        Primitive::HalfSpace(half) => to_half_space(half, point),
+        Primitive::Mesh(..) => return None,
     })
 }
 
@@ -122,7 +122,7 @@ pub fn to_disc(circle: &Circle, point: DVec3) -> PointHit {
     PointHit::outside(point, point - circle.axis * height)
 }
 
-fn to_box(block: &Block, point: DVec3) -> PointHit {
+fn to_box(block: &BoxCore, point: DVec3) -> PointHit {
     let Pose {
         rotation,
         translation,

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 /// A place with the function's value and slope.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Spot {
+pub struct CurveSpot {
     /// The variable.
     pub at: f64,
     /// The value.
@@ -40,7 +40,7 @@ const FINEST: usize = 128;
 const HALVINGS: usize = 7;
 
 /// Least spot of a convex function on [low, high].
-pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
+pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> CurveSpot) -> CurveSpot {
     let (a, b) = (f(low), f(high));
     if a.slope >= 0.0 {
         return a;
@@ -48,7 +48,7 @@ pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> Spot) -> Spot {
     if b.slope <= 0.0 {
         return b;
     }
-    valley(a, b, &f)
+    refine_valley(a, b, &f)
 }
 
 /// How much farther than where the slope seems to vanish is looked for the other side of a minimum.
@@ -56,7 +56,7 @@ const BEYOND: f64 = 1.5;
 
 /// The minimum that a function of an angle falls to from `start`, looked for in steps that begin with `step`; `None` if a
 /// quarter of a turn does not lead to it.
-pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> Spot) -> Option<Spot> {
+pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> CurveSpot) -> Option<CurveSpot> {
     let mut here = f(start);
     let direction = -here.slope.signum();
     let mut step = step;
@@ -68,7 +68,7 @@ pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> Spot) -> Option<Spot
             } else {
                 [next, here]
             };
-            return Some(valley(a, b, &f));
+            return Some(refine_valley(a, b, &f));
         }
         let vanishes = next.slope * (next.at - here.at) / (here.slope - next.slope);
         step = (BEYOND * vanishes.abs()).clamp(step, 8.0 * step);
@@ -86,8 +86,8 @@ pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> Spot) -> Option<Spot
 ///
 /// Exact when no two minima of very different depth share a piece of 1/128 of the turn that a bound of the slope
 /// cannot rule out.
-pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> Spot) -> Spot {
-    let grid = grid();
+pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> CurveSpot) -> CurveSpot {
+    let grid = angle_grid();
     let at = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid[k]);
     least_of(steepest, at, |angle| f(angle, sin_cos(angle)))
 }
@@ -97,13 +97,13 @@ pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> Spot) -> Sp
 pub fn minima_on_circle(
     steepest: f64,
     limit: f64,
-    f: impl Fn(f64, (f64, f64)) -> Spot,
-) -> Vec<Spot> {
-    let spot = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid()[k]);
-    let spots: Vec<Spot> = (0..=FINEST).map(spot).collect();
-    let mut pieces: Vec<[Spot; 2]> = spots.windows(2).map(|two| [two[0], two[1]]).collect();
+    f: impl Fn(f64, (f64, f64)) -> CurveSpot,
+) -> Vec<CurveSpot> {
+    let spot = |k: usize| f(TAU * (k as f64 / FINEST as f64), angle_grid()[k]);
+    let spots: Vec<CurveSpot> = (0..=FINEST).map(spot).collect();
+    let mut pieces: Vec<[CurveSpot; 2]> = spots.windows(2).map(|two| [two[0], two[1]]).collect();
     let f = |angle: f64| f(angle, sin_cos(angle));
-    let hides = |[a, b]: &[Spot; 2]| {
+    let hides = |[a, b]: &[CurveSpot; 2]| {
         let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
         lowest < limit
     };
@@ -118,12 +118,16 @@ pub fn minima_on_circle(
     let dips = pieces
         .into_iter()
         .filter(|[a, b]| a.slope <= 0.0 && b.slope > 0.0);
-    dips.map(|[a, b]| foot(a, b, &f)).collect()
+    dips.map(|[a, b]| perpendicular_foot(a, b, &f)).collect()
 }
 
 /// The place between a falling and a rising spot where the slope vanishes. By bisection: next to a least value of zero the
 /// values are rounding long before the slopes are.
-fn foot(mut a: Spot, mut b: Spot, f: &impl Fn(f64) -> Spot) -> Spot {
+fn perpendicular_foot(
+    mut a: CurveSpot,
+    mut b: CurveSpot,
+    f: &impl Fn(f64) -> CurveSpot,
+) -> CurveSpot {
     loop {
         let spot = f(0.5 * (a.at + b.at));
         if spot.at <= a.at || spot.at >= b.at {
@@ -139,36 +143,40 @@ fn foot(mut a: Spot, mut b: Spot, f: &impl Fn(f64) -> Spot) -> Spot {
 
 /// Least spot of any function on [low, high] whose slope never exceeds `steepest`; as exact as
 /// [`least_on_circle`].
-pub fn least(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> Spot) -> Spot {
+pub fn least_spot(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> CurveSpot) -> CurveSpot {
     let at = |k: usize| f(low + (high - low) * (k as f64 / FINEST as f64));
     least_of(steepest, at, &f)
 }
 
 /// Sines and cosines of even parts of a turn, both ends included: of all places that halving comes to.
-pub fn grid() -> &'static [(f64, f64); FINEST + 1] {
+pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
     static GRID: OnceLock<[(f64, f64); FINEST + 1]> = OnceLock::new();
     GRID.get_or_init(|| std::array::from_fn(|k| sin_cos(TAU * (k as f64 / FINEST as f64))))
 }
 
 /// The search, with `at` for the places of the grid.
-fn least_of(steepest: f64, at: impl Fn(usize) -> Spot, f: impl Fn(f64) -> Spot) -> Spot {
+fn least_of(
+    steepest: f64,
+    at: impl Fn(usize) -> CurveSpot,
+    f: impl Fn(f64) -> CurveSpot,
+) -> CurveSpot {
     let mut stride = FINEST / PIECES;
-    let mut spots: Vec<(usize, Spot)> = Vec::with_capacity(2 * PIECES + 1);
+    let mut spots: Vec<(usize, CurveSpot)> = Vec::with_capacity(2 * PIECES + 1);
     spots.extend((0..=PIECES).map(|k| (k * stride, at(k * stride))));
-    let far = Spot {
+    let far = CurveSpot {
         value: f64::INFINITY,
-        ..Spot::default()
+        ..CurveSpot::default()
     };
     let mut best = spots.iter().fold(
         far,
         |best, (_, s)| if s.value < best.value { *s } else { best },
     );
-    let hides = |a: &Spot, b: &Spot, best: &Spot| {
+    let hides = |a: &CurveSpot, b: &CurveSpot, best: &CurveSpot| {
         let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
         lowest < best.value
     };
     while stride > 1 {
-        best = valleys(&spots, best, &hides, &f);
+        best = find_valleys(&spots, best, &hides, &f);
         stride /= 2;
         let mut finer = Vec::with_capacity(2 * spots.len());
         for pair in spots.windows(2) {
@@ -185,16 +193,16 @@ fn least_of(steepest: f64, at: impl Fn(usize) -> Spot, f: impl Fn(f64) -> Spot) 
         }
         spots = finer;
     }
-    valleys(&spots, best, &hides, &f)
+    find_valleys(&spots, best, &hides, &f)
 }
 
 /// The best of all bracketed minima.
-fn valleys(
-    spots: &[(usize, Spot)],
-    mut best: Spot,
-    hides: &impl Fn(&Spot, &Spot, &Spot) -> bool,
-    f: &impl Fn(f64) -> Spot,
-) -> Spot {
+fn find_valleys(
+    spots: &[(usize, CurveSpot)],
+    mut best: CurveSpot,
+    hides: &impl Fn(&CurveSpot, &CurveSpot, &CurveSpot) -> bool,
+    f: &impl Fn(f64) -> CurveSpot,
+) -> CurveSpot {
     for pair in spots.windows(2) {
         let [(_, a), (_, b)] = [pair[0], pair[1]];
         for end in [a, b] {
@@ -204,7 +212,7 @@ fn valleys(
         }
         let known = best.at > a.at && best.at < b.at;
         if a.slope < 0.0 && b.slope > 0.0 && !known && hides(&a, &b, &best) {
-            let found = valley(a, b, f);
+            let found = refine_valley(a, b, f);
             if found.value < best.value {
                 best = found;
             }
@@ -215,7 +223,7 @@ fn valleys(
 
 /// The minimum between a falling and a rising spot: the root of the slope by secants through the last two spots, with a
 /// bisection whenever they leave the bracket or do not halve it.
-fn valley(mut a: Spot, mut b: Spot, f: &impl Fn(f64) -> Spot) -> Spot {
+fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSpot) -> CurveSpot {
     let mut best = if a.value < b.value { a } else { b };
     let (mut last, mut before) = if a.slope.abs() < b.slope.abs() {
         (a, b)

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 /// How a file's triangles enclose space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Enclosure {
+pub enum ShellEnclosure {
     /// Closed, outside out.
     Solid,
     /// Closed, but the triangles are numbered as seen from inside.
@@ -29,7 +29,7 @@ const LARGEST_WELD: f64 = 1e-4;
 /// The shells of a mesh.
 pub struct Shells {
     /// Whether there is an inside.
-    pub enclosure: Enclosure,
+    pub enclosure: ShellEnclosure,
     /// Edges with one side only.
     pub open_edges: usize,
     /// A corner of every shell.
@@ -41,7 +41,7 @@ pub struct Shells {
 }
 
 /// Triangles by corners that are one where they belong together.
-struct Surface {
+struct ShellSurface {
     triangles: Vec<[usize; 3]>,
 }
 
@@ -50,7 +50,7 @@ impl Shells {
     pub fn new(soup: &TriangleSoup) -> Self {
         let corner = |k: u32| soup.vertices.get(k as usize).copied().unwrap_or_default();
         let mut triangles: Vec<[DVec3; 3]> = soup.triangles.iter().map(|t| t.map(corner)).collect();
-        let mut surface = Surface::new(soup);
+        let mut surface = ShellSurface::new(soup);
         if !surface.open_edges().is_empty() {
             surface.weld(&soup.vertices);
         }
@@ -66,10 +66,10 @@ impl Shells {
         }
         let is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
         let enclosure = match (soup.is_surface, is_hollow) {
-            (true, _) => Enclosure::Surface,
-            (false, false) => Enclosure::Open,
-            (false, true) if six_volumes(&triangles) < 0.0 => Enclosure::InsideOut,
-            (false, true) => Enclosure::Solid,
+            (true, _) => ShellEnclosure::Surface,
+            (false, false) => ShellEnclosure::Open,
+            (false, true) if six_volumes(&triangles) < 0.0 => ShellEnclosure::InsideOut,
+            (false, true) => ShellEnclosure::Solid,
         };
         if is_hollow {
             turn_outside_out(&mut triangles, &surface.parts());
@@ -84,7 +84,7 @@ impl Shells {
     }
 }
 
-impl Surface {
+impl ShellSurface {
     /// Corners at exactly the same place are one.
     fn new(soup: &TriangleSoup) -> Self {
         let mut first: HashMap<[u64; 3], usize> = HashMap::new();
@@ -145,7 +145,8 @@ impl Surface {
         flaps: &mut Vec<[DVec3; 3]>,
     ) -> bool {
         let at = |k: usize| vertices[k];
-        let is_flap = super::flaps::flaps(&self.triangles, &self.sides(), at, weld(vertices));
+        let is_flap =
+            super::flaps::find_flaps(&self.triangles, &self.sides(), at, weld_distance(vertices));
         let kept: Vec<usize> = (0..is_flap.len()).filter(|k| !is_flap[*k]).collect();
         let shell = Self {
             triangles: kept.iter().map(|k| self.triangles[*k]).collect(),
@@ -171,7 +172,7 @@ impl Surface {
 
     /// Makes corners of open edges one that are as near as the numbers of a file can be wrong.
     fn weld(&mut self, vertices: &[DVec3]) {
-        let near = weld(vertices);
+        let near = weld_distance(vertices);
         let mut corners: Vec<usize> = self.open_edges().into_iter().flatten().collect();
         corners.sort_unstable();
         corners.dedup();
@@ -273,7 +274,7 @@ impl Surface {
 }
 
 /// How near to each other corners of open edges are one.
-fn weld(vertices: &[DVec3]) -> f64 {
+fn weld_distance(vertices: &[DVec3]) -> f64 {
     let largest = vertices
         .iter()
         .fold(0.0, |m: f64, p| m.max(p.abs().max_element()));

@@ -1,6 +1,6 @@
 //! The solids of two bodies as outputs ask for them.
 
-use super::bodies::{Hull, LeftOut, enclosed, nearest};
+use super::bodies::{Hull, LeftOut, enclosed_shell, nearest_bodies};
 use crate::math::Pose;
 use crate::model::distance::{Nearest, Solids};
 use crate::model::mechanism::Body;
@@ -34,13 +34,15 @@ impl Solids for Rigid {
     /// Of what lies in a mesh no depth is known: it is zero.
     fn nearest(&self, _coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest> {
         let ([first, second], left_out) = (&self.hulls, &self.left_out);
-        let found = nearest(first, second, first_from_second, left_out)?.proximity;
+        let found = nearest_bodies(first, second, first_from_second, left_out)?.proximity;
         let mut nearest = Nearest {
             distance: found.distance,
             points: found.points,
             normal: found.normal,
         };
-        if found.distance > 0.0 && enclosed(first, second, first_from_second, left_out).is_some() {
+        if found.distance > 0.0
+            && enclosed_shell(first, second, first_from_second, left_out).is_some()
+        {
             (nearest.distance, nearest.normal) = (0.0, DVec3::ZERO);
         }
         Some(nearest)

@@ -3,12 +3,12 @@
 //! Two triangles are nearest at two edges, or at a corner and a face, or they cut each other. Where the slab between the
 //! nearest points of two edges has both triangles outside of it, it proves them to be the nearest of all.
 
-use super::core::Block;
+use super::core::BoxCore;
 use super::core_pair::CorePair;
 use glam::DVec3;
 
 /// A triangle.
-type Corners = [DVec3; 3];
+type TriangleCorners = [DVec3; 3];
 
 /// Lines with a smaller sine between them are taken as parallel, too: then the ends are tried besides the crossing.
 const PARALLEL: f64 = 1e-6;
@@ -21,12 +21,12 @@ const EDGES: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
 
 /// Two points and the square of their distance.
 #[derive(Clone, Copy)]
-struct Near {
+struct NearestFeature {
     square: f64,
     points: [DVec3; 2],
 }
 
-impl Near {
+impl NearestFeature {
     const FAR: Self = Self {
         square: f64::INFINITY,
         points: [DVec3::ZERO; 2],
@@ -79,7 +79,7 @@ impl Near {
 }
 
 /// Nearest points of two segments.
-fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> Near {
+fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> NearestFeature {
     let (u, v, w) = (a_end - a, b_end - b, b - a);
     let across = u.cross(v);
     let sine = across.length_squared();
@@ -87,11 +87,11 @@ fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> Near {
     // Inside both: the cross product knows it without cancellation, and the foot holds on to the other line.
     let s = w.cross(v).dot(across) / sine;
     let t = w.cross(u).dot(across) / sine;
-    let mut best = Near::FAR;
+    let mut best = NearestFeature::FAR;
     if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
         let on_first = a + u * s;
         let foot = (v.dot(on_first - b) / vv).clamp(0.0, 1.0);
-        best = Near::of(on_first, b + v * foot);
+        best = NearestFeature::of(on_first, b + v * foot);
         if sine > PARALLEL * PARALLEL * uu * vv {
             return best;
         }
@@ -104,27 +104,27 @@ fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> Near {
         }
     };
     for (end, t) in [(a, -v.dot(w)), (a_end, v.dot(u - w))] {
-        best = best.nearer(Near::of(end, b + v * share(t, vv)));
+        best = best.nearer(NearestFeature::of(end, b + v * share(t, vv)));
     }
     for (end, s) in [(b, u.dot(w)), (b_end, u.dot(w + v))] {
-        best = best.nearer(Near::of(a + u * share(s, uu), end));
+        best = best.nearer(NearestFeature::of(a + u * share(s, uu), end));
     }
     best
 }
 
 /// A point and where it is nearest to the inside of a triangle; none outside of the prism over it.
-fn over_face(corners: &Corners, normal: DVec3, point: DVec3) -> Option<Near> {
+fn over_face(corners: &TriangleCorners, normal: DVec3, point: DVec3) -> Option<NearestFeature> {
     let [a, b, c] = *corners;
     let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
     let size = normal.length_squared();
     (size > 0.0 && within(a, b) && within(b, c) && within(c, a)).then(|| {
         let foot = point - normal * (normal.dot(point - a) / size);
-        Near::of(foot, point)
+        NearestFeature::of(foot, point)
     })
 }
 
 /// Where a segment goes through a triangle: rounding would leave a distance.
-fn crossing(corners: &Corners, normal: DVec3, ends: [DVec3; 2]) -> Option<DVec3> {
+fn plane_crossing(corners: &TriangleCorners, normal: DVec3, ends: [DVec3; 2]) -> Option<DVec3> {
     let [a, b, c] = *corners;
     let [from, to] = ends.map(|p| normal.dot(p - a));
     if from * to > 0.0 || from == to {
@@ -135,29 +135,29 @@ fn crossing(corners: &Corners, normal: DVec3, ends: [DVec3; 2]) -> Option<DVec3>
     (within(a, b) && within(b, c) && within(c, a)).then_some(point)
 }
 
-fn normal_of([a, b, c]: &Corners) -> DVec3 {
+fn normal_of([a, b, c]: &TriangleCorners) -> DVec3 {
     (*b - *a).cross(*c - *a)
 }
 
 /// Nearest points of a triangle and a segment.
-pub fn to_segment(corners: &Corners, ends: &[DVec3; 2]) -> CorePair {
+pub fn to_segment(corners: &TriangleCorners, ends: &[DVec3; 2]) -> CorePair {
     let normal = normal_of(corners);
-    if let Some(point) = crossing(corners, normal, *ends) {
-        return Near::cut(point).pair();
+    if let Some(point) = plane_crossing(corners, normal, *ends) {
+        return NearestFeature::cut(point).pair();
     }
-    let mut best = Near::FAR;
+    let mut best = NearestFeature::FAR;
     for [i, j, _] in EDGES {
         best = best.nearer(of_segments([corners[i], corners[j]], *ends));
     }
     for end in ends {
-        best = best.nearer(over_face(corners, normal, *end).unwrap_or(Near::FAR));
+        best = best.nearer(over_face(corners, normal, *end).unwrap_or(NearestFeature::FAR));
     }
     best.pair()
 }
 
 /// Nearest points of two triangles.
-pub fn to_triangle(a: &Corners, b: &Corners) -> CorePair {
-    let mut best = Near::FAR;
+pub fn to_triangle(a: &TriangleCorners, b: &TriangleCorners) -> CorePair {
+    let mut best = NearestFeature::FAR;
     for [i, j, third] in EDGES {
         for [k, l, other] in EDGES {
             let near = of_segments([a[i], a[j]], [b[k], b[l]]);
@@ -175,25 +175,25 @@ pub fn to_triangle(a: &Corners, b: &Corners) -> CorePair {
         }
     }
     let normals = [normal_of(a), normal_of(b)];
-    let cut = |of: &Corners, normal: DVec3, other: &Corners| {
+    let cut = |of: &TriangleCorners, normal: DVec3, other: &TriangleCorners| {
         let edges = EDGES.map(|[i, j, _]| [other[i], other[j]]);
         edges
             .into_iter()
-            .find_map(|edge| crossing(of, normal, edge))
+            .find_map(|edge| plane_crossing(of, normal, edge))
     };
     if let Some(point) = cut(a, normals[0], b).or_else(|| cut(b, normals[1], a)) {
-        return Near::cut(point).pair();
+        return NearestFeature::cut(point).pair();
     }
     for k in 0..3 {
-        best = best.nearer(over_face(a, normals[0], b[k]).unwrap_or(Near::FAR));
-        let back = over_face(b, normals[1], a[k]).unwrap_or(Near::FAR);
+        best = best.nearer(over_face(a, normals[0], b[k]).unwrap_or(NearestFeature::FAR));
+        let back = over_face(b, normals[1], a[k]).unwrap_or(NearestFeature::FAR);
         best = best.nearer(back.swapped());
     }
     best.pair()
 }
 
 /// Nearest points of a triangle and a box; a common point at no distance where they overlap.
-pub fn to_box(corners: &Corners, block: &Block) -> CorePair {
+pub fn to_box(corners: &TriangleCorners, block: &BoxCore) -> CorePair {
     let from_box = block.from_box;
     let back = from_box.inverse();
     let local = corners.map(|p| back.transform_point(p));
@@ -206,7 +206,7 @@ pub fn to_box(corners: &Corners, block: &Block) -> CorePair {
 }
 
 /// Nearest points of a box and a segment that does not touch it.
-pub fn box_to_segment(block: &Block, ends: &[DVec3; 2]) -> Option<CorePair> {
+pub fn box_to_segment(block: &BoxCore, ends: &[DVec3; 2]) -> Option<CorePair> {
     let from_box = block.from_box;
     let back = from_box.inverse();
     let [from, to] = ends.map(|p| back.transform_point(p));
@@ -214,7 +214,7 @@ pub fn box_to_segment(block: &Block, ends: &[DVec3; 2]) -> Option<CorePair> {
         return None;
     }
     let point = on_edge(from, to, block.half);
-    let found = Near::of(point.clamp(-block.half, block.half), point).pair();
+    let found = NearestFeature::of(point.clamp(-block.half, block.half), point).pair();
     (found.distance > 0.0).then(|| CorePair {
         points: found.points.map(|p| from_box.transform_point(p)),
         normal: from_box.transform_vector(found.normal),
@@ -223,24 +223,24 @@ pub fn box_to_segment(block: &Block, ends: &[DVec3; 2]) -> Option<CorePair> {
 }
 
 /// The same for a box about the origin, along the axes.
-fn to_centred_box(corners: &Corners, half: DVec3) -> CorePair {
-    let mut best = Near::FAR;
+fn to_centred_box(corners: &TriangleCorners, half: DVec3) -> CorePair {
+    let mut best = NearestFeature::FAR;
     for [i, j, _] in EDGES {
         if let Some(point) = inside_box(corners[i], corners[j], half) {
-            return Near::cut(point).pair();
+            return NearestFeature::cut(point).pair();
         }
         let point = on_edge(corners[i], corners[j], half);
-        best = best.nearer(Near::of(point, point.clamp(-half, half)));
+        best = best.nearer(NearestFeature::of(point, point.clamp(-half, half)));
     }
     // The face: the corners of the box that lie farthest on either side of its plane.
     let normal = normal_of(corners);
     let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
     let corner = half * DVec3::new(sign(normal.x), sign(normal.y), sign(normal.z));
-    if let Some(point) = crossing(corners, normal, [corner, -corner]) {
-        return Near::cut(point).pair();
+    if let Some(point) = plane_crossing(corners, normal, [corner, -corner]) {
+        return NearestFeature::cut(point).pair();
     }
     for corner in [corner, -corner] {
-        best = best.nearer(over_face(corners, normal, corner).unwrap_or(Near::FAR));
+        best = best.nearer(over_face(corners, normal, corner).unwrap_or(NearestFeature::FAR));
     }
     best.pair()
 }

@@ -1,10 +1,10 @@
 //! Animated PNG: every colour, changed rectangles, exact delays. Source: PNG specification, third edition, W3C 2025.
 
-use super::delta::Area;
+use super::delta::PixelArea;
 use super::error::ExportError;
-use super::png::{Effort, PngSettings, check_size, smallest};
+use super::png::{Effort, PngSettings, check_size, smallest_encoding};
 use super::target::Output;
-use super::timing::{FrameTimes, Schedule, fraction};
+use super::timing::{FrameTimes, Schedule, rate_fraction};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use ::png::{BitDepth, BlendOp, ColorType, Compression, DisposeOp, Encoder, Filter, Writer};
 use image::RgbaImage;
@@ -95,7 +95,7 @@ impl ApngSink {
         let mut sink = Self {
             output,
             spool,
-            writer: writer.map_err(refused)?,
+            writer: writer.map_err(encoder_error)?,
             size: settings.size,
             schedule,
             ticks,
@@ -130,7 +130,7 @@ impl ApngSink {
                     effort: Effort::Balanced,
                     alpha: true,
                 };
-                match smallest(&self.bytes, settings)?.0 {
+                match smallest_encoding(&self.bytes, settings)?.0 {
                     FilterType::NoFilter => Filter::NoFilter,
                     _ => Filter::Adaptive,
                 }
@@ -148,7 +148,7 @@ impl ApngSink {
     }
 
     /// Encodes the pixels of `frame` inside `area`.
-    fn put(&mut self, area: &Area, frame: &[[u8; 4]], delay: u16) -> Result<(), ExportError> {
+    fn put(&mut self, area: &PixelArea, frame: &[[u8; 4]], delay: u16) -> Result<(), ExportError> {
         self.bytes.clear();
         let width = self.size[0] as usize;
         if self.alpha || self.shown.is_empty() {
@@ -171,7 +171,7 @@ impl ApngSink {
             .and_then(|()| writer.set_frame_position(left, top))
             .and_then(|()| writer.set_frame_delay(delay, self.ticks))
             .and_then(|()| writer.write_image_data(&self.bytes));
-        done.map_err(refused)
+        done.map_err(encoder_error)
     }
 }
 
@@ -188,10 +188,10 @@ impl FrameSink for ApngSink {
         let (frame, _) = coded.as_chunks::<4>();
         let size = self.size.map(|s| s as usize);
         let area = if self.shown.is_empty() {
-            Area::whole(size)
+            PixelArea::whole(size)
         } else {
             // A frame that changes nothing still needs a pixel to carry its delay.
-            Area::changed(&self.shown, frame, size[0]).unwrap_or(Area::whole([1, 1]))
+            PixelArea::changed(&self.shown, frame, size[0]).unwrap_or(PixelArea::whole([1, 1]))
         };
         let delay = self.schedule.delay(index).min(LARGEST_NUMBER);
         self.put(&area, frame, delay as u16)?;
@@ -217,7 +217,7 @@ impl FrameSink for ApngSink {
             mut summary,
             ..
         } = *self;
-        writer.finish().map_err(refused)?;
+        writer.finish().map_err(encoder_error)?;
         let end = spool.take();
         output.emit(&end)?;
         summary.bytes += end.len() as u64;
@@ -232,14 +232,14 @@ fn ticks_per_second(times: &FrameTimes) -> u16 {
         .map(|k| times.start(k + 1) - times.start(k))
         .fold(0.0, f64::max);
     let wanted = match times {
-        FrameTimes::Uniform { fps, .. } => fraction(*fps, LARGEST_NUMBER).0,
+        FrameTimes::Uniform { fps, .. } => rate_fraction(*fps, LARGEST_NUMBER).0,
         FrameTimes::At { .. } => UNEVEN_TICKS,
     };
     let most = (f64::from(LARGEST_NUMBER) / longest.max(1.0)).floor();
     f64::from(wanted).min(most).max(1.0) as u16
 }
 
-fn refused(error: ::png::EncodingError) -> ExportError {
+fn encoder_error(error: ::png::EncodingError) -> ExportError {
     ExportError::Encode {
         name: "APNG".to_owned(),
         message: error.to_string(),

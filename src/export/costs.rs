@@ -25,7 +25,7 @@ impl Loss {
 
 /// How a pixel relates to the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Change {
+pub(super) enum PixelChange {
     /// Its colour changed, or there is no frame before.
     Changed,
     /// Its colour is the same.
@@ -43,7 +43,7 @@ pub(super) struct Pixel {
     /// Index now shown there; the transparent index if nothing is.
     pub(super) shown: u8,
     /// Relation to the frame before.
-    pub(super) change: Change,
+    pub(super) change: PixelChange,
 }
 
 impl Pixel {
@@ -51,7 +51,7 @@ impl Pixel {
     pub(super) const STRETCH: Self = Self {
         wanted: [1, 0, 0, 0],
         shown: 0,
-        change: Change::Stretch,
+        change: PixelChange::Stretch,
     };
 
     /// Tells a pixel of a stretch how many are left of it, itself included.
@@ -68,7 +68,7 @@ impl Pixel {
 }
 
 /// A changed pixel with what its nearest colour costs.
-pub(super) struct Wish {
+pub(super) struct ColourWish {
     colour: [i32; 3],
     least: i32,
     /// What the transparent index shows.
@@ -90,7 +90,10 @@ impl Costs {
         for (place, colour) in colours.iter_mut().zip(palette) {
             *place = colour.map(i32::from);
         }
-        let neighbours = colours.iter().map(|&c| neighbours(c, &colours)).collect();
+        let neighbours = colours
+            .iter()
+            .map(|&c| colour_neighbours(c, &colours))
+            .collect();
         Self {
             colours,
             neighbours,
@@ -101,10 +104,10 @@ impl Costs {
 
     /// Prepares the questions about a changed pixel.
     #[inline]
-    pub(super) fn wish(&self, pixel: &Pixel) -> Wish {
+    pub(super) fn wish(&self, pixel: &Pixel) -> ColourWish {
         let [r, g, b, nearest] = pixel.wanted;
         let colour = [r, g, b].map(i32::from);
-        Wish {
+        ColourWish {
             colour,
             least: squared_distance(colour, self.colours[usize::from(nearest)]),
             shown: self.colours[usize::from(pixel.shown)],
@@ -113,7 +116,7 @@ impl Costs {
 
     /// Error that sending `index` adds over the nearest colour, or `NEVER` if that is too much.
     #[inline]
-    pub(super) fn added(&self, wish: &Wish, index: u8) -> i32 {
+    pub(super) fn added(&self, wish: &ColourWish, index: u8) -> i32 {
         let colour = if index == self.transparent {
             wish.shown
         } else {
@@ -132,7 +135,7 @@ impl Costs {
     /// nearest, and its neighbours.
     #[inline]
     pub(super) fn for_each(&self, pixel: &Pixel, mut offer: impl FnMut(u8, i32)) {
-        if pixel.change != Change::Changed {
+        if pixel.change != PixelChange::Changed {
             offer(self.transparent, 0);
             offer(pixel.shown, 0);
             return;
@@ -163,7 +166,7 @@ impl Costs {
 }
 
 /// The colours nearest to `colour`, with squared distances, nearest first.
-fn neighbours(colour: [i32; 3], colours: &[[i32; 3]; 256]) -> [(u8, i32); NEIGHBOURS] {
+fn colour_neighbours(colour: [i32; 3], colours: &[[i32; 3]; 256]) -> [(u8, i32); NEIGHBOURS] {
     let mut all: [(u8, i32); 256] =
         std::array::from_fn(|i| (i as u8, squared_distance(colour, colours[i])));
     all.sort_by_key(|n| n.1);

@@ -2,14 +2,14 @@
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Area {
+pub(super) struct PixelArea {
     pub(super) left: usize,
     pub(super) top: usize,
     pub(super) width: usize,
     pub(super) height: usize,
 }
 
-impl Area {
+impl PixelArea {
     /// The whole of a picture.
     pub(super) fn whole(size: [usize; 2]) -> Self {
         Self {
@@ -78,7 +78,7 @@ mod tests {
                 let (ya, yb) = if flip { (y1, y0) } else { (y0, y1) };
                 after[ya * w + x0] = 1;
                 after[yb * w + x1] = 1;
-                let area = Area::changed(&before, &after, w).unwrap();
+                let area = PixelArea::changed(&before, &after, w).unwrap();
                 assert_eq!(
                     area,
                     Area {

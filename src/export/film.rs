@@ -6,7 +6,7 @@ use super::format::FramePattern;
 use super::gif::{GifSettings, GifSink, Quality, sample_indices};
 use super::palette::Palette;
 use super::png::{Effort, PngSettings, SequenceSink, StillSink};
-use super::pump::{PumpError, Samples, draw_samples, pump};
+use super::pump::{DrawnSamples, PumpError, draw_samples, pump_frames};
 use super::raw::{Chroma, RawKind, RawSink};
 use super::timing::{Clamp, FrameTimes, Schedule};
 use super::{ExportSummary, Format, FrameSink, Output, Target};
@@ -66,7 +66,7 @@ pub struct FilmSettings<'a> {
 /// An open sink, and the frames drawn already for its palette.
 pub struct Prepared {
     sink: Box<dyn FrameSink>,
-    samples: Samples,
+    samples: DrawnSamples,
     /// Set where a GIF cannot show the frames as fast as asked.
     pub clamp: Option<Clamp>,
 }
@@ -135,7 +135,7 @@ impl FilmSettings<'_> {
         E: std::error::Error + Send + 'static,
     {
         let Prepared { sink, samples, .. } = prepared;
-        pump(workers, self.count, samples, sink, show, cancel)
+        pump_frames(workers, self.count, samples, sink, show, cancel)
     }
 
     fn gif<W, E>(

@@ -52,21 +52,24 @@ impl Format {
         let name = path.file_name().map(|n| n.to_string_lossy());
         let is_pattern = name.is_some_and(|n| n.contains(['%', '#']));
         let Some(extension) = path.extension() else {
-            return Err(unknown(path, "the file name has no extension"));
+            return Err(unknown_format(path, "the file name has no extension"));
         };
         let extension = extension.to_string_lossy().to_lowercase();
         if extension == "png" && is_pattern {
             return FramePattern::parse(path).map(Self::PngSequence);
         }
         let Some(format) = Self::of_extension(&extension) else {
-            return Err(unknown(path, &format!("unknown extension .{extension}")));
+            return Err(unknown_format(
+                path,
+                &format!("unknown extension .{extension}"),
+            ));
         };
         if is_pattern {
             // A faulty pattern says what is wrong with it.
             FramePattern::parse(path)?;
             let what = format.name();
             let reason = format!("{what} is one file, its name takes no frame number");
-            return Err(unknown(path, &reason));
+            return Err(unknown_format(path, &reason));
         }
         Ok(format)
     }
@@ -131,7 +134,7 @@ impl FramePattern {
     ///
     /// Errors: another directive, none or several numbers, `#`, a number in a folder's name.
     pub fn parse(path: &Path) -> Result<Self, ExportError> {
-        let refuse = |reason: &str| unknown(path, reason);
+        let refuse = |reason: &str| unknown_format(path, reason);
         let name = path.file_name().ok_or_else(|| refuse("no file name"))?;
         let name = name
             .to_str()
@@ -199,7 +202,7 @@ fn parse_padding(text: &str) -> Option<usize> {
     (1..=WIDEST_PADDING).contains(&width).then_some(width)
 }
 
-fn unknown(path: &Path, reason: &str) -> ExportError {
+fn unknown_format(path: &Path, reason: &str) -> ExportError {
     ExportError::UnknownFormat {
         path: path.to_owned(),
         reason: reason.to_owned(),

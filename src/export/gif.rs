@@ -1,7 +1,7 @@
 //! Animated GIF: one palette, changed rectangles, absolute times. The container, LZW and colour live next door.
 
 use super::costs::{Loss, Pixel};
-use super::delta::Area;
+use super::delta::PixelArea;
 use super::error::ExportError;
 use super::gif_file::GifFile;
 use super::mapping::Mapper;
@@ -83,7 +83,7 @@ pub struct GifSink {
     matcher: Matcher,
     sent: Vec<u8>,
     /// The frame waiting for its delay, where and as LZW: equal frames that follow lengthen it.
-    pending: (Area, Vec<u8>),
+    pending: (PixelArea, Vec<u8>),
     delay: u32,
     summary: ExportSummary,
 }
@@ -136,7 +136,7 @@ impl GifSink {
             settings,
             palette,
             sent: Vec::new(),
-            pending: (Area::whole([1, 1]), Vec::new()),
+            pending: (PixelArea::whole([1, 1]), Vec::new()),
             delay: 0,
             summary: ExportSummary::default(),
         })
@@ -164,7 +164,7 @@ impl GifSink {
     /// Lets a frame of one transparent pixel wait.
     fn keep_unchanged(&mut self) {
         let (area, codes) = &mut self.pending;
-        *area = Area::whole([1, 1]);
+        *area = PixelArea::whole([1, 1]);
         codes.clear();
         self.matcher
             .encode(&[Pixel::STRETCH], &mut self.sent, codes);

@@ -1,6 +1,6 @@
 //! The GIF around the compressed pixels: the `gif` crate's container over an output of ours.
 
-use super::delta::Area;
+use super::delta::PixelArea;
 use super::error::ExportError;
 use super::target::Output;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 /// A GIF under construction.
 pub(super) struct GifFile {
-    encoder: Encoder<Counted>,
+    encoder: Encoder<CountedOutput>,
     /// The index that leaves a pixel as it is.
     transparent: u8,
 }
@@ -28,7 +28,7 @@ impl GifFile {
         let mut table = colours.as_flattened().to_vec();
         // Room for the transparent index, which may be the first after the colours.
         table.resize(3 << bits, 0);
-        let file = Counted {
+        let file = CountedOutput {
             output,
             bytes: 0,
             open: true,
@@ -42,7 +42,7 @@ impl GifFile {
             Ok(encoder)
         };
         Ok(Self {
-            encoder: start().map_err(|error| failed(&name, error))?,
+            encoder: start().map_err(|error| encoding_error(&name, error))?,
             transparent: colours.len().min(255) as u8,
         })
     }
@@ -56,7 +56,7 @@ impl GifFile {
     /// and the LZW stream.
     pub(super) fn add_frame(
         &mut self,
-        area: &Area,
+        area: &PixelArea,
         delay: u16,
         codes: &[u8],
     ) -> Result<(), ExportError> {
@@ -75,7 +75,7 @@ impl GifFile {
         let written = self.encoder.write_lzw_pre_encoded_frame(&frame);
         let file = self.encoder.get_mut();
         file.open = false;
-        written.map_err(|error| failed(file.output.name(), error))
+        written.map_err(|error| encoding_error(file.output.name(), error))
     }
 
     /// Ends the file and makes it final; returns its length in bytes.
@@ -83,14 +83,14 @@ impl GifFile {
         let name = self.encoder.get_ref().output.name().to_owned();
         self.encoder.get_mut().open = true;
         let file = self.encoder.into_inner();
-        let file = file.map_err(|error| failed(&name, error))?;
+        let file = file.map_err(|error| encoding_error(&name, error))?;
         file.output.commit()?;
         Ok(file.bytes)
     }
 }
 
 /// The error of a container as ours; what is no fault of the file cannot happen with the frames that are given here.
-fn failed(name: &str, error: EncodingError) -> ExportError {
+fn encoding_error(name: &str, error: EncodingError) -> ExportError {
     let source = match error {
         EncodingError::Io(source) => source,
         other => io::Error::other(other),
@@ -100,13 +100,13 @@ fn failed(name: &str, error: EncodingError) -> ExportError {
 
 /// The output below the container. It takes bytes only while a call of [`GifFile`] is at work: an encoder that is dropped
 /// writes the end of the file, and a film that was cut short must not end like a whole one.
-struct Counted {
+struct CountedOutput {
     output: Box<dyn Output>,
     bytes: u64,
     open: bool,
 }
 
-impl Write for Counted {
+impl Write for CountedOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if !self.open {
             return Ok(bytes.len());

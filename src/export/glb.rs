@@ -5,9 +5,9 @@
 use super::ExportSummary;
 use super::error::ExportError;
 use super::glb_buffer::Buffer;
-use super::model::{Model, ModelBody, ModelCamera, ModelPart, ModelTrace};
+use super::model::{ExportModel, ModelBody, ModelCamera, ModelPart, ModelTrace};
 use super::target::Output;
-use crate::math::{Pose, narrow, narrow_rotation, rotations};
+use crate::math::{Pose, narrow_rotation, narrow_vector, rotation_quaternions};
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 
@@ -27,7 +27,10 @@ const TRIANGLES: u32 = 4;
 /// Writes `model` and returns what was written; `frames` counts the keys.
 ///
 /// Errors: more than 4 GiB, a failed write.
-pub fn write_glb(model: &Model, mut output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+pub fn write_glb(
+    model: &ExportModel,
+    mut output: Box<dyn Output>,
+) -> Result<ExportSummary, ExportError> {
     let mut file = Document::default();
     file.add(model);
     let bytes = file.into_bytes(output.name())?;
@@ -55,7 +58,7 @@ struct Document {
 }
 
 impl Document {
-    fn add(&mut self, model: &Model) {
+    fn add(&mut self, model: &ExportModel) {
         self.title.clone_from(&model.title);
         let times = (model.times.len() > 1).then(|| self.buffer.scalars(&model.times));
         let mut children = Vec::new();
@@ -65,7 +68,7 @@ impl Document {
         for trace in model.traces.iter().filter(|trace| !trace.runs.is_empty()) {
             children.push(self.trace(trace));
         }
-        let [rotation] = rotations(&[model.upright])[..] else {
+        let [rotation] = rotation_quaternions(&[model.upright])[..] else {
             return;
         };
         let world = json!({
@@ -99,8 +102,15 @@ impl Document {
             .map(|part| self.part(part))
             .collect();
         let turns: Vec<DMat3> = body.poses.iter().map(|pose| pose.rotation).collect();
-        let turns: Vec<[f32; 4]> = rotations(&turns).into_iter().map(narrow_rotation).collect();
-        let places: Vec<[f32; 3]> = body.poses.iter().map(|p| narrow(p.translation)).collect();
+        let turns: Vec<[f32; 4]> = rotation_quaternions(&turns)
+            .into_iter()
+            .map(narrow_rotation)
+            .collect();
+        let places: Vec<[f32; 3]> = body
+            .poses
+            .iter()
+            .map(|p| narrow_vector(p.translation))
+            .collect();
         let mut node = json!({ "name": body.name });
         if let (Some(turn), Some(place)) = (turns.first(), places.first()) {
             node["rotation"] = json!(turn);
@@ -133,13 +143,13 @@ impl Document {
     }
 
     fn part(&mut self, part: &ModelPart) -> Value {
-        let narrowed = |list: &[DVec3]| list.iter().map(|v| narrow(*v)).collect::<Vec<_>>();
+        let narrowed = |list: &[DVec3]| list.iter().map(|v| narrow_vector(*v)).collect::<Vec<_>>();
         let positions = self.buffer.vertices(&narrowed(&part.mesh.positions), true);
         let normals = self.buffer.vertices(&narrowed(&part.mesh.normals), false);
         let indices = self.buffer.indices(part.mesh.triangles.as_flattened());
         let mut material = json!({
             "pbrMetallicRoughness": {
-                "baseColorFactor": linear(part.colour, part.opacity),
+                "baseColorFactor": linear_colour(part.colour, part.opacity),
                 "metallicFactor": 0.0,
                 "roughnessFactor": ROUGHNESS,
             },
@@ -163,11 +173,11 @@ impl Document {
 
     fn trace(&mut self, trace: &ModelTrace) -> usize {
         let material = self.material(json!({
-            "pbrMetallicRoughness": { "baseColorFactor": linear(trace.colour, 1.0) },
+            "pbrMetallicRoughness": { "baseColorFactor": linear_colour(trace.colour, 1.0) },
             "extensions": { "KHR_materials_unlit": {} },
         }));
         let primitives = trace.runs.iter().map(|run| {
-            let points: Vec<[f32; 3]> = run.iter().map(|p| narrow(*p)).collect();
+            let points: Vec<[f32; 3]> = run.iter().map(|p| narrow_vector(*p)).collect();
             let positions = self.buffer.vertices(&points, true);
             json!({ "attributes": { "POSITION": positions }, "material": material, "mode": LINE_STRIP })
         });
@@ -179,7 +189,7 @@ impl Document {
     }
 
     /// The camera stands outside the scaled world: its distances are in metres.
-    fn camera(&mut self, camera: &ModelCamera, model: &Model) {
+    fn camera(&mut self, camera: &ModelCamera, model: &ExportModel) {
         let [near, far] = camera.range.map(|distance| distance * model.metres);
         let (kind, lens) = match camera.fov_y {
             Some(fov) => (
@@ -199,12 +209,12 @@ impl Document {
             translation,
         } = camera.world_from_camera;
         let place = model.upright * translation * model.metres;
-        for turn in rotations(&[model.upright * rotation]) {
+        for turn in rotation_quaternions(&[model.upright * rotation]) {
             self.root(json!({
                 "name": "camera",
                 "camera": lens,
                 "rotation": narrow_rotation(turn),
-                "translation": narrow(place),
+                "translation": narrow_vector(place),
             }));
         }
     }
@@ -240,12 +250,16 @@ impl Document {
         if uses_unlit {
             json["extensionsUsed"] = json!(["KHR_materials_unlit"]);
         }
-        container(json.to_string().into_bytes(), binary, name)
+        glb_container(json.to_string().into_bytes(), binary, name)
     }
 }
 
 /// Header and chunks, each padded to four bytes: JSON with spaces, binary with zeros.
-fn container(mut json: Vec<u8>, mut binary: Vec<u8>, name: &str) -> Result<Vec<u8>, ExportError> {
+fn glb_container(
+    mut json: Vec<u8>,
+    mut binary: Vec<u8>,
+    name: &str,
+) -> Result<Vec<u8>, ExportError> {
     json.resize(json.len().next_multiple_of(4), b' ');
     binary.resize(binary.len().next_multiple_of(4), 0);
     let mut chunks = vec![(JSON_CHUNK, json)];
@@ -273,7 +287,7 @@ fn container(mut json: Vec<u8>, mut binary: Vec<u8>, name: &str) -> Result<Vec<u
 }
 
 /// An sRGB colour as the linear factors that glTF wants (IEC 61966-2-1), with its opacity.
-fn linear(colour: [u8; 3], opacity: f64) -> [f64; 4] {
+fn linear_colour(colour: [u8; 3], opacity: f64) -> [f64; 4] {
     let [r, g, b] = colour.map(|code| {
         let code = f64::from(code) / 255.0;
         if code <= 0.040_45 {

@@ -7,7 +7,7 @@ const BITS: u32 = 7;
 
 /// A colour that stands for the pixels of one bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bin {
+pub struct ColourBin {
     /// Mean sRGB colour of the pixels, channels 0 to 255. The mean, not the bin's centre, which would shift
     /// every flat background.
     pub rgb: [f32; 3],
@@ -59,7 +59,7 @@ impl Histogram {
     /// Counts `colour` `run` times.
     pub fn add_colour(&mut self, colour: [u8; 3], run: u64) {
         let [r, g, b] = colour.map(u64::from);
-        let bin = place(colour);
+        let bin = colour_cell(colour);
         if let Some(sum) = self.sums.get_mut(bin) {
             if sum[3] == 0 {
                 self.occupied.push(bin as u32);
@@ -85,13 +85,13 @@ impl Histogram {
     }
 
     /// The occupied bins in a fixed order.
-    pub fn bins(&self) -> Vec<Bin> {
+    pub fn bins(&self) -> Vec<ColourBin> {
         let mut occupied = self.occupied.clone();
         occupied.sort_unstable();
         let sums = occupied
             .iter()
             .filter_map(|&bin| self.sums.get(bin as usize));
-        sums.map(|&[r, g, b, n]| Bin {
+        sums.map(|&[r, g, b, n]| ColourBin {
             rgb: [r, g, b].map(|c| (c as f64 / n as f64) as f32),
             count: n as f32,
         })
@@ -101,7 +101,7 @@ impl Histogram {
 
 /// Bin of a colour. Bins of similar colours are neighbours in memory: a rendered animation touches a small part of
 /// the table, and memory that is never touched costs nothing.
-fn place(colour: [u8; 3]) -> usize {
+fn colour_cell(colour: [u8; 3]) -> usize {
     let [r, g, b] = colour.map(|c| usize::from(c >> (8 - BITS)));
     let (near, far) = ((r & 7, g & 7, b & 7), (r >> 3, g >> 3, b >> 3));
     let block = far.0 << (2 * (BITS - 3)) | far.1 << (BITS - 3) | far.2;

@@ -4,7 +4,7 @@ use super::nearest::Nearest;
 
 /// A colour in the space of the metric, with the number of pixels it stands for.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct ColourPoint {
     /// Coordinates.
     pub at: [f32; 3],
     /// Weight, positive.
@@ -13,22 +13,22 @@ pub struct Point {
 
 /// Assigns every point to one of at most `clusters` clusters: splits by largest squared error, then `steps`
 /// rounds of k-means. Returns one cluster number a point; every number below the greatest occurs.
-pub fn cluster(points: &[Point], clusters: usize, steps: usize) -> Vec<u8> {
+pub fn cluster_points(points: &[ColourPoint], clusters: usize, steps: usize) -> Vec<u8> {
     let clusters = clusters.clamp(1, 256);
-    let mut centres = split(points, clusters);
+    let mut centres = split_boxes(points, clusters);
     let mut owners = vec![0; points.len()];
     for _ in 0..steps {
-        assign(points, &centres, &mut owners);
-        let errors = update(points, &owners, &mut centres);
+        assign_owners(points, &centres, &mut owners);
+        let errors = update_centres(points, &owners, &mut centres);
         move_idle(points, &owners, &errors, &mut centres);
     }
-    assign(points, &centres, &mut owners);
-    compact(&mut owners);
+    assign_owners(points, &centres, &mut owners);
+    compact_owners(&mut owners);
     owners
 }
 
 /// A box of the splitting stage: a range of the index list and the squared error within.
-struct Part {
+struct BoxPart {
     from: usize,
     to: usize,
     error: f64,
@@ -37,9 +37,9 @@ struct Part {
 }
 
 /// Starting centres: the part with the largest squared error is cut at its mean along its longest spread.
-fn split(points: &[Point], clusters: usize) -> Vec<[f32; 3]> {
+fn split_boxes(points: &[ColourPoint], clusters: usize) -> Vec<[f32; 3]> {
     let mut order: Vec<usize> = (0..points.len()).collect();
-    let mut parts = vec![measure(points, &order, 0, points.len())];
+    let mut parts = vec![measure_box(points, &order, 0, points.len())];
     while parts.len() < clusters {
         let worst = parts
             .iter()
@@ -61,18 +61,18 @@ fn split(points: &[Point], clusters: usize) -> Vec<[f32; 3]> {
         slice.sort_by_key(|&i| f64::from(points[i].at[part.axis]) > cut);
         let low = slice.partition_point(|&i| f64::from(points[i].at[part.axis]) <= cut);
         if low == 0 || low == slice.len() {
-            parts.push(Part { error: 0.0, ..part });
+            parts.push(BoxPart { error: 0.0, ..part });
             continue;
         }
         let middle = part.from + low;
-        parts.push(measure(points, &order, part.from, middle));
-        parts.push(measure(points, &order, middle, part.to));
+        parts.push(measure_box(points, &order, part.from, middle));
+        parts.push(measure_box(points, &order, middle, part.to));
     }
     parts.iter().map(|p| p.mean.map(|c| c as f32)).collect()
 }
 
 /// Mean, squared error and axis of greatest spread of a range.
-fn measure(points: &[Point], order: &[usize], from: usize, to: usize) -> Part {
+fn measure_box(points: &[ColourPoint], order: &[usize], from: usize, to: usize) -> BoxPart {
     let members = || order[from..to].iter().map(|&i| &points[i]);
     let total: f64 = members()
         .map(|p| f64::from(p.weight))
@@ -97,7 +97,7 @@ fn measure(points: &[Point], order: &[usize], from: usize, to: usize) -> Part {
     } else {
         spread.iter().sum()
     };
-    Part {
+    BoxPart {
         from,
         to,
         error,
@@ -106,7 +106,7 @@ fn measure(points: &[Point], order: &[usize], from: usize, to: usize) -> Part {
     }
 }
 
-fn assign(points: &[Point], centres: &[[f32; 3]], owners: &mut [u8]) {
+fn assign_owners(points: &[ColourPoint], centres: &[[f32; 3]], owners: &mut [u8]) {
     let nearest = Nearest::new(centres);
     for (point, owner) in points.iter().zip(owners) {
         *owner = nearest.find(point.at);
@@ -114,7 +114,11 @@ fn assign(points: &[Point], centres: &[[f32; 3]], owners: &mut [u8]) {
 }
 
 /// Moves every centre to the mean of its points; returns each cluster's (weight, squared error).
-fn update(points: &[Point], owners: &[u8], centres: &mut [[f32; 3]]) -> Vec<(f64, f64)> {
+fn update_centres(
+    points: &[ColourPoint],
+    owners: &[u8],
+    centres: &mut [[f32; 3]],
+) -> Vec<(f64, f64)> {
     let mut sums = vec![([0.0f64; 3], 0.0f64); centres.len()];
     for (point, &owner) in points.iter().zip(owners) {
         let (sum, weight) = &mut sums[usize::from(owner)];
@@ -132,13 +136,18 @@ fn update(points: &[Point], owners: &[u8], centres: &mut [[f32; 3]]) -> Vec<(f64
     for (point, &owner) in points.iter().zip(owners) {
         let centre = centres[usize::from(owner)];
         errors[usize::from(owner)].1 +=
-            f64::from(point.weight) * f64::from(distance(point.at, centre));
+            f64::from(point.weight) * f64::from(squared_distance(point.at, centre));
     }
     errors
 }
 
 /// Puts centres without points on the farthest-off point of the clusters with the largest errors.
-fn move_idle(points: &[Point], owners: &[u8], errors: &[(f64, f64)], centres: &mut [[f32; 3]]) {
+fn move_idle(
+    points: &[ColourPoint],
+    owners: &[u8],
+    errors: &[(f64, f64)],
+    centres: &mut [[f32; 3]],
+) {
     let idle: Vec<usize> = (0..centres.len()).filter(|&c| errors[c].0 <= 0.0).collect();
     if idle.is_empty() {
         return;
@@ -146,7 +155,7 @@ fn move_idle(points: &[Point], owners: &[u8], errors: &[(f64, f64)], centres: &m
     let mut worst: Vec<usize> = (0..centres.len()).collect();
     worst.sort_by(|&a, &b| errors[b].1.total_cmp(&errors[a].1));
     for (&target, &source) in idle.iter().zip(&worst) {
-        let cost = |i: usize| points[i].weight * distance(points[i].at, centres[source]);
+        let cost = |i: usize| points[i].weight * squared_distance(points[i].at, centres[source]);
         let members = (0..points.len()).filter(|&i| usize::from(owners[i]) == source);
         let farthest = members.max_by(|&a, &b| cost(a).total_cmp(&cost(b)));
         if let Some(point) = farthest {
@@ -156,7 +165,7 @@ fn move_idle(points: &[Point], owners: &[u8], errors: &[(f64, f64)], centres: &m
 }
 
 /// Renumbers the clusters so that there are no gaps, in the order of their numbers.
-fn compact(owners: &mut [u8]) {
+fn compact_owners(owners: &mut [u8]) {
     let mut used = [false; 256];
     owners.iter().for_each(|&o| used[usize::from(o)] = true);
     let mut number = [0u8; 256];
@@ -168,7 +177,7 @@ fn compact(owners: &mut [u8]) {
     owners.iter_mut().for_each(|o| *o = number[usize::from(*o)]);
 }
 
-fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+fn squared_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
     let d: [f32; 3] = std::array::from_fn(|i| a[i] - b[i]);
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }

@@ -14,7 +14,7 @@ pub(super) const NONE: u16 = 0;
 
 /// A node's place among its siblings and its own symbol, together because they are read together.
 #[derive(Clone, Copy)]
-struct Link {
+struct SiblingLink {
     sibling: u16,
     symbol: u8,
 }
@@ -22,7 +22,7 @@ struct Link {
 /// The strings an encoder has told its decoder about, as a tree. Node numbers are codes.
 pub(super) struct Dictionary {
     first_child: Box<[u16; CODES]>,
-    links: Box<[Link; CODES]>,
+    links: Box<[SiblingLink; CODES]>,
     parent: Box<[u16; CODES]>,
     /// Children of the one-symbol strings by both symbols: there are too many for a list.
     pairs: Box<[[u16; SYMBOLS]; SYMBOLS]>,
@@ -42,7 +42,7 @@ impl Dictionary {
         let mut dictionary = Self {
             first_child: Box::new([NONE; CODES]),
             links: Box::new(
-                [Link {
+                [SiblingLink {
                     sibling: NONE,
                     symbol: 0,
                 }; CODES],
@@ -120,7 +120,7 @@ impl Dictionary {
             return;
         }
         let (node, above) = (usize::from(self.next), usize::from(parent) % CODES);
-        self.links[node] = Link {
+        self.links[node] = SiblingLink {
             sibling: self.first_child[above],
             symbol,
         };

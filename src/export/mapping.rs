@@ -58,7 +58,7 @@ impl Mapper {
 
     #[inline]
     fn index(&mut self, rgb: [u8; 3]) -> u8 {
-        let entry = &mut self.known[place(rgb)];
+        let entry = &mut self.known[cache_place(rgb)];
         if *entry == 0 {
             *entry = self.palette.map(rgb).saturating_add(1);
         }
@@ -69,7 +69,7 @@ impl Mapper {
 /// Place of a colour in the table: the bits of the three channels in groups of two, so that similar colours share
 /// cache lines (4x4x4 colours) and pages (16x16x16).
 #[inline]
-fn place(rgb: [u8; 3]) -> usize {
+fn cache_place(rgb: [u8; 3]) -> usize {
     let [r, g, b] = rgb.map(usize::from);
     let line = (r & 3) << 4 | (g & 3) << 2 | b & 3;
     let page = (r >> 2 & 3) << 10 | (g >> 2 & 3) << 8 | (b >> 2 & 3) << 6;

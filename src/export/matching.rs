@@ -5,7 +5,7 @@
 //! once; a longer string wins if the error it adds is worth the pixels it covers. Pixels that did not change stay
 //! as they are shown, whatever that is: nothing still ever flickers.
 
-use super::costs::{Change, Costs, Loss, NEVER, Pixel};
+use super::costs::{Costs, Loss, NEVER, Pixel, PixelChange};
 use super::lzw::{BitWriter, Dictionary, NONE};
 
 /// Strings followed at once. Against two, four make the file 2 % smaller at the same price and take longer; one makes
@@ -129,7 +129,7 @@ impl Matcher {
             ..
         } = self;
         let (mut front, mut back) = (front, back);
-        let step = Step {
+        let step = BeamStep {
             dictionary,
             costs,
             transparent: self.transparent,
@@ -140,10 +140,10 @@ impl Matcher {
         while let Some(pixel) = pixels.get(covered) {
             back.length = 0;
             match pixel.change {
-                Change::Stretch => step.stretch(front, back),
+                PixelChange::Stretch => step.stretch(front, back),
                 _ if covered == 1 => step.second(pixel, front, back),
-                Change::Same => step.same(pixel.shown, front, back),
-                Change::Changed => step.changed(pixel, front, back),
+                PixelChange::Same => step.same(pixel.shown, front, back),
+                PixelChange::Changed => step.changed(pixel, front, back),
             }
             if back.length == 0 {
                 break;
@@ -161,21 +161,21 @@ impl Matcher {
 }
 
 /// Extends the strings of one beam by one pixel into another.
-struct Step<'a> {
+struct BeamStep<'a> {
     dictionary: &'a Dictionary,
     costs: &'a Costs,
     transparent: u8,
     last: Option<u16>,
 }
 
-impl Step<'_> {
+impl BeamStep<'_> {
     /// Puts the strings to begin with into `front`, at least one, and returns how many pixels they cover.
     fn start(&self, pixels: &[Pixel], front: &mut Beam) -> usize {
         front.length = 0;
         let Some(pixel) = pixels.first() else {
             return 0;
         };
-        if pixel.change == Change::Stretch {
+        if pixel.change == PixelChange::Stretch {
             // Nothing but the transparent index fits: as many as the dictionary has in one string.
             let (node, length) = self.dictionary.run(pixel.stretch_left());
             front.push(Candidate {
@@ -201,7 +201,7 @@ impl Step<'_> {
             for item in front.items() {
                 let child = self.dictionary.pair(item.node, index);
                 if child != NONE {
-                    push(back, item, child, error);
+                    push_candidate(back, item, child, error);
                 } else if index == item.first {
                     self.unsaid(item, back, error);
                 }
@@ -215,7 +215,7 @@ impl Step<'_> {
         for item in front.items() {
             let child = self.dictionary.run_child(item.node);
             if child != NONE {
-                push(back, item, child, 0);
+                push_candidate(back, item, child, 0);
             } else if item.first == self.transparent {
                 self.unsaid(item, back, 0);
             }
@@ -231,7 +231,7 @@ impl Step<'_> {
             while child != NONE {
                 let (next, index) = self.dictionary.sibling(child);
                 if fits(index) {
-                    push(back, item, child, 0);
+                    push_candidate(back, item, child, 0);
                 }
                 child = next;
             }
@@ -251,7 +251,7 @@ impl Step<'_> {
                 let (next, index) = self.dictionary.sibling(child);
                 let error = self.costs.added(&wish, index);
                 if error != NEVER {
-                    push(back, item, child, error);
+                    push_candidate(back, item, child, error);
                 }
                 child = next;
             }
@@ -268,14 +268,14 @@ impl Step<'_> {
     #[inline]
     fn unsaid(&self, item: &Candidate, back: &mut Beam, error: i32) {
         if self.last == Some(item.node) && !self.dictionary.is_full() {
-            push(back, item, self.dictionary.next_code(), error);
+            push_candidate(back, item, self.dictionary.next_code(), error);
         }
     }
 }
 
 /// Adds the continuation of `item` that ends in `node`.
 #[inline]
-fn push(back: &mut Beam, item: &Candidate, node: u16, error: i32) {
+fn push_candidate(back: &mut Beam, item: &Candidate, node: u16, error: i32) {
     let error = item.error.saturating_add(error);
     back.push(Candidate {
         node,

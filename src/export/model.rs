@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 /// Shapes and where they are at every key.
 #[derive(Clone, Debug)]
-pub struct Model {
+pub struct ExportModel {
     /// Title of the scene.
     pub title: String,
     /// Rotation that puts the scene's up axis on y, which is up in glTF.
@@ -71,7 +71,7 @@ pub struct ModelCamera {
     pub range: [f64; 2],
 }
 
-impl Model {
+impl ExportModel {
     /// Every solid with its body and the body's pose at the first key.
     pub fn placed_parts(&self) -> impl Iterator<Item = (&ModelBody, &ModelPart, Pose)> {
         self.bodies.iter().flat_map(|body| {

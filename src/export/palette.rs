@@ -5,7 +5,7 @@
 //! the spaces differ only in how they weigh dark colours, where the eye's advantage is lost to rounding.
 
 use super::histogram::Histogram;
-use super::kmeans::{self, Point};
+use super::kmeans::{self, ColourPoint};
 use super::nearest::Nearest;
 use image::RgbaImage;
 
@@ -44,7 +44,7 @@ impl Palette {
         match histogram.distinct() {
             Some([]) => Self::new(vec![[0; 3]], true),
             Some(colours) => Self::new(colours.to_vec(), true),
-            None => Self::new(clustered(&histogram, limit), false),
+            None => Self::new(cluster_colours(&histogram, limit), false),
         }
     }
 
@@ -74,16 +74,16 @@ impl Palette {
 }
 
 /// Clusters the histogram's bins; each colour is the mean of its pixels.
-fn clustered(histogram: &Histogram, limit: usize) -> Vec<[u8; 3]> {
+fn cluster_colours(histogram: &Histogram, limit: usize) -> Vec<[u8; 3]> {
     let bins = histogram.bins();
-    let points: Vec<Point> = bins
+    let points: Vec<ColourPoint> = bins
         .iter()
-        .map(|bin| Point {
+        .map(|bin| ColourPoint {
             at: bin.rgb,
             weight: bin.count,
         })
         .collect();
-    let owners = kmeans::cluster(&points, limit, STEPS);
+    let owners = kmeans::cluster_points(&points, limit, STEPS);
     let mut sums = vec![[0.0f64; 4]; limit];
     for (bin, owner) in bins.iter().zip(owners) {
         let sum = &mut sums[usize::from(owner)];

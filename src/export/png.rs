@@ -36,7 +36,7 @@ pub struct PngSettings {
 /// Appends `image` as an RGB PNG file to `out`. The same image gives the same bytes.
 ///
 /// Errors: a side of 0 or too long.
-pub fn encode(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Result<(), ExportError> {
+pub fn encode_png(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Result<(), ExportError> {
     let mut rgb = Vec::new();
     drop_alpha(image.as_raw(), &mut rgb);
     let settings = PngSettings {
@@ -55,7 +55,7 @@ fn drop_alpha(rgba: &[u8], rgb: &mut Vec<u8>) {
 
 /// Filters worth trying. Pictures of flat surfaces and text pack a sixth better without one, photographs far better
 /// with one chosen row by row.
-fn filters(effort: Effort) -> &'static [FilterType] {
+fn filter_types(effort: Effort) -> &'static [FilterType] {
     match effort {
         Effort::Fast => &[FilterType::Adaptive],
         Effort::Balanced | Effort::Small => &[FilterType::NoFilter, FilterType::Adaptive],
@@ -65,21 +65,21 @@ fn filters(effort: Effort) -> &'static [FilterType] {
 /// Appends the smallest file that the effort finds.
 fn encode_bytes(bytes: &[u8], settings: PngSettings, out: &mut Vec<u8>) -> Result<(), ExportError> {
     check_size(settings.size)?;
-    if let [only] = filters(settings.effort) {
+    if let [only] = filter_types(settings.effort) {
         return encode_with(*only, bytes, settings, out);
     }
-    let (_, file) = smallest(bytes, settings)?;
+    let (_, file) = smallest_encoding(bytes, settings)?;
     out.extend_from_slice(&file);
     Ok(())
 }
 
 /// The filter that makes the smallest file, and the file.
-pub(super) fn smallest(
+pub(super) fn smallest_encoding(
     bytes: &[u8],
     settings: PngSettings,
 ) -> Result<(FilterType, Vec<u8>), ExportError> {
     let mut best = (FilterType::Adaptive, Vec::new());
-    for filter in filters(settings.effort) {
+    for filter in filter_types(settings.effort) {
         let mut file = Vec::new();
         encode_with(*filter, bytes, settings, &mut file)?;
         if best.1.is_empty() || file.len() < best.1.len() {

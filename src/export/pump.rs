@@ -18,7 +18,7 @@ const WINDOW_PER_WORKER: usize = 3;
 const CANCEL_POLL: Duration = Duration::from_millis(50);
 
 /// Frames drawn for the palette, kept so that they are not drawn twice.
-pub type Samples = Vec<(usize, RgbaImage)>;
+pub type DrawnSamples = Vec<(usize, RgbaImage)>;
 
 /// Why no file came out.
 #[derive(Debug, thiserror::Error)]
@@ -50,7 +50,7 @@ pub fn draw_samples<W, E>(
     indices: &[usize],
     size: [u32; 2],
     cancel: &AtomicBool,
-) -> Result<Samples, PumpError<E>>
+) -> Result<DrawnSamples, PumpError<E>>
 where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
     E: std::error::Error + Send + 'static,
@@ -59,16 +59,16 @@ where
     let results = Mutex::new((Vec::new(), None));
     let work = |draw: &mut W| {
         loop {
-            let Some((place, frame)) = lock(&next).next() else {
+            let Some((place, frame)) = lock_mutex(&next).next() else {
                 break;
             };
-            if cancel.load(Ordering::Relaxed) || lock(&results).1.is_some() {
+            if cancel.load(Ordering::Relaxed) || lock_mutex(&results).1.is_some() {
                 break;
             }
             let mut image = RgbaImage::new(size[0], size[1]);
             match draw(frame, &mut image) {
-                Ok(()) => lock(&results).0.push((place, frame, image)),
-                Err(source) => lock(&results).1 = Some(PumpError::Draw { frame, source }),
+                Ok(()) => lock_mutex(&results).0.push((place, frame, image)),
+                Err(source) => lock_mutex(&results).1 = Some(PumpError::Draw { frame, source }),
             }
         }
     };
@@ -105,10 +105,10 @@ where
 /// thread with (frames written, frames in all). Raising `cancel` stops after the frames being drawn.
 ///
 /// Errors: a worker's, the sink's, or `Cancelled`; the sink is then dropped unfinished and nothing is left.
-pub fn pump<W, E>(
+pub fn pump_frames<W, E>(
     workers: Vec<W>,
     frame_count: usize,
-    samples: Samples,
+    samples: DrawnSamples,
     mut sink: Box<dyn FrameSink>,
     progress: &dyn Fn(usize, usize),
     cancel: &AtomicBool,
@@ -132,7 +132,7 @@ where
         let _stop = StopOnDrop(&shared);
         let (mut working, mut alone) = (0, None);
         for draw in workers {
-            let worker = Worker {
+            let worker = PumpWorker {
                 draw,
                 coder: sink.coder(),
                 image: RgbaImage::new(width, height),
@@ -144,14 +144,14 @@ where
             let (taken, shared) = (Arc::clone(&lent), &shared);
             let started = std::thread::Builder::new().spawn_scoped(scope, move || {
                 let _stop = StopOnPanic(shared);
-                let worker = lock(&taken).take();
+                let worker = lock_mutex(&taken).take();
                 worker
                     .into_iter()
                     .for_each(|mut worker| while worker.step() {});
             });
             if started.is_err() {
                 // Those that work do all the work; without any this thread does.
-                alone = lock(&lent).take().filter(|_| working == 0);
+                alone = lock_mutex(&lent).take().filter(|_| working == 0);
                 break;
             }
             working += 1;
@@ -177,7 +177,7 @@ struct State<E: std::error::Error + 'static> {
     /// Coded frames from frame `written` on; `None` while in work.
     slots: VecDeque<Option<Vec<u8>>>,
     written: usize,
-    samples: Samples,
+    samples: DrawnSamples,
     /// Buffers to use again.
     spare: Vec<Vec<u8>>,
     failure: Option<PumpError<E>>,
@@ -185,7 +185,7 @@ struct State<E: std::error::Error + 'static> {
 }
 
 impl<E: std::error::Error + 'static> State<E> {
-    fn new(samples: Samples) -> Self {
+    fn new(samples: DrawnSamples) -> Self {
         Self {
             slots: VecDeque::new(),
             written: 0,
@@ -214,7 +214,7 @@ struct Task {
 impl<E: std::error::Error + 'static> Shared<E> {
     /// Waits until the next frame is coded and takes it.
     fn next_coded(&self, cancel: &AtomicBool) -> Result<Vec<u8>, PumpError<E>> {
-        let mut state = lock(&self.state);
+        let mut state = lock_mutex(&self.state);
         loop {
             if let Some(failure) = state.failure.take() {
                 return Err(failure);
@@ -232,7 +232,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
 
     /// Moves the window on by one frame.
     fn written(&self, coded: Vec<u8>) {
-        let mut state = lock(&self.state);
+        let mut state = lock_mutex(&self.state);
         state.spare.push(coded);
         state.slots.pop_front();
         state.written += 1;
@@ -241,7 +241,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
 
     /// The next frame to draw, or `None` when all are given out or the work is stopped.
     fn next_task(&self, cancel: &AtomicBool) -> Option<Task> {
-        let mut state = lock(&self.state);
+        let mut state = lock_mutex(&self.state);
         loop {
             let index = state.written + state.slots.len();
             if state.stop || cancel.load(Ordering::Relaxed) || index >= self.frame_count {
@@ -266,7 +266,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
     }
 
     fn deliver(&self, index: usize, coded: Vec<u8>) {
-        let mut state = lock(&self.state);
+        let mut state = lock_mutex(&self.state);
         let place = index.checked_sub(state.written);
         if let Some(slot) = place.and_then(|place| state.slots.get_mut(place)) {
             *slot = Some(coded);
@@ -275,18 +275,18 @@ impl<E: std::error::Error + 'static> Shared<E> {
     }
 
     fn fail(&self, failure: PumpError<E>) {
-        let mut state = lock(&self.state);
+        let mut state = lock_mutex(&self.state);
         state.failure.get_or_insert(failure);
         self.changed.notify_all();
     }
 
     fn stop(&self) {
-        lock(&self.state).stop = true;
+        lock_mutex(&self.state).stop = true;
         self.changed.notify_all();
     }
 }
 
-struct Worker<'a, W, E: std::error::Error + 'static> {
+struct PumpWorker<'a, W, E: std::error::Error + 'static> {
     draw: W,
     coder: Box<dyn FrameCoder>,
     image: RgbaImage,
@@ -294,7 +294,7 @@ struct Worker<'a, W, E: std::error::Error + 'static> {
     cancel: &'a AtomicBool,
 }
 
-impl<W, E> Worker<'_, W, E>
+impl<W, E> PumpWorker<'_, W, E>
 where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E>,
     E: std::error::Error + 'static,
@@ -349,6 +349,6 @@ impl<E: std::error::Error + 'static> Drop for StopOnPanic<'_, E> {
 }
 
 /// A panicking worker leaves the state consistent: it is changed in single steps under the lock.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+fn lock_mutex<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -3,7 +3,7 @@
 use super::apng::Pixels;
 use super::error::ExportError;
 use super::target::Output;
-use super::timing::fraction;
+use super::timing::rate_fraction;
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
 
@@ -80,7 +80,7 @@ impl RawSink {
             summary: ExportSummary::default(),
         };
         if let RawKind::Y4m { fps, chroma } = kind {
-            let (frames, seconds) = fraction(fps, LARGEST_RATE);
+            let (frames, seconds) = rate_fraction(fps, LARGEST_RATE);
             let [width, height] = size;
             let planes = match chroma {
                 Chroma::Full => "444",
@@ -149,7 +149,11 @@ impl FrameCoder for Planes {
                 let pairs = pixels.chunks(2 * width);
                 coded.extend(pairs.flat_map(|rows| quarter_row(row, rows, width)));
             } else {
-                coded.extend(pixels.iter().map(|pixel| component(row, offset, *pixel)));
+                coded.extend(
+                    pixels
+                        .iter()
+                        .map(|pixel| luma_component(row, offset, *pixel)),
+                );
             }
         }
         Ok(())
@@ -175,7 +179,7 @@ fn quarter_row(matrix: [i32; 3], rows: &[[u8; 4]], width: usize) -> impl Iterato
 }
 
 /// One component of a pixel, rounded to the nearest code.
-fn component(row: [i32; 3], offset: i32, [r, g, b, _]: [u8; 4]) -> u8 {
+fn luma_component(row: [i32; 3], offset: i32, [r, g, b, _]: [u8; 4]) -> u8 {
     let sum = row[0] * i32::from(r) + row[1] * i32::from(g) + row[2] * i32::from(b);
     let half = 1 << (BITS - 1);
     (((sum + half) >> BITS) + offset).clamp(0, 255) as u8
@@ -202,7 +206,7 @@ mod tests {
                     let exact = exact([r, g, b]);
                     for k in 0..3 {
                         let offset = if k == 0 { BLACK } else { GREY };
-                        let code = f64::from(component(MATRIX[k], offset, [r, g, b, 255]));
+                        let code = f64::from(luma_component(MATRIX[k], offset, [r, g, b, 255]));
                         assert!(
                             (code - exact[k]).abs() < 0.505,
                             "{r} {g} {b}: {code} {exact:?}"
@@ -251,7 +255,7 @@ mod tests {
         let all = |c| {
             [0, 1, 2].map(|k| {
                 let offset = if k == 0 { BLACK } else { GREY };
-                component(MATRIX[k], offset, [c, c, c, 255])
+                luma_component(MATRIX[k], offset, [c, c, c, 255])
             })
         };
         assert_eq!([all(0), all(255)], [[16, 128, 128], [235, 128, 128]]);

@@ -1,7 +1,7 @@
 //! What a viewer of the animation sees so far, and what the next frame has to change.
 
-use super::costs::{Change, Pixel};
-use super::delta::Area;
+use super::costs::{Pixel, PixelChange};
+use super::delta::PixelArea;
 
 /// Stretches of unchanged pixels at least this long are only ever coded as transparent. Shorter ones may also
 /// repeat their colour where that continues a string (30 % of the file); in longer ones the choice only costs time.
@@ -34,18 +34,18 @@ impl Screen {
     }
 
     /// The smallest rectangle that changes in `frame` and its pixels, row by row; `None` if nothing does.
-    pub(super) fn changes(&mut self, frame: &[[u8; 4]]) -> Option<(Area, &[Pixel])> {
+    pub(super) fn changes(&mut self, frame: &[[u8; 4]]) -> Option<(PixelArea, &[Pixel])> {
         let width = self.size[0];
         self.pixels.clear();
         let area = if self.source.is_empty() {
             self.pixels.extend(frame.iter().map(|&wanted| Pixel {
                 wanted,
                 shown: self.transparent,
-                change: Change::Changed,
+                change: PixelChange::Changed,
             }));
-            Area::whole(self.size)
+            PixelArea::whole(self.size)
         } else {
-            let area = Area::changed(&self.source, frame, width)?;
+            let area = PixelArea::changed(&self.source, frame, width)?;
             let rows = area.rows(frame, width).zip(area.rows(&self.source, width));
             for ((new, old), shown) in rows.zip(area.rows(&self.shown, width)) {
                 push_row(&mut self.pixels, new, old, shown);
@@ -59,7 +59,7 @@ impl Screen {
     }
 
     /// Takes over the indices that were sent for `area`.
-    pub(super) fn show(&mut self, area: &Area, sent: &[u8]) {
+    pub(super) fn show(&mut self, area: &PixelArea, sent: &[u8]) {
         let width = self.size[0];
         let rows = self
             .shown
@@ -88,9 +88,9 @@ fn push_row(pixels: &mut Vec<Pixel>, new: &[[u8; 4]], old: &[[u8; 4]], shown: &[
         at += stretch;
         let end = (at + if stretch == 0 { same.max(1) } else { 0 }).min(new.len());
         let change = if same == 0 {
-            Change::Changed
+            PixelChange::Changed
         } else {
-            Change::Same
+            PixelChange::Same
         };
         let some = new[at..end].iter().zip(&shown[at..end]);
         pixels.extend(some.map(|(&wanted, &shown)| Pixel {
@@ -121,7 +121,7 @@ fn same_at_start(new: &[[u8; 4]], old: &[[u8; 4]]) -> usize {
 fn measure_stretches(pixels: &mut [Pixel]) {
     let mut left = 0;
     for pixel in pixels.iter_mut().rev() {
-        left = if pixel.change == Change::Stretch {
+        left = if pixel.change == PixelChange::Stretch {
             left + 1
         } else {
             0

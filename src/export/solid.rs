@@ -2,16 +2,19 @@
 
 use super::ExportSummary;
 use super::error::ExportError;
-use super::model::{Model, ModelPart};
+use super::model::{ExportModel, ModelPart};
 use super::target::Output;
-use crate::math::narrow;
+use crate::math::narrow_vector;
 use std::collections::BTreeSet;
 use std::io::{self, BufWriter, Write};
 
 /// Writes the first key of `model` as binary STL and returns what was written. Colours and bodies are lost.
 ///
 /// Errors: no triangles, a failed write.
-pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+pub fn write_stl(
+    model: &ExportModel,
+    output: Box<dyn Output>,
+) -> Result<ExportSummary, ExportError> {
     let mut triangles = Vec::new();
     for (_, part, pose) in model.placed_parts() {
         let corner = |index: u32| pose.transform_point(part.mesh.positions[index as usize]);
@@ -20,12 +23,12 @@ pub fn write_stl(model: &Model, output: Box<dyn Output>) -> Result<ExportSummary
             // Triangles without area have no normal; the format wants zeros then.
             let normal = (b - a).cross(c - a).normalize_or_zero();
             triangles.push(stl_io::Triangle {
-                normal: stl_io::Normal::new(narrow(normal)),
-                vertices: [a, b, c].map(|v| stl_io::Vertex::new(narrow(v))),
+                normal: stl_io::Normal::new(narrow_vector(normal)),
+                vertices: [a, b, c].map(|v| stl_io::Vertex::new(narrow_vector(v))),
             });
         }
     }
-    finish(output, "an STL", triangles.len(), |mut file| {
+    finish_file(output, "an STL", triangles.len(), |mut file| {
         stl_io::write_stl(&mut file, triangles.iter())
     })
 }
@@ -38,23 +41,25 @@ pub type Library = (String, Box<dyn Output>);
 ///
 /// Errors: no triangles, a failed write.
 pub fn write_obj(
-    model: &Model,
+    model: &ExportModel,
     output: Box<dyn Output>,
     library: Option<Library>,
 ) -> Result<ExportSummary, ExportError> {
     let parts = model.placed_parts();
     let triangles = parts.map(|(_, part, _)| part.mesh.triangles.len()).sum();
     let name = library.as_ref().map(|(name, _)| name.as_str());
-    let mut summary = finish(output, "an OBJ", triangles, |file| obj(model, name, file))?;
+    let mut summary = finish_file(output, "an OBJ", triangles, |file| {
+        obj_lines(model, name, file)
+    })?;
     if let Some((_, output)) = library {
-        let materials = finish(output, "an MTL", triangles, |file| mtl(model, file))?;
+        let materials = finish_file(output, "an MTL", triangles, |file| write_mtl(model, file))?;
         summary.bytes += materials.bytes;
     }
     Ok(summary)
 }
 
 /// Name of a part's material: its colour, and its opacity in percent if it is translucent.
-fn material(part: &ModelPart) -> String {
+fn material_name(part: &ModelPart) -> String {
     let [r, g, b] = part.colour;
     match part.opacity {
         opacity if opacity < 1.0 => format!("{r:02x}{g:02x}{b:02x}-{:.0}", 100.0 * opacity),
@@ -63,10 +68,10 @@ fn material(part: &ModelPart) -> String {
 }
 
 /// Every material once. `Kd` is the colour in sRGB codes, as most readers take it.
-fn mtl(model: &Model, file: &mut dyn Write) -> io::Result<()> {
+fn write_mtl(model: &ExportModel, file: &mut dyn Write) -> io::Result<()> {
     let mut known = BTreeSet::new();
     for (_, part, _) in model.placed_parts() {
-        let name = material(part);
+        let name = material_name(part);
         if known.insert(name.clone()) {
             let [r, g, b] = part.colour.map(|c| f32::from(c) / 255.0);
             writeln!(file, "newmtl {name}")?;
@@ -77,7 +82,7 @@ fn mtl(model: &Model, file: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn obj(model: &Model, library: Option<&str>, file: &mut dyn Write) -> io::Result<()> {
+fn obj_lines(model: &ExportModel, library: Option<&str>, file: &mut dyn Write) -> io::Result<()> {
     writeln!(file, "# {}", one_line(&model.title))?;
     if let Some(library) = library {
         writeln!(file, "mtllib {library}")?;
@@ -92,15 +97,15 @@ fn obj(model: &Model, library: Option<&str>, file: &mut dyn Write) -> io::Result
         }
         let [r, g, b] = part.colour.map(|c| f32::from(c) / 255.0);
         for point in &part.mesh.positions {
-            let [x, y, z] = narrow(pose.transform_point(*point));
+            let [x, y, z] = narrow_vector(pose.transform_point(*point));
             writeln!(file, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
         }
         for normal in &part.mesh.normals {
-            let [x, y, z] = narrow(pose.transform_vector(*normal));
+            let [x, y, z] = narrow_vector(pose.transform_vector(*normal));
             writeln!(file, "vn {x:.6} {y:.6} {z:.6}")?;
         }
         if library.is_some() {
-            writeln!(file, "usemtl {}", material(part))?;
+            writeln!(file, "usemtl {}", material_name(part))?;
         }
         for triangle in &part.mesh.triangles {
             let [a, b, c] = triangle.map(|i| base + i as usize);
@@ -116,7 +121,7 @@ fn one_line(text: &str) -> String {
 }
 
 /// Writes through a buffer, counts, and commits.
-fn finish(
+fn finish_file(
     output: Box<dyn Output>,
     format: &'static str,
     triangles: usize,

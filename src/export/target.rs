@@ -62,10 +62,10 @@ pub trait Output: Write + Send {
 pub struct Target {
     name: String,
     path: PathBuf,
-    body: Body,
+    body: FileBody,
 }
 
-enum Body {
+enum FileBody {
     /// An ordinary file: temporary until the rename.
     Atomic(BufWriter<fs::File>, tempfile::TempPath),
     /// A device or a pipe: renaming a file over `/dev/null` would replace the device.
@@ -92,7 +92,7 @@ impl Target {
         if existing.as_ref().is_some_and(|m| !m.is_file()) {
             let file = fs::OpenOptions::new().write(true).open(path);
             let file = file.map_err(|e| ExportError::create(path, e))?;
-            let body = Body::Direct(BufWriter::with_capacity(BUFFER_BYTES, file));
+            let body = FileBody::Direct(BufWriter::with_capacity(BUFFER_BYTES, file));
             return Ok(Self {
                 name,
                 path: path.to_owned(),
@@ -105,7 +105,7 @@ impl Target {
         {
             return Err(ExportError::ReadOnly(path.to_owned()));
         }
-        let refused = |e| explain(path, &place, e);
+        let refused = |e| explain_error(path, &place, e);
         let (file, temporary) = temporary_beside(&place).map_err(refused)?.into_parts();
         if let Some(old) = &existing {
             take_after(old, &file, folder_of(&place)).map_err(refused)?;
@@ -114,7 +114,7 @@ impl Target {
         Ok(Self {
             name,
             path: place,
-            body: Body::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file), temporary),
+            body: FileBody::Atomic(BufWriter::with_capacity(BUFFER_BYTES, file), temporary),
         })
     }
 
@@ -131,11 +131,11 @@ impl Target {
     fn move_to_place(self, wait: bool) -> Result<(), ExportError> {
         let fail = |e| ExportError::write(&self.name, e);
         match self.body {
-            Body::Direct(mut file) => file.flush().map_err(fail),
-            Body::Atomic(file, temporary) => {
+            FileBody::Direct(mut file) => file.flush().map_err(fail),
+            FileBody::Atomic(file, temporary) => {
                 let file = file.into_inner().map_err(|e| fail(e.into_error()))?;
                 if wait {
-                    sync(&file).map_err(fail)?;
+                    sync_file(&file).map_err(fail)?;
                 }
                 let known = temporary.to_path_buf();
                 temporary.persist(&self.path).map_err(|e| fail(e.error))?;
@@ -149,13 +149,13 @@ impl Target {
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.body {
-            Body::Atomic(file, _) | Body::Direct(file) => file.write(bytes),
+            FileBody::Atomic(file, _) | FileBody::Direct(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match &mut self.body {
-            Body::Atomic(file, _) | Body::Direct(file) => file.flush(),
+            FileBody::Atomic(file, _) | FileBody::Direct(file) => file.flush(),
         }
     }
 }
@@ -306,7 +306,7 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 /// Names the cause of a failed creation as far as the file system tells it.
-fn explain(path: &Path, place: &Path, error: io::Error) -> ExportError {
+fn explain_error(path: &Path, place: &Path, error: io::Error) -> ExportError {
     let folder = folder_of(place);
     if !folder.exists() {
         return ExportError::MissingFolder {
@@ -323,7 +323,7 @@ fn explain(path: &Path, place: &Path, error: io::Error) -> ExportError {
 }
 
 /// Brings late write errors (quota, network disks) to light before the rename.
-fn sync(file: &fs::File) -> io::Result<()> {
+fn sync_file(file: &fs::File) -> io::Result<()> {
     match file.sync_all() {
         // Some file systems have no sync; there is nothing to wait for then.
         Err(e)

@@ -154,7 +154,7 @@ impl Schedule {
 
 /// The fraction nearest to a positive `rate` whose two numbers are 1 to `limit`, as (numerator, denominator), from
 /// its continued fraction: `29.97` gives 2997/100, and a rate that is `30000.0 / 1001.0` gives just that.
-pub fn fraction(rate: f64, limit: u32) -> (u32, u32) {
+pub fn rate_fraction(rate: f64, limit: u32) -> (u32, u32) {
     let limit = f64::from(limit);
     let (mut before, mut last) = ([0.0, 1.0], [1.0, 0.0]);
     let mut rest = rate.clamp(1.0 / limit, limit);
@@ -245,7 +245,7 @@ mod tests {
             assert_eq!(fraction(rate, 65535), expected, "{rate}");
         }
         for rate in [std::f64::consts::PI, 0.1234567, 47.11081547] {
-            let (n, d) = fraction(rate, 65535);
+            let (n, d) = rate_fraction(rate, 65535);
             assert!(
                 (f64::from(n) / f64::from(d) - rate).abs() < 1e-6 * rate,
                 "{rate}: {n}/{d}"

@@ -1,7 +1,7 @@
 //! Normals of triangles that come without: smooth within the crease angle, sharp beyond it.
 
 use super::mesh::Mesh;
-use super::weld::{bits, first_equal, number};
+use super::weld::{first_equal, number_first, point_bits};
 use glam::DVec3;
 
 /// Faces that meet at a smaller angle than this belong to one smooth surface: cosine of 40 degrees. Round
@@ -18,7 +18,7 @@ const CELLS: usize = 16;
 /// A mesh of bare triangles: corners at one position are welded, normals are the angle-weighted means of
 /// the faces around within the crease angle. Triangles without area or with an index out of range go.
 pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
-    let faces = Faces::new(vertices, triangles);
+    let faces = CreaseFaces::new(vertices, triangles);
     let around = faces.around();
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(3 * faces.list.len());
@@ -47,8 +47,8 @@ pub(super) fn share_vertices(mut mesh: Mesh) -> Mesh {
     let corner = |k: usize| mesh.triangles[k / 3][k % 3] as usize;
     let key = |k: usize| {
         [
-            bits(mesh.positions[corner(k)]),
-            bits(mesh.normals[corner(k)]),
+            point_bits(mesh.positions[corner(k)]),
+            point_bits(mesh.normals[corner(k)]),
         ]
     };
     let mut ids = first_equal(3 * mesh.triangles.len(), key);
@@ -60,29 +60,29 @@ pub(super) fn share_vertices(mut mesh: Mesh) -> Mesh {
     if is_in_order {
         // In place: a mesh of bare triangles fills most of the memory.
         let kept: Vec<bool> = (0..ids.len()).map(|k| ids[k] as usize == k).collect();
-        retain(&mut mesh.positions, &kept);
-        retain(&mut mesh.normals, &kept);
+        retain_kept(&mut mesh.positions, &kept);
+        retain_kept(&mut mesh.normals, &kept);
     } else {
         let (positions, normals) = firsts
             .map(|(k, _)| (mesh.positions[corner(k)], mesh.normals[corner(k)]))
             .unzip();
         (mesh.positions, mesh.normals) = (positions, normals);
     }
-    number(&mut ids);
+    number_first(&mut ids);
     for (triangle, ids) in mesh.triangles.iter_mut().zip(ids.chunks_exact(3)) {
         triangle.copy_from_slice(ids);
     }
     mesh
 }
 
-fn retain(list: &mut Vec<DVec3>, kept: &[bool]) {
+fn retain_kept(list: &mut Vec<DVec3>, kept: &[bool]) {
     let mut kept = kept.iter();
     list.retain(|_| kept.next().copied().unwrap_or(false));
     list.shrink_to_fit();
 }
 
 /// Triangles with an area.
-struct Faces<'t> {
+struct CreaseFaces<'t> {
     vertices: &'t [DVec3],
     triangles: &'t [[u32; 3]],
     /// Indices of those that have one.
@@ -90,7 +90,7 @@ struct Faces<'t> {
     normals: Vec<DVec3>,
 }
 
-impl<'t> Faces<'t> {
+impl<'t> CreaseFaces<'t> {
     fn new(vertices: &'t [DVec3], triangles: &'t [[u32; 3]]) -> Self {
         let mut faces = Self {
             vertices,
@@ -131,9 +131,9 @@ impl<'t> Faces<'t> {
     }
 
     /// Which corners are at one position.
-    fn around(&self) -> Around {
-        let mut ids = first_equal(self.vertices.len(), |k| bits(self.vertices[k]));
-        let mut starts = vec![0; number(&mut ids) + 1];
+    fn around(&self) -> AroundVertex {
+        let mut ids = first_equal(self.vertices.len(), |k| point_bits(self.vertices[k]));
+        let mut starts = vec![0; number_first(&mut ids) + 1];
         let corners = || {
             let faces = self.list.iter().flat_map(|f| self.triangles[*f as usize]);
             faces.map(|vertex| ids[vertex as usize] as usize)
@@ -147,7 +147,7 @@ impl<'t> Faces<'t> {
             list[next[id] as usize] = corner as u32;
             next[id] += 1;
         }
-        Around { starts, list }
+        AroundVertex { starts, list }
     }
 
     /// The normals of all corners at one position.
@@ -173,7 +173,7 @@ impl<'t> Faces<'t> {
         let mut sums = vec![DVec3::ZERO; 2 * CELLS * CELLS];
         for corner in corners {
             let normal = self.normal(*corner);
-            sums[cell(normal)] += normal * self.angle(*corner);
+            sums[direction_cell(normal)] += normal * self.angle(*corner);
         }
         let filled = sums
             .iter()
@@ -191,7 +191,7 @@ impl<'t> Faces<'t> {
 }
 
 /// The cell of a direction on the octahedron: its two halves laid flat side by side.
-fn cell(direction: DVec3) -> usize {
+fn direction_cell(direction: DVec3) -> usize {
     let flat = direction / direction.abs().element_sum();
     let index = |v: f64| (((v + 1.0) * 0.5 * CELLS as f64) as usize).min(CELLS - 1);
     let half = usize::from(flat.z < 0.0);
@@ -199,12 +199,12 @@ fn cell(direction: DVec3) -> usize {
 }
 
 /// Corners by position, those of one position side by side in the order of the faces.
-struct Around {
+struct AroundVertex {
     starts: Vec<u32>,
     list: Vec<u32>,
 }
 
-impl Around {
+impl AroundVertex {
     fn corners(&self) -> impl Iterator<Item = &[u32]> {
         let ranges = self.starts.windows(2);
         ranges.map(|range| &self.list[range[0] as usize..range[1] as usize])

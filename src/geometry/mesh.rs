@@ -1,6 +1,6 @@
 //! A triangle mesh, and whether it encloses space.
 
-use super::weld::{bits, first_equal};
+use super::weld::{first_equal, point_bits};
 use glam::DVec3;
 
 /// A closed or open triangle mesh with one normal per vertex.
@@ -57,7 +57,7 @@ impl Mesh {
 
 /// Number of distinct vertices, edges and triangles of a closed mesh; `None` for an open one.
 pub(super) fn closed_edges(mesh: &Mesh) -> Option<[usize; 3]> {
-    let welded = first_equal(mesh.positions.len(), |k| bits(mesh.positions[k]));
+    let welded = first_equal(mesh.positions.len(), |k| point_bits(mesh.positions[k]));
     let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * mesh.triangles.len());
     for triangle in &mesh.triangles {
         let corners = triangle.map(|i| welded.get(i as usize).copied());

@@ -25,34 +25,36 @@ use crate::model::shape::Solid;
 /// numbers that are not finite gives an empty mesh.
 pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
     let mesh = match solid {
-        Solid::Sphere { center, radius } => primitive::ball(*center, *radius, tolerance),
-        Solid::Capsule { from, to, radius } => primitive::capsule(*from, *to, *radius, tolerance),
+        Solid::Sphere { center, radius } => primitive::ball_mesh(*center, *radius, tolerance),
+        Solid::Capsule { from, to, radius } => {
+            primitive::capsule_mesh(*from, *to, *radius, tolerance)
+        }
         Solid::Cylinder { from, to, radius } => {
-            primitive::frustum([*from, *to], [*radius, *radius], tolerance)
+            primitive::frustum_mesh([*from, *to], [*radius, *radius], tolerance)
         }
         Solid::Cone {
             from,
             to,
             radius_from,
             radius_to,
-        } => primitive::frustum([*from, *to], [*radius_from, *radius_to], tolerance),
-        Solid::Box { center, size } => primitive::cuboid(*center, *size),
+        } => primitive::frustum_mesh([*from, *to], [*radius_from, *radius_to], tolerance),
+        Solid::Box { center, size } => primitive::cuboid_mesh(*center, *size),
         Solid::Torus {
             center,
             axis,
             ring,
             tube,
-        } => torus::torus(*center, *axis, *ring, *tube, tolerance),
+        } => torus::torus_mesh(*center, *axis, *ring, *tube, tolerance),
         Solid::Tube {
             points,
             radius,
             closed,
-        } => tube::tube(points, *radius, *closed, tolerance),
+        } => tube::tube_mesh(points, *radius, *closed, tolerance),
         Solid::HalfSpace {
             point,
             normal,
             size,
-        } => primitive::sheet(*point, *normal, *size),
+        } => primitive::sheet_mesh(*point, *normal, *size),
         Solid::Triangles(soup) => mesh_of_triangles(&soup.vertices, &soup.triangles),
     };
     let finite = mesh

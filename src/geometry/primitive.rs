@@ -5,7 +5,7 @@
 
 use super::crease;
 use super::mesh::Mesh;
-use super::round::{positive, segments, settle, upright};
+use super::round::{is_positive, segment_count, settle_direction, upright_frame};
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};
@@ -14,26 +14,26 @@ use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};
 const NO_LENGTH: f64 = 1e-9;
 
 /// parry's corner in a frame whose third column is the shape's axis.
-fn placed(frame: &DMat3, corner: DVec3) -> DVec3 {
+fn placed_corner(frame: &DMat3, corner: DVec3) -> DVec3 {
     frame.x_axis * corner.z + frame.y_axis * corner.x + frame.z_axis * corner.y
 }
 
 /// Segments around and from pole to pole of a ball; the errors of the two directions add up.
 fn ball_segments(radius: f64, tolerance: f64) -> [u32; 2] {
-    let around = segments(radius, 0.5 * tolerance);
+    let around = segment_count(radius, 0.5 * tolerance);
     [around, around / 2]
 }
 
-pub(super) fn ball(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
-    if !positive(radius) {
+pub(super) fn ball_mesh(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
+    if !is_positive(radius) {
         return Mesh::default();
     }
     let [around, down] = ball_segments(radius, tolerance);
     let (corners, triangles) = Ball::new(1.0).to_trimesh(around, down);
-    let frame = upright(DVec3::Z);
+    let frame = upright_frame(DVec3::Z);
     let normals: Vec<DVec3> = corners
         .into_iter()
-        .map(|corner| placed(&frame, settle(corner)))
+        .map(|corner| placed_corner(&frame, settle_direction(corner)))
         .collect();
     Mesh {
         positions: normals.iter().map(|n| center + *n * radius).collect(),
@@ -42,13 +42,13 @@ pub(super) fn ball(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
     }
 }
 
-pub(super) fn capsule(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Mesh {
-    if !positive(from.distance(to) - NO_LENGTH * radius) {
-        return ball(from, radius, tolerance);
+pub(super) fn capsule_mesh(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Mesh {
+    if !is_positive(from.distance(to) - NO_LENGTH * radius) {
+        return ball_mesh(from, radius, tolerance);
     }
     let [around, down] = ball_segments(radius, tolerance);
     let (corners, triangles) = Capsule::new_y(1.0, 1.0).to_trimesh(around, down);
-    let frame = upright(to - from);
+    let frame = upright_frame(to - from);
     let mut mesh = Mesh {
         triangles,
         ..Mesh::default()
@@ -60,7 +60,7 @@ pub(super) fn capsule(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Me
         } else {
             (from, DVec3::NEG_Y)
         };
-        let normal = placed(&frame, settle(corner - middle));
+        let normal = placed_corner(&frame, settle_direction(corner - middle));
         mesh.push_vertex(end + normal * radius, normal);
     }
     mesh
@@ -70,9 +70,9 @@ pub(super) fn capsule(from: DVec3, to: DVec3, radius: f64, tolerance: f64) -> Me
 const SHEET: f64 = 0.01;
 
 /// The square sheet that stands for a half-space: its upper side lies in the plane.
-pub(super) fn sheet(point: DVec3, normal: DVec3, size: f64) -> Mesh {
+pub(super) fn sheet_mesh(point: DVec3, normal: DVec3, size: f64) -> Mesh {
     let thickness = SHEET * size;
-    let mut mesh = cuboid(
+    let mut mesh = cuboid_mesh(
         DVec3::new(0.0, 0.0, -0.5 * thickness),
         DVec3::new(size, size, thickness),
     );
@@ -81,33 +81,33 @@ pub(super) fn sheet(point: DVec3, normal: DVec3, size: f64) -> Mesh {
         *position = turn.transform_vector(*position) + point;
     }
     for normal in &mut mesh.normals {
-        *normal = settle(turn.transform_vector(*normal));
+        *normal = settle_direction(turn.transform_vector(*normal));
     }
     mesh
 }
 
 /// Cylinder, frustum or cone between two centres, its flat ends with edges of their own.
-pub(super) fn frustum(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) -> Mesh {
+pub(super) fn frustum_mesh(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) -> Mesh {
     let widest = radii[0].max(radii[1]);
     let axis = ends[1] - ends[0];
     if !(widest > 0.0 && radii[0].min(radii[1]) >= 0.0 && axis.length() > NO_LENGTH * widest) {
         return Mesh::default();
     }
     if radii[0] == 0.0 {
-        return frustum([ends[1], ends[0]], [radii[1], radii[0]], tolerance);
+        return frustum_mesh([ends[1], ends[0]], [radii[1], radii[0]], tolerance);
     }
-    let around = segments(widest, tolerance);
+    let around = segment_count(widest, tolerance);
     let pointed = radii[1] == 0.0;
     let (corners, triangles) = if pointed {
         Cone::new(1.0, 1.0).to_trimesh(around)
     } else {
         Cylinder::new(1.0, 1.0).to_trimesh(around)
     };
-    let frame = upright(axis);
+    let frame = upright_frame(axis);
     let tilt = radii[0] - radii[1];
     let outward: Vec<DVec3> = corners
         .iter()
-        .map(|c| placed(&frame, settle(DVec3::new(c.x, 0.0, c.z))))
+        .map(|c| placed_corner(&frame, settle_direction(DVec3::new(c.x, 0.0, c.z))))
         .collect();
     let position = |corner: usize| {
         let end = usize::from(corners[corner].y > 0.0);
@@ -138,8 +138,8 @@ pub(super) fn frustum(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) -> Mesh
     crease::share_vertices(mesh)
 }
 
-pub(super) fn cuboid(center: DVec3, size: DVec3) -> Mesh {
-    if !positive(size.min_element()) {
+pub(super) fn cuboid_mesh(center: DVec3, size: DVec3) -> Mesh {
+    if !is_positive(size.min_element()) {
         return Mesh::default();
     }
     let (corners, triangles) = Cuboid::new(size * 0.5).to_trimesh();

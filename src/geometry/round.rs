@@ -13,9 +13,9 @@ const SETTLE: f64 = (1u64 << 26) as f64;
 
 /// Segments around a circle of `radius` so that its chords stay within `tolerance`; a multiple of 4, so
 /// that the extreme points along the axes are vertices.
-pub fn segments(radius: f64, tolerance: f64) -> u32 {
+pub fn segment_count(radius: f64, tolerance: f64) -> u32 {
     let share = tolerance / radius;
-    if !positive(share) {
+    if !is_positive(share) {
         return MAX_SEGMENTS;
     }
     let half_angle = libm::acos((1.0 - share).max(0.0));
@@ -26,16 +26,16 @@ pub fn segments(radius: f64, tolerance: f64) -> u32 {
 }
 
 /// Whether a length is one: above zero and not "not a number".
-pub fn positive(length: f64) -> bool {
+pub fn is_positive(length: f64) -> bool {
     length > 0.0
 }
 
 /// A unit vector with the bits removed in which platforms differ.
-pub fn settle(direction: DVec3) -> DVec3 {
+pub fn settle_direction(direction: DVec3) -> DVec3 {
     ((direction * SETTLE).round() / SETTLE).normalize_or_zero()
 }
 
 /// Rotation whose third column is `axis`; the columns map parry's (z, x, y), whose round shapes stand on y.
-pub fn upright(axis: DVec3) -> DMat3 {
+pub fn upright_frame(axis: DVec3) -> DMat3 {
     Pose::from_z_axis(axis).rotation
 }

@@ -1,6 +1,6 @@
 //! Reading STL files, binary and text, with clear refusals. Holds no meshes and no scaling of units.
 
-use super::weld::{bits, first_equal, number};
+use super::weld::{first_equal, number_first, point_bits};
 use crate::diag::shown_text;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
@@ -24,7 +24,7 @@ const BINARY_HEADER: usize = 84;
 const BINARY_TRIANGLE: usize = 50;
 
 /// The three corners of a triangle.
-type Corners = [[f64; 3]; 3];
+type CornerReader = [[f64; 3]; 3];
 
 /// Why an STL file could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -105,11 +105,11 @@ pub fn read_stl(path: &Path) -> Result<TriangleSoup, StlError> {
         return Err(StlError::TooLarge { path: name });
     }
     let file = std::fs::File::open(path).map_err(read_error)?;
-    parse(BufReader::new(file.take(MAX_STL_BYTES)), about.len(), name)
+    parse_stl(BufReader::new(file.take(MAX_STL_BYTES)), about.len(), name)
 }
 
 /// The triangles of a file of so many bytes; `path` is for messages.
-fn parse(mut file: impl BufRead, bytes: u64, path: String) -> Result<TriangleSoup, StlError> {
+fn parse_stl(mut file: impl BufRead, bytes: u64, path: String) -> Result<TriangleSoup, StlError> {
     let read_error = |source| StlError::Read {
         path: path.clone(),
         source,
@@ -117,12 +117,12 @@ fn parse(mut file: impl BufRead, bytes: u64, path: String) -> Result<TriangleSou
     let mut head = Vec::new();
     let mut first = (&mut file).take(BINARY_HEADER as u64);
     first.read_to_end(&mut head).map_err(read_error)?;
-    let announced = announced(&head);
+    let announced = announced_triangles(&head);
     let fits = announced.is_some_and(|count| binary_size(count) == Some(bytes));
     let start = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head);
     let word = start.trim_ascii_start().get(..5);
     if word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !fits {
-        return collect(Text::new(start.chain(file)), path);
+        return collect_triangles(Text::new(start.chain(file)), path);
     }
     if bytes <= BINARY_HEADER as u64 && head.iter().all(u8::is_ascii_whitespace) {
         return Err(StlError::Empty { path });
@@ -133,11 +133,11 @@ fn parse(mut file: impl BufRead, bytes: u64, path: String) -> Result<TriangleSou
         file.read_exact(&mut triangle).map_err(|e| e.to_string())?;
         Ok(of_binary(&triangle))
     });
-    collect(triangles, path)
+    collect_triangles(triangles, path)
 }
 
 /// Corners of a triangle of a binary file, behind its normal.
-fn of_binary(bytes: &[u8]) -> Corners {
+fn of_binary(bytes: &[u8]) -> CornerReader {
     let number = |k: usize| {
         let at = 12 + 4 * k;
         f64::from(f32::from_le_bytes([
@@ -243,11 +243,11 @@ impl<R: BufRead> Text<R> {
         Ok(numbers)
     }
 
-    fn triangle(&mut self) -> Result<Corners, String> {
+    fn triangle(&mut self) -> Result<CornerReader, String> {
         self.expect(&["normal"])?;
         self.numbers()?;
         self.expect(&["outer", "loop"])?;
-        let mut corners = Corners::default();
+        let mut corners = CornerReader::default();
         for corner in &mut corners {
             self.expect(&["vertex"])?;
             *corner = self.numbers()?;
@@ -258,7 +258,7 @@ impl<R: BufRead> Text<R> {
 }
 
 impl<R: BufRead> Iterator for Text<R> {
-    type Item = Result<Corners, String>;
+    type Item = Result<CornerReader, String>;
 
     fn next(&mut self) -> Option<Self::Item> {
         match self.word() {
@@ -275,7 +275,7 @@ impl<R: BufRead> Iterator for Text<R> {
     }
 }
 
-fn announced(bytes: &[u8]) -> Option<usize> {
+fn announced_triangles(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(BINARY_HEADER - 4..BINARY_HEADER)?;
     Some(u32::from_le_bytes(count.try_into().ok()?) as usize)
 }
@@ -301,8 +301,8 @@ fn check_binary(bytes: u64, announced: Option<usize>, path: &str) -> Result<usiz
     }
 }
 
-fn collect(
-    triangles: impl Iterator<Item = Result<Corners, String>>,
+fn collect_triangles(
+    triangles: impl Iterator<Item = Result<CornerReader, String>>,
     path: String,
 ) -> Result<TriangleSoup, StlError> {
     let mut corners = Vec::new();
@@ -330,12 +330,12 @@ fn collect(
     if !has_area.any(|area| area.try_normalize().is_some()) {
         return Err(StlError::Flat { path });
     }
-    Ok(welded(corners, path))
+    Ok(weld_corners(corners, path))
 }
 
 /// Equal corners made one, in the order of their first use.
-fn welded(mut corners: Vec<DVec3>, source: String) -> TriangleSoup {
-    let mut ids = first_equal(corners.len(), |k| bits(corners[k]));
+fn weld_corners(mut corners: Vec<DVec3>, source: String) -> TriangleSoup {
+    let mut ids = first_equal(corners.len(), |k| point_bits(corners[k]));
     let mut place = 0;
     for (corner, first) in ids.iter().enumerate() {
         if corner == *first as usize {
@@ -345,7 +345,7 @@ fn welded(mut corners: Vec<DVec3>, source: String) -> TriangleSoup {
     }
     corners.truncate(place);
     corners.shrink_to_fit();
-    number(&mut ids);
+    number_first(&mut ids);
     TriangleSoup {
         source,
         vertices: corners,

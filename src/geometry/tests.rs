@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use super::mesh::closed_edges;
-use super::round::segments;
+use super::round::segment_count;
 use super::*;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
@@ -194,7 +194,7 @@ fn sharp_solids_have_flat_ends_and_exact_volumes() {
             let mesh = mesh_of(&solid, 1e-4);
             assert_eq!(euler(&mesh), 2);
             check_normals(&mesh);
-            let n = f64::from(segments(0.5, 1e-4));
+            let n = f64::from(segment_count(0.5, 1e-4));
             // The inscribed polygon's area over the circle's.
             let polygon = n / (2.0 * PI) * (2.0 * PI / n).sin();
             let exact =
@@ -281,7 +281,7 @@ fn closed_tubes_meet_without_twist() {
     let length: f64 = (0..90)
         .map(|k| points[k].distance(points[(k + 1) % 90]))
         .sum();
-    let n = f64::from(segments(0.2, 0.5e-2));
+    let n = f64::from(segment_count(0.2, 0.5e-2));
     let exact = length * 0.04 * 0.5 * n * (2.0 * PI / n).sin();
     assert!((volume(&mesh) / exact - 1.0).abs() < 0.01);
     let square = [

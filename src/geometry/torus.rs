@@ -1,7 +1,7 @@
 //! Torus meshes: ring, horn and spindle.
 
 use super::mesh::Mesh;
-use super::round::{segments, upright};
+use super::round::{segment_count, upright_frame};
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -9,13 +9,13 @@ use std::f64::consts::{PI, TAU};
 /// Outer surface of all points within `tube` of the circle of radius `ring` around `axis`.
 ///
 /// A spindle torus (`tube` ≥ `ring`) is closed by its two dimples on the axis; the inner lemon is left out.
-pub(super) fn torus(center: DVec3, axis: DVec3, ring: f64, tube: f64, tolerance: f64) -> Mesh {
+pub(super) fn torus_mesh(center: DVec3, axis: DVec3, ring: f64, tube: f64, tolerance: f64) -> Mesh {
     if !(tube > 0.0 && ring >= 0.0) {
         return Mesh::default();
     }
-    let around = segments(ring + tube, 0.5 * tolerance);
-    let across = segments(tube, 0.5 * tolerance);
-    let frame = upright(axis);
+    let around = segment_count(ring + tube, 0.5 * tolerance);
+    let across = segment_count(tube, 0.5 * tolerance);
+    let frame = upright_frame(axis);
     let spindle = tube >= ring;
     // Angle of the tube's section at which the surface meets the axis.
     let reach = if spindle {

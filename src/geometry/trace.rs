@@ -32,7 +32,7 @@ pub struct TraceMesh {
 pub fn trace_mesh(points: &[Option<DVec3>], radius: f64, segments: u32) -> TraceMesh {
     let segments = segments.max(MIN_TRACE_SEGMENTS);
     let triangles_per_step = TRIANGLES_PER_SEGMENT * segments;
-    let mut trace = Trace {
+    let mut trace = TraceTube {
         radius,
         segments,
         mesh: Mesh::default(),
@@ -61,13 +61,13 @@ pub fn trace_mesh(points: &[Option<DVec3>], radius: f64, segments: u32) -> Trace
     }
 }
 
-struct Trace {
+struct TraceTube {
     radius: f64,
     segments: u32,
     mesh: Mesh,
 }
 
-impl Trace {
+impl TraceTube {
     /// Triangles without area, so that later ones keep their place.
     fn skip(&mut self, count: u32) {
         if self.mesh.positions.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::mesh::Mesh;
 use super::primitive;
-use super::round::{positive, segments, upright};
+use super::round::{is_positive, segment_count, upright_frame};
 use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -16,21 +16,21 @@ const STRAIGHT: f64 = 1e-12;
 ///
 /// At a corner the ring turns about the corner point, so that its outer half sweeps the ball that joins
 /// the two straight parts and its inner half stays inside the tube: no pinching at any angle.
-pub(super) fn tube(points: &[DVec3], radius: f64, closed: bool, tolerance: f64) -> Mesh {
-    if !positive(radius) {
+pub(super) fn tube_mesh(points: &[DVec3], radius: f64, closed: bool, tolerance: f64) -> Mesh {
+    if !is_positive(radius) {
         return Mesh::default();
     }
-    let points = distinct(points, radius, closed);
+    let points = distinct_points(points, radius, closed);
     let closed = closed && points.len() >= 3;
     match points.as_slice() {
         [] => Mesh::default(),
-        [only] => primitive::ball(*only, radius, tolerance),
-        _ => Sweep::new(radius, segments(radius, 0.5 * tolerance)).along(&points, closed),
+        [only] => primitive::ball_mesh(*only, radius, tolerance),
+        _ => Sweep::new(radius, segment_count(radius, 0.5 * tolerance)).along(&points, closed),
     }
 }
 
 /// The polyline without repeated neighbours and without what is not finite.
-fn distinct(points: &[DVec3], radius: f64, closed: bool) -> Vec<DVec3> {
+fn distinct_points(points: &[DVec3], radius: f64, closed: bool) -> Vec<DVec3> {
     let mut kept: Vec<DVec3> = Vec::with_capacity(points.len());
     for point in points.iter().filter(|p| p.is_finite()) {
         if kept
@@ -55,7 +55,7 @@ pub(super) struct RingFrame {
 
 impl RingFrame {
     pub(super) fn across(direction: DVec3) -> Self {
-        let rotation = upright(direction);
+        let rotation = upright_frame(direction);
         Self {
             first: rotation.x_axis,
             second: rotation.y_axis,
@@ -100,7 +100,7 @@ impl RingFrame {
 }
 
 /// A ring before its vertices are made.
-struct Ring {
+struct TubeRing {
     center: DVec3,
     frame: RingFrame,
 }
@@ -128,7 +128,7 @@ impl Sweep {
         let mut frame = RingFrame::across(direction(0));
         let mut rings = Vec::new();
         if !closed {
-            rings.push(Ring {
+            rings.push(TubeRing {
                 center: points[0],
                 frame,
             });
@@ -144,7 +144,7 @@ impl Sweep {
             };
             self.untwist(&mut rings, libm::atan2(sin, cos));
         } else {
-            rings.push(Ring {
+            rings.push(TubeRing {
                 center: points[count - 1],
                 frame,
             });
@@ -171,26 +171,26 @@ impl Sweep {
         center: DVec3,
         frame: RingFrame,
         direction: DVec3,
-        rings: &mut Vec<Ring>,
+        rings: &mut Vec<TubeRing>,
     ) -> RingFrame {
         let (axis, angle) = frame.turn_to(direction);
         let step = TAU / f64::from(self.around);
         if angle <= step {
             // A bend this slight is as good as a mitre; its error is within the chords' tolerance.
             let frame = frame.turned(axis, 0.5 * angle);
-            rings.push(Ring { center, frame });
+            rings.push(TubeRing { center, frame });
         } else {
             let steps = (angle / step).ceil() as u32;
             for k in 0..=steps {
                 let frame = frame.turned(axis, angle * f64::from(k) / f64::from(steps));
-                rings.push(Ring { center, frame });
+                rings.push(TubeRing { center, frame });
             }
         }
         frame.turned(axis, angle)
     }
 
     /// Spreads the twist that a closed line has gathered evenly over its length.
-    fn untwist(&self, rings: &mut [Ring], twist: f64) {
+    fn untwist(&self, rings: &mut [TubeRing], twist: f64) {
         let centers: Vec<DVec3> = rings.iter().map(|ring| ring.center).collect();
         let Some(last) = centers.last() else { return };
         let mut travelled = vec![0.0];
@@ -204,7 +204,7 @@ impl Sweep {
         }
     }
 
-    fn push_ring(&mut self, ring: &Ring) {
+    fn push_ring(&mut self, ring: &TubeRing) {
         for k in 0..self.around {
             let (sin, cos) = sin_cos(TAU * f64::from(k) / f64::from(self.around));
             let normal = ring.frame.first * cos + ring.frame.second * sin;
@@ -224,7 +224,7 @@ impl Sweep {
     }
 
     /// Half a ball beyond a ring; `side` is +1 at the end and -1 at the start of the line.
-    fn round_end(&mut self, ring: &Ring, row: u32, side: f64) {
+    fn round_end(&mut self, ring: &TubeRing, row: u32, side: f64) {
         let outward = ring.frame.direction() * side;
         let steps = (self.around / 4).max(2);
         let mut base = row * self.around;

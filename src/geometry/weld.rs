@@ -31,13 +31,13 @@ pub fn first_equal<K: Eq + Hash>(count: usize, key: impl Fn(usize) -> K) -> Vec<
 }
 
 /// The bits of a point, equal for equal points.
-pub fn bits(point: DVec3) -> [u64; 3] {
+pub fn point_bits(point: DVec3) -> [u64; 3] {
     // Adding zero makes -0 into 0.
     (point + 0.0).to_array().map(f64::to_bits)
 }
 
 /// Numbers the first ones in their order: what [`first_equal`] gives becomes indices without gaps. How many there are.
-pub fn number(first: &mut [u32]) -> usize {
+pub fn number_first(first: &mut [u32]) -> usize {
     let mut count = 0;
     for item in 0..first.len() {
         let other = first[item] as usize;

@@ -1,6 +1,6 @@
 //! Anything that is a row of pictures: a PNG, an APNG, a GIF, a folder of PNGs. Read frame by frame.
 
-use super::order::natural;
+use super::order::natural_order;
 use super::picture::{self, ImportError, read_png};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
@@ -35,7 +35,7 @@ pub struct FilmFrame {
 }
 
 /// A row of pictures.
-pub struct Film {
+pub struct FilmReader {
     path: PathBuf,
     /// How often it plays; `None` where the format has no time.
     pub plays: Option<Plays>,
@@ -44,7 +44,7 @@ pub struct Film {
     frames: Box<dyn Iterator<Item = Result<FilmFrame, ImportError>>>,
 }
 
-impl Film {
+impl FilmReader {
     /// Opens a file or a folder; the file's contents decide what it is, not its name.
     ///
     /// Errors: it cannot be read, is none of the known kinds, or is a folder without PNG files.
@@ -52,7 +52,7 @@ impl Film {
         if path.is_dir() {
             return Self::of_folder(path);
         }
-        let (mut file, limits) = picture::open(path)?;
+        let (mut file, limits) = picture::open_picture(path)?;
         let start = file.fill_buf().map_err(|e| ImportError::read(path, e))?;
         if start.starts_with(GIF_MAGIC) {
             return Self::of_gif(path, file, limits);
@@ -87,7 +87,7 @@ impl Film {
         let mut decoder = GifDecoder::new(file).map_err(|e| ImportError::decode(path, e))?;
         let limited = decoder.set_limits(limits);
         limited.map_err(|e| ImportError::decode(path, e))?;
-        let frames = timed(path, decoder.into_frames());
+        let frames = timed_frames(path, decoder.into_frames());
         Ok(Self::new(path, "a GIF", Some(plays), frames))
     }
 
@@ -107,7 +107,7 @@ impl Film {
             LoopCount::Infinite => Plays::Forever,
             LoopCount::Finite(times) => Plays::Times(times.get()),
         };
-        let frames = timed(path, decoder.into_frames());
+        let frames = timed_frames(path, decoder.into_frames());
         Ok(Self::new(path, "an APNG", Some(plays), frames))
     }
 
@@ -128,7 +128,7 @@ impl Film {
     }
 }
 
-impl Iterator for Film {
+impl Iterator for FilmReader {
     type Item = Result<FilmFrame, ImportError>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -151,11 +151,11 @@ pub fn png_files(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
             files.push(path);
         }
     }
-    files.sort_by(|a, b| natural(a, b));
+    files.sort_by(|a, b| natural_order(a, b));
     Ok(files)
 }
 
-fn timed(
+fn timed_frames(
     path: &Path,
     frames: Frames<'static>,
 ) -> impl Iterator<Item = Result<FilmFrame, ImportError>> + use<> {

@@ -4,6 +4,6 @@ pub mod film;
 pub mod order;
 mod picture;
 
-pub use film::{Film, FilmFrame, Plays};
-pub use order::natural;
+pub use film::{FilmFrame, FilmReader, Plays};
+pub use order::natural_order;
 pub use picture::{ImportError, has_alpha, read_png};

@@ -4,16 +4,19 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 /// Compares two paths, runs of digits by their value; equal values by the number of digits.
-pub fn natural(a: &Path, b: &Path) -> Ordering {
+pub fn natural_order(a: &Path, b: &Path) -> Ordering {
     let (a, b) = (a.to_string_lossy(), b.to_string_lossy());
-    compare(a.as_bytes(), b.as_bytes()).then_with(|| a.cmp(&b))
+    compare_bytes(a.as_bytes(), b.as_bytes()).then_with(|| a.cmp(&b))
 }
 
-fn compare(mut a: &[u8], mut b: &[u8]) -> Ordering {
+fn compare_bytes(mut a: &[u8], mut b: &[u8]) -> Ordering {
     loop {
-        let (digits_a, digits_b) = (digits(a), digits(b));
+        let (digits_a, digits_b) = (digit_count(a), digit_count(b));
         let order = if digits_a > 0 && digits_b > 0 {
-            let (left, right) = (number(&a[..digits_a]), number(&b[..digits_b]));
+            let (left, right) = (
+                significant_digits(&a[..digits_a]),
+                significant_digits(&b[..digits_b]),
+            );
             // Without leading zeros the longer number is the larger one.
             let order = left.len().cmp(&right.len()).then(left.cmp(right));
             (a, b) = (&a[digits_a..], &b[digits_b..]);
@@ -36,12 +39,12 @@ fn compare(mut a: &[u8], mut b: &[u8]) -> Ordering {
 }
 
 /// Length of the run of digits that `text` begins with.
-fn digits(text: &[u8]) -> usize {
+fn digit_count(text: &[u8]) -> usize {
     text.iter().take_while(|c| c.is_ascii_digit()).count()
 }
 
 /// A run of digits without its leading zeros.
-fn number(digits: &[u8]) -> &[u8] {
+fn significant_digits(digits: &[u8]) -> &[u8] {
     let zeros = digits.iter().take_while(|c| **c == b'0').count();
     &digits[zeros..]
 }

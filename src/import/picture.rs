@@ -80,7 +80,7 @@ impl ImportError {
 ///
 /// Errors: the file cannot be read, is no PNG, or is damaged or too large.
 pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
-    let (file, limits) = open(path)?;
+    let (file, limits) = open_picture(path)?;
     let mut reader = ImageReader::with_format(file, ImageFormat::Png);
     reader.limits(limits);
     let picture = reader.decode().map_err(|e| ImportError::decode(path, e))?;
@@ -91,14 +91,14 @@ pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
 ///
 /// Errors: as [`read_png`].
 pub fn has_alpha(path: &Path) -> Result<bool, ImportError> {
-    let (file, limits) = open(path)?;
+    let (file, limits) = open_picture(path)?;
     let decoder = PngDecoder::with_limits(file, limits);
     let decoder = decoder.map_err(|e| ImportError::decode(path, e))?;
     Ok(decoder.color_type().has_alpha())
 }
 
 /// Opens a picture file, and says what decoding it may take: its size is read off its head first.
-pub(super) fn open(path: &Path) -> Result<(BufReader<File>, Limits), ImportError> {
+pub(super) fn open_picture(path: &Path) -> Result<(BufReader<File>, Limits), ImportError> {
     let failed = |e| ImportError::read(path, e);
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(ImportError::decode(path, "it is no regular file"));
@@ -112,7 +112,7 @@ pub(super) fn open(path: &Path) -> Result<(BufReader<File>, Limits), ImportError
         .and_then(|(_, place)| size_at(head, place))
         .map_or(0, |[width, height]| width * height);
     let who = path.display();
-    crate::limits::limits().allow(Resource::Pixels, pixels as f64, &who)?;
+    crate::limits::current_limits().allow(Resource::Pixels, pixels as f64, &who)?;
     allow_memory(pixels as f64 * BYTES_OF_PIXEL as f64, &who)?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(MOST_BESIDE + pixels.saturating_mul(BYTES_OF_PIXEL));

@@ -1,7 +1,7 @@
 //! Gauss-Jordan inverses of regular square matrices, at half the price of a QR. What is nearly singular is refused and
 //! left to the factorisation that sees ranks.
 
-use super::lanes::{LaneMatrix, Lanes, clear_column, scale};
+use super::lanes::{LaneMatrix, Lanes, clear_column, scale_lanes};
 use wide::f64x4;
 
 /// Pivots whose ratio is below this call for the factorisation that sees ranks: six of sixteen digits would be lost.
@@ -106,7 +106,7 @@ impl Elimination {
             self.order.swap(k, place);
             *self.matrix.at_mut(k, k) = 1.0;
             let row = self.matrix.row_mut(k);
-            scale(row, 1.0 / value);
+            scale_lanes(row, 1.0 / value);
             self.pivot_row.clear();
             self.pivot_row.extend_from_slice(row);
             let (above, rest) = self.matrix.split_at_row(k);
@@ -151,7 +151,7 @@ fn invert_fixed<const G: usize>(
         if !pivots.take(value, place != k, ratio) {
             return None;
         }
-        exchange(rows, k, place);
+        exchange_rows(rows, k, place);
         order.swap(k, place);
         let reciprocal = 1.0 / value;
         let (above, rest) = rows.split_at_mut(k);
@@ -178,7 +178,7 @@ fn invert_fixed<const G: usize>(
 
 /// Exchanges row `k` with one below it, group by group.
 #[inline(always)]
-fn exchange<const G: usize>(rows: &mut [[Lanes; G]], k: usize, below: usize) {
+fn exchange_rows<const G: usize>(rows: &mut [[Lanes; G]], k: usize, below: usize) {
     let (upper, lower) = rows.split_at_mut(below);
     if let (Some(a), Some(b)) = (upper.get_mut(k), lower.first_mut()) {
         a.iter_mut().zip(b).for_each(|(a, b)| std::mem::swap(a, b));

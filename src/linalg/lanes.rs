@@ -9,7 +9,7 @@ pub type Lanes = [f64; 4];
 
 /// Groups that a row of `length` numbers takes.
 #[inline]
-pub fn groups(length: usize) -> usize {
+pub fn lane_groups(length: usize) -> usize {
     length.div_ceil(4)
 }
 
@@ -24,12 +24,12 @@ pub fn add_scaled(target: &mut [Lanes], factor: f64, row: &[Lanes]) {
 
 /// The scalar product.
 #[inline]
-pub fn dot(a: &[Lanes], b: &[Lanes]) -> f64 {
+pub fn dot_lanes(a: &[Lanes], b: &[Lanes]) -> f64 {
     let mut sums = f64x4::ZERO;
     for (a, b) in a.iter().zip(b) {
         sums += f64x4::new(*a) * f64x4::new(*b);
     }
-    total(sums.to_array())
+    lane_sum(sums.to_array())
 }
 
 /// Sum of the squares of differences, four at a time.
@@ -41,7 +41,7 @@ pub fn square_of_difference(a: &[f64], b: &[f64]) -> f64 {
         sums[k % 2] += difference * difference;
     }
     let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a - b) * (a - b));
-    total((sums[0] + sums[1]).to_array()) + rest.sum::<f64>()
+    lane_sum((sums[0] + sums[1]).to_array()) + rest.sum::<f64>()
 }
 
 /// Adds the squares of a row.
@@ -55,7 +55,7 @@ pub fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {
 
 /// `target · factor`.
 #[inline]
-pub fn scale(target: &mut [Lanes], factor: f64) {
+pub fn scale_lanes(target: &mut [Lanes], factor: f64) {
     let factor = f64x4::splat(factor);
     for t in target {
         *t = (f64x4::new(*t) * factor).to_array();
@@ -64,7 +64,7 @@ pub fn scale(target: &mut [Lanes], factor: f64) {
 
 /// `target = Σ factorₖ · rowₖ` over rows as long as the target.
 #[inline]
-pub fn combine(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
+pub fn combine_rows(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
     // The usual lengths by themselves, so that the sums stay in registers.
     match target.len() {
         1 => combine_fixed::<1>(target, factors, rows),
@@ -104,7 +104,7 @@ pub fn clear_column(rows: &mut [Lanes], pivot_row: &[Lanes], column: usize) {
 
 /// The sum of a group.
 #[inline]
-pub fn total(lanes: Lanes) -> f64 {
+pub fn lane_sum(lanes: Lanes) -> f64 {
     (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
 }
 
@@ -118,14 +118,14 @@ pub struct LaneMatrix {
 impl LaneMatrix {
     /// Makes it a matrix of zeros.
     pub fn reset(&mut self, rows: usize, columns: usize) {
-        self.stride = groups(columns);
+        self.stride = lane_groups(columns);
         self.entries.clear();
         self.entries.resize(rows * self.stride, [0.0; 4]);
     }
 
     /// Gives it that shape; what stands in it has no meaning.
     pub fn reshape(&mut self, rows: usize, columns: usize) {
-        self.stride = groups(columns);
+        self.stride = lane_groups(columns);
         self.entries.resize(rows * self.stride, [0.0; 4]);
     }
 
@@ -267,13 +267,13 @@ impl LaneMatrix {
     /// The product with a vector, row by row.
     #[inline]
     pub fn times<'a>(&'a self, x: &'a [Lanes]) -> impl Iterator<Item = f64> + 'a {
-        self.rows().map(move |row| dot(row, x))
+        self.rows().map(move |row| dot_lanes(row, x))
     }
 }
 
 /// Writes numbers into padded groups.
 #[inline]
-pub fn pack(target: &mut Vec<Lanes>, values: impl Iterator<Item = f64>) {
+pub fn pack_lanes(target: &mut Vec<Lanes>, values: impl Iterator<Item = f64>) {
     target.clear();
     for (k, value) in values.enumerate() {
         if k % 4 == 0 {

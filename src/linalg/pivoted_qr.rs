@@ -3,7 +3,9 @@
 //! Golub and Van Loan, Matrix Computations, 4th ed., algorithm 5.4.1. Matrices come in column by column and are kept
 //! by rows, so that reflections add rows to rows.
 
-use super::lanes::{LaneMatrix, Lanes, add_scaled, add_squares, dot, groups, scale};
+use super::lanes::{
+    LaneMatrix, Lanes, add_scaled, add_squares, dot_lanes, lane_groups, scale_lanes,
+};
 
 /// A factorisation in reusable buffers.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +41,7 @@ impl PivotedQr {
         self.scalars.clear();
         self.scalars.resize(columns.min(rows), 0.0);
         self.squares.clear();
-        self.squares.resize(groups(columns), [0.0; 4]);
+        self.squares.resize(lane_groups(columns), [0.0; 4]);
         for row in self.factors.rows() {
             add_squares(&mut self.squares, row);
         }
@@ -99,12 +101,12 @@ impl PivotedQr {
 
     /// Solves `min |a x - b|`; the coordinates of dependent columns are zero. `b` is overwritten.
     pub fn solve(&mut self, b: &mut [f64], x: &mut [f64]) {
-        super::lanes::pack(&mut self.scratch, b.iter().copied());
+        super::lanes::pack_lanes(&mut self.scratch, b.iter().copied());
         let reflected = &mut self.scratch[..];
         for k in 0..self.rank {
             let reflector = &self.reflectors.row(k)[k / 4..];
             let rest = &mut reflected[k / 4..];
-            let factor = self.scalars[k] * dot(reflector, rest);
+            let factor = self.scalars[k] * dot_lanes(reflector, rest);
             add_scaled(rest, -factor, reflector);
         }
         for (b, value) in b.iter_mut().zip(self.scratch.as_flattened()) {
@@ -113,9 +115,9 @@ impl PivotedQr {
         x[..self.columns].fill(0.0);
         // From here on the scratch holds the solution in the order of the pivots.
         self.scratch.clear();
-        self.scratch.resize(groups(self.columns), [0.0; 4]);
+        self.scratch.resize(lane_groups(self.columns), [0.0; 4]);
         for k in (0..self.rank).rev() {
-            let known = dot(&self.factors.row(k)[k / 4..], &self.scratch[k / 4..]);
+            let known = dot_lanes(&self.factors.row(k)[k / 4..], &self.scratch[k / 4..]);
             // Entries below the diagonal meet zeros only where nothing is solved yet: k itself and before.
             let value = (b[k] - known) / self.factors.at(k, k);
             self.scratch[k / 4][k % 4] = value;
@@ -156,7 +158,7 @@ impl PivotedQr {
                 add_scaled(row, -self.factors.at(k, j), solved);
             }
             let reciprocal = 1.0 / self.factors.at(k, k);
-            scale(&mut row[..stride], reciprocal);
+            scale_lanes(&mut row[..stride], reciprocal);
         }
         inverse.reset(n, m);
         for k in 0..n {
@@ -218,7 +220,7 @@ impl PivotedQr {
                 add_scaled(sums, *v, &other[start..]);
             }
         }
-        scale(sums, tau);
+        scale_lanes(sums, tau);
         // Columns that are done keep what they have.
         sums[0][..=k % 4].fill(0.0);
         add_scaled(row, -1.0, sums);

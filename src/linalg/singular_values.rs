@@ -8,7 +8,9 @@
 //! caller decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
 //! part in every direction, so that it cannot stay with a value that has been overtaken.
 
-use super::lanes::{LaneMatrix, Lanes, combine, dot, groups, scale, total};
+use super::lanes::{
+    LaneMatrix, Lanes, combine_rows, dot_lanes, lane_groups, lane_sum, scale_lanes,
+};
 use wide::f64x4;
 
 /// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much. An inverse of a
@@ -31,7 +33,7 @@ const MIXED: f64 = 0.01;
 const CLEAR_SHARE: f64 = 0.9;
 
 /// Entry of a vector without a preferred direction; signs alternate in no regular way.
-fn spread(k: usize) -> f64 {
+fn spread_angle(k: usize) -> f64 {
     let size = 1.0 + 0.37 * ((k * 7) % 5) as f64;
     if (k * k + k / 3) % 4 < 2 { size } else { -size }
 }
@@ -47,7 +49,7 @@ impl Extremes {
     /// Smallest and largest singular value of a matrix from itself and its inverse (or pseudo-inverse), either of which
     /// may be transposed. `None` where the iterations do not decide.
     pub fn of(&mut self, matrix: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
-        let sum: f64 = inverse.rows().map(|row| dot(row, row)).sum();
+        let sum: f64 = inverse.rows().map(|row| dot_lanes(row, row)).sum();
         let mut squares = None;
         // Rounding of the sums is far below what is clear.
         let small = self.small.largest(inverse, |value, residual| {
@@ -72,8 +74,12 @@ impl Extremes {
 fn sum_of_squares(a: &LaneMatrix) -> f64 {
     let mut sum = 0.0;
     for (i, row) in a.rows().enumerate() {
-        let beside: f64 = a.rows().take(i).map(|other| dot(row, other).powi(2)).sum();
-        sum += dot(row, row).powi(2) + 2.0 * beside;
+        let beside: f64 = a
+            .rows()
+            .take(i)
+            .map(|other| dot_lanes(row, other).powi(2))
+            .sum();
+        sum += dot_lanes(row, row).powi(2) + 2.0 * beside;
     }
     sum
 }
@@ -97,8 +103,8 @@ impl PowerIteration {
         }
         for _ in 0..MOST_ITERATIONS.max(n / SHARE_OF_SIZE) {
             self.multiply(a);
-            let value = dot(&self.vector, &self.image);
-            let square = dot(&self.image, &self.image);
+            let value = dot_lanes(&self.vector, &self.image);
+            let square = dot_lanes(&self.image, &self.image);
             if !(value > 0.0 && square.is_finite()) {
                 self.size = 0;
                 return None;
@@ -106,7 +112,7 @@ impl PowerIteration {
             // By Pythagoras, rounding included.
             let residual = (square - value * value).abs() + 4.0 * f64::EPSILON * square;
             std::mem::swap(&mut self.vector, &mut self.image);
-            scale(&mut self.vector, 1.0 / square.sqrt());
+            scale_lanes(&mut self.vector, 1.0 / square.sqrt());
             if accept(value, residual) {
                 return Some(value);
             }
@@ -120,25 +126,25 @@ impl PowerIteration {
             .iter_mut()
             .enumerate()
         {
-            *v += MIXED * spread(k);
+            *v += MIXED * spread_angle(k);
         }
-        let length = dot(&self.vector, &self.vector).sqrt();
+        let length = dot_lanes(&self.vector, &self.vector).sqrt();
         if length > 0.0 {
-            scale(&mut self.vector, 1.0 / length);
+            scale_lanes(&mut self.vector, 1.0 / length);
         }
     }
 
     /// A vector without a preferred direction.
     fn start(&mut self, n: usize) {
         self.size = n;
-        super::lanes::pack(&mut self.vector, (0..n).map(spread));
-        let length = dot(&self.vector, &self.vector).sqrt();
-        scale(&mut self.vector, 1.0 / length);
+        super::lanes::pack_lanes(&mut self.vector, (0..n).map(spread_angle));
+        let length = dot_lanes(&self.vector, &self.vector).sqrt();
+        scale_lanes(&mut self.vector, 1.0 / length);
     }
 
     fn multiply(&mut self, a: &LaneMatrix) {
         self.image.clear();
-        self.image.resize(groups(self.size), [0.0; 4]);
+        self.image.resize(lane_groups(self.size), [0.0; 4]);
         let vector = &self.vector.as_flattened()[..self.size];
         let image = self.image.as_flattened_mut();
         match a.stride() {
@@ -148,9 +154,9 @@ impl PowerIteration {
             4 => multiply_fixed::<4>(a.groups(), vector, image),
             stride => {
                 self.inner.resize(stride, [0.0; 4]);
-                combine(&mut self.inner, vector, a.groups());
+                combine_rows(&mut self.inner, vector, a.groups());
                 for (row, y) in a.rows().zip(image) {
-                    *y = dot(row, &self.inner);
+                    *y = dot_lanes(row, &self.inner);
                 }
             }
         }
@@ -172,7 +178,7 @@ fn multiply_fixed<const G: usize>(rows: &[Lanes], vector: &[f64], image: &mut [f
         for g in 0..G {
             sum += f64x4::new(row[g]) * inner[g];
         }
-        *y = total(sum.to_array());
+        *y = lane_sum(sum.to_array());
     }
 }
 
@@ -180,7 +186,7 @@ fn multiply_fixed<const G: usize>(rows: &[Lanes], vector: &[f64], image: &mut [f
 mod tests {
     use super::*;
     use crate::linalg::pivoted_qr::PivotedQr;
-    use crate::linalg::svd::conditioning;
+    use crate::linalg::svd::jacobian_conditioning;
 
     /// A repeatable matrix with entries in -1..1; the last column leaves the span of the others by `gap`.
     fn matrix(rows: usize, columns: usize, seed: u64, gap: f64) -> Vec<f64> {
@@ -214,7 +220,7 @@ mod tests {
                     qr.factor(&a, rows, columns, 1e-12);
                     assert!(qr.invert(&mut inverse));
                     transposed.copy_rows(&a, columns, rows);
-                    let exact = conditioning(&a, rows, columns);
+                    let exact = jacobian_conditioning(&a, rows, columns);
                     tried += 1;
                     let Some((small, large)) = extremes.of(&transposed, &inverse) else {
                         continue;

@@ -25,7 +25,7 @@ pub struct Conditioning {
 }
 
 /// Singular values of the column-major `rows` × `columns` matrix; `columns` zero gives the neutral value.
-pub fn conditioning(jacobian: &[f64], rows: usize, columns: usize) -> Conditioning {
+pub fn jacobian_conditioning(jacobian: &[f64], rows: usize, columns: usize) -> Conditioning {
     if columns == 0 {
         return Conditioning {
             sigma_min: f64::INFINITY,
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn diagonal_matrices_show_their_entries() {
-        let c = conditioning(&[3.0, 0.0, 0.0, 0.5], 2, 2);
+        let c = jacobian_conditioning(&[3.0, 0.0, 0.0, 0.5], 2, 2);
         assert_eq!((c.sigma_max, c.sigma_min, c.rank), (3.0, 0.5, 2));
         assert_eq!(conditioning(&[1.0, 0.0, 0.0, 0.0], 2, 2).rank, 1);
     }
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn values_that_are_none_or_overflow_make_no_decomposition_fail() {
         for bad in [f64::NAN, f64::INFINITY, 1e200, 1e308, 1e-320] {
-            let c = conditioning(&[1.0, bad, 0.0, 0.5], 2, 2);
+            let c = jacobian_conditioning(&[1.0, bad, 0.0, 0.5], 2, 2);
             assert!(c.rank <= 2 && !c.sigma_min.is_nan());
             assert_eq!(null_space(&[1.0, bad, 0.0, 0.5], 2, 2, 1).len(), 1);
         }

@@ -61,7 +61,7 @@ impl CameraPath {
                 .keys
                 .iter()
                 .filter_map(|key| Some((key.time, pick(key)?)));
-            interpolate(&said.collect::<Vec<_>>(), time)
+            interpolate_points(&said.collect::<Vec<_>>(), time)
         };
         let part = |axis: usize| along(&|key| key.target.map(|target| target[axis]));
         let target = [part(0), part(1), part(2)];
@@ -84,7 +84,7 @@ impl CameraPath {
 /// A cubic between neighbours whose slopes are those of Fritsch and Carlson (SIAM J. Numer. Anal. 17, 1980) in the
 /// harmonic form of Fritsch and Butland: the speed has no jumps, and the curve does not leave the range of two
 /// neighbouring points. It rests at both ends.
-fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
+fn interpolate_points(points: &[(f64, f64)], time: f64) -> Option<f64> {
     let next = points.partition_point(|point| point.0 <= time);
     if next == 0 {
         return points.first().map(|point| point.1);
@@ -95,7 +95,7 @@ fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
     let (start, from) = points[next - 1];
     let span = end - start;
     let share = (time - start) / span;
-    let [leaving, arriving] = [next - 1, next].map(|k| slope(points, k) * span);
+    let [leaving, arriving] = [next - 1, next].map(|k| point_slope(points, k) * span);
     let rest = 1.0 - share;
     // Hermite's basis.
     Some(
@@ -107,7 +107,7 @@ fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
 }
 
 /// Speed of the curve in point `k`; 0 at the ends and where the curve turns back.
-fn slope(points: &[(f64, f64)], k: usize) -> f64 {
+fn point_slope(points: &[(f64, f64)], k: usize) -> f64 {
     if k == 0 || k + 1 == points.len() {
         return 0.0;
     }
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn the_curve_stays_between_neighbours_and_its_speed_has_no_jumps() {
         let step = 1e-4;
-        let at = |k: i32| interpolate(&POINTS, f64::from(k) * step).unwrap_or(f64::NAN);
+        let at = |k: i32| interpolate_points(&POINTS, f64::from(k) * step).unwrap_or(f64::NAN);
         for pair in POINTS.windows(2) {
             let first = (pair[0].0 / step).round() as i32;
             let last = (pair[1].0 / step).round() as i32;

@@ -5,12 +5,12 @@
 
 use super::expression::{Affine, Expression};
 use super::fixed::FixedPose;
-use super::pattern::Pattern;
+use super::pattern::RowPattern;
 use crate::numbers::scalar::Scalar;
 
 /// Rotation about a coordinate axis, or translation along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Motion {
+pub enum ElementaryMotion {
     /// `Tx`, `Ty`, `Tz`.
     Translation,
     /// `Rx`, `Ry`, `Rz`.
@@ -19,13 +19,13 @@ pub enum Motion {
 
 /// One factor of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum ChainStep {
     /// A constant pose.
     Fixed(FixedPose),
     /// An elementary motion whose value changes.
     Joint {
         /// Kind of motion.
-        motion: Motion,
+        motion: ElementaryMotion,
         /// 0 x, 1 y, 2 z, of the frame reached so far.
         axis: usize,
         /// Index into `Mechanism::arguments`.
@@ -37,9 +37,9 @@ pub enum Step {
 
 /// A step whose value changes, as [`Step::Joint`] holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joint {
+pub struct ChainJoint {
     /// Kind of motion.
-    pub motion: Motion,
+    pub motion: ElementaryMotion,
     /// 0 x, 1 y, 2 z, of the frame reached so far.
     pub axis: usize,
     /// Index into `Mechanism::arguments`.
@@ -52,7 +52,7 @@ pub struct Joint {
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Chain {
     /// The factors.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ChainStep>,
 }
 
 /// Value of a joint: rotation angle in radians or translation in the scene's unit.
@@ -123,7 +123,7 @@ impl<S: Scalar> ArgumentValue<S> {
     }
 }
 
-impl Step {
+impl ChainStep {
     /// The step that undoes this one.
     pub fn inverse(&self) -> Self {
         match *self {
@@ -143,7 +143,7 @@ impl Step {
     }
 
     /// The joint, if it is one.
-    pub fn joint(&self) -> Option<Joint> {
+    pub fn joint(&self) -> Option<ChainJoint> {
         match *self {
             Self::Fixed(_) => None,
             Self::Joint {
@@ -151,7 +151,7 @@ impl Step {
                 axis,
                 argument,
                 sign,
-            } => Some(Joint {
+            } => Some(ChainJoint {
                 motion,
                 axis,
                 argument,
@@ -164,7 +164,7 @@ impl Step {
 impl Chain {
     /// Indices of the arguments it uses, ascending.
     pub fn arguments(&self) -> Vec<usize> {
-        let joints = self.steps.iter().filter_map(Step::joint);
+        let joints = self.steps.iter().filter_map(ChainStep::joint);
         let mut used: Vec<_> = joints.map(|joint| joint.argument).collect();
         used.sort_unstable();
         used.dedup();
@@ -172,14 +172,14 @@ impl Chain {
     }
 
     /// What is zero in the product whatever the joints do.
-    pub fn pattern(&self) -> Pattern {
+    pub fn pattern(&self) -> RowPattern {
         let factors = self.steps.iter().map(|step| match step {
-            Step::Fixed(pose) => pose.pattern,
-            Step::Joint { motion, axis, .. } => match motion {
-                Motion::Translation => Pattern::of_shift(*axis),
-                Motion::Rotation => Pattern::of_turn(*axis),
+            ChainStep::Fixed(pose) => pose.pattern,
+            ChainStep::Joint { motion, axis, .. } => match motion {
+                ElementaryMotion::Translation => RowPattern::of_shift(*axis),
+                ElementaryMotion::Rotation => RowPattern::of_turn(*axis),
             },
         });
-        factors.fold(Pattern::IDENTITY, |product, factor| product * factor)
+        factors.fold(RowPattern::IDENTITY, |product, factor| product * factor)
     }
 }

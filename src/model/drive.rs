@@ -77,7 +77,7 @@ impl Drive {
                 ease,
             } => {
                 let next = times.partition_point(|t| *t <= place);
-                piece(times, values, *ease, next, time)
+                drive_piece(times, values, *ease, next, time)
             }
         }
     }
@@ -93,7 +93,9 @@ impl Drive {
                 times,
                 values,
                 ease,
-            } if times.last() == Some(&time) => piece(times, values, *ease, times.len() - 1, clock),
+            } if times.last() == Some(&time) => {
+                drive_piece(times, values, *ease, times.len() - 1, clock)
+            }
             _ => self.value_beside(clock, time),
         };
         series.set(0, self.value(time));
@@ -135,7 +137,7 @@ impl Drive {
 }
 
 /// The value on the piece that ends at key `next`; held before the first and after the last key.
-fn piece<S: Scalar>(times: &[f64], values: &[f64], ease: Ease, next: usize, time: S) -> S {
+fn drive_piece<S: Scalar>(times: &[f64], values: &[f64], ease: Ease, next: usize, time: S) -> S {
     let value = |k: usize| {
         values
             .get(k)

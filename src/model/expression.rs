@@ -91,7 +91,7 @@ impl Expression {
         debug_assert!(
             ops.iter()
                 .enumerate()
-                .all(|(i, op)| operands(*op).into_iter().flatten().all(|o| o < i))
+                .all(|(i, op)| operand_places(*op).into_iter().flatten().all(|o| o < i))
         );
         Self { ops }
     }
@@ -139,7 +139,7 @@ impl Expression {
     pub fn value_with<S: Scalar>(&self, slots: &[S], values: &mut Vec<S>) -> S {
         values.clear();
         for op in &self.ops {
-            let value = apply(*op, values, slots);
+            let value = apply_op(*op, values, slots);
             values.push(value);
         }
         values.last().copied().unwrap_or(S::number(0.0))
@@ -177,7 +177,7 @@ impl Expression {
                 gradient[*slot] = gradient[*slot] + adjoint;
             }
             let partials = self.partials(i, values);
-            for (operand, partial) in operands(*op).into_iter().zip(partials) {
+            for (operand, partial) in operand_places(*op).into_iter().zip(partials) {
                 if let Some(operand) = operand {
                     adjoints[operand] = adjoints[operand] + adjoint * partial;
                 }
@@ -217,7 +217,7 @@ impl Expression {
     }
 }
 
-fn operands(op: Op) -> [Option<usize>; 2] {
+fn operand_places(op: Op) -> [Option<usize>; 2] {
     match op {
         Op::Constant(_) | Op::Slot(_) => [None, None],
         Op::Negate(a) => [Some(a), None],
@@ -230,7 +230,7 @@ fn operands(op: Op) -> [Option<usize>; 2] {
     }
 }
 
-fn apply<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
+fn apply_op<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
     match op {
         Op::Constant(c) => S::from_constant(c),
         Op::Slot(i) => slots[i],
@@ -269,12 +269,12 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
             constant: ZERO,
             terms: vec![(i, ONE)],
         },
-        Op::Negate(a) => combine(&forms[a], -ONE, &Affine::default(), ZERO),
-        Op::Add(a, b) => combine(&forms[a], ONE, &forms[b], ONE),
-        Op::Subtract(a, b) => combine(&forms[a], ONE, &forms[b], -ONE),
+        Op::Negate(a) => combine_affine(&forms[a], -ONE, &Affine::default(), ZERO),
+        Op::Add(a, b) => combine_affine(&forms[a], ONE, &forms[b], ONE),
+        Op::Subtract(a, b) => combine_affine(&forms[a], ONE, &forms[b], -ONE),
         Op::Multiply(a, b) => match (constant(&forms[a]), constant(&forms[b])) {
-            (Some(c), _) => combine(&forms[b], c, &Affine::default(), ZERO),
-            (_, Some(c)) => combine(&forms[a], c, &Affine::default(), ZERO),
+            (Some(c), _) => combine_affine(&forms[b], c, &Affine::default(), ZERO),
+            (_, Some(c)) => combine_affine(&forms[a], c, &Affine::default(), ZERO),
             _ => return None,
         },
         Op::Divide(a, b) => {
@@ -307,7 +307,7 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
 }
 
 /// `x·a + y·b`, terms merged by slot and zeros dropped.
-fn combine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
+fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
     let mut terms: Vec<_> = a.terms.iter().map(|(s, c)| (*s, x * *c)).collect();
     for (slot, c) in &b.terms {
         match terms.iter_mut().find(|(s, _)| s == slot) {

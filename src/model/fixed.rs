@@ -4,7 +4,7 @@
 //! that, since a run may have thousands of factors. So every pose carries its own bound: what its numbers leave open,
 //! and what each product rounded, which is measured with two f64 a number.
 
-use super::pattern::Pattern;
+use super::pattern::RowPattern;
 use crate::math::Pose;
 use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
@@ -31,7 +31,7 @@ pub struct FixedPose {
     /// How far it may be from the one meant.
     pub error: PoseError,
     /// What is zero in the pose meant, by the motions that it is made of.
-    pub pattern: Pattern,
+    pub pattern: RowPattern,
 }
 
 impl FixedPose {
@@ -40,7 +40,7 @@ impl FixedPose {
         Self {
             pose,
             error: PoseError::default(),
-            pattern: Pattern::of_exact(&pose),
+            pattern: RowPattern::of_exact(&pose),
         }
     }
 
@@ -53,7 +53,7 @@ impl FixedPose {
         Self {
             pose: Pose::from_translation(DVec3::AXES[axis] * length.number()),
             error,
-            pattern: unless_zero(length, Pattern::of_shift(axis)),
+            pattern: unless_zero(length, RowPattern::of_shift(axis)),
         }
     }
 
@@ -89,7 +89,7 @@ impl FixedPose {
         Self {
             pose,
             error,
-            pattern: unless_zero(angle, Pattern::of_turn(axis)),
+            pattern: unless_zero(angle, RowPattern::of_turn(axis)),
         }
     }
 
@@ -122,7 +122,7 @@ impl FixedPose {
         let mut squares = 0.0;
         for (i, a) in columns.iter().enumerate() {
             for (j, b) in columns.iter().enumerate() {
-                let product = dot(*a, *b) - DoubleDouble::from(f64::from(i == j));
+                let product = exact_dot(*a, *b) - DoubleDouble::from(f64::from(i == j));
                 squares += product.hi * product.hi;
             }
         }
@@ -142,7 +142,7 @@ impl FixedPose {
         Self {
             pose,
             error,
-            pattern: Pattern::of_any_rotation(),
+            pattern: RowPattern::of_any_rotation(),
         }
     }
 
@@ -150,7 +150,7 @@ impl FixedPose {
     pub fn inverse(&self) -> Self {
         let pose = self.pose.inverse();
         let back = pose.rotation;
-        let rounded = rounded(&back, self.pose.translation, DVec3::ZERO, -pose.translation);
+        let rounded = rounding_error(&back, self.pose.translation, DVec3::ZERO, -pose.translation);
         let PoseError {
             rotation,
             translation,
@@ -168,25 +168,25 @@ impl FixedPose {
 }
 
 /// The pattern of a motion; one by zero, which is exact, is none.
-fn unless_zero(by: Constant, pattern: Pattern) -> Pattern {
+fn unless_zero(by: Constant, pattern: RowPattern) -> RowPattern {
     if by == Constant::exact(0.0) {
-        Pattern::IDENTITY
+        RowPattern::IDENTITY
     } else {
         pattern
     }
 }
 
 /// a · b with 31 digits.
-fn dot(a: DVec3, b: DVec3) -> DoubleDouble {
+fn exact_dot(a: DVec3, b: DVec3) -> DoubleDouble {
     let [x, y, z] = [0, 1, 2].map(|k| DoubleDouble::product(a[k], b[k]));
     x + y + z
 }
 
 /// By how much `stored` differs from `matrix v + shift`.
-fn rounded(matrix: &DMat3, v: DVec3, shift: DVec3, stored: DVec3) -> f64 {
+fn rounding_error(matrix: &DMat3, v: DVec3, shift: DVec3, stored: DVec3) -> f64 {
     let rows = matrix.transpose();
     let off = [0, 1, 2].map(|k| {
-        let exact = dot(rows.col(k), v) + DoubleDouble::from(shift[k]);
+        let exact = exact_dot(rows.col(k), v) + DoubleDouble::from(shift[k]);
         (exact - DoubleDouble::from(stored[k])).hi
     });
     DVec3::from_array(off).length()
@@ -200,9 +200,9 @@ impl Mul for FixedPose {
         let (a, b) = (self.pose, right.pose);
         let columns = [0, 1, 2].map(|k| {
             let column = pose.rotation.col(k);
-            rounded(&a.rotation, b.rotation.col(k), DVec3::ZERO, column)
+            rounding_error(&a.rotation, b.rotation.col(k), DVec3::ZERO, column)
         });
-        let moved = rounded(&a.rotation, b.translation, a.translation, pose.translation);
+        let moved = rounding_error(&a.rotation, b.translation, a.translation, pose.translation);
         let open = self.error.rotation * b.translation.length();
         let error = PoseError {
             rotation: self.error.rotation * (1.0 + right.error.rotation)

@@ -5,7 +5,7 @@ use super::mechanism::Kind;
 
 /// Poses beside the drive: the inputs go from one set of values to another in equal steps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct MeasuredTrack {
     /// Name in the scene.
     pub name: String,
     /// Number of poses, at least two.
@@ -20,7 +20,7 @@ pub struct Track {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measures {
     /// Poses beside the drive.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<MeasuredTrack>,
     /// Scalars of the whole motion, in the order of the scene.
     pub list: Vec<Measure>,
 }

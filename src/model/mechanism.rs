@@ -67,7 +67,7 @@ pub struct Loop {
 
 /// Two cylinders in contact that may cross at any angle, but touch in a point only where they do cross.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Crossing {
+pub struct AxisCrossing {
     /// Name of the contact.
     pub contact: String,
     /// From the frame of the first cylinder to that of the second; their axes are z.
@@ -115,7 +115,7 @@ pub struct Trace {
 
 /// A named scalar for tables and plots.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Output {
+pub struct MechanismOutput {
     /// Name in the scene.
     pub name: String,
     /// Where it comes from.
@@ -177,13 +177,13 @@ pub struct Mechanism {
     /// Names of those loops and equations that are contacts of surfaces.
     pub contacts: Vec<String>,
     /// Cylinders among them that may cross at any angle.
-    pub crossings: Vec<Crossing>,
+    pub crossings: Vec<AxisCrossing>,
     /// Links.
     pub bodies: Vec<Body>,
     /// Traced points.
     pub traces: Vec<Trace>,
     /// Named scalars.
-    pub outputs: Vec<Output>,
+    pub outputs: Vec<MechanismOutput>,
     /// What its chains are as joints and links.
     pub joints: Joints,
     /// Characteristic length of the whole: no loop's own is larger.
@@ -273,7 +273,8 @@ impl Mechanism {
         let mut rests = vec![0.0; coordinates.len()];
         let first = self.unknowns.len();
         for (k, input) in self.inputs.iter().enumerate() {
-            rests[first + k] = printed::rest(coordinates[first + k], self.unit_of(input.kind));
+            rests[first + k] =
+                printed::printing_error(coordinates[first + k], self.unit_of(input.kind));
         }
         rests
     }

@@ -5,14 +5,14 @@
 
 use super::chain::ArgumentValue;
 use super::distance::{Distance, Gap, Nearest};
-use super::mechanism::{Mechanism, Output, OutputSource};
-use super::walk::Frame;
+use super::mechanism::{Mechanism, MechanismOutput, OutputSource};
+use super::walk::WalkFrame;
 use crate::math::Pose;
 use crate::numbers::hyper_dual::HyperDual;
 use crate::numbers::scalar::Scalar;
 use glam::DVec3;
 
-impl Output {
+impl MechanismOutput {
     /// The value, of coordinates, x, y, z of every trace and earlier outputs.
     pub fn value_with<S: Scalar>(
         &self,
@@ -155,8 +155,8 @@ impl Found<'_> {
         let world = self.world_from_first.rotation * normal;
         let [first, second] = [0, 1].map(|k| {
             let chain = &mechanism.bodies[self.gap.bodies[k]].world_from_body;
-            let arguments = arguments(mechanism, &chain.arguments(), coordinates);
-            Frame::at_end_of(&chain.steps, &arguments).point(own[k].to_array())
+            let arguments = output_arguments(mechanism, &chain.arguments(), coordinates);
+            WalkFrame::at_end_of(&chain.steps, &arguments).point(own[k].to_array())
         });
         let mut change = S::number(0.0);
         for (k, n) in world.to_array().into_iter().enumerate() {
@@ -183,7 +183,7 @@ impl Found<'_> {
 }
 
 /// Values of the arguments in `used`; the others stay zero.
-pub fn arguments<S: Scalar>(
+pub fn output_arguments<S: Scalar>(
     mechanism: &Mechanism,
     used: &[usize],
     coordinates: &[S],

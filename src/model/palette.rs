@@ -17,8 +17,8 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use crate::model::theme::Theme;
-    use crate::render::colour::Curve;
-    use crate::scene::{Overrides, builtin, load};
+    use crate::render::colour::ToneCurve;
+    use crate::scene::{Overrides, builtin, load_scene};
 
     /// Least distance in Oklab of two bodies' colours, for any eye below; a just noticeable difference is about 0.02.
     const LEAST: f64 = 0.06;
@@ -83,7 +83,7 @@ mod tests {
 
     /// Distance of two sRGB colours as an eye sees them.
     fn distance(eye: &[[f64; 3]; 3], a: [u8; 3], b: [u8; 3]) -> f64 {
-        let seen = |c: [u8; 3]| oklab(times(eye, Curve::shared().decode_rgb(c).map(f64::from)));
+        let seen = |c: [u8; 3]| oklab(times(eye, ToneCurve::shared().decode_rgb(c).map(f64::from)));
         let (a, b) = (seen(a), seen(b));
         (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
     }
@@ -124,7 +124,8 @@ mod tests {
     #[test]
     fn bodies_of_the_built_in_scenes_are_told_apart_by_every_eye() {
         for name in builtin::ALL.map(|scene| scene.name) {
-            let scene = load(&builtin::find(name).unwrap(), &Overrides::default()).unwrap();
+            let scene =
+                load_scene(&builtin::find_builtin(name).unwrap(), &Overrides::default()).unwrap();
             let bodies = scene.mechanism.bodies.iter();
             // A body's own colour is that of its first solid.
             let colours = bodies.filter_map(|body| Some(body.shapes.first()?.colour));

@@ -8,14 +8,14 @@ use std::ops::Mul;
 
 /// What is known of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Entry {
+enum PatternEntry {
     Zero,
     One,
     MinusOne,
     Any,
 }
 
-impl Entry {
+impl PatternEntry {
     fn of(value: f64) -> Self {
         match value {
             0.0 => Self::Zero,
@@ -44,27 +44,27 @@ impl Entry {
 
 /// What is known of the entries of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pattern {
+pub struct RowPattern {
     /// Column by column.
-    rotation: [[Entry; 3]; 3],
-    translation: [Entry; 3],
+    rotation: [[PatternEntry; 3]; 3],
+    translation: [PatternEntry; 3],
 }
 
-impl Pattern {
+impl RowPattern {
     /// Of the pose that moves nothing.
     pub const IDENTITY: Self = Self {
         rotation: [
-            [Entry::One, Entry::Zero, Entry::Zero],
-            [Entry::Zero, Entry::One, Entry::Zero],
-            [Entry::Zero, Entry::Zero, Entry::One],
+            [PatternEntry::One, PatternEntry::Zero, PatternEntry::Zero],
+            [PatternEntry::Zero, PatternEntry::One, PatternEntry::Zero],
+            [PatternEntry::Zero, PatternEntry::Zero, PatternEntry::One],
         ],
-        translation: [Entry::Zero; 3],
+        translation: [PatternEntry::Zero; 3],
     };
 
     /// Of a translation along a coordinate axis.
     pub const fn of_shift(axis: usize) -> Self {
         let mut pattern = Self::IDENTITY;
-        pattern.translation[axis] = Entry::Any;
+        pattern.translation[axis] = PatternEntry::Any;
         pattern
     }
 
@@ -72,24 +72,24 @@ impl Pattern {
     pub const fn of_turn(axis: usize) -> Self {
         let mut pattern = Self::IDENTITY;
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-        pattern.rotation[b][b] = Entry::Any;
-        pattern.rotation[b][c] = Entry::Any;
-        pattern.rotation[c][b] = Entry::Any;
-        pattern.rotation[c][c] = Entry::Any;
+        pattern.rotation[b][b] = PatternEntry::Any;
+        pattern.rotation[b][c] = PatternEntry::Any;
+        pattern.rotation[c][b] = PatternEntry::Any;
+        pattern.rotation[c][c] = PatternEntry::Any;
         pattern
     }
 
     /// Of any rotation.
     pub const fn of_any_rotation() -> Self {
         Self {
-            rotation: [[Entry::Any; 3]; 3],
+            rotation: [[PatternEntry::Any; 3]; 3],
             ..Self::IDENTITY
         }
     }
 
     /// Of a pose whose numbers are exactly those meant.
     pub fn of_exact(pose: &Pose) -> Self {
-        let entries = |column: glam::DVec3| column.to_array().map(Entry::of);
+        let entries = |column: glam::DVec3| column.to_array().map(PatternEntry::of);
         Self {
             rotation: [0, 1, 2].map(|k| entries(pose.rotation.col(k))),
             translation: entries(pose.translation),
@@ -112,10 +112,10 @@ impl Pattern {
     /// Whether equation `component` of a loop holds at every pose: 0 to 2 skew part of the rotation, 3 to 5 translation.
     pub fn always_holds(&self, component: usize) -> bool {
         if component >= 3 {
-            return self.translation[component - 3] == Entry::Zero;
+            return self.translation[component - 3] == PatternEntry::Zero;
         }
         let (b, c) = ((component + 1) % 3, (component + 2) % 3);
-        [self.rotation[b][c], self.rotation[c][b]] == [Entry::Zero; 2]
+        [self.rotation[b][c], self.rotation[c][b]] == [PatternEntry::Zero; 2]
     }
 
     /// Whether it is the pattern of a translation.
@@ -123,15 +123,15 @@ impl Pattern {
         self.rotation == Self::IDENTITY.rotation
     }
 
-    fn turned(&self, vector: &[Entry; 3]) -> [Entry; 3] {
+    fn turned(&self, vector: &[PatternEntry; 3]) -> [PatternEntry; 3] {
         [0, 1, 2].map(|row| {
             let terms = (0..3).map(|k| self.rotation[k][row].times(vector[k]));
-            terms.fold(Entry::Zero, Entry::plus)
+            terms.fold(PatternEntry::Zero, PatternEntry::plus)
         })
     }
 }
 
-impl Mul for Pattern {
+impl Mul for RowPattern {
     type Output = Self;
     fn mul(self, right: Self) -> Self {
         let moved = self.turned(&right.translation);
@@ -149,7 +149,7 @@ mod tests {
     /// Planar chains leave their plane in no equation, spherical ones their point, and one motion out of the plane is seen.
     #[test]
     fn equations_that_always_hold_are_those_of_the_axes() {
-        let [t, r] = [Pattern::of_shift, Pattern::of_turn];
+        let [t, r] = [RowPattern::of_shift, RowPattern::of_turn];
         for (motions, always) in [
             (&[r(2), t(0), r(2), t(1)][..], vec![0, 1, 5]),
             (&[r(1), t(0), r(1), t(2)], vec![0, 2, 4]),
@@ -159,7 +159,7 @@ mod tests {
             (&[r(2), t(0), r(0), r(2)], vec![5]),
             (&[r(2), r(0), t(1), r(2)], vec![]),
         ] {
-            let pattern = motions.iter().copied().fold(Pattern::IDENTITY, Mul::mul);
+            let pattern = motions.iter().copied().fold(RowPattern::IDENTITY, Mul::mul);
             let found: Vec<usize> = (0..6).filter(|k| pattern.always_holds(*k)).collect();
             assert_eq!(found, always, "{motions:?}");
             // The inverse moves in the same group wherever the group is a whole one.

@@ -15,7 +15,7 @@ pub struct Plot {
     /// What the curves are drawn against.
     pub x: Abscissa,
     /// The curves.
-    pub y: Vec<Curve>,
+    pub y: Vec<PlotCurve>,
     /// A unit is as long on both axes: for paths in a plane.
     pub equal: bool,
     /// Reference points, in the units of the axes.
@@ -30,12 +30,12 @@ pub enum Abscissa {
     /// Seconds of the drive.
     Time,
     /// A quantity of the motion.
-    Quantity(Curve),
+    Quantity(PlotCurve),
 }
 
 /// A quantity of the motion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct PlotCurve {
     /// Name for people.
     pub label: String,
     /// Unit in which it is drawn; empty for plain numbers.

@@ -22,7 +22,7 @@ pub fn in_unit(value: f64, unit: Constant) -> f64 {
 }
 
 /// The shortest decimal that reads back as the same number.
-pub fn shortest(value: f64) -> String {
+pub fn shortest_decimal(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) && value.is_finite() {
         format!("{value:e}")
@@ -32,9 +32,9 @@ pub fn shortest(value: f64) -> String {
 }
 
 /// What the printed decimal says less `value`; zero for what is no number.
-pub fn rest(value: f64, unit: Constant) -> f64 {
+pub fn printing_error(value: f64, unit: Constant) -> f64 {
     let printed = in_unit(value, unit);
-    let Some(size) = Constant::decimal(&shortest(printed.abs())) else {
+    let Some(size) = Constant::decimal(&shortest_decimal(printed.abs())) else {
         return 0.0;
     };
     let meant = if printed < 0.0 { -size } else { size } * unit;
@@ -43,7 +43,7 @@ pub fn rest(value: f64, unit: Constant) -> f64 {
 
 /// The printed decimal is no farther from `value`: what the conversion loses, and half a unit in the last place of the
 /// decimal.
-pub fn rounding(value: f64, unit: Constant) -> f64 {
+pub fn printing_unit(value: f64, unit: Constant) -> f64 {
     let converted = unit.value() * in_unit(value, unit) - DoubleDouble::from(value);
     (converted.hi.abs() + U * value.abs() + SMALLEST) * GROW
 }
@@ -76,7 +76,7 @@ mod tests {
         for (k, unit) in [Constant::exact(1.0), degree].into_iter().enumerate() {
             for step in -500..500 {
                 let value = f64::from(step) * 0.0137;
-                let (rest, bound) = (rest(value, unit), rounding(value, unit));
+                let (rest, bound) = (printing_error(value, unit), printing_unit(value, unit));
                 assert!(rest.abs() <= bound, "{value}: {rest:e} above {bound:e}");
                 closest[k] = closest[k].max(rest.abs() / bound);
                 assert!(bound <= 6.0 * U * value.abs() + 1e-300);

@@ -70,7 +70,7 @@ pub enum Trails {
 /// Which frames show their axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
-pub enum Axes {
+pub enum ShownAxes {
     None,
     World,
     Bodies,
@@ -89,7 +89,7 @@ pub struct Decor {
     /// Seconds of motion that an arrow is long; `None` suits the fastest arrow to the picture.
     pub arrow_scale: Option<f64>,
     /// Axes of frames.
-    pub axes: Axes,
+    pub axes: ShownAxes,
     /// Gauges of the inputs.
     pub gauge: bool,
     /// Joints drawn by kind, found in the chains.
@@ -103,7 +103,7 @@ impl Default for Decor {
             trails: Trails::Full,
             arrows: false,
             arrow_scale: None,
-            axes: Axes::None,
+            axes: ShownAxes::None,
             gauge: false,
             joints: false,
         }

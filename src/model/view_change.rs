@@ -2,7 +2,7 @@
 
 use super::camera_path::CameraPath;
 use super::theme::Theme;
-use super::view::{Axes, Ghosts, GroundPlace, NamedView, Trails, View, ViewProjection};
+use super::view::{Ghosts, GroundPlace, NamedView, ShownAxes, Trails, View, ViewProjection};
 
 /// Changes; what is `None` stays as the scene says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,7 +34,7 @@ pub struct ViewChange {
     /// Velocity arrows.
     pub arrows: Option<bool>,
     /// Axes of frames.
-    pub axes: Option<Axes>,
+    pub axes: Option<ShownAxes>,
     /// Gauges of the inputs.
     pub gauge: Option<bool>,
     /// Joints drawn by kind.

@@ -3,7 +3,7 @@
 //! Two products are written out apart from this one, because they are hot or exact: `kinematics/loops/joint_lanes` (four
 //! joints at once) and `kinematics/certificate/pose/product` (two f64 a number). Tests hold them against this one.
 
-use super::chain::{ArgumentValue, Chain, Joint, Motion, Step};
+use super::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion};
 use super::fixed::{FixedPose, PoseError};
 use crate::math::Pose;
 use crate::numbers::constant::Constant;
@@ -28,11 +28,11 @@ pub trait Carried {
 
 /// Carries `frame` along the steps. `meet` sees every joint before it moves the frame, and the frame there.
 #[inline]
-pub fn walk<F: Carried>(
-    steps: &[Step],
+pub fn walk_chain<F: Carried>(
+    steps: &[ChainStep],
     frame: &mut F,
     arguments: &[F::Argument],
-    mut meet: impl FnMut(&F, Joint),
+    mut meet: impl FnMut(&F, ChainJoint),
 ) {
     for step in steps {
         if let Some(joint) = step.joint() {
@@ -42,7 +42,7 @@ pub fn walk<F: Carried>(
     }
 }
 
-impl Step {
+impl ChainStep {
     /// Moves the frame by this step.
     #[inline]
     pub fn advance<F: Carried>(&self, frame: &mut F, arguments: &[F::Argument]) {
@@ -54,8 +54,8 @@ impl Step {
                 argument,
                 sign,
             } => match motion {
-                Motion::Translation => frame.shift(axis, sign, &arguments[argument]),
-                Motion::Rotation => frame.turn(axis, sign, &arguments[argument]),
+                ElementaryMotion::Translation => frame.shift(axis, sign, &arguments[argument]),
+                ElementaryMotion::Rotation => frame.turn(axis, sign, &arguments[argument]),
             },
         }
     }
@@ -65,7 +65,7 @@ impl Chain {
     /// The product at the given argument values.
     pub fn pose(&self, arguments: &[ArgumentValue]) -> Pose {
         let mut pose = Pose::IDENTITY;
-        walk(&self.steps, &mut pose, arguments, |_, _| {});
+        walk_chain(&self.steps, &mut pose, arguments, |_, _| {});
         pose
     }
 }
@@ -98,18 +98,18 @@ impl Carried for Pose {
 }
 
 /// Three numbers.
-pub type Vector<S> = [S; 3];
+pub type Triple<S> = [S; 3];
 
 /// A pose whose entries are numbers of any kind.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame<S> {
+pub struct WalkFrame<S> {
     /// The frame's axes in the base frame.
-    pub axes: [Vector<S>; 3],
+    pub axes: [Triple<S>; 3],
     /// Its origin.
-    pub origin: Vector<S>,
+    pub origin: Triple<S>,
 }
 
-impl<S: Ring> Frame<S> {
+impl<S: Ring> WalkFrame<S> {
     /// Where every chain begins.
     pub fn identity() -> Self {
         let unit = |k: usize| [0, 1, 2].map(|i| S::number(if i == k { 1.0 } else { 0.0 }));
@@ -120,43 +120,43 @@ impl<S: Ring> Frame<S> {
     }
 
     /// The frame at the end of a chain.
-    pub fn at_end_of(steps: &[Step], arguments: &[ArgumentValue<S>]) -> Self {
+    pub fn at_end_of(steps: &[ChainStep], arguments: &[ArgumentValue<S>]) -> Self {
         let mut frame = Self::identity();
-        walk(steps, &mut frame, arguments, |_, _| {});
+        walk_chain(steps, &mut frame, arguments, |_, _| {});
         frame
     }
 
     /// The frame of one part of every number.
-    pub fn map<T>(self, part: impl Fn(S) -> T + Copy) -> Frame<T> {
-        Frame {
+    pub fn map<T>(self, part: impl Fn(S) -> T + Copy) -> WalkFrame<T> {
+        WalkFrame {
             axes: self.axes.map(|axis| axis.map(part)),
             origin: self.origin.map(part),
         }
     }
 
     /// A direction of the frame in the base frame.
-    pub fn direction(&self, v: [f64; 3]) -> Vector<S> {
+    pub fn direction(&self, v: [f64; 3]) -> Triple<S> {
         self.combination(v.map(Constant::exact))
     }
 
-    fn combination(&self, v: [Constant; 3]) -> Vector<S> {
+    fn combination(&self, v: [Constant; 3]) -> Triple<S> {
         let [x, y, z] = &self.axes;
         [0, 1, 2].map(|k| x[k].scale_by(v[0]) + y[k].scale_by(v[1]) + z[k].scale_by(v[2]))
     }
 
     /// A point of the frame in the base frame. Its coordinates were rounded to f64: enclosures hold what was meant.
-    pub fn point(&self, v: [f64; 3]) -> Vector<S> {
+    pub fn point(&self, v: [f64; 3]) -> Triple<S> {
         let meant = v.map(|c| Constant::within(c, DECIMAL * c.abs()));
-        sum(self.combination(meant), self.origin)
+        add_vectors(self.combination(meant), self.origin)
     }
 }
 
 /// a + b
-pub fn sum<S: Ring>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+pub fn add_vectors<S: Ring>(a: Triple<S>, b: Triple<S>) -> Triple<S> {
     [0, 1, 2].map(|k| a[k] + b[k])
 }
 
-impl<S: Ring> Carried for Frame<S> {
+impl<S: Ring> Carried for WalkFrame<S> {
     type Argument = ArgumentValue<S>;
 
     fn fix(&mut self, fixed: &FixedPose) {
@@ -166,7 +166,7 @@ impl<S: Ring> Carried for Frame<S> {
         } = fixed.error;
         let known = |v: [f64; 3], error| v.map(|v| Constant::within(v, error));
         let moved = self.combination(known(fixed.translation.to_array(), translation));
-        self.origin = sum(self.origin, moved);
+        self.origin = add_vectors(self.origin, moved);
         if fixed.rotation != DMat3::IDENTITY {
             let columns = fixed.rotation.to_cols_array_2d();
             self.axes = columns.map(|column| self.combination(known(column, rotation)));
@@ -175,7 +175,7 @@ impl<S: Ring> Carried for Frame<S> {
 
     fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
         let value = by.value.scale(sign);
-        self.origin = sum(self.origin, self.axes[axis].map(|c| c * value));
+        self.origin = add_vectors(self.origin, self.axes[axis].map(|c| c * value));
     }
 
     /// Only two axes change.
@@ -197,36 +197,38 @@ mod tests {
         let value = ArgumentValue::new(0.7);
         for axis in 0..3 {
             for (motion, sign) in [
-                (Motion::Rotation, 1.0),
-                (Motion::Rotation, -1.0),
-                (Motion::Translation, -1.0),
+                (ElementaryMotion::Rotation, 1.0),
+                (ElementaryMotion::Rotation, -1.0),
+                (ElementaryMotion::Translation, -1.0),
             ] {
                 let start = Pose::from_axis_rotation(1, 0.4)
                     * Pose::from_translation(DVec3::new(1.0, 2.0, 3.0));
-                let joint = Step::Joint {
+                let joint = ChainStep::Joint {
                     motion,
                     axis,
                     argument: 0,
                     sign,
                 };
-                let steps = [Step::Fixed(start.into()), joint];
+                let steps = [ChainStep::Fixed(start.into()), joint];
                 let mut pose = Pose::IDENTITY;
                 let mut met = Vec::new();
-                walk(&steps, &mut pose, &[value], |here, joint| {
+                walk_chain(&steps, &mut pose, &[value], |here, joint| {
                     met.push((*here, joint))
                 });
                 assert_eq!(met.len(), 1);
                 assert_eq!(met[0].0, start);
                 let right = match motion {
-                    Motion::Rotation => Pose::from_axis_rotation(axis, sign * 0.7),
-                    Motion::Translation => Pose::from_translation(DVec3::AXES[axis] * (sign * 0.7)),
+                    ElementaryMotion::Rotation => Pose::from_axis_rotation(axis, sign * 0.7),
+                    ElementaryMotion::Translation => {
+                        Pose::from_translation(DVec3::AXES[axis] * (sign * 0.7))
+                    }
                 };
                 let product = start * right;
                 assert!((product.translation - pose.translation).length() < 1e-15);
                 let off = (product.rotation - pose.rotation).to_cols_array();
                 assert!(off.iter().all(|v| v.abs() < 1e-15));
                 // Plain numbers take the same operations, whether they lie in lists or in vectors.
-                let frame = Frame::at_end_of(&steps, &[value]);
+                let frame = WalkFrame::at_end_of(&steps, &[value]);
                 assert_eq!(frame.axes, pose.rotation.to_cols_array_2d());
                 assert_eq!(frame.origin, pose.translation.to_array());
             }

@@ -36,8 +36,8 @@ impl DoubleDouble {
     #[inline]
     pub const fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
-        let (a1, a2) = split(a);
-        let (b1, b2) = split(b);
+        let (a1, a2) = split_halves(a);
+        let (b1, b2) = split_halves(b);
         let lo = ((a1 * b1 - hi) + a1 * b2 + a2 * b1) + a2 * b2;
         Self { hi, lo }
     }
@@ -76,7 +76,7 @@ impl DoubleDouble {
 
 /// Two halves of at most 26 bits each whose sum is `a`.
 #[inline]
-pub const fn split(a: f64) -> (f64, f64) {
+pub const fn split_halves(a: f64) -> (f64, f64) {
     let c = SPLITTER * a;
     let high = c - (c - a);
     (high, a - high)

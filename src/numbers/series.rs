@@ -124,7 +124,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
     fn integral(&self, b: &[T; N], k: usize) -> T {
         let last = k.min(self.length - 1);
         let terms = (1..=last).map(|j| self.coefficients[j].scale(j as f64) * b[k - j]);
-        sum(terms) / T::number(k as f64)
+        sum_terms(terms) / T::number(k as f64)
     }
 
     /// The series that starts at `value` and whose derivative is `self' · factor`.
@@ -157,7 +157,7 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Series<T, N> {
 
 /// The sum of the terms in their order.
 #[inline]
-fn sum<T: Scalar>(mut terms: impl Iterator<Item = T>) -> T {
+fn sum_terms<T: Scalar>(mut terms: impl Iterator<Item = T>) -> T {
     let first = terms.next().unwrap_or(T::number(0.0));
     terms.fold(first, |sum, term| sum + term)
 }
@@ -250,7 +250,7 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         Self::built(self.length, |k, known| match k {
             0 => self.coefficients[0].sqrt(),
             _ => {
-                let products = sum((1..k).map(|j| known[j] * known[k - j]));
+                let products = sum_terms((1..k).map(|j| known[j] * known[k - j]));
                 (self.coefficients[k] - products) / known[0].scale(2.0)
             }
         })
@@ -295,7 +295,7 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
             _ => {
                 let weight = |j: usize| r.scale(j as f64) - T::number((k - j) as f64);
                 let terms = (1..=k).map(|j| weight(j) * u[j] * known[k - j]);
-                sum(terms) / u[0].scale(k as f64)
+                sum_terms(terms) / u[0].scale(k as f64)
             }
         })
     }
@@ -328,7 +328,7 @@ impl<T: Scalar, const N: usize> Mul for Series<T, N> {
         let (a, b) = (&self.coefficients, &other.coefficients);
         Self::built(self.length.max(other.length), |k, _| {
             let from = (k + 1).saturating_sub(other.length);
-            sum((from..=k.min(self.length - 1)).map(|j| a[j] * b[k - j]))
+            sum_terms((from..=k.min(self.length - 1)).map(|j| a[j] * b[k - j]))
         })
     }
 }
@@ -339,7 +339,7 @@ impl<T: Scalar, const N: usize> Div for Series<T, N> {
         let (a, b) = (&self.coefficients, &divisor.coefficients);
         Self::built(self.length.max(divisor.length), |k, known| {
             let from = (k + 1).saturating_sub(divisor.length);
-            let products = sum((from..k).map(|j| known[j] * b[k - j]));
+            let products = sum_terms((from..k).map(|j| known[j] * b[k - j]));
             (a[k] - products) / b[0]
         })
     }

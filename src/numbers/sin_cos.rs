@@ -3,7 +3,7 @@
 //! The angle is reduced to a multiple of π/64 and a rest; the multiple's sine and cosine stand in a table that the
 //! compiler fills by their Taylor series, those of the rest are short polynomials.
 
-use super::double_double::{DoubleDouble, split};
+use super::double_double::{DoubleDouble, split_halves};
 
 /// Largest angle (radians) that is reduced without loss: its count of steps is exact in f64 with room to spare.
 pub const LARGEST_ANGLE: f64 = 1e12;
@@ -28,7 +28,7 @@ pub const GRID: f64 = 1.5 * (1u64 << 26) as f64;
 
 /// A number as a short leading part, whose products with others are exact, and the rest: about 79 bits.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Factor {
+pub struct SinCosFactor {
     /// Leading part, of at most 27 bits.
     pub upper: f64,
     /// What is left.
@@ -37,7 +37,7 @@ pub struct Factor {
     pub whole: f64,
 }
 
-impl Factor {
+impl SinCosFactor {
     /// Of a number up to one: the leading part is a multiple of 2^-26.
     #[inline]
     pub const fn on_grid(value: DoubleDouble) -> Self {
@@ -52,7 +52,7 @@ impl Factor {
     /// Of any number: the leading part has 26 bits.
     #[inline]
     pub const fn short(value: DoubleDouble) -> Self {
-        let (upper, lower) = split(value.hi);
+        let (upper, lower) = split_halves(value.hi);
         Self {
             upper,
             lower: lower + value.lo,
@@ -96,10 +96,10 @@ impl Factor {
     }
 }
 
-static TABLE: [(Factor, Factor); QUARTER] = table();
+static TABLE: [(SinCosFactor, SinCosFactor); QUARTER] = factor_table();
 
-const fn table() -> [(Factor, Factor); QUARTER] {
-    let blank = Factor::on_grid(DoubleDouble { hi: 0.0, lo: 0.0 });
+const fn factor_table() -> [(SinCosFactor, SinCosFactor); QUARTER] {
+    let blank = SinCosFactor::on_grid(DoubleDouble { hi: 0.0, lo: 0.0 });
     let mut table = [(blank, blank); QUARTER];
     let mut k = 0;
     while k < QUARTER {
@@ -108,21 +108,21 @@ const fn table() -> [(Factor, Factor); QUARTER] {
             DoubleDouble::product(count, PI[0] / STEPS as f64),
             DoubleDouble::product(count, PI[1] / STEPS as f64),
         );
-        let (sin, cos) = series(a.plus(b));
-        table[k] = (Factor::on_grid(sin), Factor::on_grid(cos));
+        let (sin, cos) = sin_cos_series(a.plus(b));
+        table[k] = (SinCosFactor::on_grid(sin), SinCosFactor::on_grid(cos));
         k += 1;
     }
     table
 }
 
 /// Sine and cosine of an angle up to two by their Taylor series, error below 1e-30.
-const fn series(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
+const fn sin_cos_series(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     let one = DoubleDouble { hi: 1.0, lo: 0.0 };
     let (mut sin, mut cos) = (DoubleDouble { hi: 0.0, lo: 0.0 }, one);
     let mut power = one;
     let mut k = 1;
     while k < 36 {
-        power = quotient(power.times(angle), k as f64);
+        power = divide_by(power.times(angle), k as f64);
         let sign = if k % 4 < 2 { 1.0 } else { -1.0 };
         let term = DoubleDouble {
             hi: sign * power.hi,
@@ -139,7 +139,7 @@ const fn series(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
 }
 
 /// A quotient by a small whole number.
-const fn quotient(a: DoubleDouble, divisor: f64) -> DoubleDouble {
+const fn divide_by(a: DoubleDouble, divisor: f64) -> DoubleDouble {
     let hi = a.hi / divisor;
     let back = DoubleDouble::product(hi, divisor);
     let rest = ((a.hi - back.hi) - back.lo) + a.lo;
@@ -147,10 +147,10 @@ const fn quotient(a: DoubleDouble, divisor: f64) -> DoubleDouble {
 }
 
 /// Sine and cosine of an angle in radians; no numbers above [`LARGEST_ANGLE`].
-pub fn sin_cos(angle: DoubleDouble) -> (Factor, Factor) {
+pub fn sin_cos(angle: DoubleDouble) -> (SinCosFactor, SinCosFactor) {
     let reducible = angle.hi.abs() <= LARGEST_ANGLE;
     if !reducible {
-        let none = Factor::on_grid(DoubleDouble::from(f64::NAN));
+        let none = SinCosFactor::on_grid(DoubleDouble::from(f64::NAN));
         return (none, none);
     }
     // Adding and taking away three halves of 2^52 rounds what is below 2^51.
@@ -162,8 +162,8 @@ pub fn sin_cos(angle: DoubleDouble) -> (Factor, Factor) {
     let place = count as i64;
     let (table_sin, table_cos) = &TABLE[(place & (QUARTER as i64 - 1)) as usize];
     let minus = sin.signed(-1.0);
-    let whole_sin = Factor::two_products(table_sin, &cos, table_cos, &sin);
-    let whole_cos = Factor::two_products(table_cos, &cos, table_sin, &minus);
+    let whole_sin = SinCosFactor::two_products(table_sin, &cos, table_cos, &sin);
+    let whole_cos = SinCosFactor::two_products(table_cos, &cos, table_sin, &minus);
     match (place >> QUARTER.trailing_zeros()) & 3 {
         0 => (whole_sin, whole_cos),
         1 => (whole_cos, whole_sin.signed(-1.0)),
@@ -181,7 +181,7 @@ pub fn long_sin_cos(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     }
     let quarters = (angle.hi / (0.5 * PI[0])).round();
     let part = |p: usize| DoubleDouble::product(-quarters, 0.5 * PI[p]);
-    let (sin, cos) = series(angle + part(0) + part(1) + part(2));
+    let (sin, cos) = sin_cos_series(angle + part(0) + part(1) + part(2));
     match (quarters as i64) & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -191,7 +191,7 @@ pub fn long_sin_cos(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
 }
 
 /// Sine and cosine of at most π/128. What the series leave out is below 3e-23.
-fn near_zero(rest: DoubleDouble) -> (Factor, Factor) {
+fn near_zero(rest: DoubleDouble) -> (SinCosFactor, SinCosFactor) {
     let r = rest.hi;
     let square = rest * rest;
     let q = square.hi;
@@ -200,7 +200,7 @@ fn near_zero(rest: DoubleDouble) -> (Factor, Factor) {
     let cosine = q * q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q / 40_320.0));
     let half = DoubleDouble::ordered(1.0, -0.5 * q);
     let cos = DoubleDouble::ordered(half.hi, half.lo + (cosine - 0.5 * square.lo));
-    (Factor::on_grid(sin), Factor::on_grid(cos))
+    (SinCosFactor::on_grid(sin), SinCosFactor::on_grid(cos))
 }
 
 #[cfg(test)]
@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use crate::numbers::rounding::SIN_COS;
 
-    fn difference(a: Factor, b: DoubleDouble) -> f64 {
+    fn difference(a: SinCosFactor, b: DoubleDouble) -> f64 {
         (a.value() - b).hi.abs()
     }
 
@@ -221,7 +221,7 @@ mod tests {
             state ^= state << 17;
             let angle = DoubleDouble::sum((state >> 11) as f64 / (1u64 << 53) as f64 * 1.6, 1e-18);
             let (sin, cos) = sin_cos(angle);
-            let (exact_sin, exact_cos) = series(angle);
+            let (exact_sin, exact_cos) = sin_cos_series(angle);
             let error = difference(sin, exact_sin).max(difference(cos, exact_cos));
             assert!(error <= SIN_COS, "{}: {error:e}", angle.hi);
             let (long_sin, long_cos) = long_sin_cos(angle);
@@ -248,10 +248,10 @@ mod tests {
     #[test]
     fn series_agree_with_closed_forms() {
         let sixth = DoubleDouble::from(PI[0] / 6.0);
-        let (sin, cos) = series(sixth);
+        let (sin, cos) = sin_cos_series(sixth);
         let square = sin * sin + cos * cos - DoubleDouble::from(1.0);
         assert!(square.hi.abs() < 1e-31, "{square:?}");
-        let third = series(quotient(
+        let third = sin_cos_series(divide_by(
             DoubleDouble {
                 hi: PI[0],
                 lo: PI[1],

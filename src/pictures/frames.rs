@@ -1,9 +1,9 @@
 //! Workers that draw any sample of a motion: panes drawn and laid side by side, captions and plots added.
 
 use crate::plot::companion::Companion;
-use crate::plot::raster::Painter;
+use crate::plot::raster::ChartPainter;
 use crate::render::adapter::AdapterChoice;
-use crate::render::open::{RendererChoice, open};
+use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
 use crate::render::{RenderError, Renderer, matte};
 use crate::scene::Scene;
@@ -27,7 +27,8 @@ pub struct Pictures<'a> {
 }
 
 /// Draws a picture by its index.
-pub type Worker<'a> = Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a>;
+pub type FrameWorker<'a> =
+    Box<dyn FnMut(usize, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a>;
 
 /// What draws the pictures.
 #[derive(Clone, Debug)]
@@ -46,7 +47,7 @@ impl Default for DrawnBy {
         Self {
             renderer,
             adapter: renderer.default_adapter(),
-            threads: crate::jobs::cores(),
+            threads: crate::jobs::core_count(),
         }
     }
 }
@@ -54,7 +55,7 @@ impl Default for DrawnBy {
 /// Workers, and the name of what draws.
 pub struct Workers<'a> {
     /// All of them draw alike.
-    pub list: Vec<Worker<'a>>,
+    pub list: Vec<FrameWorker<'a>>,
     /// Name of the renderer or its adapter.
     pub name: String,
 }
@@ -70,12 +71,12 @@ impl<'a> Pictures<'a> {
             views.push(([0, 0], self.staging));
         }
         let view = &self.scene.view;
-        let mut workers: Vec<Vec<View<'a>>> = Vec::new();
+        let mut workers: Vec<Vec<FrameView<'a>>> = Vec::new();
         for (corner, staging) in views {
             let layers = open_layers(by, staging, view.transparent)?;
             workers.resize_with(layers.len(), Vec::new);
             for (worker, layers) in workers.iter_mut().zip(layers) {
-                worker.push(View::new(corner, staging, layers, view.background));
+                worker.push(FrameView::new(corner, staging, layers, view.background));
             }
         }
         let first = workers.first().and_then(|views| views.first());
@@ -87,7 +88,7 @@ impl<'a> Pictures<'a> {
         })
     }
 
-    fn worker(self, mut views: Vec<View<'a>>) -> Worker<'a> {
+    fn worker(self, mut views: Vec<FrameView<'a>>) -> FrameWorker<'a> {
         let [width, height] = self.staging.stage.size;
         let mut captions = Overlay::new(self.scene.view.background);
         let mut draw = move |sample: usize, image: &mut RgbaImage| {
@@ -98,14 +99,14 @@ impl<'a> Pictures<'a> {
                 view.draw_into(sample, image)?;
             }
             let stage = &self.staging.stage;
-            let frame = panes::over(self.scene, self.staging, sample);
+            let frame = panes::frame_over(self.scene, self.staging, sample);
             captions.draw(&frame, &stage.camera, image);
             Ok(())
         };
         let Some(panel) = self.panel else {
             return Box::new(move |picture, image| draw(self.first + picture, image));
         };
-        let (mut motion, mut painter) = (RgbaImage::new(width, height), Painter::default());
+        let (mut motion, mut painter) = (RgbaImage::new(width, height), ChartPainter::default());
         Box::new(move |picture, image| {
             let sample = self.first + picture;
             draw(sample, &mut motion)?;
@@ -116,7 +117,7 @@ impl<'a> Pictures<'a> {
 }
 
 /// One view of the motion and what draws it: once, or before white and before black.
-struct View<'a> {
+struct FrameView<'a> {
     corner: [u32; 2],
     staging: &'a Staging<'a>,
     layers: Vec<Box<dyn Renderer>>,
@@ -126,7 +127,7 @@ struct View<'a> {
     on_black: RgbaImage,
 }
 
-impl<'a> View<'a> {
+impl<'a> FrameView<'a> {
     fn new(
         corner: [u32; 2],
         staging: &'a Staging<'a>,
@@ -159,7 +160,7 @@ impl<'a> View<'a> {
             self.overlay.draw(&frame, camera, target);
         }
         if self.layers.len() > 1 {
-            matte::extract(image, &self.on_black);
+            matte::extract_alpha(image, &self.on_black);
         }
         Ok(())
     }
@@ -192,7 +193,7 @@ fn open_layers(
     };
     let mut workers: Vec<Vec<Box<dyn Renderer>>> = Vec::new();
     for stage in stages {
-        let renderers = open(by.renderer, by.adapter.clone(), stage, by.threads)?;
+        let renderers = open_renderer(by.renderer, by.adapter.clone(), stage, by.threads)?;
         workers.resize_with(renderers.len(), Vec::new);
         for (worker, renderer) in workers.iter_mut().zip(renderers) {
             worker.push(renderer);

@@ -2,8 +2,8 @@
 
 use super::drawing::Drawing;
 use super::layout::{Ruler, Sizes};
-use super::primitive::{Anchor, Primitive, Rect, Stroke};
-use super::theme::{Colour, Theme};
+use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::theme::{ChartTheme, Colour};
 
 /// What a picture of bars shows.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -51,17 +51,17 @@ const NUMBER: f64 = 5.6;
 
 /// The size in pixels that suits a picture of bars.
 pub fn usual_size(chart: &BarChart) -> [u32; 2] {
-    let [width, height] = natural(chart, &Sizes::scaled(1.0), &Ruler::default());
+    let [width, height] = natural_size(chart, &Sizes::scaled(1.0), &Ruler::default());
     [width.ceil() as u32, height.ceil() as u32]
 }
 
 /// Lays `chart` out in `size` pixels.
-pub fn draw(chart: &BarChart, size: [u32; 2], theme: Theme) -> Drawing {
+pub fn draw_bars(chart: &BarChart, size: [u32; 2], theme: ChartTheme) -> Drawing {
     let ruler = Ruler::default();
-    let usual = natural(chart, &Sizes::scaled(1.0), &ruler);
+    let usual = natural_size(chart, &Sizes::scaled(1.0), &ruler);
     let shares = [0, 1].map(|k| f64::from(size[k]) / usual[k]);
     let sizes = Sizes::scaled(shares[0].min(shares[1]));
-    let mut table = Table {
+    let mut table = BarTable {
         sizes,
         theme,
         list: Vec::new(),
@@ -76,10 +76,10 @@ pub fn draw(chart: &BarChart, size: [u32; 2], theme: Theme) -> Drawing {
         bottom: f64::from(size[1]),
     };
     let fill = theme.background;
-    table.list.push(Primitive::Area { rect: whole, fill });
+    table.list.push(DrawnPrimitive::Area { rect: whole, fill });
     if !chart.title.is_empty() {
         let at = [2.0 * sizes.gap, table.top + sizes.title];
-        table.text(at, &chart.title, sizes.title, Anchor::Start, theme.text);
+        table.text(at, &chart.title, sizes.title, TextAnchor::Start, theme.text);
         table.top += sizes.title + 3.0 * sizes.gap;
     }
     for block in &chart.blocks {
@@ -87,7 +87,7 @@ pub fn draw(chart: &BarChart, size: [u32; 2], theme: Theme) -> Drawing {
     }
     for note in &chart.notes {
         let at = [2.0 * sizes.gap, table.top + sizes.small];
-        table.text(at, note, sizes.small, Anchor::Start, theme.faint_text);
+        table.text(at, note, sizes.small, TextAnchor::Start, theme.faint_text);
         table.top += sizes.line(sizes.small);
     }
     Drawing {
@@ -110,7 +110,7 @@ fn names_width(chart: &BarChart, sizes: &Sizes, ruler: &Ruler) -> f64 {
     widest + 2.0 * sizes.gap
 }
 
-fn natural(chart: &BarChart, sizes: &Sizes, ruler: &Ruler) -> [f64; 2] {
+fn natural_size(chart: &BarChart, sizes: &Sizes, ruler: &Ruler) -> [f64; 2] {
     let columns = chart.blocks.iter().map(|b| b.columns.len()).max();
     let columns = columns.unwrap_or(0) as f64;
     let wide = names_width(chart, sizes, ruler) + columns * COLUMN * sizes.text;
@@ -127,10 +127,10 @@ fn natural(chart: &BarChart, sizes: &Sizes, ruler: &Ruler) -> [f64; 2] {
 }
 
 /// What has been laid out so far.
-struct Table {
+struct BarTable {
     sizes: Sizes,
-    theme: Theme,
-    list: Vec<Primitive>,
+    theme: ChartTheme,
+    list: Vec<DrawnPrimitive>,
     /// Width of the names.
     names: f64,
     /// Width of everything.
@@ -139,9 +139,9 @@ struct Table {
     top: f64,
 }
 
-impl Table {
-    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
-        self.list.push(Primitive::Text {
+impl BarTable {
+    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: TextAnchor, colour: Colour) {
+        self.list.push(DrawnPrimitive::Text {
             at,
             text: text.to_owned(),
             size,
@@ -160,7 +160,7 @@ impl Table {
             head,
             &block.heading,
             sizes.text,
-            Anchor::Start,
+            TextAnchor::Start,
             theme.faint_text,
         );
         let first = self.top + high;
@@ -175,20 +175,20 @@ impl Table {
                 };
                 let [r, g, b, _] = theme.grid;
                 let fill = [r, g, b, 120];
-                self.list.push(Primitive::Area { rect, fill });
+                self.list.push(DrawnPrimitive::Area { rect, fill });
             }
             self.text(
                 [left, baseline(top)],
                 name,
                 sizes.text,
-                Anchor::Start,
+                TextAnchor::Start,
                 theme.text,
             );
         }
         for (k, column) in block.columns.iter().enumerate() {
             let left = left + self.names + k as f64 * wide;
             let at = [left + sizes.gap, head[1]];
-            self.text(at, &column.label, sizes.text, Anchor::Start, theme.text);
+            self.text(at, &column.label, sizes.text, TextAnchor::Start, theme.text);
             self.bars(column, [left + sizes.gap, first], wide - 2.0 * sizes.gap);
         }
         self.top = first + block.rows.len() as f64 * high + 3.0 * sizes.gap;
@@ -214,19 +214,19 @@ impl Table {
                     bottom: middle + 0.5 * BAR * sizes.text,
                 };
                 let fill = theme.colour(usize::from(*value < 0.0));
-                self.list.push(Primitive::Area { rect, fill });
+                self.list.push(DrawnPrimitive::Area { rect, fill });
             }
             let at = [left + wide, middle + 0.5 * sizes.small];
             self.text(
                 at,
-                &three(*value),
+                &three_digits(*value),
                 sizes.small,
-                Anchor::End,
+                TextAnchor::End,
                 theme.faint_text,
             );
         }
         let bottom = top + column.values.len() as f64 * row;
-        self.list.push(Primitive::Line {
+        self.list.push(DrawnPrimitive::Line {
             points: vec![[zero, top], [zero, bottom]],
             stroke: Stroke::solid(theme.axis, sizes.hair),
             name: String::new(),
@@ -235,7 +235,7 @@ impl Table {
 }
 
 /// A number with three significant digits.
-fn three(value: f64) -> String {
+fn three_digits(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".to_owned()
@@ -256,7 +256,7 @@ mod tests {
         let theme = drawing.theme;
         let colours = [theme.colour(0), theme.colour(1)];
         let areas = drawing.primitives.iter().filter_map(|p| match p {
-            Primitive::Area { rect, fill } if colours.contains(fill) => Some((*rect, *fill)),
+            DrawnPrimitive::Area { rect, fill } if colours.contains(fill) => Some((*rect, *fill)),
             _ => None,
         });
         areas.collect()
@@ -280,7 +280,7 @@ mod tests {
         };
         for scale in [1, 2] {
             let size = usual_size(&chart).map(|side| side * scale);
-            let drawing = draw(&chart, size, Theme::LIGHT);
+            let drawing = draw_bars(&chart, size, ChartTheme::LIGHT);
             let bars = bars_of(&drawing);
             assert_eq!(bars.len(), 5, "a value that is none has no bar");
             let long = |k: usize| bars[k].0.width();

@@ -29,7 +29,7 @@ pub struct Panel {
     /// Faint lines without a name, many of which make a cloud.
     pub cloud: Vec<Vec<[f64; 2]>>,
     /// The curves.
-    pub series: Vec<Series>,
+    pub series: Vec<PlotSeries>,
     /// Places on the horizontal axis with a word.
     pub events: Vec<EventMark>,
     /// Ranges of the horizontal axis without values.
@@ -69,7 +69,7 @@ pub enum SeriesStyle {
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub struct Series {
+pub struct PlotSeries {
     /// Name in the legend.
     pub name: String,
     /// Points in order; `None` interrupts the line.

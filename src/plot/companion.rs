@@ -1,10 +1,10 @@
 //! A chart beside or below an animation, with the playhead at the frame's sample. The chart is drawn once.
 
 use super::chart::Chart;
-use super::drawing::{Drawing, draw};
-use super::playhead::playhead;
-use super::raster::Painter;
-use super::theme::Theme;
+use super::drawing::{Drawing, draw_chart};
+use super::playhead::playhead_marks;
+use super::raster::ChartPainter;
+use super::theme::ChartTheme;
 use image::RgbaImage;
 use image::imageops::replace;
 
@@ -31,7 +31,7 @@ pub struct Companion {
 }
 
 /// As many panels as can be read in `size` pixels, without notes.
-fn reduced(chart: &Chart, size: [u32; 2]) -> Chart {
+fn reduce_chart(chart: &Chart, size: [u32; 2]) -> Chart {
     let [columns, rows] = [0, 1].map(|k| ((f64::from(size[k]) / LEAST_PANEL[k]) as usize).max(1));
     Chart {
         panels: chart.panels.iter().take(columns * rows).cloned().collect(),
@@ -41,7 +41,7 @@ fn reduced(chart: &Chart, size: [u32; 2]) -> Chart {
 }
 
 /// Pixels of animation and chart in a picture of `size`, and the chart's corner.
-fn division([width, height]: [u32; 2]) -> [[u32; 2]; 3] {
+fn divide_picture([width, height]: [u32; 2]) -> [[u32; 2]; 3] {
     if f64::from(width) >= BESIDE * f64::from(height) {
         let chart = ((f64::from(width) * SHARE_BESIDE) as u32).clamp(1, width.max(2) - 1);
         let left = width.saturating_sub(chart).max(1);
@@ -57,16 +57,20 @@ impl Companion {
     /// Draws `chart` into its part of a picture of `size` pixels, on `background`. `frames` is the same chart at the
     /// samples of the animation: where the playhead stands.
     pub fn new(chart: &Chart, frames: Chart, size: [u32; 2], background: [u8; 3]) -> Self {
-        let [animation, own, corner] = division(size);
-        let chart = &reduced(chart, own);
+        let [animation, own, corner] = divide_picture(size);
+        let chart = &reduce_chart(chart, own);
         let [r, g, b] = background;
         let is_dark = u32::from(r) + u32::from(g) + u32::from(b) < 3 * 110;
-        let theme = Theme {
+        let theme = ChartTheme {
             background: [r, g, b, 255],
-            ..if is_dark { Theme::DARK } else { Theme::LIGHT }
+            ..if is_dark {
+                ChartTheme::DARK
+            } else {
+                ChartTheme::LIGHT
+            }
         };
-        let drawing = draw(chart, own, theme);
-        let picture = Painter::default().picture(&drawing);
+        let drawing = draw_chart(chart, own, theme);
+        let picture = ChartPainter::default().picture(&drawing);
         Self {
             animation,
             corner,
@@ -81,11 +85,14 @@ impl Companion {
         &self,
         animation: &RgbaImage,
         sample: usize,
-        painter: &mut Painter,
+        painter: &mut ChartPainter,
         image: &mut RgbaImage,
     ) {
         let mut chart = self.picture.clone();
-        painter.paint(&playhead(&self.frames, &self.drawing, sample), &mut chart);
+        painter.paint(
+            &playhead_marks(&self.frames, &self.drawing, sample),
+            &mut chart,
+        );
         replace(image, animation, 0, 0);
         replace(
             image,
@@ -111,7 +118,7 @@ mod tests {
             [1, 7],
             [16384, 2],
         ] {
-            let [animation, chart, corner] = division(size);
+            let [animation, chart, corner] = divide_picture(size);
             assert!(
                 animation.iter().chain(&chart).all(|side| *side > 0),
                 "{size:?}"

@@ -1,12 +1,12 @@
 //! A chart as a list of primitives: ranges without values, grid, events, curves, axes, in this order.
 
 use super::chart::{Chart, Panel, SeriesStyle};
-use super::frame::{Frame, left_room};
+use super::frame::{AxesFrame, left_room};
 use super::headings::curve_stroke;
-use super::layout::{Layout, Ruler, Sizes};
-use super::primitive::{Anchor, Primitive, Rect, Stroke};
+use super::layout::{ChartLayout, Ruler, Sizes};
+use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use super::scale::Scale;
-use super::theme::{Dashes, Theme};
+use super::theme::{ChartTheme, Dashes};
 
 /// Most pixels of a hatched range's lines from each other, in heights of the capitals.
 const HATCH: f64 = 1.4;
@@ -28,18 +28,18 @@ pub struct Drawing {
     /// One sentence.
     pub description: String,
     /// From back to front.
-    pub primitives: Vec<Primitive>,
+    pub primitives: Vec<DrawnPrimitive>,
     /// Where values are, one per panel.
-    pub areas: Vec<Area>,
+    pub areas: Vec<PanelArea>,
     /// Colours.
-    pub theme: Theme,
+    pub theme: ChartTheme,
     /// Lengths.
     pub sizes: Sizes,
 }
 
 /// Where the values of a panel are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
+pub struct PanelArea {
     /// Edges.
     pub rect: Rect,
     /// From left to right.
@@ -48,7 +48,7 @@ pub struct Area {
     pub y: Scale,
 }
 
-impl Area {
+impl PanelArea {
     /// The pixel of a point, if it has one.
     pub fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
         Some([self.x.pixel(point[0])?, self.y.pixel(point[1])?])
@@ -56,9 +56,9 @@ impl Area {
 }
 
 /// Lays `chart` out in `size` pixels.
-pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
+pub fn draw_chart(chart: &Chart, size: [u32; 2], theme: ChartTheme) -> Drawing {
     let sizes = Sizes::new(chart, size);
-    let (ruler, layout) = (Ruler::default(), Layout::new(chart, size, &sizes));
+    let (ruler, layout) = (Ruler::default(), ChartLayout::new(chart, size, &sizes));
     let mut drawing = Drawing {
         size,
         title: chart.title.clone(),
@@ -69,7 +69,7 @@ pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
         sizes,
     };
     let list = &mut drawing.primitives;
-    list.push(Primitive::Area {
+    list.push(DrawnPrimitive::Area {
         rect: Rect {
             left: 0.0,
             top: 0.0,
@@ -79,11 +79,11 @@ pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
         fill: theme.background,
     });
     let mut text = |y: f64, text: &str, size: f64, colour| {
-        list.push(Primitive::Text {
+        list.push(DrawnPrimitive::Text {
             at: [layout.left, y],
             text: text.to_owned(),
             size,
-            anchor: Anchor::Start,
+            anchor: TextAnchor::Start,
             colour,
         });
     };
@@ -106,9 +106,9 @@ pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
             .skip(k % layout.columns)
             .step_by(layout.columns);
         let left = column.copied().fold(0.0, f64::max);
-        let words = words(panel, cell.width() - left, &ruler, &sizes);
-        let frame = Frame::new(panel, cell, left, &words, &ruler, &sizes);
-        let area = Area {
+        let words = panel_words(panel, cell.width() - left, &ruler, &sizes);
+        let frame = AxesFrame::new(panel, cell, left, &words, &ruler, &sizes);
+        let area = PanelArea {
             rect: frame.area,
             x: frame.x,
             y: frame.y,
@@ -133,7 +133,7 @@ pub fn draw(chart: &Chart, size: [u32; 2], theme: Theme) -> Drawing {
 }
 
 /// The words above an area: those of events, and those of ranges too narrow to hold them.
-fn words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, String)> {
+fn panel_words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, String)> {
     let values = panel.points().map(|p| p[0]);
     let ends = panel.shades.iter().flat_map(|s| [s.from, s.to]);
     let (low, high) = values
@@ -164,11 +164,11 @@ fn words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, S
 /// Hatched ranges with their words.
 fn draw_shades(
     panel: &Panel,
-    area: &Area,
+    area: &PanelArea,
     ruler: &Ruler,
     sizes: &Sizes,
-    theme: &Theme,
-    list: &mut Vec<Primitive>,
+    theme: &ChartTheme,
+    list: &mut Vec<DrawnPrimitive>,
 ) {
     for shade in &panel.shades {
         let (Some(a), Some(b)) = (area.x.pixel(shade.from), area.x.pixel(shade.to)) else {
@@ -183,8 +183,8 @@ fn draw_shades(
             ..area.rect
         };
         let fill = theme.shade;
-        list.push(Primitive::Area { rect, fill });
-        hatch(&rect, sizes, theme, list);
+        list.push(DrawnPrimitive::Area { rect, fill });
+        hatch_rect(&rect, sizes, theme, list);
         let wide = ruler.width(&shade.word, sizes.small);
         if wide + 2.0 * sizes.gap < rect.width() {
             let y = rect.top + 0.5 * rect.height();
@@ -195,12 +195,12 @@ fn draw_shades(
                 top: y - 0.5 * sizes.small - pad,
                 bottom: y + 0.5 * sizes.small + pad,
             };
-            list.push(Primitive::Area { rect: plate, fill });
-            list.push(Primitive::Text {
+            list.push(DrawnPrimitive::Area { rect: plate, fill });
+            list.push(DrawnPrimitive::Text {
                 at: [middle, y + 0.5 * sizes.small],
                 text: shade.word.clone(),
                 size: sizes.small,
-                anchor: Anchor::Middle,
+                anchor: TextAnchor::Middle,
                 colour: theme.faint_text,
             });
         }
@@ -208,7 +208,7 @@ fn draw_shades(
 }
 
 /// Lines rising to the right, cut at the edges of `rect`; lines of neighbouring ranges continue each other.
-fn hatch(rect: &Rect, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
+fn hatch_rect(rect: &Rect, sizes: &Sizes, theme: &ChartTheme, list: &mut Vec<DrawnPrimitive>) {
     let pitch = HATCH * sizes.text;
     let stroke = Stroke::solid(theme.hatch, sizes.hair);
     let first = ((rect.left + rect.top) / pitch).ceil() as i64;
@@ -218,7 +218,7 @@ fn hatch(rect: &Rect, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
         let left = rect.left.max(sum - rect.bottom);
         let right = rect.right.min(sum - rect.top);
         if right > left {
-            list.push(Primitive::Line {
+            list.push(DrawnPrimitive::Line {
                 points: vec![[left, sum - left], [right, sum - right]],
                 stroke,
                 name: String::new(),
@@ -230,10 +230,10 @@ fn hatch(rect: &Rect, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
 /// Bands and clouds.
 fn draw_spread(
     panel: &Panel,
-    area: &Area,
+    area: &PanelArea,
     sizes: &Sizes,
-    theme: &Theme,
-    list: &mut Vec<Primitive>,
+    theme: &ChartTheme,
+    list: &mut Vec<DrawnPrimitive>,
 ) {
     let [r, g, b, _] = theme.colour(0);
     let pixels = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
@@ -243,11 +243,11 @@ fn draw_spread(
         let (mut points, back) = (pixels(&band.lower), pixels(&band.upper));
         points.extend(back.into_iter().rev());
         let fill = [r, g, b, BAND_OPACITY];
-        list.push(Primitive::Region { points, fill });
+        list.push(DrawnPrimitive::Region { points, fill });
     }
     let stroke = Stroke::solid([r, g, b, CLOUD_OPACITY], 0.8 * sizes.hair);
     for points in &panel.cloud {
-        list.push(Primitive::Line {
+        list.push(DrawnPrimitive::Line {
             points: pixels(points),
             stroke,
             name: String::new(),
@@ -257,10 +257,10 @@ fn draw_spread(
 
 fn draw_events(
     panel: &Panel,
-    area: &Area,
+    area: &PanelArea,
     sizes: &Sizes,
-    theme: &Theme,
-    list: &mut Vec<Primitive>,
+    theme: &ChartTheme,
+    list: &mut Vec<DrawnPrimitive>,
 ) {
     let stroke = Stroke {
         colour: theme.event,
@@ -269,7 +269,7 @@ fn draw_events(
     };
     for event in &panel.events {
         if let Some(x) = area.x.pixel(event.x) {
-            list.push(Primitive::Line {
+            list.push(DrawnPrimitive::Line {
                 points: vec![[x, area.rect.top], [x, area.rect.bottom]],
                 stroke,
                 name: String::new(),
@@ -278,14 +278,20 @@ fn draw_events(
     }
 }
 
-fn draw_marks(panel: &Panel, area: &Area, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
+fn draw_marks(
+    panel: &Panel,
+    area: &PanelArea,
+    sizes: &Sizes,
+    theme: &ChartTheme,
+    list: &mut Vec<DrawnPrimitive>,
+) {
     let stroke = Stroke {
         dashes: Dashes::Long,
         ..Stroke::solid(theme.mark, 1.2 * sizes.hair)
     };
     for [from, to] in &panel.lines {
         if let (Some(from), Some(to)) = (area.pixel(*from), area.pixel(*to)) {
-            list.push(Primitive::Line {
+            list.push(DrawnPrimitive::Line {
                 points: vec![from, to],
                 stroke,
                 name: String::new(),
@@ -294,7 +300,7 @@ fn draw_marks(panel: &Panel, area: &Area, sizes: &Sizes, theme: &Theme, list: &m
     }
     for mark in &panel.marks {
         if let Some(centre) = area.pixel(*mark) {
-            list.push(Primitive::Circle {
+            list.push(DrawnPrimitive::Circle {
                 centre,
                 radius: 2.2 * sizes.curve,
                 fill: theme.background,
@@ -306,14 +312,14 @@ fn draw_marks(panel: &Panel, area: &Area, sizes: &Sizes, theme: &Theme, list: &m
 
 fn draw_curves(
     panel: &Panel,
-    area: &Area,
+    area: &PanelArea,
     sizes: &Sizes,
-    theme: &Theme,
-    list: &mut Vec<Primitive>,
+    theme: &ChartTheme,
+    list: &mut Vec<DrawnPrimitive>,
 ) {
     for (index, series) in panel.series.iter().enumerate() {
         let stroke = curve_stroke(index, sizes, theme);
-        let dot = |centre| Primitive::Circle {
+        let dot = |centre| DrawnPrimitive::Circle {
             centre,
             radius: 1.6 * sizes.curve,
             fill: stroke.colour,
@@ -324,14 +330,14 @@ fn draw_curves(
             .iter()
             .map(|p| p.and_then(|p| area.pixel(p)))
             .collect();
-        for points in runs(&pixels, &series.breaks) {
+        for points in unbroken_runs(&pixels, &series.breaks) {
             match points.as_slice() {
                 [] => {}
                 // A point without neighbours has no line, but is there.
                 [alone] if series.style == SeriesStyle::Line => list.push(dot(*alone)),
                 [_] => {}
-                _ => list.push(Primitive::Line {
-                    points: thinned(&points),
+                _ => list.push(DrawnPrimitive::Line {
+                    points: thin_line(&points),
                     stroke,
                     name: series.name.clone(),
                 }),
@@ -344,7 +350,7 @@ fn draw_curves(
 }
 
 /// The pieces of a curve between its gaps and breaks.
-fn runs(pixels: &[Option<[f64; 2]>], breaks: &[usize]) -> Vec<Vec<[f64; 2]>> {
+fn unbroken_runs(pixels: &[Option<[f64; 2]>], breaks: &[usize]) -> Vec<Vec<[f64; 2]>> {
     let mut runs = vec![Vec::new()];
     for (index, pixel) in pixels.iter().enumerate() {
         if pixel.is_none() || breaks.contains(&index) {
@@ -358,14 +364,14 @@ fn runs(pixels: &[Option<[f64; 2]>], breaks: &[usize]) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Leaves out points that lie on the straight line between those that are kept.
-fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn thin_line(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept = vec![points[0]];
     let mut start = 0;
     for end in 2..points.len() {
         let (a, b) = (points[start], points[end]);
         let between = &points[start + 1..end];
         // Long straight runs would cost the square of their length.
-        let far = between.len() > 64 || between.iter().any(|p| distance(*p, a, b) > FLATNESS);
+        let far = between.len() > 64 || between.iter().any(|p| chord_distance(*p, a, b) > FLATNESS);
         if far {
             kept.push(points[end - 1]);
             start = end - 1;
@@ -376,7 +382,7 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// Distance of `p` from the piece from `a` to `b`.
-fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+fn chord_distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (d, e) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = d[0] * d[0] + d[1] * d[1];
     let share = if length > 0.0 {

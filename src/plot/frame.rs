@@ -3,10 +3,10 @@
 use super::chart::Panel;
 use super::headings::{Heading, Words};
 use super::layout::{Ruler, Sizes};
-use super::primitive::{Anchor, Primitive, Rect, Stroke};
-use super::scale::{Scale, ScaleKind, limits};
-use super::theme::Theme;
-use super::ticks::{Ticks, ticks};
+use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::scale::{Scale, ScaleKind, value_limits};
+use super::theme::ChartTheme;
+use super::ticks::{Ticks, scale_ticks};
 
 /// Pixels between two numbers of the vertical axis, in heights of the capitals.
 const ROOM_Y: f64 = 2.8;
@@ -21,7 +21,7 @@ const WORDLESS: f64 = 9.0;
 const SMALLEST_AREA: f64 = 8.0;
 
 /// Everything about a panel that its size decides.
-pub struct Frame {
+pub struct AxesFrame {
     /// Where values are drawn.
     pub area: Rect,
     /// Values to pixels from left to right.
@@ -43,8 +43,8 @@ pub fn left_room(panel: &Panel, cell: &Rect, ruler: &Ruler, sizes: &Sizes) -> f6
         right: cell.right,
         bottom: cell.bottom - 5.0 * sizes.text,
     };
-    let (_, y) = scales(panel, &area);
-    let list = ticks(&y, most_y(&area, sizes), &panel.y.unit).list;
+    let (_, y) = panel_scales(panel, &area);
+    let list = scale_ticks(&y, most_y(&area, sizes), &panel.y.unit).list;
     let widest = list
         .iter()
         .map(|t| ruler.width(&t.text, sizes.text))
@@ -52,7 +52,7 @@ pub fn left_room(panel: &Panel, cell: &Rect, ruler: &Ruler, sizes: &Sizes) -> f6
     widest + sizes.tick + sizes.gap
 }
 
-impl Frame {
+impl AxesFrame {
     /// Lays out `panel` in `cell` with `left` pixels for the numbers of the vertical axis and the given words
     /// (place on the axis, text) above the area.
     pub fn new(
@@ -72,16 +72,16 @@ impl Frame {
         };
         area.right = area.right.max(area.left + SMALLEST_AREA);
         area.bottom = area.bottom.max(area.top + SMALLEST_AREA);
-        let (x, y) = scales(panel, &area);
-        let factor = ticks(&y, most_y(&area, sizes), &panel.y.unit).factor;
+        let (x, y) = panel_scales(panel, &area);
+        let factor = scale_ticks(&y, most_y(&area, sizes), &panel.y.unit).factor;
         let wide = cell.right - cell.left;
         let heading = Heading::new(panel, panel.y.heading(factor), wide, ruler, sizes);
         let free = area.bottom - cell.top - heading.height(sizes) - WORDLESS * sizes.text;
         let words = Words::new(words, &x, free, ruler, sizes);
         let above = heading.height(sizes) + words.height(sizes) + 0.5 * sizes.gap;
         area.top = (cell.top + above).round().min(area.bottom - SMALLEST_AREA);
-        let (x, y) = scales(panel, &area);
-        let mut y_ticks = ticks(&y, most_y(&area, sizes), &panel.y.unit);
+        let (x, y) = panel_scales(panel, &area);
+        let mut y_ticks = scale_ticks(&y, most_y(&area, sizes), &panel.y.unit);
         y_ticks.list.retain(|t| y.holds_about(t.value));
         let x_ticks = x_ticks(panel, &x, &area, ruler, sizes);
         // The heading was made with the factor of a slightly different height.
@@ -99,13 +99,13 @@ impl Frame {
     }
 
     /// Grid lines: below everything else.
-    pub fn draw_grid(&self, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
+    pub fn draw_grid(&self, sizes: &Sizes, theme: &ChartTheme, list: &mut Vec<DrawnPrimitive>) {
         let stroke = Stroke::solid(theme.grid, sizes.hair);
-        for x in places(&self.x_ticks, &self.x) {
-            list.push(hair([x, self.area.top], [x, self.area.bottom], stroke));
+        for x in tick_places(&self.x_ticks, &self.x) {
+            list.push(hair_line([x, self.area.top], [x, self.area.bottom], stroke));
         }
-        for y in places(&self.y_ticks, &self.y) {
-            list.push(hair([self.area.left, y], [self.area.right, y], stroke));
+        for y in tick_places(&self.y_ticks, &self.y) {
+            list.push(hair_line([self.area.left, y], [self.area.right, y], stroke));
         }
     }
 
@@ -114,55 +114,75 @@ impl Frame {
         &self,
         panel: &Panel,
         sizes: &Sizes,
-        theme: &Theme,
-        list: &mut Vec<Primitive>,
+        theme: &ChartTheme,
+        list: &mut Vec<DrawnPrimitive>,
     ) {
         let (area, stroke) = (&self.area, Stroke::solid(theme.axis, sizes.hair));
         let corners = [
-            [snap(area.left), snap(area.top)],
-            [snap(area.left), snap(area.bottom)],
-            [snap(area.right), snap(area.bottom)],
+            [snap_pixel(area.left), snap_pixel(area.top)],
+            [snap_pixel(area.left), snap_pixel(area.bottom)],
+            [snap_pixel(area.right), snap_pixel(area.bottom)],
         ];
-        list.push(Primitive::Line {
+        list.push(DrawnPrimitive::Line {
             points: corners.to_vec(),
             stroke,
             name: String::new(),
         });
-        for (tick, x) in self.x_ticks.list.iter().zip(places(&self.x_ticks, &self.x)) {
-            list.push(hair(
+        for (tick, x) in self
+            .x_ticks
+            .list
+            .iter()
+            .zip(tick_places(&self.x_ticks, &self.x))
+        {
+            list.push(hair_line(
                 [x, area.bottom],
                 [x, area.bottom + sizes.tick],
                 stroke,
             ));
             let at = [x, area.bottom + sizes.tick + sizes.gap + sizes.text];
-            list.push(number(at, &tick.text, Anchor::Middle, sizes, theme));
+            list.push(number_label(
+                at,
+                &tick.text,
+                TextAnchor::Middle,
+                sizes,
+                theme,
+            ));
         }
-        for (tick, y) in self.y_ticks.list.iter().zip(places(&self.y_ticks, &self.y)) {
-            list.push(hair([area.left - sizes.tick, y], [area.left, y], stroke));
+        for (tick, y) in self
+            .y_ticks
+            .list
+            .iter()
+            .zip(tick_places(&self.y_ticks, &self.y))
+        {
+            list.push(hair_line(
+                [area.left - sizes.tick, y],
+                [area.left, y],
+                stroke,
+            ));
             let at = [area.left - sizes.tick - sizes.gap, y + 0.5 * sizes.text];
-            list.push(number(at, &tick.text, Anchor::End, sizes, theme));
+            list.push(number_label(at, &tick.text, TextAnchor::End, sizes, theme));
         }
         let label = panel.x.heading(self.x_ticks.factor);
         let baseline = area.bottom + sizes.tick + sizes.gap + sizes.line(sizes.text) + sizes.text;
         let at = [0.5 * (area.left + area.right), baseline];
-        list.push(number(at, &label, Anchor::Middle, sizes, theme));
+        list.push(number_label(at, &label, TextAnchor::Middle, sizes, theme));
         self.heading.draw(panel, self.corner, sizes, theme, list);
         self.words.draw(area, sizes, theme, list);
     }
 }
 
 /// Scales of both axes over `area`.
-fn scales(panel: &Panel, area: &Rect) -> (Scale, Scale) {
+fn panel_scales(panel: &Panel, area: &Rect) -> (Scale, Scale) {
     let shades = panel.shades.iter().flat_map(|s| [s.from, s.to]);
     let events = panel.events.iter().map(|e| e.x);
     let x = panel.points().map(|p| p[0]).chain(shades).chain(events);
-    let mut x = limits(panel.x.scale, x, panel.x.tight);
-    let mut y = limits(panel.y.scale, panel.points().map(|p| p[1]), panel.y.tight);
+    let mut x = value_limits(panel.x.scale, x, panel.x.tight);
+    let mut y = value_limits(panel.y.scale, panel.points().map(|p| p[1]), panel.y.tight);
     let is_linear = panel.x.scale == ScaleKind::Linear && panel.y.scale == ScaleKind::Linear;
     if panel.equal && is_linear {
         let unit = ((x[1] - x[0]) / area.width()).max((y[1] - y[0]) / area.height());
-        x = widened(x, unit * area.width());
-        y = widened(y, unit * area.height());
+        x = widen_range(x, unit * area.width());
+        y = widen_range(y, unit * area.height());
     }
     let scale = |kind, [low, high]: [f64; 2], start, end| Scale {
         kind,
@@ -178,7 +198,7 @@ fn scales(panel: &Panel, area: &Rect) -> (Scale, Scale) {
 }
 
 /// A range of the given length about the same middle.
-fn widened([low, high]: [f64; 2], length: f64) -> [f64; 2] {
+fn widen_range([low, high]: [f64; 2], length: f64) -> [f64; 2] {
     let middle = 0.5 * (low + high);
     [middle - 0.5 * length, middle + 0.5 * length]
 }
@@ -195,7 +215,7 @@ fn x_ticks(panel: &Panel, x: &Scale, area: &Rect, ruler: &Ruler, sizes: &Sizes) 
         .floor()
         .clamp(2.0, 16.0) as usize;
     loop {
-        let mut found = ticks(x, most, &panel.x.unit);
+        let mut found = scale_ticks(x, most, &panel.x.unit);
         found.list.retain(|t| x.holds_about(t.value));
         let mut end = f64::NEG_INFINITY;
         let crowded = found.list.iter().any(|tick| {
@@ -225,28 +245,34 @@ impl Scale {
     }
 }
 
-fn places<'a>(ticks: &'a Ticks, scale: &'a Scale) -> impl Iterator<Item = f64> + 'a {
+fn tick_places<'a>(ticks: &'a Ticks, scale: &'a Scale) -> impl Iterator<Item = f64> + 'a {
     ticks
         .list
         .iter()
-        .map(|t| snap(scale.pixel(t.value).unwrap_or(scale.start)))
+        .map(|t| snap_pixel(scale.pixel(t.value).unwrap_or(scale.start)))
 }
 
 /// The middle of a pixel: lines one pixel wide are crisp there.
-fn snap(pixel: f64) -> f64 {
+fn snap_pixel(pixel: f64) -> f64 {
     pixel.floor() + 0.5
 }
 
-fn hair(from: [f64; 2], to: [f64; 2], stroke: Stroke) -> Primitive {
-    Primitive::Line {
+fn hair_line(from: [f64; 2], to: [f64; 2], stroke: Stroke) -> DrawnPrimitive {
+    DrawnPrimitive::Line {
         points: vec![from, to],
         stroke,
         name: String::new(),
     }
 }
 
-fn number(at: [f64; 2], text: &str, anchor: Anchor, sizes: &Sizes, theme: &Theme) -> Primitive {
-    Primitive::Text {
+fn number_label(
+    at: [f64; 2],
+    text: &str,
+    anchor: TextAnchor,
+    sizes: &Sizes,
+    theme: &ChartTheme,
+) -> DrawnPrimitive {
+    DrawnPrimitive::Text {
         at,
         text: text.to_owned(),
         size: sizes.text,

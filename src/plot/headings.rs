@@ -4,9 +4,9 @@
 
 use super::chart::Panel;
 use super::layout::{Ruler, Sizes};
-use super::primitive::{Anchor, Primitive, Rect, Stroke};
+use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use super::scale::Scale;
-use super::theme::Theme;
+use super::theme::ChartTheme;
 
 /// Most rows of words above an area; what does not fit keeps its line and loses its word.
 const MOST_ROWS: usize = 3;
@@ -15,7 +15,7 @@ const MOST_ROWS: usize = 3;
 const SAMPLE: f64 = 2.4;
 
 /// A legend's entry at its place.
-struct Entry {
+struct HeadingEntry {
     left: f64,
     row: usize,
     series: usize,
@@ -24,7 +24,7 @@ struct Entry {
 /// The heading of a panel: its lines of text and where they stand.
 pub struct Heading {
     label: String,
-    entries: Vec<Entry>,
+    entries: Vec<HeadingEntry>,
     rows: usize,
     has_title: bool,
 }
@@ -43,7 +43,7 @@ impl Heading {
                 if x > 0.0 && x + wide > width {
                     (x, row) = (0.0, row + 1);
                 }
-                entries.push(Entry {
+                entries.push(HeadingEntry {
                     left: x,
                     row,
                     series,
@@ -80,15 +80,15 @@ impl Heading {
         panel: &Panel,
         [left, top]: [f64; 2],
         sizes: &Sizes,
-        theme: &Theme,
-        list: &mut Vec<Primitive>,
+        theme: &ChartTheme,
+        list: &mut Vec<DrawnPrimitive>,
     ) {
         let mut text = |x: f64, y: f64, size: f64, text: &str| {
-            list.push(Primitive::Text {
+            list.push(DrawnPrimitive::Text {
                 at: [x, y],
                 text: text.to_owned(),
                 size,
-                anchor: Anchor::Start,
+                anchor: TextAnchor::Start,
                 colour: theme.text,
             });
         };
@@ -101,7 +101,7 @@ impl Heading {
         if !self.label.is_empty() {
             text(left, baseline, sizes.text, &self.label);
         }
-        let row = |entry: &Entry| baseline + entry.row as f64 * sizes.line(sizes.text);
+        let row = |entry: &HeadingEntry| baseline + entry.row as f64 * sizes.line(sizes.text);
         let sample = SAMPLE * sizes.text;
         for entry in &self.entries {
             let x = left + entry.left + sample + sizes.gap;
@@ -109,7 +109,7 @@ impl Heading {
         }
         for entry in &self.entries {
             let (x, y) = (left + entry.left, row(entry) - 0.45 * sizes.text);
-            list.push(Primitive::Line {
+            list.push(DrawnPrimitive::Line {
                 points: vec![[x, y], [x + sample, y]],
                 stroke: curve_stroke(entry.series, sizes, theme),
                 name: String::new(),
@@ -119,7 +119,7 @@ impl Heading {
 }
 
 /// The look of curve `index`.
-pub fn curve_stroke(index: usize, sizes: &Sizes, theme: &Theme) -> Stroke {
+pub fn curve_stroke(index: usize, sizes: &Sizes, theme: &ChartTheme) -> Stroke {
     Stroke {
         colour: theme.colour(index),
         width: sizes.curve,
@@ -188,14 +188,20 @@ impl Words {
     }
 
     /// Draws them right above `area`.
-    pub fn draw(&self, area: &Rect, sizes: &Sizes, theme: &Theme, list: &mut Vec<Primitive>) {
+    pub fn draw(
+        &self,
+        area: &Rect,
+        sizes: &Sizes,
+        theme: &ChartTheme,
+        list: &mut Vec<DrawnPrimitive>,
+    ) {
         for word in &self.list {
             let up = word.row as f64 * sizes.line(sizes.small) * 0.9;
-            list.push(Primitive::Text {
+            list.push(DrawnPrimitive::Text {
                 at: [word.middle, area.top - 0.8 * sizes.gap - up],
                 text: word.text.clone(),
                 size: sizes.small,
-                anchor: Anchor::Middle,
+                anchor: TextAnchor::Middle,
                 colour: theme.faint_text,
             });
         }

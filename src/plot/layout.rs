@@ -111,7 +111,7 @@ fn row_heights(chart: &Chart, columns: usize) -> Vec<f64> {
 }
 
 /// Columns that give the panels of a picture of these pixels the best shape.
-fn columns(chart: &Chart, [width, height]: [f64; 2]) -> usize {
+fn column_count(chart: &Chart, [width, height]: [f64; 2]) -> usize {
     let fault = |columns: usize| {
         let high: f64 = row_heights(chart, columns).iter().sum();
         let best = columns as f64 * BEST_WIDTH / high.max(ROW_HEIGHT);
@@ -137,7 +137,7 @@ impl Ruler {
 
 /// Where everything outside the panels stands.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
+pub struct ChartLayout {
     /// One cell per panel; columns share their edges.
     pub cells: Vec<Rect>,
     /// Column of each cell.
@@ -150,7 +150,7 @@ pub struct Layout {
     pub left: f64,
 }
 
-impl Layout {
+impl ChartLayout {
     /// Divides a picture.
     pub fn new(chart: &Chart, size: [u32; 2], sizes: &Sizes) -> Self {
         let [width, height] = size.map(f64::from);
@@ -166,7 +166,7 @@ impl Layout {
         let notes = (0..chart.notes.len())
             .map(|k| bottom + line * k as f64 + 0.5 * border + sizes.small)
             .collect();
-        let columns = columns(chart, [width, bottom - top]);
+        let columns = column_count(chart, [width, bottom - top]);
         let wide = (width - 2.0 * border - 2.0 * sizes.gap * (columns - 1) as f64) / columns as f64;
         let heights = row_heights(chart, columns);
         let share = (bottom - top) / heights.iter().sum::<f64>();

@@ -2,8 +2,8 @@
 
 use super::drawing::Drawing;
 use super::layout::{Ruler, Sizes};
-use super::primitive::{Anchor, Primitive, Rect};
-use super::theme::{Colour, Theme};
+use super::primitive::{DrawnPrimitive, Rect, TextAnchor};
+use super::theme::{ChartTheme, Colour};
 
 /// What a matrix shows.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -15,7 +15,7 @@ pub struct MatrixChart {
     /// Names of the rows, which are those of the columns.
     pub names: Vec<String>,
     /// One cell a pair; pairs without one stay empty.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<MatrixCell>,
     /// Colours and what they mean.
     pub legend: Vec<(Colour, String)>,
     /// Lines under the matrix.
@@ -24,7 +24,7 @@ pub struct MatrixChart {
 
 /// A cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
+pub struct MatrixCell {
     /// Row and column, the row the larger one.
     pub place: [usize; 2],
     /// Colour.
@@ -48,14 +48,14 @@ const GAP: f64 = 0.06;
 /// A patch of the legend in heights of the capitals.
 const PATCH: f64 = 1.4;
 
-fn edge(chart: &MatrixChart) -> f64 {
+fn cell_edge(chart: &MatrixChart) -> f64 {
     let fits = |(most, _): &&(usize, f64)| chart.names.len() <= *most;
     EDGES.iter().find(fits).map_or(1.0, |(_, edge)| *edge)
 }
 
 /// Height of the capitals of names.
 fn name_size(chart: &MatrixChart, sizes: &Sizes) -> f64 {
-    sizes.text.min(NAME * edge(chart) * sizes.text)
+    sizes.text.min(NAME * cell_edge(chart) * sizes.text)
 }
 
 /// The name of a row begins with its number, which is the column's.
@@ -63,8 +63,8 @@ fn row_name(chart: &MatrixChart, row: usize) -> String {
     format!("{} {}", row + 1, chart.names[row])
 }
 
-fn natural(chart: &MatrixChart, sizes: &Sizes, ruler: &Ruler) -> [f64; 2] {
-    let side = (chart.names.len() as f64 + 1.0) * edge(chart) * sizes.text;
+fn natural_size(chart: &MatrixChart, sizes: &Sizes, ruler: &Ruler) -> [f64; 2] {
+    let side = (chart.names.len() as f64 + 1.0) * cell_edge(chart) * sizes.text;
     let legend: f64 = chart
         .legend
         .iter()
@@ -95,14 +95,14 @@ fn entry_width(text: &str, sizes: &Sizes, ruler: &Ruler) -> f64 {
 
 /// The size in pixels that suits a matrix.
 pub fn usual_size(chart: &MatrixChart) -> [u32; 2] {
-    let [width, height] = natural(chart, &Sizes::scaled(1.0), &Ruler::default());
+    let [width, height] = natural_size(chart, &Sizes::scaled(1.0), &Ruler::default());
     [width.ceil() as u32, height.ceil() as u32]
 }
 
 /// Lays `chart` out in `size` pixels.
-pub fn draw(chart: &MatrixChart, size: [u32; 2], theme: Theme) -> Drawing {
+pub fn draw_matrix(chart: &MatrixChart, size: [u32; 2], theme: ChartTheme) -> Drawing {
     let ruler = Ruler::default();
-    let usual = natural(chart, &Sizes::scaled(1.0), &ruler);
+    let usual = natural_size(chart, &Sizes::scaled(1.0), &ruler);
     let shares = [0, 1].map(|k| f64::from(size[k]) / usual[k]);
     let sizes = Sizes::scaled(shares[0].min(shares[1]));
     let mut sheet = Sheet {
@@ -113,16 +113,16 @@ pub fn draw(chart: &MatrixChart, size: [u32; 2], theme: Theme) -> Drawing {
     sheet.area([0.0, 0.0], size.map(f64::from), theme.background);
     let left = 2.0 * sizes.gap;
     let mut top = 2.0 * sizes.gap + sizes.title;
-    sheet.text([left, top], &chart.title, sizes.title, Anchor::Start);
+    sheet.text([left, top], &chart.title, sizes.title, TextAnchor::Start);
     top += 3.0 * sizes.gap;
     sheet.legend(chart, [left, top], &ruler);
     top += 2.0 * sizes.line(sizes.text);
     let corner = [left + names_width(chart, &sizes, &ruler), top];
     sheet.cells(chart, corner);
-    top += (chart.names.len() as f64 + 1.0) * edge(chart) * sizes.text + sizes.gap;
+    top += (chart.names.len() as f64 + 1.0) * cell_edge(chart) * sizes.text + sizes.gap;
     for note in &chart.notes {
         top += sizes.line(sizes.small);
-        sheet.text([left, top], note, sizes.small, Anchor::Start);
+        sheet.text([left, top], note, sizes.small, TextAnchor::Start);
     }
     Drawing {
         size,
@@ -138,13 +138,13 @@ pub fn draw(chart: &MatrixChart, size: [u32; 2], theme: Theme) -> Drawing {
 /// What has been laid out so far.
 struct Sheet {
     sizes: Sizes,
-    theme: Theme,
-    list: Vec<Primitive>,
+    theme: ChartTheme,
+    list: Vec<DrawnPrimitive>,
 }
 
 impl Sheet {
-    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor) {
-        self.list.push(Primitive::Text {
+    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: TextAnchor) {
+        self.list.push(DrawnPrimitive::Text {
             at,
             text: text.to_owned(),
             size,
@@ -160,7 +160,7 @@ impl Sheet {
             right: left + width,
             bottom: top + height,
         };
-        self.list.push(Primitive::Area { rect, fill });
+        self.list.push(DrawnPrimitive::Area { rect, fill });
     }
 
     fn legend(&mut self, chart: &MatrixChart, [left, top]: [f64; 2], ruler: &Ruler) {
@@ -173,7 +173,7 @@ impl Sheet {
                 left + patch + 0.5 * sizes.text,
                 top + 0.5 * (patch + sizes.text),
             ];
-            self.text(at, text, sizes.text, Anchor::Start);
+            self.text(at, text, sizes.text, TextAnchor::Start);
             left += entry_width(text, &sizes, ruler);
         }
     }
@@ -181,16 +181,16 @@ impl Sheet {
     /// Names, numbers of the columns, and the cells from `corner` (left, top) on.
     fn cells(&mut self, chart: &MatrixChart, [left, top]: [f64; 2]) {
         let sizes = self.sizes;
-        let (side, size) = (edge(chart) * sizes.text, name_size(chart, &sizes));
+        let (side, size) = (cell_edge(chart) * sizes.text, name_size(chart, &sizes));
         let baseline = |row: usize| top + (row as f64 + 0.5) * side + 0.5 * size;
         for row in 0..chart.names.len() {
             let at = [left - sizes.gap, baseline(row)];
-            self.text(at, &row_name(chart, row), size, Anchor::End);
+            self.text(at, &row_name(chart, row), size, TextAnchor::End);
             // A column's number stands on the diagonal, above its cells.
             let at = [left + (row as f64 + 0.5) * side, baseline(row)];
-            self.text(at, &(row + 1).to_string(), size, Anchor::Middle);
+            self.text(at, &(row + 1).to_string(), size, TextAnchor::Middle);
         }
-        let is_readable = edge(chart) >= READABLE;
+        let is_readable = cell_edge(chart) >= READABLE;
         for cell in &chart.cells {
             let [row, column] = cell.place;
             let at = [left + column as f64 * side, top + row as f64 * side];
@@ -201,7 +201,7 @@ impl Sheet {
             );
             if is_readable && !cell.text.is_empty() {
                 let middle = [at[0] + 0.5 * side, baseline(row)];
-                self.text(middle, &cell.text, sizes.small, Anchor::Middle);
+                self.text(middle, &cell.text, sizes.small, TextAnchor::Middle);
             }
         }
     }

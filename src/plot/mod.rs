@@ -19,8 +19,8 @@ pub mod svg;
 pub mod theme;
 pub mod ticks;
 
-pub use chart::{Axis, Band, Chart, EventMark, Panel, Series, SeriesStyle, Shade};
-pub use drawing::{Drawing, draw};
+pub use chart::{Axis, Band, Chart, EventMark, Panel, PlotSeries, SeriesStyle, Shade};
+pub use drawing::{Drawing, draw_chart};
 pub use layout::usual_size;
 pub use scale::ScaleKind;
-pub use theme::Theme;
+pub use theme::ChartTheme;

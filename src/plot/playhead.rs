@@ -2,17 +2,17 @@
 
 use super::chart::Chart;
 use super::drawing::Drawing;
-use super::primitive::{Primitive, Stroke};
+use super::primitive::{DrawnPrimitive, Stroke};
 
 /// A line at the sample's place on the horizontal axis, and a dot on every curve.
-pub fn playhead(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<Primitive> {
+pub fn playhead_marks(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<DrawnPrimitive> {
     let (sizes, theme) = (&drawing.sizes, &drawing.theme);
     let mut list = Vec::new();
     for (panel, area) in chart.panels.iter().zip(&drawing.areas) {
         let place = panel.samples.get(sample).and_then(|x| area.x.pixel(*x));
         // On a path in a plane a vertical line would say nothing.
         if let Some(x) = place.filter(|_| !panel.equal) {
-            list.push(Primitive::Line {
+            list.push(DrawnPrimitive::Line {
                 points: vec![[x, area.rect.top], [x, area.rect.bottom]],
                 stroke: Stroke::solid(theme.faint_text, sizes.hair),
                 name: String::new(),
@@ -21,7 +21,7 @@ pub fn playhead(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<Primitiv
         for (index, series) in panel.series.iter().enumerate() {
             let point = series.points.get(sample).copied().flatten();
             if let Some(centre) = point.and_then(|p| area.pixel(p)) {
-                list.push(Primitive::Circle {
+                list.push(DrawnPrimitive::Circle {
                     centre,
                     radius: 2.4 * sizes.curve,
                     fill: theme.colour(index),

@@ -4,7 +4,7 @@ use super::theme::{Colour, Dashes};
 
 /// Where a text hangs on its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
+pub enum TextAnchor {
     /// It begins there.
     Start,
     /// Its middle is there.
@@ -67,7 +67,7 @@ impl Rect {
 
 /// One thing to draw.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Primitive {
+pub enum DrawnPrimitive {
     /// A filled rectangle.
     Area {
         /// Where.
@@ -111,7 +111,7 @@ pub enum Primitive {
         /// Height of the capitals in pixels.
         size: f64,
         /// How it hangs on its place.
-        anchor: Anchor,
+        anchor: TextAnchor,
         /// Colour.
         colour: Colour,
     },

@@ -1,7 +1,7 @@
 //! A drawing as pixels. The same drawing gives the same bytes everywhere.
 
 use super::drawing::Drawing;
-use super::primitive::{Anchor, Primitive, Rect, Stroke};
+use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use super::theme::Colour;
 use crate::render::text::{Face, set_text};
 use image::RgbaImage;
@@ -12,11 +12,11 @@ use tiny_skia::{
 
 /// Draws on RGBA pixels; keeps the glyphs it has made.
 #[derive(Default)]
-pub struct Painter {
+pub struct ChartPainter {
     face: Face,
 }
 
-impl Painter {
+impl ChartPainter {
     /// The whole drawing as an opaque picture; one transparent pixel for a drawing without any.
     pub fn picture(&mut self, drawing: &Drawing) -> RgbaImage {
         let [width, height] = drawing.size.map(|side| side.max(1));
@@ -27,10 +27,10 @@ impl Painter {
     }
 
     /// Draws `primitives` over an opaque picture.
-    pub fn paint(&mut self, primitives: &[Primitive], image: &mut RgbaImage) {
+    pub fn paint(&mut self, primitives: &[DrawnPrimitive], image: &mut RgbaImage) {
         for primitive in primitives {
             match primitive {
-                Primitive::Text {
+                DrawnPrimitive::Text {
                     at,
                     text,
                     size,
@@ -47,15 +47,15 @@ impl Painter {
         at: [f64; 2],
         text: &str,
         size: f64,
-        anchor: Anchor,
+        anchor: TextAnchor,
         colour: Colour,
         image: &mut RgbaImage,
     ) {
         let setting = set_text(&self.face, text, size);
         let back = match anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5 * setting.width,
-            Anchor::End => setting.width,
+            TextAnchor::Start => 0.0,
+            TextAnchor::Middle => 0.5 * setting.width,
+            TextAnchor::End => setting.width,
         };
         // Whole pixels: letters on a baseline between two rows are blurred.
         let (left, baseline) = ((at[0] - back).round() as i64, at[1].round() as i64);
@@ -66,7 +66,7 @@ impl Painter {
             for y in 0..mask.height {
                 for x in 0..mask.width {
                     let cover = mask.at(x, y);
-                    blend(
+                    blend_pixel(
                         image,
                         [column + i64::from(x), row + i64::from(y)],
                         colour,
@@ -79,7 +79,7 @@ impl Painter {
 }
 
 /// Mixes `colour` over one pixel, if the picture has it.
-fn blend(image: &mut RgbaImage, [x, y]: [i64; 2], colour: Colour, cover: u8) {
+fn blend_pixel(image: &mut RgbaImage, [x, y]: [i64; 2], colour: Colour, cover: u8) {
     let inside =
         (0..i64::from(image.width())).contains(&x) && (0..i64::from(image.height())).contains(&y);
     if cover == 0 || !inside {
@@ -93,29 +93,35 @@ fn blend(image: &mut RgbaImage, [x, y]: [i64; 2], colour: Colour, cover: u8) {
     }
 }
 
-fn paint_shape(shape: &Primitive, image: &mut RgbaImage) {
+fn paint_shape(shape: &DrawnPrimitive, image: &mut RgbaImage) {
     let (width, height) = image.dimensions();
     let Some(mut pixels) = PixmapMut::from_bytes(image, width, height) else {
         return;
     };
     match shape {
-        Primitive::Area { rect, fill } => {
+        DrawnPrimitive::Area { rect, fill } => {
             if let Some(rect) = skia_rect(rect) {
-                pixels.fill_rect(rect, &paint(*fill), Transform::identity(), None);
+                pixels.fill_rect(rect, &solid_paint(*fill), Transform::identity(), None);
             }
         }
-        Primitive::Line { points, stroke, .. } => {
-            outline(joined(points), *stroke, &mut pixels);
+        DrawnPrimitive::Line { points, stroke, .. } => {
+            stroke_outline(joined_path(points), *stroke, &mut pixels);
         }
-        Primitive::Region { points, fill } => {
-            let mut path = joined(points);
+        DrawnPrimitive::Region { points, fill } => {
+            let mut path = joined_path(points);
             path.close();
             if let Some(path) = path.finish() {
                 let identity = Transform::identity();
-                pixels.fill_path(&path, &paint(*fill), FillRule::Winding, identity, None);
+                pixels.fill_path(
+                    &path,
+                    &solid_paint(*fill),
+                    FillRule::Winding,
+                    identity,
+                    None,
+                );
             }
         }
-        Primitive::Circle {
+        DrawnPrimitive::Circle {
             centre,
             radius,
             fill,
@@ -128,15 +134,21 @@ fn paint_shape(shape: &Primitive, image: &mut RgbaImage) {
             };
             if let Some(path) = circle().finish() {
                 let identity = Transform::identity();
-                pixels.fill_path(&path, &paint(*fill), FillRule::Winding, identity, None);
+                pixels.fill_path(
+                    &path,
+                    &solid_paint(*fill),
+                    FillRule::Winding,
+                    identity,
+                    None,
+                );
             }
-            outline(circle(), *stroke, &mut pixels);
+            stroke_outline(circle(), *stroke, &mut pixels);
         }
-        Primitive::Text { .. } => {}
+        DrawnPrimitive::Text { .. } => {}
     }
 }
 
-fn joined(points: &[[f64; 2]]) -> PathBuilder {
+fn joined_path(points: &[[f64; 2]]) -> PathBuilder {
     let mut path = PathBuilder::new();
     for (k, [x, y]) in points.iter().enumerate() {
         match k {
@@ -147,7 +159,7 @@ fn joined(points: &[[f64; 2]]) -> PathBuilder {
     path
 }
 
-fn outline(path: PathBuilder, stroke: Stroke, pixels: &mut PixmapMut) {
+fn stroke_outline(path: PathBuilder, stroke: Stroke, pixels: &mut PixmapMut) {
     let Some(path) = path.finish() else { return };
     let lengths = stroke.dashes.lengths(stroke.width);
     let dash = lengths.and_then(|l| StrokeDash::new(l.map(|v| v as f32).to_vec(), 0.0));
@@ -164,14 +176,14 @@ fn outline(path: PathBuilder, stroke: Stroke, pixels: &mut PixmapMut) {
     };
     pixels.stroke_path(
         &path,
-        &paint(stroke.colour),
+        &solid_paint(stroke.colour),
         &look,
         Transform::identity(),
         None,
     );
 }
 
-fn paint([r, g, b, a]: Colour) -> Paint<'static> {
+fn solid_paint([r, g, b, a]: Colour) -> Paint<'static> {
     Paint {
         shader: Shader::SolidColor(Color::from_rgba8(r, g, b, a)),
         anti_alias: true,

@@ -67,7 +67,7 @@ impl Scale {
 }
 
 /// Ends of an axis for the given values: finite, the first below the second, positive for a logarithmic one.
-pub fn limits(kind: ScaleKind, values: impl Iterator<Item = f64>, tight: bool) -> [f64; 2] {
+pub fn value_limits(kind: ScaleKind, values: impl Iterator<Item = f64>, tight: bool) -> [f64; 2] {
     let usable = values.filter(|v| v.is_finite() && (kind == ScaleKind::Linear || *v > 0.0));
     let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
         (l.min(v), h.max(v))
@@ -122,10 +122,10 @@ mod tests {
 
         #[test]
         fn limits_hold_all_values(values in proptest::collection::vec(-1e9f64..1e9, 1..20), tight in any::<bool>()) {
-            let [low, high] = limits(ScaleKind::Linear, values.iter().copied(), tight);
+            let [low, high] = value_limits(ScaleKind::Linear, values.iter().copied(), tight);
             prop_assert!(low < high && values.iter().all(|v| (low..=high).contains(v)));
             let positive = values.iter().map(|v| v.abs() + 1e-12);
-            let [low, high] = limits(ScaleKind::Log, positive.clone(), tight);
+            let [low, high] = value_limits(ScaleKind::Log, positive.clone(), tight);
             prop_assert!(0.0 < low && low < high);
             prop_assert!(positive.into_iter().all(|v| (low * 0.999..=high * 1.001).contains(&v)));
         }
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn rounding_noise_is_a_flat_line() {
         let noise = [880.0, 880.0 + 1e-12, 880.0 - 2e-12];
-        let [low, high] = limits(ScaleKind::Linear, noise.into_iter(), false);
+        let [low, high] = value_limits(ScaleKind::Linear, noise.into_iter(), false);
         assert!(high - low > 100.0);
         assert_eq!(
             limits(ScaleKind::Linear, [0.0].into_iter(), false),

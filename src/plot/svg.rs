@@ -1,7 +1,7 @@
 //! A drawing as SVG text: real texts, one element per line, names for the curves.
 
 use super::drawing::Drawing;
-use super::primitive::{Anchor, Primitive, Stroke};
+use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
 use super::theme::Colour;
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ const CAPITALS_PER_EM: f64 = 0.714;
 const FAMILY: &str = "Noto Sans, Open Sans, DejaVu Sans, Helvetica, Arial, sans-serif";
 
 /// The drawing as a complete SVG document.
-pub fn write(drawing: &Drawing) -> String {
+pub fn write_svg(drawing: &Drawing) -> String {
     let [width, height] = drawing.size;
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -22,15 +22,15 @@ pub fn write(drawing: &Drawing) -> String {
     let _ = writeln!(
         text,
         "<title id=\"title\">{}</title>",
-        escaped(&drawing.title)
+        escape_text(&drawing.title)
     );
     let _ = writeln!(
         text,
         "<desc id=\"desc\">{}</desc>",
-        escaped(&drawing.description)
+        escape_text(&drawing.description)
     );
     for primitive in &drawing.primitives {
-        element(primitive, &mut text);
+        write_element(primitive, &mut text);
         text.push('\n');
     }
     text.push_str("</svg>\n");
@@ -38,29 +38,29 @@ pub fn write(drawing: &Drawing) -> String {
 }
 
 // Writing to a String cannot fail.
-fn element(primitive: &Primitive, out: &mut String) {
+fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
     let _ = match primitive {
-        Primitive::Area { rect, fill } => write!(
+        DrawnPrimitive::Area { rect, fill } => write!(
             out,
             "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
-            number(rect.left),
-            number(rect.top),
-            number(rect.width()),
-            number(rect.height()),
-            paint("fill", *fill)
+            short_number(rect.left),
+            short_number(rect.top),
+            short_number(rect.width()),
+            short_number(rect.height()),
+            paint_attributes("fill", *fill)
         ),
-        Primitive::Line {
+        DrawnPrimitive::Line {
             points,
             stroke,
             name,
-        } => line(points, *stroke, name, out),
-        Primitive::Region { points, fill } => write!(
+        } => write_line(points, *stroke, name, out),
+        DrawnPrimitive::Region { points, fill } => write!(
             out,
             "<polygon points=\"{}\"{}/>",
-            corners(points),
-            paint("fill", *fill)
+            corner_list(points),
+            paint_attributes("fill", *fill)
         ),
-        Primitive::Circle {
+        DrawnPrimitive::Circle {
             centre,
             radius,
             fill,
@@ -68,13 +68,13 @@ fn element(primitive: &Primitive, out: &mut String) {
         } => write!(
             out,
             "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{}{}/>",
-            number(centre[0]),
-            number(centre[1]),
-            number(*radius),
-            paint("fill", *fill),
-            outline(*stroke)
+            short_number(centre[0]),
+            short_number(centre[1]),
+            short_number(*radius),
+            paint_attributes("fill", *fill),
+            stroke_attributes(*stroke)
         ),
-        Primitive::Text {
+        DrawnPrimitive::Text {
             at,
             text,
             size,
@@ -83,66 +83,71 @@ fn element(primitive: &Primitive, out: &mut String) {
         } => write!(
             out,
             "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{}>{}</text>",
-            number(at[0]),
-            number(at[1]),
-            number(size / CAPITALS_PER_EM),
+            short_number(at[0]),
+            short_number(at[1]),
+            short_number(size / CAPITALS_PER_EM),
             match anchor {
-                Anchor::Start => "",
-                Anchor::Middle => " text-anchor=\"middle\"",
-                Anchor::End => " text-anchor=\"end\"",
+                TextAnchor::Start => "",
+                TextAnchor::Middle => " text-anchor=\"middle\"",
+                TextAnchor::End => " text-anchor=\"end\"",
             },
-            paint("fill", *colour),
-            escaped(text)
+            paint_attributes("fill", *colour),
+            escape_text(text)
         ),
     };
 }
 
-fn line(points: &[[f64; 2]], stroke: Stroke, name: &str, out: &mut String) -> std::fmt::Result {
+fn write_line(
+    points: &[[f64; 2]],
+    stroke: Stroke,
+    name: &str,
+    out: &mut String,
+) -> std::fmt::Result {
     write!(
         out,
         "<polyline points=\"{}\"{}",
-        corners(points),
-        outline(stroke)
+        corner_list(points),
+        stroke_attributes(stroke)
     )?;
     if name.is_empty() {
         out.write_str("/>")
     } else {
-        write!(out, "><title>{}</title></polyline>", escaped(name))
+        write!(out, "><title>{}</title></polyline>", escape_text(name))
     }
 }
 
-fn corners(points: &[[f64; 2]]) -> String {
+fn corner_list(points: &[[f64; 2]]) -> String {
     let texts = points
         .iter()
-        .map(|[x, y]| format!("{},{}", number(*x), number(*y)));
+        .map(|[x, y]| format!("{},{}", short_number(*x), short_number(*y)));
     texts.collect::<Vec<_>>().join(" ")
 }
 
-fn outline(stroke: Stroke) -> String {
-    let mut text = paint("stroke", stroke.colour);
-    let _ = write!(text, " stroke-width=\"{}\"", number(stroke.width));
+fn stroke_attributes(stroke: Stroke) -> String {
+    let mut text = paint_attributes("stroke", stroke.colour);
+    let _ = write!(text, " stroke-width=\"{}\"", short_number(stroke.width));
     if let Some([dash, gap]) = stroke.dashes.lengths(stroke.width) {
-        let dash = number(dash);
+        let dash = short_number(dash);
         let _ = write!(
             text,
             " stroke-dasharray=\"{dash} {}\" stroke-linecap=\"butt\"",
-            number(gap)
+            short_number(gap)
         );
     }
     text
 }
 
-fn paint(attribute: &str, [r, g, b, a]: Colour) -> String {
+fn paint_attributes(attribute: &str, [r, g, b, a]: Colour) -> String {
     let mut text = format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\"");
     if a < 255 {
-        let opacity = number(f64::from(a) / 255.0);
+        let opacity = short_number(f64::from(a) / 255.0);
         let _ = write!(text, " {attribute}-opacity=\"{opacity}\"");
     }
     text
 }
 
 /// Hundredths of a pixel are finer than any screen.
-fn number(value: f64) -> String {
+fn short_number(value: f64) -> String {
     let text = format!("{value:.2}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
     if short == "-0" {
@@ -153,7 +158,7 @@ fn number(value: f64) -> String {
 }
 
 /// Characters of a text that XML would read, and those it forbids.
-fn escaped(text: &str) -> String {
+fn escape_text(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

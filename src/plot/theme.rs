@@ -5,7 +5,7 @@ pub type Colour = [u8; 4];
 
 /// The colours of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Theme {
+pub struct ChartTheme {
     /// Behind everything.
     pub background: Colour,
     /// Titles, labels, numbers.
@@ -29,55 +29,55 @@ pub struct Theme {
 }
 
 /// Opaque.
-const fn rgb(code: u32) -> Colour {
+const fn rgb_colour(code: u32) -> Colour {
     [(code >> 16) as u8, (code >> 8) as u8, code as u8, 255]
 }
 
-impl Theme {
+impl ChartTheme {
     /// Dark on white. The curves are those of Okabe and Ito (Color Universal Design, 2008), whose yellow is
     /// replaced: it cannot be seen on white.
     pub const LIGHT: Self = Self {
-        background: rgb(0xffffff),
-        text: rgb(0x1f2328),
-        faint_text: rgb(0x59636e),
-        axis: rgb(0x59636e),
-        grid: rgb(0xe4e8ec),
-        event: rgb(0x8a939c),
-        shade: rgb(0xf1ecea),
-        hatch: rgb(0xd8cfcb),
-        mark: rgb(0x59636e),
+        background: rgb_colour(0xffffff),
+        text: rgb_colour(0x1f2328),
+        faint_text: rgb_colour(0x59636e),
+        axis: rgb_colour(0x59636e),
+        grid: rgb_colour(0xe4e8ec),
+        event: rgb_colour(0x8a939c),
+        shade: rgb_colour(0xf1ecea),
+        hatch: rgb_colour(0xd8cfcb),
+        mark: rgb_colour(0x59636e),
         series: [
-            rgb(0x0072b2),
-            rgb(0xd55e00),
-            rgb(0x009e73),
-            rgb(0xcc79a7),
-            rgb(0xe69f00),
-            rgb(0x56b4e9),
-            rgb(0x4d4d4d),
-            rgb(0x882255),
+            rgb_colour(0x0072b2),
+            rgb_colour(0xd55e00),
+            rgb_colour(0x009e73),
+            rgb_colour(0xcc79a7),
+            rgb_colour(0xe69f00),
+            rgb_colour(0x56b4e9),
+            rgb_colour(0x4d4d4d),
+            rgb_colour(0x882255),
         ],
     };
 
     /// Light on nearly black.
     pub const DARK: Self = Self {
-        background: rgb(0x15181c),
-        text: rgb(0xe6e9ec),
-        faint_text: rgb(0xa3abb3),
-        axis: rgb(0x8a939c),
-        grid: rgb(0x2a2f35),
-        event: rgb(0x77808a),
-        shade: rgb(0x241f1e),
-        hatch: rgb(0x453b38),
-        mark: rgb(0xa3abb3),
+        background: rgb_colour(0x15181c),
+        text: rgb_colour(0xe6e9ec),
+        faint_text: rgb_colour(0xa3abb3),
+        axis: rgb_colour(0x8a939c),
+        grid: rgb_colour(0x2a2f35),
+        event: rgb_colour(0x77808a),
+        shade: rgb_colour(0x241f1e),
+        hatch: rgb_colour(0x453b38),
+        mark: rgb_colour(0xa3abb3),
         series: [
-            rgb(0x56b4e9),
-            rgb(0xe69f00),
-            rgb(0x2fc08f),
-            rgb(0xe58fc0),
-            rgb(0xf0e442),
-            rgb(0xff7b4a),
-            rgb(0xc8ccd0),
-            rgb(0xb39ddb),
+            rgb_colour(0x56b4e9),
+            rgb_colour(0xe69f00),
+            rgb_colour(0x2fc08f),
+            rgb_colour(0xe58fc0),
+            rgb_colour(0xf0e442),
+            rgb_colour(0xff7b4a),
+            rgb_colour(0xc8ccd0),
+            rgb_colour(0xb39ddb),
         ],
     };
 

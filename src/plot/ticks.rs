@@ -31,10 +31,10 @@ const LARGE: f64 = 1e5;
 const SMALL_STEP: f64 = 1e-4;
 
 /// Ticks of `scale`, at most about `most` of them.
-pub fn ticks(scale: &Scale, most: usize, unit: &str) -> Ticks {
+pub fn scale_ticks(scale: &Scale, most: usize, unit: &str) -> Ticks {
     match scale.kind {
-        ScaleKind::Linear => linear(scale.low, scale.high, most.max(2), unit),
-        ScaleKind::Log => decades(scale.low, scale.high, most.max(2)),
+        ScaleKind::Linear => linear_ticks(scale.low, scale.high, most.max(2), unit),
+        ScaleKind::Log => decade_ticks(scale.low, scale.high, most.max(2)),
     }
 }
 
@@ -55,7 +55,7 @@ pub fn round_step(range: f64, most: usize, unit: &str) -> f64 {
     step.unwrap_or(10.0) * decade
 }
 
-fn linear(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
+fn linear_ticks(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
     let step = round_step(high - low, most, unit);
     // Counted, not summed up; a little beyond the ends so that rounding loses none.
     let first = libm::ceil(low / step - 1e-6);
@@ -69,12 +69,12 @@ fn linear(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
     let largest = numbers.iter().fold(0.0_f64, |m, k| m.max((k * step).abs()));
     let factor = common_factor(largest, step);
     let unit_step = step / libm::pow(10.0, f64::from(factor));
-    let decimals = decimals(unit_step);
+    let decimals = step_decimals(unit_step);
     let list = numbers
         .into_iter()
         .map(|k| Tick {
             value: k * step,
-            text: written(k * unit_step, decimals),
+            text: tick_text(k * unit_step, decimals),
         })
         .collect();
     Ticks { list, factor }
@@ -95,13 +95,13 @@ fn common_factor(largest: f64, step: f64) -> i32 {
 }
 
 /// Digits behind the point that tell multiples of `step` apart.
-fn decimals(step: f64) -> usize {
+fn step_decimals(step: f64) -> usize {
     let digits = -libm::floor(libm::log10(step) + 1e-9);
     digits.clamp(0.0, 12.0) as usize
 }
 
 /// A number with a real minus sign.
-fn written(value: f64, decimals: usize) -> String {
+fn tick_text(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(digits) if digits.bytes().any(|b| (b'1'..=b'9').contains(&b)) => format!("−{digits}"),
@@ -122,7 +122,7 @@ pub fn power_of_ten(exponent: i32) -> String {
     }
 }
 
-fn decades(low: f64, high: f64, most: usize) -> Ticks {
+fn decade_ticks(low: f64, high: f64, most: usize) -> Ticks {
     let first = libm::ceil(libm::log10(low) - 1e-9) as i32;
     let last = libm::floor(libm::log10(high) + 1e-9) as i32;
     let every = ((last - first) as usize).div_ceil(most).max(1) as i32;
@@ -151,7 +151,7 @@ mod tests {
             start: 0.0,
             end: 1.0,
         };
-        let ticks = ticks(&scale, most, unit);
+        let ticks = scale_ticks(&scale, most, unit);
         (
             ticks.list.into_iter().map(|t| t.text).collect(),
             ticks.factor,
@@ -197,7 +197,7 @@ mod tests {
                 start: 0.0,
                 end: 1.0,
             };
-            let list = ticks(&scale, 6, "").list;
+            let list = scale_ticks(&scale, 6, "").list;
             let tolerance = 1e-5 * (high - low);
             assert!((2..=8).contains(&list.len()), "{low} {high} {}", list.len());
             assert!(

@@ -54,7 +54,7 @@ impl ViewDirection {
 /// `aspect` is width over height; `margin` the share of the frame's half width and half height kept free.
 /// The height of an orthographic `projection` is ignored. Closed form: each side of the frame is a plane
 /// that supports the points, and the eye is where opposite planes meet. No points: a unit around the origin.
-pub fn fit(
+pub fn fit_camera(
     points: impl Iterator<Item = DVec3> + Clone,
     view: &ViewDirection,
     projection: Projection,
@@ -259,7 +259,7 @@ mod tests {
             let cube = (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)) * 40.0 - 20.0);
             let points: Vec<DVec3> = raw.into_iter().map(DVec3::from).chain(cube).collect();
             let projection = if parallel { PARALLEL } else { PERSPECTIVE };
-            let camera = fit(points.iter().copied(), &view(azimuth, elevation), projection, 4.0 / 3.0, 0.1);
+            let camera = fit_camera(points.iter().copied(), &view(azimuth, elevation), projection, 4.0 / 3.0, 0.1);
             let [x, y] = spread(&camera, &points);
             prop_assert!(x <= 0.9 + 1e-9 && y <= 0.9 + 1e-9);
             prop_assert!((x.max(y) - 0.9).abs() < 1e-9, "nothing touches: {x} {y}");
@@ -278,7 +278,7 @@ mod tests {
         ];
         for points in sets {
             for projection in [PERSPECTIVE, PARALLEL] {
-                let camera = fit(
+                let camera = fit_camera(
                     points.iter().copied(),
                     &view(0.0, 0.0),
                     projection,

@@ -16,16 +16,16 @@ const NO_POSE_GREY: u32 = 208;
 /// Share of the way to the background that a picture without a pose goes, in 256ths.
 const NO_POSE_FADE: u32 = 112;
 /// Tables of the sRGB transfer curve.
-pub struct Curve {
+pub struct ToneCurve {
     linear: [f32; 256],
     /// `thresholds[k]` is the least linear value whose code is k + 1; the last is above 1.
     thresholds: [f32; 256],
     guess: Box<[u8; 2 * GUESS_CELLS]>,
 }
 
-static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
+static CURVE: LazyLock<ToneCurve> = LazyLock::new(ToneCurve::new);
 
-impl Curve {
+impl ToneCurve {
     /// The shared tables.
     pub fn shared() -> &'static Self {
         &CURVE
@@ -72,7 +72,7 @@ impl Curve {
     /// Nearest sRGB code of a linear value; values outside 0..=1 are clamped, not a number becomes 0.
     #[inline]
     pub fn encode(&self, value: f32) -> u8 {
-        let value = super::look::saturate(value);
+        let value = super::look::clamp_unit(value);
         // At 2^23 the last bit of a number is worth 1: the low bits are the rounded value.
         let cell = (value * GUESS_CELLS as f32 + 8_388_608.0).to_bits() as usize;
         let guess = self.guess[cell % (2 * GUESS_CELLS)];
@@ -111,14 +111,14 @@ pub fn mark_no_pose(image: &mut RgbaImage, background: [u8; 3]) {
         let [r, g, b, _] = pixel.0.map(u32::from);
         let grey = (weights[0] * r + weights[1] * g + weights[2] * b + 128) >> 8;
         for (code, below) in pixel.0.iter_mut().zip(background) {
-            let faded = blend(u32::from(*code), grey, NO_POSE_GREY);
-            *code = blend(faded, u32::from(below), NO_POSE_FADE) as u8;
+            let faded = blend_channels(u32::from(*code), grey, NO_POSE_GREY);
+            *code = blend_channels(faded, u32::from(below), NO_POSE_FADE) as u8;
         }
     }
 }
 
 /// Mix of two codes, `share` in 256ths of the second.
-fn blend(first: u32, second: u32, share: u32) -> u32 {
+fn blend_channels(first: u32, second: u32, share: u32) -> u32 {
     ((256 - share) * first + share * second + 128) >> 8
 }
 
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn every_code_survives_the_round_trip() {
-        let curve = Curve::shared();
+        let curve = ToneCurve::shared();
         for code in 0..=255 {
             assert_eq!(curve.encode(curve.decode(code)), code);
         }
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn encode_is_the_nearest_code_everywhere() {
-        let curve = Curve::shared();
+        let curve = ToneCurve::shared();
         for step in 0..=1_000_000 {
             let value = step as f32 / 1e6;
             let code = curve.encode(value) as usize;

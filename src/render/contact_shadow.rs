@@ -4,9 +4,9 @@
 //! straight below a body and growing softer with its height, not the shadow of the key light.
 
 use super::ground::ground_axes;
-use super::look::{larger, smaller};
+use super::look::{larger_of, smaller_of};
 use super::{Frame, Ground, Instance, Stage};
-use crate::math::{Pose, narrow, narrow_pose};
+use crate::math::{Pose, narrow_pose, narrow_vector};
 use glam::DMat3;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ impl TexelPlace {
         let fixed = |c: f32| {
             let texel = (0.5 + 0.5 * c) * SHADOW_SIZE as f32 - 0.5;
             let last = (SHADOW_SIZE - 1) * 256 - 1;
-            ((larger(texel, 0.0) * 256.0) as u32).min(last)
+            ((larger_of(texel, 0.0) * 256.0) as u32).min(last)
         };
         let (x, y) = (fixed(u), fixed(v));
         Self {
@@ -85,7 +85,12 @@ impl ContactShadow {
     pub fn sample(&self, u: f32, v: f32) -> f32 {
         let size = self.size as usize;
         let last = self.size as f32 - 1.0;
-        let place = |c: f32| smaller(larger((0.5 + 0.5 * c) * self.size as f32 - 0.5, 0.0), last);
+        let place = |c: f32| {
+            smaller_of(
+                larger_of((0.5 + 0.5 * c) * self.size as f32 - 0.5, 0.0),
+                last,
+            )
+        };
         let (x, y) = (place(u), place(v));
         let (column, row) = (x as usize, y as usize);
         let (fx, fy) = (x - column as f32, y - row as f32);
@@ -143,7 +148,7 @@ impl ShadowCaster {
         let texel = (2.0 * ground.radius / f64::from(SHADOW_SIZE)) as f32;
         let area = (SHADOW_SIZE * SHADOW_SIZE) as usize;
         let casters = stage.meshes.iter().map(|mesh| {
-            let corners: Vec<[f32; 3]> = mesh.positions.iter().map(|p| narrow(*p)).collect();
+            let corners: Vec<[f32; 3]> = mesh.positions.iter().map(|p| narrow_vector(*p)).collect();
             let inside = |t: &&[u32; 3]| t.iter().all(|i| (*i as usize) < corners.len());
             let triangles: Vec<[u32; 3]> = mesh
                 .triangles
@@ -202,7 +207,7 @@ impl ShadowCaster {
         let size = SHADOW_SIZE as usize;
         for (k, layer) in self.layers.iter_mut().enumerate() {
             for (dark, height) in layer.iter_mut().zip(&self.heights) {
-                let near = larger(1.0 - height / REACH[k], 0.0);
+                let near = larger_of(1.0 - height / REACH[k], 0.0);
                 *dark = DEPTH[k] * near * near;
             }
             for _ in 0..2 {
@@ -286,7 +291,7 @@ impl HeightMap<'_> {
         let size = SHADOW_SIZE as f32;
         if x >= 0.0 && x < size && y >= 0.0 && y < size {
             let texel = &mut self.heights[y as usize * SHADOW_SIZE as usize + x as usize];
-            *texel = smaller(larger(height, 0.0), *texel);
+            *texel = smaller_of(larger_of(height, 0.0), *texel);
         }
     }
 
@@ -299,10 +304,10 @@ impl HeightMap<'_> {
         }
         let last = SHADOW_SIZE as f32 - 1.0;
         let range = |k: usize| {
-            let low = smaller(smaller(a[k], b[k]), c[k]);
-            let high = larger(larger(a[k], b[k]), c[k]);
-            let first = larger((low - 0.5).ceil(), 0.0);
-            (first, smaller((high - 0.5).floor(), last))
+            let low = smaller_of(smaller_of(a[k], b[k]), c[k]);
+            let high = larger_of(larger_of(a[k], b[k]), c[k]);
+            let first = larger_of((low - 0.5).ceil(), 0.0);
+            (first, smaller_of((high - 0.5).floor(), last))
         };
         let ((x0, x1), (y0, y1)) = (range(0), range(1));
         if !(x0 <= x1 && y0 <= y1) {

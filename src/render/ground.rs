@@ -49,7 +49,7 @@ pub fn ground_axes(ground: &Ground) -> DMat3 {
 }
 
 /// How far below its plane the ground is drawn.
-fn sink(ground: &Ground, camera: &Camera, size: [u32; 2]) -> f64 {
+fn ground_sink(ground: &Ground, camera: &Camera, size: [u32; 2]) -> f64 {
     let away = if camera.is_perspective() {
         (ground.center - camera.world_from_camera.translation).length()
     } else {
@@ -58,7 +58,7 @@ fn sink(ground: &Ground, camera: &Camera, size: [u32; 2]) -> f64 {
     SINK_RADII * ground.radius + SINK_PIXELS * away / camera.pixels_per_unit(size)
 }
 
-fn form(form: &[f64; 3], x: f64, y: f64) -> f64 {
+fn form_value(form: &[f64; 3], x: f64, y: f64) -> f64 {
     form[0] * x + form[1] * y + form[2]
 }
 
@@ -70,7 +70,7 @@ impl GroundView {
             .world_from_camera
             .inverse()
             .transform_point(ground.center);
-        let center = center - axes.z_axis * sink(ground, camera, size);
+        let center = center - axes.z_axis * ground_sink(ground, camera, size);
         let normal = axes.z_axis;
         // The line of sight of a pixel is origin + s direction; both are affine in the pixel.
         let scale = 1.0 / camera.pixels_per_unit(size);
@@ -148,17 +148,17 @@ impl GroundView {
 
     /// Distance of the plane along the line of sight, `None` above the horizon.
     pub fn distance_at(&self, x: f64, y: f64) -> Option<f64> {
-        let w = form(&self.w, x, y);
-        (w > 0.0).then(|| form(&self.distance, x, y) / w)
+        let w = form_value(&self.w, x, y);
+        (w > 0.0).then(|| form_value(&self.distance, x, y) / w)
     }
 
     /// What the pixel with centre (x, y) shows; `None` where it sees no ground.
     pub fn at(&self, x: f64, y: f64) -> Option<GroundPoint> {
-        let w = form(&self.w, x, y);
+        let w = form_value(&self.w, x, y);
         if w <= 0.0 {
             return None;
         }
-        let (u, v) = (form(&self.u, x, y) / w, form(&self.v, x, y) / w);
+        let (u, v) = (form_value(&self.u, x, y) / w, form_value(&self.v, x, y) / w);
         let share = u * u + v * v;
         if share.is_nan() || share >= 1.0 {
             return None;
@@ -169,7 +169,7 @@ impl GroundView {
                 let footprint = (step(0) + step(1)) / self.pitch;
                 look::grid_line((value / self.pitch) as f32, footprint as f32)
             };
-            look::larger(line(&self.u, u), line(&self.v, v))
+            look::larger_of(line(&self.u, u), line(&self.v, v))
         } else {
             0.0
         };
@@ -186,7 +186,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::render::Projection;
-    use crate::render::camera::{ViewDirection, fit};
+    use crate::render::camera::{ViewDirection, fit_camera};
 
     /// A pixel's ground point, projected again, is the pixel.
     #[test]
@@ -209,7 +209,7 @@ mod tests {
                 elevation: 0.4,
                 up: DVec3::Z,
             };
-            let camera = fit(corners.into_iter(), &view, projection, 4.0 / 3.0, 0.1);
+            let camera = fit_camera(corners.into_iter(), &view, projection, 4.0 / 3.0, 0.1);
             let plane = GroundView::new(&ground, &camera, size).unwrap();
             let axes = ground_axes(&ground);
             let mut seen = 0;
@@ -220,7 +220,7 @@ mod tests {
                 seen += 1;
                 let [u, v] = point.at.map(f64::from);
                 let world = ground.center + (axes.x_axis * u + axes.y_axis * v) * ground.radius
-                    - axes.z_axis * sink(&ground, &camera, size);
+                    - axes.z_axis * ground_sink(&ground, &camera, size);
                 let [px, py, distance] = camera.project(world, size).unwrap();
                 assert!((px - x).abs() < 1e-3 && (py - y).abs() < 1e-3);
                 let expected = plane.distance_at(x, y).unwrap();
@@ -244,7 +244,7 @@ mod tests {
             grid: 0.0,
             shade: Ground::DARKER,
         };
-        let camera = fit(
+        let camera = fit_camera(
             [DVec3::ZERO, DVec3::ONE].into_iter(),
             &view,
             Projection::Perspective { fov_y: 0.7 },

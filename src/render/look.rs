@@ -46,31 +46,31 @@ pub const LUMINANCE: Rgb = [0.2126, 0.7152, 0.0722];
 
 /// Scalar product.
 #[inline(always)]
-pub fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub fn dot_product(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The larger of two numbers, `b` when `a` is not a number; one instruction, unlike `f32::max`.
 #[inline(always)]
-pub fn larger(a: f32, b: f32) -> f32 {
+pub fn larger_of(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 /// The smaller of two numbers, `b` when `a` is not a number.
 #[inline(always)]
-pub fn smaller(a: f32, b: f32) -> f32 {
+pub fn smaller_of(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// Clamps to 0..=1; not a number becomes 0.
 #[inline(always)]
-pub fn saturate(x: f32) -> f32 {
-    smaller(larger(x, 0.0), 1.0)
+pub fn clamp_unit(x: f32) -> f32 {
+    smaller_of(larger_of(x, 0.0), 1.0)
 }
 
 /// `a` at t = 0, `b` at t = 1.
 #[inline(always)]
-pub fn mix(a: f32, b: f32, t: f32) -> f32 {
+pub fn mix_values(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
@@ -112,22 +112,22 @@ impl Rim {
 /// linear; `flat` 1 gives the albedo itself. The highlight is Blinn's, with
 /// `(n·h)² = (n·l + n·v)² / (2 + 2 l·v)` so that the half vector is never normalised.
 #[inline(always)]
-pub fn shade(
+pub fn shade_surface(
     normal: [f32; 3],
     to_viewer: [f32; 3],
     around: &Surroundings,
     albedo: Rgb,
     flat: f32,
 ) -> Rgb {
-    let n_l = dot(normal, KEY_DIRECTION);
-    let n_v = larger(dot(normal, to_viewer), 0.0);
-    let key = larger((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
-    let fill = larger(dot(normal, FILL_DIRECTION), 0.0);
-    let sky = 0.5 + 0.5 * dot(normal, around.up);
+    let n_l = dot_product(normal, KEY_DIRECTION);
+    let n_v = larger_of(dot_product(normal, to_viewer), 0.0);
+    let key = larger_of((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
+    let fill = larger_of(dot_product(normal, FILL_DIRECTION), 0.0);
+    let sky = 0.5 + 0.5 * dot_product(normal, around.up);
 
-    let half = larger(n_l + n_v, 0.0);
-    let h2 = smaller(
-        half * half / larger(2.0 + 2.0 * dot(KEY_DIRECTION, to_viewer), 1e-6),
+    let half = larger_of(n_l + n_v, 0.0);
+    let h2 = smaller_of(
+        half * half / larger_of(2.0 + 2.0 * dot_product(KEY_DIRECTION, to_viewer), 1e-6),
         1.0,
     );
     let h4 = h2 * h2;
@@ -140,19 +140,20 @@ pub fn shade(
     let gain = around.rim.gain * (away * away);
 
     let channel = |c: usize| {
-        let light =
-            mix(GROUND_COLOUR[c], SKY_COLOUR[c], sky) + KEY_COLOUR[c] * key + FILL_COLOUR[c] * fill;
+        let light = mix_values(GROUND_COLOUR[c], SKY_COLOUR[c], sky)
+            + KEY_COLOUR[c] * key
+            + FILL_COLOUR[c] * fill;
         let light = light * kept;
         let gloss = KEY_COLOUR[c] * glint + SKY_COLOUR[c] * gain;
-        let lit = saturate(EXPOSURE * (albedo[c] * light + gloss));
-        mix(lit, albedo[c], flat)
+        let lit = clamp_unit(EXPOSURE * (albedo[c] * light + gloss));
+        mix_values(lit, albedo[c], flat)
     };
     [channel(0), channel(1), channel(2)]
 }
 
 /// Fresnel-like weight `(1 - n·v)^4` of a surface whose normal has cosine `n_v` (0..=1) to the viewer.
 #[inline(always)]
-pub fn rim(n_v: f32) -> f32 {
+pub fn rim_light(n_v: f32) -> f32 {
     let away = 1.0 - n_v;
     let squared = away * away;
     squared * squared
@@ -161,7 +162,7 @@ pub fn rim(n_v: f32) -> f32 {
 /// Opacity of a translucent surface: its own, and more where it is seen edge-on.
 #[inline(always)]
 pub fn edge_opacity(opacity: f32, n_v: f32) -> f32 {
-    opacity + (1.0 - opacity) * (EDGE_OPACITY * rim(n_v))
+    opacity + (1.0 - opacity) * (EDGE_OPACITY * rim_light(n_v))
 }
 
 /// How much of the ground is there, 1 in the middle to 0 at its radius.
@@ -169,7 +170,7 @@ pub fn edge_opacity(opacity: f32, n_v: f32) -> f32 {
 /// `radius_share_squared` is the squared distance from the ground's centre over the squared radius.
 #[inline(always)]
 pub fn ground_fade(radius_share_squared: f32) -> f32 {
-    let t = saturate((radius_share_squared - FADE_START_SQUARED) / (1.0 - FADE_START_SQUARED));
+    let t = clamp_unit((radius_share_squared - FADE_START_SQUARED) / (1.0 - FADE_START_SQUARED));
     1.0 - t * t * (3.0 - 2.0 * t)
 }
 
@@ -181,8 +182,8 @@ pub fn ground_fade(radius_share_squared: f32) -> f32 {
 pub fn grid_line(at: f32, footprint: f32) -> f32 {
     let off = at - (at + 0.5).floor();
     let distance = if off < 0.0 { -off } else { off };
-    let cover = saturate(GRID_HALF_WIDTH + 0.5 - distance / larger(footprint, 1e-12));
-    cover * saturate(2.0 - footprint * (2.0 / GRID_MAX_FOOTPRINT))
+    let cover = clamp_unit(GRID_HALF_WIDTH + 0.5 - distance / larger_of(footprint, 1e-12));
+    cover * clamp_unit(2.0 - footprint * (2.0 / GRID_MAX_FOOTPRINT))
 }
 
 /// Factor on the background's linear colour where the ground is seen.

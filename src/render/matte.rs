@@ -12,7 +12,7 @@ pub const WHITE: [u8; 3] = [255; 3];
 pub const BLACK: [u8; 3] = [0; 3];
 
 /// Writes into `on_white` the picture without background.
-pub fn extract(on_white: &mut RgbaImage, on_black: &RgbaImage) {
+pub fn extract_alpha(on_white: &mut RgbaImage, on_black: &RgbaImage) {
     for (white, black) in on_white.pixels_mut().zip(on_black.pixels()) {
         let through = (0..3)
             .map(|c| white.0[c].saturating_sub(black.0[c]))
@@ -49,7 +49,7 @@ mod tests {
                 RgbaImage::from_pixel(1, 1, Rgba([r, g, b, 255]))
             };
             let mut found = over(255);
-            extract(&mut found, &over(0));
+            extract_alpha(&mut found, &over(0));
             let [r, g, b, a] = found.get_pixel(0, 0).0;
             assert!(u32::from(a).abs_diff(alpha) <= 1, "{a} {alpha}");
             for (own, expected) in [r, g, b].into_iter().zip(colour) {
@@ -57,7 +57,7 @@ mod tests {
             }
         }
         let mut nothing = RgbaImage::from_pixel(1, 1, Rgba([255; 4]));
-        extract(
+        extract_alpha(
             &mut nothing,
             &RgbaImage::from_pixel(1, 1, Rgba([0, 0, 0, 255])),
         );

@@ -37,7 +37,7 @@ const FRAMES_IN_FLIGHT: usize = 3;
 /// Errors: no adapter of the kind asked for; a device that fails; a picture that the renderer cannot draw. `Auto`
 /// with [`AdapterChoice::Hardware`] falls back to the built-in renderer instead; any other adapter was asked for by
 /// somebody, who is told.
-pub fn open(
+pub fn open_renderer(
     choice: RendererChoice,
     adapter: AdapterChoice,
     stage: Arc<Stage>,
@@ -60,7 +60,7 @@ pub fn open(
 /// The adapters of this machine, best first; empty without drivers or in a build without the `gpu` feature.
 pub fn list_adapters() -> Vec<AdapterInfo> {
     #[cfg(feature = "gpu")]
-    return super::gpu::adapter::list();
+    return super::gpu::adapter::list_adapters();
     #[cfg(not(feature = "gpu"))]
     return Vec::new();
 }
@@ -130,7 +130,7 @@ mod tests {
     fn the_built_in_renderer_comes_in_the_asked_number() {
         for (workers, expected) in [(0, 1), (1, 1), (3, 3)] {
             let adapter = RendererChoice::Cpu.default_adapter();
-            let renderers = open(RendererChoice::Cpu, adapter, stage(), workers).unwrap();
+            let renderers = open_renderer(RendererChoice::Cpu, adapter, stage(), workers).unwrap();
             assert_eq!(renderers.len(), expected);
             assert!(renderers.iter().all(|r| r.name() == "cpu"));
         }
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn auto_always_draws() {
         let adapter = RendererChoice::Auto.default_adapter();
-        let mut renderers = open(RendererChoice::Auto, adapter, stage(), 2).unwrap();
+        let mut renderers = open_renderer(RendererChoice::Auto, adapter, stage(), 2).unwrap();
         let mut image = RgbaImage::new(9, 7);
         renderers[0].draw(&Frame::default(), &mut image).unwrap();
         assert!(image.pixels().all(|p| p.0 == [1, 2, 3, 255]));
@@ -149,7 +149,7 @@ mod tests {
     fn an_adapter_asked_for_by_name_is_not_replaced() {
         for choice in [RendererChoice::Auto, RendererChoice::Gpu] {
             let adapter = AdapterChoice::Name("no adapter has this name".to_owned());
-            let opened = open(choice, adapter, stage(), 1);
+            let opened = open_renderer(choice, adapter, stage(), 1);
             assert!(matches!(opened, Err(RenderError::NoAdapter(_))));
         }
     }

@@ -12,7 +12,7 @@ mod plate;
 use super::text::{Face, Setting, set_text};
 use super::{Anchor, Camera, Frame, Label};
 use image::RgbaImage;
-use paint::Painter;
+use paint::OverlayPainter;
 
 /// Greatest height of capitals in pixels; larger labels are drawn at this size (no picture needs them, and a
 /// mask takes memory with its square).
@@ -42,11 +42,11 @@ impl Overlay {
     /// not a finite place, or where its size is not positive. Alpha is not touched.
     pub fn draw(&mut self, frame: &Frame, camera: &Camera, image: &mut RgbaImage) {
         if frame.no_pose {
-            border::draw(image);
+            border::draw_border(image);
         }
         let picture = <[u32; 2]>::from(image.dimensions()).map(f64::from);
         for patch in &frame.patches {
-            patch::draw(&mut Painter::new(image), patch, picture);
+            patch::draw_patch(&mut OverlayPainter::new(image), patch, picture);
         }
         self.taken.clear();
         for label in &frame.labels {
@@ -60,7 +60,7 @@ impl Overlay {
         }
         let setting = set_text(&self.face, &label.text, label.size.min(LARGEST_SIZE));
         let size = image.dimensions().into();
-        let Some([left, top]) = place(label, &setting, camera, size) else {
+        let Some([left, top]) = place_label(label, &setting, camera, size) else {
             return;
         };
         let [width, high] = [setting.width, setting.height].map(|n| n.ceil() as i32);
@@ -70,19 +70,19 @@ impl Overlay {
             left.saturating_add(width),
             top.saturating_add(high),
         ];
-        if label.yields && self.taken.iter().any(|other| overlap(&own, other)) {
+        if label.yields && self.taken.iter().any(|other| boxes_overlap(&own, other)) {
             return;
         }
         self.taken.push(own);
-        let mut painter = Painter::new(image);
+        let mut painter = OverlayPainter::new(image);
         if let Anchor::Beside(point) = label.anchor
             && let Some([x, y, _]) = camera.project(point, size)
         {
             let foot = [f64::from(left) - 2.0, f64::from(top) + 0.5 * setting.height];
-            patch::leader(&mut painter, [[x, y], foot], label.colour);
+            patch::draw_leader(&mut painter, [[x, y], foot], label.colour);
         }
         if label.plate && !setting.glyphs.is_empty() {
-            plate::draw(&mut painter, &setting, [left, top], self.plate_colour);
+            plate::draw_plate(&mut painter, &setting, [left, top], self.plate_colour);
         }
         let in_world = !matches!(label.anchor, Anchor::Screen(_));
         if in_world && !label.plate {
@@ -100,7 +100,7 @@ impl Overlay {
         setting: &Setting,
         [left, top]: [i32; 2],
         colour: [u8; 3],
-        painter: &mut Painter,
+        painter: &mut OverlayPainter,
     ) {
         for glyph in &setting.glyphs {
             let mask = self.face.mask(glyph.id, setting.size, glyph.phase);
@@ -113,7 +113,7 @@ impl Overlay {
     }
 }
 
-fn overlap(a: &[i32; 4], b: &[i32; 4]) -> bool {
+fn boxes_overlap(a: &[i32; 4], b: &[i32; 4]) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
@@ -133,7 +133,12 @@ const SEAM: [[i32; 2]; 8] = [
 ];
 
 /// Top left pixel of a label's text; `None` when it cannot be seen.
-fn place(label: &Label, setting: &Setting, camera: &Camera, size: [u32; 2]) -> Option<[i32; 2]> {
+fn place_label(
+    label: &Label,
+    setting: &Setting,
+    camera: &Camera,
+    size: [u32; 2],
+) -> Option<[i32; 2]> {
     let picture = size.map(f64::from);
     let corner = match label.anchor {
         Anchor::World(point) => {
@@ -149,7 +154,7 @@ fn place(label: &Label, setting: &Setting, camera: &Camera, size: [u32; 2]) -> O
         }
         Anchor::Screen([x, y]) => {
             let inset = if label.plate {
-                plate::padding(setting.size)
+                plate::plate_padding(setting.size)
             } else {
                 0.0
             };

@@ -1,21 +1,21 @@
 //! What a search for assemblies has found, in words.
 
-use super::sentences::counted;
+use super::sentences::counted_things;
 use crate::kinematics::assemblies::{Mode, Modes, StartKind, UNSEEN};
-use crate::kinematics::structure::block::names;
+use crate::kinematics::structure::block::slot_names;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
 
 /// `40 placements of `plate``, and what of them is not isolated.
-pub fn headline(mechanism: &Mechanism, modes: &Modes) -> String {
+pub fn modes_headline(mechanism: &Mechanism, modes: &Modes) -> String {
     let placements = modes.placements();
     let what = match modes.bodies[..] {
-        [] => assemblies(placements, ""),
+        [] => assembly_count(placements, ""),
         [one] => {
             let name = &mechanism.bodies[one].name;
-            format!("{} of `{name}`", counted(placements, "placement"))
+            format!("{} of `{name}`", counted_things(placements, "placement"))
         }
-        _ => format!("{} of the bodies", counted(placements, "placement")),
+        _ => format!("{} of the bodies", counted_things(placements, "placement")),
     };
     let sets = [
         (modes.curves(), "curve"),
@@ -24,14 +24,14 @@ pub fn headline(mechanism: &Mechanism, modes: &Modes) -> String {
     let sets: Vec<String> = sets
         .iter()
         .filter(|(count, _)| *count > 0)
-        .map(|(count, noun)| format!("{} of solutions", counted(*count, noun)))
+        .map(|(count, noun)| format!("{} of solutions", counted_things(*count, noun)))
         .collect();
     match sets.is_empty() {
         true => what,
         false => {
             let kind = match modes.bodies.is_empty() {
-                true => assemblies(modes.isolated(), "isolated "),
-                false => counted(modes.isolated(), "isolated placement"),
+                true => assembly_count(modes.isolated(), "isolated "),
+                false => counted_things(modes.isolated(), "isolated placement"),
             };
             format!("{kind} and {}", sets.join(" and "))
         }
@@ -39,7 +39,7 @@ pub fn headline(mechanism: &Mechanism, modes: &Modes) -> String {
 }
 
 /// `1 assembly`, `3 isolated assemblies`.
-fn assemblies(count: usize, which: &str) -> String {
+fn assembly_count(count: usize, which: &str) -> String {
     match count {
         1 => format!("1 {which}assembly"),
         n => format!("{n} {which}assemblies"),
@@ -47,15 +47,15 @@ fn assemblies(count: usize, which: &str) -> String {
 }
 
 /// What the rows mean, and what the count is worth.
-pub fn remarks(system: &System, modes: &Modes) -> Vec<String> {
+pub fn mode_remarks(system: &System, modes: &Modes) -> Vec<String> {
     let mut lines = vec![
         format!(
             "This is a count, not a proof: {} of {} starts closed ({}).",
             modes.closed(),
             modes.starts(),
-            kinds(modes)
+            mode_kinds(modes)
         ),
-        worth(modes),
+        search_worth(modes),
     ];
     if modes.list.iter().any(|m| m.is_scene) {
         lines.push("* is where the scene's start values lead.".to_owned());
@@ -85,17 +85,17 @@ pub fn remarks(system: &System, modes: &Modes) -> Vec<String> {
 }
 
 /// What the starts of every kind led to.
-fn kinds(modes: &Modes) -> String {
+fn mode_kinds(modes: &Modes) -> String {
     let made = modes.tallies.iter().filter(|(_, tally)| tally.starts > 0);
     let parts = made.map(|(kind, tally)| {
-        let new = counted(tally.new, "new placement");
-        format!("{} {}: {new}", tally.starts, words(*kind))
+        let new = counted_things(tally.new, "new placement");
+        format!("{} {}: {new}", tally.starts, kind_words(*kind))
     });
     parts.collect::<Vec<_>>().join(", ")
 }
 
 /// A kind of starts, as in `500 random`.
-pub const fn words(kind: StartKind) -> &'static str {
+pub const fn kind_words(kind: StartKind) -> &'static str {
     match kind {
         StartKind::Scene => "of the scene",
         StartKind::Random => "random",
@@ -105,7 +105,7 @@ pub const fn words(kind: StartKind) -> &'static str {
 }
 
 /// How much may be left.
-fn worth(modes: &Modes) -> String {
+fn search_worth(modes: &Modes) -> String {
     let chance = match modes.unseen {
         0.0 => "0".to_owned(),
         chance => format!("{chance:.1e}"),
@@ -140,7 +140,7 @@ fn second_angles(system: &System, modes: &Modes) -> Option<String> {
     balls.dedup();
     let wrists = balls.iter().map(|ball| {
         let slots = system.balls()[*ball].slots.into_iter();
-        names(mechanism, slots).join(", ")
+        slot_names(mechanism, slots).join(", ")
     });
     let wrists: Vec<String> = wrists.collect();
     (!wrists.is_empty()).then(|| {

@@ -1,7 +1,7 @@
 //! Numbers and aligned columns of tables for people.
 
 /// Rows of cells, the first left-aligned, the others right-aligned.
-pub fn aligned(rows: &[Vec<String>]) -> String {
+pub fn aligned_rows(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |j: usize| {
         rows.iter()
@@ -31,7 +31,7 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
 
 /// A text as a CSV cell: in quotes where it has to be, and with an apostrophe before what a spreadsheet would run as a
 /// formula. Signs alone, such as those of a branch, are quoted only: they run nothing.
-pub fn quoted(text: &str) -> String {
+pub fn quoted_cell(text: &str) -> String {
     let is_formula = text.starts_with(['+', '-', '=', '@', '\t', '\r']);
     if text.parse::<f64>().is_ok() {
         return text.to_owned();
@@ -46,7 +46,7 @@ pub fn quoted(text: &str) -> String {
 }
 
 /// A number with six significant digits.
-pub fn six(value: f64) -> String {
+pub fn six_digits(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".to_owned()

@@ -3,10 +3,10 @@
 use super::clearance;
 use super::clearance_json;
 use super::closure;
-use super::events::gaps;
+use super::events::gap_list;
 use super::freedoms;
-use super::measures::Measured;
-use super::proof::{MotionProof, PoseProofs, assumptions};
+use super::measures::TakenMeasure;
+use super::proof::{MotionProof, PoseProofs, proof_assumptions};
 use super::sentences;
 use super::verdict::{Asked, CLEARANCE, Verdict};
 use crate::clearance::check::ClearanceReport;
@@ -27,7 +27,7 @@ pub struct MotionReport<'a> {
     poses: PoseProofs,
     motion: Option<MotionProof<'a>>,
     assumptions: Vec<String>,
-    measured: &'a [Measured<'a>],
+    measured: &'a [TakenMeasure<'a>],
     clearances: Option<&'a ClearanceReport>,
 }
 
@@ -37,13 +37,13 @@ impl<'a> MotionReport<'a> {
         (system, actuation): (&'a System, &'a Actuation),
         trajectory: &'a Trajectory,
         asked: Asked,
-        measured: &'a [Measured<'a>],
+        measured: &'a [TakenMeasure<'a>],
         clearances: Option<&'a ClearanceReport>,
     ) -> Self {
         let structure = system.structure();
         let is_proving = !structure.blocks.is_empty() || asked.motion || clearances.is_some();
         let assumptions = match asked.poses && is_proving {
-            true => assumptions(system),
+            true => proof_assumptions(system),
             false => Vec::new(),
         };
         Self {
@@ -63,14 +63,18 @@ impl<'a> MotionReport<'a> {
     /// Every question with its answer; the motion took `seconds` to solve.
     pub fn verdict(&self, seconds: f64) -> Verdict {
         let (mechanism, trajectory) = (self.mechanism, self.trajectory);
-        let mut cases = vec![closure::closes(mechanism, trajectory).taking(seconds)];
-        cases.push(closure::error(mechanism, trajectory, self.asked.closure));
+        let mut cases = vec![closure::closing_case(mechanism, trajectory).taking(seconds)];
+        cases.push(closure::closure_case(
+            mechanism,
+            trajectory,
+            self.asked.closure,
+        ));
         cases.push(self.poses.case(mechanism));
         let motion = self.motion.iter();
         cases.extend(motion.map(|proof| proof.case(mechanism, self.actuation)));
-        cases.extend(self.measured.iter().map(Measured::case));
+        cases.extend(self.measured.iter().map(TakenMeasure::case));
         if let Some(report) = self.clearances {
-            cases.extend(clearance::cases(mechanism, report, self.asked));
+            cases.extend(clearance::clearance_cases(mechanism, report, self.asked));
         }
         Verdict {
             title: mechanism.title.clone(),
@@ -123,16 +127,16 @@ impl<'a> MotionReport<'a> {
         }
         let measured = self.measured.iter();
         lines.extend(measured.map(|m| (m.name(), m.sentence())));
-        let lines: String = lines.iter().map(line).collect();
+        let lines: String = lines.iter().map(case_line).collect();
         let pairs = self
             .clearances
-            .map(|found| clearance::table(mechanism, found, worst));
+            .map(|found| clearance::clearance_table(mechanism, found, worst));
         format!(
             "{}\n{lines}{}{}{}",
             mechanism.title,
-            freedoms::text(mechanism, &self.mobility),
+            freedoms::freedoms_text(mechanism, &self.mobility),
             pairs.unwrap_or_default(),
-            line(&("result", verdict.sentence()))
+            case_line(&("result", verdict.sentence()))
         )
     }
 
@@ -163,13 +167,13 @@ impl<'a> MotionReport<'a> {
             "locked": self.poses.locked,
             "consistent": self.poses.consistent,
             "closes_to": (self.poses.consistent > 0).then_some(self.poses.closes_to),
-            "measures": self.measured.iter().map(Measured::json).collect::<Vec<_>>(),
+            "measures": self.measured.iter().map(TakenMeasure::json).collect::<Vec<_>>(),
             "assumed": self.assumptions,
             "motion": self.motion.as_ref().map(MotionProof::json),
-            "mobility": freedoms::document(mechanism, &self.mobility),
-            "events": events.map(|e| sentences::sentence(mechanism, e)).collect::<Vec<_>>(),
+            "mobility": freedoms::freedoms_document(mechanism, &self.mobility),
+            "events": events.map(|e| sentences::event_sentence(mechanism, e)).collect::<Vec<_>>(),
             "clearance": clearance,
-            "gaps": gaps(mechanism, trajectory),
+            "gaps": gap_list(mechanism, trajectory),
             "checks": verdict.json(),
             "result": verdict.result().word(),
         })
@@ -185,14 +189,14 @@ pub fn without_pose(mechanism: &Mechanism, trajectory: &Trajectory, verdict: &Ve
         "samples": trajectory.samples.len(),
         "missing": trajectory.missing(),
         "size": mechanism.size,
-        "events": events.map(|e| sentences::sentence(mechanism, e)).collect::<Vec<_>>(),
-        "gaps": gaps(mechanism, trajectory),
+        "events": events.map(|e| sentences::event_sentence(mechanism, e)).collect::<Vec<_>>(),
+        "gaps": gap_list(mechanism, trajectory),
         "checks": verdict.json(),
         "result": verdict.result().word(),
     })
 }
 
 /// One line of the report with its head.
-fn line((head, text): &(&str, String)) -> String {
+fn case_line((head, text): &(&str, String)) -> String {
     format!("  {head:<16} {text}\n")
 }

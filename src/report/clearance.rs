@@ -1,6 +1,6 @@
 //! The clearance report as cases of a verdict, as a table for people and as CSV. Nothing is computed here.
 
-use super::cells::quoted;
+use super::cells::quoted_cell;
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
 use super::verdict::{Asked, CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
@@ -17,7 +17,7 @@ const MOST_INTERVALS: usize = 4;
 const MOST_DECIMALS: f64 = 15.0;
 
 /// The word of a judgement in reports.
-pub fn word(judgement: &Judgement) -> &'static str {
+pub fn judgement_word(judgement: &Judgement) -> &'static str {
     match judgement {
         Judgement::Passed => "passed",
         Judgement::Estimated => "estimated",
@@ -29,7 +29,7 @@ pub fn word(judgement: &Judgement) -> &'static str {
 }
 
 /// Names of a pair's bodies.
-pub fn names<'m>(mechanism: &'m Mechanism, pair: &PairReport) -> [&'m str; 2] {
+pub fn body_names<'m>(mechanism: &'m Mechanism, pair: &PairReport) -> [&'m str; 2] {
     pair.pair.map(|body| mechanism.bodies[body].name.as_str())
 }
 
@@ -51,7 +51,7 @@ pub fn shape_name(mechanism: &Mechanism, body: usize, shape: usize) -> String {
     format!("{kind} {}", shape + 1)
 }
 
-pub(super) fn shapes(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
+pub(super) fn shape_names(mechanism: &Mechanism, pair: &PairReport) -> [String; 2] {
     [0, 1].map(|k| shape_name(mechanism, pair.pair[k], pair.least.shapes[k]))
 }
 
@@ -63,8 +63,8 @@ fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<String> {
         false => "estimated",
     };
     let one = |v: &Violation| match v.is_seen {
-        true => format!("t = {}", interval(v)),
-        false => format!("perhaps t = {}", interval(v)),
+        true => format!("t = {}", violation_interval(v)),
+        false => format!("perhaps t = {}", violation_interval(v)),
     };
     let shown = violations.list.iter().take(MOST_INTERVALS).map(one);
     let shown = shown.collect::<Vec<_>>().join(", ");
@@ -83,7 +83,7 @@ fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<String> {
 }
 
 /// An interval of time that holds the given one, in as many decimals as a thousandth of it needs, at least six.
-fn interval(v: &Violation) -> String {
+fn violation_interval(v: &Violation) -> String {
     let needed = (3.0 - (v.to - v.from).log10()).ceil();
     let decimals = needed.clamp(6.0, MOST_DECIMALS) as usize;
     let [from, to] = [not_below(v.from, decimals), not_above(v.to, decimals)];
@@ -91,9 +91,9 @@ fn interval(v: &Violation) -> String {
 }
 
 /// One sentence on a pair.
-pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
+pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     let unit = &mechanism.length_unit;
-    let [first, second] = shapes(mechanism, p);
+    let [first, second] = shape_names(mechanism, p);
     let least = &p.least;
     let what = if least.is_enclosed {
         "lie one in the other".to_owned()
@@ -102,7 +102,7 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     } else {
         format!("come within {:.6} {unit}", least.distance)
     };
-    let [a, b] = names(mechanism, p);
+    let [a, b] = body_names(mechanism, p);
     format!(
         "`{a}` ({first}) and `{b}` ({second}) {what} at t = {:.6} s; {:.6} {unit} are asked",
         least.time, p.minimum
@@ -110,7 +110,7 @@ pub fn sentence(mechanism: &Mechanism, p: &PairReport) -> String {
 }
 
 /// Why a pair is not judged: the joint, or the words of the scene.
-pub(super) fn reason(judgement: &Judgement) -> Option<&str> {
+pub(super) fn judgement_reason(judgement: &Judgement) -> Option<&str> {
     match judgement {
         Judgement::Neighbours(joint) => Some(joint),
         Judgement::Ignored(reason) => Some(reason),
@@ -121,16 +121,21 @@ pub(super) fn reason(judgement: &Judgement) -> Option<&str> {
 /// One case a pair, one for every stretch of time that was not checked and every mesh without an inside, and one
 /// if no pair was judged. An estimate is
 /// enough where no proof is asked for.
-pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> Vec<Case> {
+pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> Vec<Case> {
     let pairs = report.judged.iter().chain(&report.excluded);
     let has_gaps = !report.gaps.is_empty();
     let mut list: Vec<Case> = pairs
-        .map(|p| case(mechanism, p, asked, has_gaps).taking(p.seconds))
+        .map(|p| pair_case(mechanism, p, asked, has_gaps).taking(p.seconds))
         .collect();
     list.extend(report.far.map(|far| {
         let text = far_sentence(mechanism, &far);
         let name = format!("{} pairs far apart", far.count);
-        Case::new(CLEARANCE, &name, status(&far.judgement(), asked), text)
+        Case::new(
+            CLEARANCE,
+            &name,
+            judgement_status(&far.judgement(), asked),
+            text,
+        )
     }));
     list.extend(report.gaps.iter().map(|[from, to]| {
         let name = format!("t = {from:.6} s to {to:.6} s");
@@ -151,7 +156,7 @@ pub fn cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> V
 }
 
 /// What a judgement means for the check.
-fn status(judgement: &Judgement, asked: Asked) -> Status {
+fn judgement_status(judgement: &Judgement, asked: Asked) -> Status {
     match judgement {
         Judgement::Passed => Status::Passed,
         Judgement::Estimated if asked.estimates => Status::Passed,
@@ -169,31 +174,34 @@ fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
     };
     format!(
         "{}: what these bodies sweep stays apart: never below {} {} ({sure})",
-        word(&far.judgement()),
+        judgement_word(&far.judgement()),
         not_below(far.apart, 6),
         mechanism.length_unit
     )
 }
 
-fn case(mechanism: &Mechanism, p: &PairReport, asked: Asked, has_gaps: bool) -> Case {
-    let status = status(&p.judgement, asked);
-    let sentence = sentence(mechanism, p);
-    let text = match reason(&p.judgement) {
+fn pair_case(mechanism: &Mechanism, p: &PairReport, asked: Asked, has_gaps: bool) -> Case {
+    let status = judgement_status(&p.judgement, asked);
+    let sentence = pair_sentence(mechanism, p);
+    let text = match judgement_reason(&p.judgement) {
         Some(reason) => {
             let shapes = left_out(mechanism, p);
-            format!("{}: {reason}{shapes}; {sentence}", word(&p.judgement))
+            format!(
+                "{}: {reason}{shapes}; {sentence}",
+                judgement_word(&p.judgement)
+            )
         }
         None => {
             let times = violations_sentence(p, has_gaps).map(|times| format!("; {times}"));
             format!(
                 "{}: {sentence}; {}{}",
-                word(&p.judgement),
-                bound(mechanism, p, has_gaps),
+                judgement_word(&p.judgement),
+                bound_text(mechanism, p, has_gaps),
                 times.unwrap_or_default()
             )
         }
     };
-    let [a, b] = names(mechanism, p);
+    let [a, b] = body_names(mechanism, p);
     Case::new(CLEARANCE, &format!("{a} / {b}"), status, text)
 }
 
@@ -214,7 +222,7 @@ pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[Str
 }
 
 /// What is known of a pair between the samples.
-fn bound(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
+fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
     let (least, unit) = (&p.least, &mechanism.length_unit);
     let sure = match least.is_certified {
         true => "proved",
@@ -246,14 +254,14 @@ fn bound(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
 pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
     let mut text = String::from("time");
     for p in &report.judged {
-        let [a, b] = names(mechanism, p);
+        let [a, b] = body_names(mechanism, p);
         text.push(',');
-        text.push_str(&quoted(&format!("{a} / {b}")));
+        text.push_str(&quoted_cell(&format!("{a} / {b}")));
     }
     for p in &report.judged {
-        let [a, b] = names(mechanism, p);
+        let [a, b] = body_names(mechanism, p);
         text.push(',');
-        text.push_str(&quoted(&format!("{a} / {b} never below")));
+        text.push_str(&quoted_cell(&format!("{a} / {b} never below")));
     }
     text.push('\n');
     for (row, time) in report.times.iter().enumerate() {
@@ -277,7 +285,7 @@ pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
 }
 
 /// The worst pairs, then what was left out.
-pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String {
+pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String {
     let unit = &mechanism.length_unit;
     let has_gaps = !found.gaps.is_empty();
     let mut text = format!(
@@ -289,14 +297,14 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
         text.push_str("      distance   never below     minimum      at t/s  verdict    pair\n");
     }
     for p in found.judged.iter().take(worst) {
-        text.push_str(&row(mechanism, p));
+        text.push_str(&pair_row(mechanism, p));
         if let Some(times) = violations_sentence(p, has_gaps) {
             text.push_str(&format!("                  {times}\n"));
         }
         if p.farthest.is_some() {
             text.push_str(&format!(
                 "                  touching: {}\n",
-                bound(mechanism, p, has_gaps)
+                bound_text(mechanism, p, has_gaps)
             ));
         }
     }
@@ -311,13 +319,13 @@ pub fn table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> St
         text.push_str(&far_line(far));
     }
     for group in by_reason(&found.excluded) {
-        text.push_str(&excluded(mechanism, &group));
+        text.push_str(&excluded_row(mechanism, &group));
     }
     for (judgement, count) in &found.counted {
-        let reason = reason(judgement).unwrap_or_default();
+        let reason = judgement_reason(judgement).unwrap_or_default();
         text.push_str(&format!(
             "                  {:<10} {count} pairs: {reason}\n",
-            word(judgement)
+            judgement_word(judgement)
         ));
     }
     for [start, end] in &found.gaps {
@@ -341,17 +349,17 @@ fn by_reason(pairs: &[PairReport]) -> Vec<Vec<&PairReport>> {
 }
 
 /// Lines of excluded pairs with one reason: one a pair, or one for all of them with the nearest pair.
-fn excluded(mechanism: &Mechanism, group: &[&PairReport]) -> String {
+fn excluded_row(mechanism: &Mechanism, group: &[&PairReport]) -> String {
     let line = |p: &PairReport, who: &str| {
         format!(
             "    {:>10.4}{}  {:<10} {who}: {}\n",
             p.least.distance,
-            inside(p),
-            word(&p.judgement),
-            reason(&p.judgement).unwrap_or_default()
+            inside_word(p),
+            judgement_word(&p.judgement),
+            judgement_reason(&p.judgement).unwrap_or_default()
         )
     };
-    let name = |p: &PairReport| names(mechanism, p).join(" / ");
+    let name = |p: &PairReport| body_names(mechanism, p).join(" / ");
     if group.len() <= MOST_OF_ONE_REASON {
         return group.iter().map(|p| line(p, &name(p))).collect();
     }
@@ -363,7 +371,7 @@ fn excluded(mechanism: &Mechanism, group: &[&PairReport]) -> String {
     nearest.map(folded).unwrap_or_default()
 }
 
-fn inside(p: &PairReport) -> &'static str {
+fn inside_word(p: &PairReport) -> &'static str {
     if p.least.inside.contains(&true) {
         " (inside)"
     } else {
@@ -379,13 +387,13 @@ fn far_line(far: &FarPairs) -> String {
     };
     format!(
         "                {bound:>12}                          {:<10} {} pairs far apart\n",
-        word(&far.judgement()),
+        judgement_word(&far.judgement()),
         far.count
     )
 }
 
-fn row(mechanism: &Mechanism, p: &PairReport) -> String {
-    let [a, b] = names(mechanism, p);
+fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
+    let [a, b] = body_names(mechanism, p);
     // A depth has no bound: it is only known that the bodies overlap.
     let bound = match (
         p.least.distance > 0.0 && p.farthest.is_none(),
@@ -400,7 +408,7 @@ fn row(mechanism: &Mechanism, p: &PairReport) -> String {
         p.least.distance,
         p.minimum,
         p.least.time,
-        word(&p.judgement),
-        inside(p),
+        judgement_word(&p.judgement),
+        inside_word(p),
     )
 }

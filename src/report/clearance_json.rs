@@ -1,6 +1,8 @@
 //! The clearance report as an object of the JSON document.
 
-use super::clearance::{left_out_shapes, names, reason, shapes, word};
+use super::clearance::{
+    body_names, judgement_reason, judgement_word, left_out_shapes, shape_names,
+};
 use super::verdict::Status;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
 use crate::model::mechanism::Mechanism;
@@ -14,15 +16,15 @@ pub fn to_json(
     (result, band): (Status, Option<f64>),
 ) -> Value {
     let pair = |p: &PairReport| {
-        let judged = reason(&p.judgement).is_none();
+        let judged = judgement_reason(&p.judgement).is_none();
         let mut value = json!({
-            "bodies": names(mechanism, p),
-            "verdict": word(&p.judgement),
+            "bodies": body_names(mechanism, p),
+            "verdict": judgement_word(&p.judgement),
             "distance": p.least.distance,
             "minimum": p.minimum,
             "time": p.least.time,
             "points": p.least.points.map(|q| q.to_array()),
-            "shapes": shapes(mechanism, p),
+            "shapes": shape_names(mechanism, p),
             "inside": p.least.inside,
         });
         if let Some(object) = value.as_object_mut() {
@@ -39,7 +41,7 @@ pub fn to_json(
                     object.insert("farthest".to_owned(), json!(farthest));
                 }
             }
-            if let Some(reason) = reason(&p.judgement) {
+            if let Some(reason) = judgement_reason(&p.judgement) {
                 object.insert("reason".to_owned(), json!(reason));
                 let shapes = left_out_shapes(mechanism, p);
                 if !shapes.is_empty() {
@@ -57,12 +59,12 @@ pub fn to_json(
         "pairs": report.judged.iter().map(pair).collect::<Vec<_>>(),
         "far": report.far.map(|far| json!({
             "pairs": far.count,
-            "verdict": word(&far.judgement()),
+            "verdict": judgement_word(&far.judgement()),
             "bound": far.apart,
             "certified": far.is_certified,
         })),
         "excluded": report.excluded.iter().map(pair).collect::<Vec<_>>(),
-        "counted": report.counted.iter().map(counted).collect::<Vec<_>>(),
+        "counted": report.counted.iter().map(counted_judgement).collect::<Vec<_>>(),
         "unchecked": report.gaps,
         "warnings": report.warnings,
     })
@@ -86,10 +88,10 @@ fn violations_json(violations: &Violations) -> Value {
 }
 
 /// Excluded pairs of which only the number is told.
-fn counted((judgement, count): &(Judgement, usize)) -> Value {
+fn counted_judgement((judgement, count): &(Judgement, usize)) -> Value {
     json!({
-        "verdict": word(judgement),
-        "reason": reason(judgement),
+        "verdict": judgement_word(judgement),
+        "reason": judgement_reason(judgement),
         "pairs": count,
     })
 }

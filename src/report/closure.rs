@@ -3,7 +3,7 @@
 use super::sentences::gap_sentence;
 use super::verdict::{Case, MOTION, Status};
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::kinematics::solve::pose_check::{Offered, OfferedGap, Verdict};
+use crate::kinematics::solve::pose_check::{LoopVerdict, Offered, OfferedGap};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 const CLOSES: &str = "motion closes";
 
 /// Whether there is a pose at every sample and between them.
-pub fn closes(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
+pub fn closing_case(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
     let (samples, missing) = (trajectory.samples.len(), trajectory.missing());
     let counted = match missing {
         0 => format!("{samples} samples, all with a pose"),
@@ -30,12 +30,12 @@ pub fn closes(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
 }
 
 /// The same of a loop that no pose closes, for the reason that `why` says.
-pub fn nowhere(why: &str) -> Case {
+pub fn unclosed_case(why: &str) -> Case {
     Case::new(MOTION, CLOSES, Status::NotClosed, why)
 }
 
 /// Whether the poses are closed to `allowed`, relative to the mechanism's size.
-pub fn error(mechanism: &Mechanism, trajectory: &Trajectory, allowed: f64) -> Case {
+pub fn closure_case(mechanism: &Mechanism, trajectory: &Trajectory, allowed: f64) -> Case {
     let worst = trajectory.closure_error();
     let status = match worst <= allowed {
         true => Status::Passed,
@@ -61,10 +61,10 @@ pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String
 }
 
 /// Whether a loop or an equation is closed at an offered pose.
-pub fn offered(mechanism: &Mechanism, item: &Offered) -> Case {
+pub fn offered_case(mechanism: &Mechanism, item: &Offered) -> Case {
     let status = match item.verdict {
-        Verdict::Closed => Status::Passed,
-        Verdict::HalfTurn | Verdict::Open => Status::Failed,
+        LoopVerdict::Closed => Status::Passed,
+        LoopVerdict::HalfTurn | LoopVerdict::Open => Status::Failed,
     };
     let name = match item.gap {
         OfferedGap::Loop { .. } => format!("loop {}", item.name),
@@ -74,11 +74,11 @@ pub fn offered(mechanism: &Mechanism, item: &Offered) -> Case {
 }
 
 /// The word of a verdict on an offered pose.
-fn word(verdict: Verdict) -> &'static str {
+fn verdict_word(verdict: LoopVerdict) -> &'static str {
     match verdict {
-        Verdict::Closed => "closed",
-        Verdict::HalfTurn => "half-turn",
-        Verdict::Open => "open",
+        LoopVerdict::Closed => "closed",
+        LoopVerdict::HalfTurn => "half-turn",
+        LoopVerdict::Open => "open",
     }
 }
 
@@ -86,7 +86,7 @@ fn word(verdict: Verdict) -> &'static str {
 pub fn offered_json(list: &[Offered]) -> [Vec<Value>; 2] {
     let (mut loops, mut equations) = (Vec::new(), Vec::new());
     for Offered { name, gap, verdict } in list {
-        let verdict = word(*verdict);
+        let verdict = verdict_word(*verdict);
         match gap {
             OfferedGap::Loop { angle, distance } => loops.push(json!({
                 "loop": name, "angle": angle, "distance": distance, "verdict": verdict
@@ -104,15 +104,15 @@ fn offered_sentence(mechanism: &Mechanism, item: &Offered) -> String {
     let (angle, distance) = match item.gap {
         OfferedGap::Loop { angle, distance } => (angle, distance),
         OfferedGap::Equation(value) => {
-            return format!("{} (off by {value:.1e})", word(item.verdict));
+            return format!("{} (off by {value:.1e})", verdict_word(item.verdict));
         }
     };
     let gap = format!("{angle:.6} rad and {distance:.6} {unit}");
     match item.verdict {
-        Verdict::Closed => format!("closed (off by {angle:.1e} rad and {distance:.1e} {unit})"),
-        Verdict::HalfTurn => format!(
+        LoopVerdict::Closed => format!("closed (off by {angle:.1e} rad and {distance:.1e} {unit})"),
+        LoopVerdict::HalfTurn => format!(
             "half-turn, not closed: the ends meet turned by π ({gap}); a residual of off-diagonal entries takes this for a solution"
         ),
-        Verdict::Open => format!("open by {gap}"),
+        LoopVerdict::Open => format!("open by {gap}"),
     }
 }

@@ -1,29 +1,29 @@
 //! Bands of a motion in words, CSV and JSON. Ends of bands are rounded outwards, so that what is read holds as well.
 
-use super::cells::{aligned, quoted, six};
+use super::cells::{aligned_rows, quoted_cell, six_digits};
 use crate::analysis::enclosure::{
     Allowed, Band, Enclosed, MeasureBand, Obstacle, Plan, shown_names,
 };
 use crate::kinematics::results::certificate::Reason;
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::{in_unit, shortest};
+use crate::model::printed::{in_unit, shortest_decimal};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use serde_json::{Map, Value, json};
 
 /// The lower (-1) or upper (+1) end of a band as a decimal in the scene's unit that is not inside.
-pub fn end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
+pub fn rounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
     let unit = Interval::from_constant(mechanism.unit_of(kind));
     let exact = Interval::point(value) / unit;
     // The shortest decimal is nearer to its f64 than the next one.
     match side < 0.0 {
-        true => shortest(exact.lo.next_down()),
-        false => shortest(exact.hi.next_up()),
+        true => shortest_decimal(exact.lo.next_down()),
+        false => shortest_decimal(exact.hi.next_up()),
     }
 }
 
 /// The word for a sample.
-pub fn status(enclosed: &Enclosed) -> &'static str {
+pub fn enclosure_word(enclosed: &Enclosed) -> &'static str {
     match &enclosed.bands {
         Ok(_) => "enclosed",
         Err(Obstacle::NoPose) => "no-pose",
@@ -32,12 +32,12 @@ pub fn status(enclosed: &Enclosed) -> &'static str {
 }
 
 /// Why a sample has no band, with the dimension and the time.
-pub fn refusal(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
+pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
     match &enclosed.bands {
         Ok(_) => None,
         Err(Obstacle::NoPose) => Some(format!(
             "t = {} s: there is no pose",
-            shortest(enclosed.time)
+            shortest_decimal(enclosed.time)
         )),
         Err(Obstacle::Test { reason, dimension }) => {
             let name = dimension.and_then(|k| plan.dimensions.get(k)).map(|d| {
@@ -45,8 +45,8 @@ pub fn refusal(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
             });
             Some(format!(
                 "t = {} s: no box is proved: {}{}",
-                shortest(enclosed.time),
-                words(*reason),
+                shortest_decimal(enclosed.time),
+                reason_words(*reason),
                 name.unwrap_or_default()
             ))
         }
@@ -54,7 +54,7 @@ pub fn refusal(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
 }
 
 /// Why a box is not proved.
-const fn words(reason: Reason) -> &'static str {
+const fn reason_words(reason: Reason) -> &'static str {
     match reason {
         Reason::Formula => "a formula has no bounded derivatives there",
         Reason::GimbalLock => "the angles of a ball joint are locked",
@@ -63,18 +63,18 @@ const fn words(reason: Reason) -> &'static str {
 }
 
 /// The bands as CSV.
-pub fn csv(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
+pub fn enclosure_csv(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
     let mechanism = plan.family.mechanism();
-    let mut text = header(plan, searched)
+    let mut text = enclosure_header(plan, searched)
         .iter()
-        .map(|n| quoted(n))
+        .map(|n| quoted_cell(n))
         .collect::<Vec<_>>()
         .join(",");
     text.push('\n');
     for enclosed in motion {
-        let cells: Vec<String> = cells(mechanism, plan, enclosed, searched)
+        let cells: Vec<String> = enclosure_cells(mechanism, plan, enclosed, searched)
             .into_iter()
-            .map(|cell| quoted(&cell))
+            .map(|cell| quoted_cell(&cell))
             .collect();
         text += &cells.join(",");
         text.push('\n');
@@ -83,7 +83,7 @@ pub fn csv(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
 }
 
 /// Names of the columns.
-fn header(plan: &Plan, searched: bool) -> Vec<String> {
+fn enclosure_header(plan: &Plan, searched: bool) -> Vec<String> {
     let mechanism = plan.family.mechanism();
     let own = mechanism.inputs.iter().take(plan.family.own_inputs());
     let mut names = vec!["time".to_owned()];
@@ -98,13 +98,18 @@ fn header(plan: &Plan, searched: bool) -> Vec<String> {
     names
 }
 
-fn cells(mechanism: &Mechanism, plan: &Plan, enclosed: &Enclosed, searched: bool) -> Vec<String> {
+fn enclosure_cells(
+    mechanism: &Mechanism,
+    plan: &Plan,
+    enclosed: &Enclosed,
+    searched: bool,
+) -> Vec<String> {
     let inputs = mechanism.inputs.iter().zip(&enclosed.inputs);
-    let mut cells = vec![shortest(enclosed.time)];
+    let mut cells = vec![shortest_decimal(enclosed.time)];
     cells.extend(
         inputs
             .take(plan.family.own_inputs())
-            .map(|(input, v)| number(*v, input.kind, mechanism)),
+            .map(|(input, v)| cell_number(*v, input.kind, mechanism)),
     );
     let names = shown_names(mechanism);
     let each = if searched { 5 } else { 3 };
@@ -112,52 +117,52 @@ fn cells(mechanism: &Mechanism, plan: &Plan, enclosed: &Enclosed, searched: bool
         Err(_) => cells.resize(cells.len() + each * names.len(), String::new()),
         Ok(bands) => {
             for (band, (_, kind)) in bands.list.iter().zip(&names) {
-                cells.push(number(band.nominal, *kind, mechanism));
-                cells.push(bounded(band.lo, *kind, mechanism, -1.0));
-                cells.push(bounded(band.hi, *kind, mechanism, 1.0));
+                cells.push(cell_number(band.nominal, *kind, mechanism));
+                cells.push(bounded_number(band.lo, *kind, mechanism, -1.0));
+                cells.push(bounded_number(band.hi, *kind, mechanism, 1.0));
                 if searched {
-                    cells.extend(band.found.map(|v| number(v, *kind, mechanism)));
+                    cells.extend(band.found.map(|v| cell_number(v, *kind, mechanism)));
                 }
             }
         }
     }
-    cells.push(status(enclosed).to_owned());
+    cells.push(enclosure_word(enclosed).to_owned());
     cells
 }
 
-fn number(value: f64, kind: Kind, mechanism: &Mechanism) -> String {
+fn cell_number(value: f64, kind: Kind, mechanism: &Mechanism) -> String {
     if value.is_finite() {
-        shortest(in_unit(value, mechanism.unit_of(kind)))
+        shortest_decimal(in_unit(value, mechanism.unit_of(kind)))
     } else {
         String::new()
     }
 }
 
 /// An end; empty where nothing is known.
-fn bounded(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
+fn bounded_number(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
     if value.is_finite() {
-        end(value, kind, mechanism, side)
+        rounded_end(value, kind, mechanism, side)
     } else {
         String::new()
     }
 }
 
 /// The bands as one JSON document.
-pub fn document(
+pub fn enclosure_document(
     plan: &Plan,
     motion: &[Enclosed],
     measures: Option<&[MeasureBand]>,
     searched: bool,
 ) -> Value {
     let mechanism = plan.family.mechanism();
-    let names = header(plan, searched);
+    let names = enclosure_header(plan, searched);
     let value = |cell: String| match cell.parse::<f64>() {
         Ok(v) => json!(v),
         Err(_) if cell.is_empty() => Value::Null,
         Err(_) => Value::String(cell),
     };
     let rows = motion.iter().map(|enclosed| {
-        let cells = cells(mechanism, plan, enclosed, searched).into_iter();
+        let cells = enclosure_cells(mechanism, plan, enclosed, searched).into_iter();
         Value::Object(names.iter().cloned().zip(cells.map(value)).collect())
     });
     let dimensions: Map<String, Value> = plan
@@ -180,7 +185,8 @@ pub fn document(
         let list = plan.family.measures.list.iter().zip(bands);
         let list: Map<String, Value> = list
             .map(|(measure, band)| {
-                let side = |v: f64, side: f64| value(bounded(v, measure.kind, mechanism, side));
+                let side =
+                    |v: f64, side: f64| value(bounded_number(v, measure.kind, mechanism, side));
                 let ends = json!({ "lo": side(band.lo, -1.0), "hi": side(band.hi, 1.0) });
                 (measure.name.clone(), ends)
             })
@@ -200,7 +206,7 @@ struct Summary {
 }
 
 /// The summary: how far below and above the motion as drawn every quantity can be, and is found to be.
-pub fn summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
+pub fn enclosure_summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
     let mechanism = plan.family.mechanism();
     let done = motion.iter().filter(|e| e.bands.is_ok()).count();
     let mut text = format!(
@@ -220,32 +226,40 @@ pub fn summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
             continue;
         };
         let unit = mechanism.file_units(kind);
-        let mut row = vec![name, outer(-all.below * unit), outer(all.above * unit)];
+        let mut row = vec![
+            name,
+            outer_text(-all.below * unit),
+            outer_text(all.above * unit),
+        ];
         if searched {
             let ratio = if all.ratio.is_finite() {
                 format!("{:.4}", all.ratio)
             } else {
                 "-".to_owned()
             };
-            row.extend([six(-all.found[0] * unit), six(all.found[1] * unit), ratio]);
+            row.extend([
+                six_digits(-all.found[0] * unit),
+                six_digits(all.found[1] * unit),
+                ratio,
+            ]);
         }
-        row.push(six(all.time));
+        row.push(six_digits(all.time));
         rows.push(row);
     }
-    text.push_str(&aligned(&rows));
+    text.push_str(&aligned_rows(&rows));
     text
 }
 
 /// Six digits, rounded away from zero.
-fn outer(value: f64) -> String {
+fn outer_text(value: f64) -> String {
     if !value.is_finite() {
         return "unbounded".to_owned();
     }
-    let shown = six(value);
+    let shown = six_digits(value);
     let reads: f64 = shown.parse().unwrap_or(value);
     match reads.abs() >= value.abs() {
         true => shown,
-        false => six(value * (1.0 + 1.1e-5)),
+        false => six_digits(value * (1.0 + 1.1e-5)),
     }
 }
 
@@ -294,7 +308,7 @@ fn of_band(band: &Band, time: f64) -> Summary {
 }
 
 /// The measures: what no piece goes beyond, against their limits.
-pub fn measures(plan: &Plan, bands: &[MeasureBand]) -> String {
+pub fn measure_lines(plan: &Plan, bands: &[MeasureBand]) -> String {
     let mechanism = plan.family.mechanism();
     let mut rows = vec![vec![
         "measure".to_owned(),
@@ -304,8 +318,8 @@ pub fn measures(plan: &Plan, bands: &[MeasureBand]) -> String {
     ]];
     for (measure, band) in plan.family.measures.list.iter().zip(bands) {
         let unit = mechanism.file_units(measure.kind);
-        let lo = bounded(band.lo, measure.kind, mechanism, -1.0);
-        let hi = bounded(band.hi, measure.kind, mechanism, 1.0);
+        let lo = bounded_number(band.lo, measure.kind, mechanism, -1.0);
+        let hi = bounded_number(band.hi, measure.kind, mechanism, 1.0);
         let shown = |text: String| {
             if text.is_empty() {
                 "not bounded".to_owned()
@@ -314,8 +328,12 @@ pub fn measures(plan: &Plan, bands: &[MeasureBand]) -> String {
             }
         };
         let limits = [
-            measure.min.map(|v| format!("at least {}", six(v * unit))),
-            measure.max.map(|v| format!("at most {}", six(v * unit))),
+            measure
+                .min
+                .map(|v| format!("at least {}", six_digits(v * unit))),
+            measure
+                .max
+                .map(|v| format!("at most {}", six_digits(v * unit))),
         ];
         let limits: Vec<String> = limits.into_iter().flatten().collect();
         let kept = measure.allows(band.lo) && measure.allows(band.hi);
@@ -326,24 +344,24 @@ pub fn measures(plan: &Plan, bands: &[MeasureBand]) -> String {
         };
         rows.push(vec![measure.name.clone(), shown(lo), shown(hi), verdict]);
     }
-    aligned(&rows)
+    aligned_rows(&rows)
 }
 
 /// What `--allow` found.
-pub fn allowed(plan: &Plan, name: &str, limit: f64, found: &Allowed) -> String {
+pub fn allowed_lines(plan: &Plan, name: &str, limit: f64, found: &Allowed) -> String {
     let mechanism = plan.family.mechanism();
     let mut text = mechanism.title.clone();
     if found.factor == 0.0 {
         text += &format!(
             "\n  no tolerances are proved to keep `{name}` within {}\n",
-            six(limit)
+            six_digits(limit)
         );
         return text;
     }
     text += &format!(
         "\n  every piece keeps `{name}` within {} of the drawing with these tolerances ({} reached)\n\n",
-        six(limit),
-        outer(found.reached)
+        six_digits(limit),
+        outer_text(found.reached)
     );
     let rows: Vec<Vec<String>> = plan
         .dimensions
@@ -352,21 +370,21 @@ pub fn allowed(plan: &Plan, name: &str, limit: f64, found: &Allowed) -> String {
             let value = d.tolerance * found.factor * mechanism.file_units(d.kind);
             vec![
                 d.name.clone(),
-                format!("+-{}", inner(value)),
+                format!("+-{}", inner_text(value)),
                 mechanism.unit_name(d.kind).to_owned(),
             ]
         })
         .collect();
-    text.push_str(&aligned(&rows));
+    text.push_str(&aligned_rows(&rows));
     text
 }
 
 /// Six digits, rounded towards zero.
-fn inner(value: f64) -> String {
-    let shown = six(value);
+fn inner_text(value: f64) -> String {
+    let shown = six_digits(value);
     let reads: f64 = shown.parse().unwrap_or(value);
     match reads <= value {
         true => shown,
-        false => six(value * (1.0 - 1.1e-5)),
+        false => six_digits(value * (1.0 - 1.1e-5)),
     }
 }

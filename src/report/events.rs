@@ -7,12 +7,12 @@ use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 
 /// All events of a motion: kind, time, inputs, and what belongs to the kind.
-pub fn events(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
+pub fn event_list(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
     let events = trajectory.events.iter();
-    events.map(|e| event(mechanism, e)).collect()
+    events.map(|e| event_value(mechanism, e)).collect()
 }
 
-fn event(mechanism: &Mechanism, event: &Event) -> Value {
+fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
     let kind = match &event.kind {
         EventKind::MotionEnds(_) => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
@@ -31,10 +31,13 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
     let mut object = Map::new();
     object.insert("kind".to_owned(), json!(kind));
     object.insert("time".to_owned(), json!(event.time));
-    object.insert("inputs".to_owned(), inputs(mechanism, &event.inputs).into());
+    object.insert(
+        "inputs".to_owned(),
+        input_values(mechanism, &event.inputs).into(),
+    );
     match &event.kind {
         EventKind::MotionEnds(ending) => {
-            object.insert("ending".to_owned(), self::ending(ending));
+            object.insert("ending".to_owned(), self::ending_value(ending));
         }
         EventKind::MotionResumes { same_branch } => {
             object.insert("same_branch".to_owned(), json!(same_branch));
@@ -87,7 +90,7 @@ fn event(mechanism: &Mechanism, event: &Event) -> Value {
 }
 
 /// What a motion ends at, in a word, and how surely.
-fn ending(ending: &Ending) -> Value {
+fn ending_value(ending: &Ending) -> Value {
     let word = ending.word();
     match ending {
         Ending::Fold { proved, .. } => json!({ "kind": word, "proved": proved }),
@@ -99,30 +102,30 @@ fn ending(ending: &Ending) -> Value {
 
 /// All stretches without a pose: where poses end, where they begin again, and how much is lacking in between; null
 /// where the drive begins or ends inside.
-pub fn gaps(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
+pub fn gap_list(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
     let gaps = trajectory.gaps.iter();
-    gaps.map(|g| gap(mechanism, g)).collect()
+    gaps.map(|g| gap_value(mechanism, g)).collect()
 }
 
-fn gap(mechanism: &Mechanism, gap: &Gap) -> Value {
+fn gap_value(mechanism: &Mechanism, gap: &Gap) -> Value {
     json!({
-        "from": gap.from.as_ref().map(|at| instant(mechanism, at)),
-        "until": gap.until.as_ref().map(|at| instant(mechanism, at)),
-        "ending": gap.ending.as_ref().map(ending),
-        "beginning": gap.beginning.as_ref().map(ending),
-        "widest": gap.widest.as_ref().map(|lack| self::lack(mechanism, lack)),
+        "from": gap.from.as_ref().map(|at| instant_value(mechanism, at)),
+        "until": gap.until.as_ref().map(|at| instant_value(mechanism, at)),
+        "ending": gap.ending.as_ref().map(ending_value),
+        "beginning": gap.beginning.as_ref().map(ending_value),
+        "widest": gap.widest.as_ref().map(|lack| self::lack_value(mechanism, lack)),
     })
 }
 
-fn instant(mechanism: &Mechanism, at: &Instant) -> Value {
-    json!({ "time": at.time, "inputs": inputs(mechanism, &at.inputs) })
+fn instant_value(mechanism: &Mechanism, at: &Instant) -> Value {
+    json!({ "time": at.time, "inputs": input_values(mechanism, &at.inputs) })
 }
 
 /// The angle is in radians, like all angles of proofs.
-fn lack(mechanism: &Mechanism, lack: &Lack) -> Value {
+fn lack_value(mechanism: &Mechanism, lack: &Lack) -> Value {
     json!({
         "time": lack.at.time,
-        "inputs": inputs(mechanism, &lack.at.inputs),
+        "inputs": input_values(mechanism, &lack.at.inputs),
         "loop": lack.name,
         "angle": lack.angle,
         "distance": lack.distance,
@@ -130,7 +133,7 @@ fn lack(mechanism: &Mechanism, lack: &Lack) -> Value {
     })
 }
 
-fn inputs(mechanism: &Mechanism, values: &[f64]) -> Map<String, Value> {
+fn input_values(mechanism: &Mechanism, values: &[f64]) -> Map<String, Value> {
     let pairs = mechanism.inputs.iter().zip(values);
     // An input without a value is null.
     let named = pairs.map(|(input, v)| {

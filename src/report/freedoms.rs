@@ -1,6 +1,6 @@
 //! The mobility report in words and as JSON, for `check` and `solve`.
 
-use super::sentences::counted;
+use super::sentences::counted_things;
 use crate::kinematics::freedoms::count::{JointCount, LoopSpace};
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::structure::block::Held;
@@ -15,8 +15,8 @@ const MAX_LOOPS: usize = 6;
 const MAX_EQUATIONS: usize = 6;
 
 /// Lines of the report, each with its head, as `check` prints them.
-pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
-    let mut lines = vec![("mobility", sentence(mobility))];
+pub fn freedoms_text(mechanism: &Mechanism, mobility: &Mobility) -> String {
+    let mut lines = vec![("mobility", mobility_sentence(mobility))];
     let count = &mobility.count;
     if let Some(dependents) = count.planar_dependents() {
         let (k, s1) = (count.closing().count(), count.equations);
@@ -27,7 +27,7 @@ pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
         ));
     }
     if !mobility.redundant.is_empty() {
-        lines.push(("redundant", redundant(mechanism, mobility)));
+        lines.push(("redundant", redundant_sentence(mechanism, mobility)));
     }
     for name in &mobility.conditions {
         let text = format!(
@@ -39,22 +39,22 @@ pub fn text(mechanism: &Mechanism, mobility: &Mobility) -> String {
         mobility
             .idle
             .iter()
-            .map(|held| ("idle", idle(mechanism, held))),
+            .map(|held| ("idle", passive_sentence(mechanism, held))),
     );
     let line = |(head, text): (&str, String)| format!("  {head:<16} {text}\n");
     lines.into_iter().map(line).collect()
 }
 
 /// The terms of the count.
-fn terms(count: &JointCount) -> String {
+fn count_terms(count: &JointCount) -> String {
     let joints = match count.is_by_coordinates {
         true => format!(
             "{} coordinates, some shared by several joints",
             count.joints
         ),
-        false => counted(count.joints, "joint freedom"),
+        false => counted_things(count.joints, "joint freedom"),
     };
-    let free = counted(count.free, "coordinate");
+    let free = counted_things(count.free, "coordinate");
     let mut text = match (count.joints, count.free) {
         (_, 0) => joints,
         (0, _) => format!("{free} of equations"),
@@ -84,13 +84,13 @@ fn terms(count: &JointCount) -> String {
 }
 
 /// The count, the numeric mobility, and the number of inputs.
-fn sentence(mobility: &Mobility) -> String {
+fn mobility_sentence(mobility: &Mobility) -> String {
     let count = &mobility.count;
     if count.loops.is_empty() && count.equations == 0 {
-        let freedoms = counted(count.freedoms().unsigned_abs() as usize, "freedom");
+        let freedoms = counted_things(count.freedoms().unsigned_abs() as usize, "freedom");
         return format!("open chain: {freedoms}, {} driven", mobility.inputs);
     }
-    let mut text = format!("{} by count ({})", count.freedoms(), terms(count));
+    let mut text = format!("{} by count ({})", count.freedoms(), count_terms(count));
     match (mobility.generic, mobility.at_start) {
         (None, _) => text.push_str("; no closed pose to take a rank at"),
         (Some(generic), start) => {
@@ -107,17 +107,17 @@ fn sentence(mobility: &Mobility) -> String {
             }
         }
     }
-    text.push_str(&format!("; {}", counted(mobility.inputs, "input")));
+    text.push_str(&format!("; {}", counted_things(mobility.inputs, "input")));
     if !mobility.idle.is_empty() {
         text.push_str(&format!(
             ", {}",
-            counted(mobility.idle.len(), "idle freedom")
+            counted_things(mobility.idle.len(), "idle freedom")
         ));
     }
     text
 }
 
-fn redundant(mechanism: &Mechanism, mobility: &Mobility) -> String {
+fn redundant_sentence(mechanism: &Mechanism, mobility: &Mobility) -> String {
     let all = &mobility.redundant;
     let named = all.iter().take(MAX_EQUATIONS).map(|(index, component)| {
         format!(
@@ -137,7 +137,7 @@ fn redundant(mechanism: &Mechanism, mobility: &Mobility) -> String {
 }
 
 /// An idle freedom as a sentence.
-pub fn idle(mechanism: &Mechanism, held: &Held) -> String {
+pub fn passive_sentence(mechanism: &Mechanism, held: &Held) -> String {
     let names = |slots: &[usize]| -> String {
         let names = slots.iter().map(|u| mechanism.unknowns[*u].name.as_str());
         names.collect::<Vec<_>>().join(", ")
@@ -157,7 +157,7 @@ pub fn idle(mechanism: &Mechanism, held: &Held) -> String {
 }
 
 /// The report as JSON.
-pub fn document(mechanism: &Mechanism, mobility: &Mobility) -> Value {
+pub fn freedoms_document(mechanism: &Mechanism, mobility: &Mobility) -> Value {
     let name = |u: &usize| mechanism.unknowns[*u].name.clone();
     let count = &mobility.count;
     let loops: Vec<Value> = count

@@ -1,7 +1,7 @@
 //! Newton's iterates as a table: CSV without the polygons, or JSON with them.
 
-use super::cells::quoted;
-use super::table::number;
+use super::cells::quoted_cell;
+use super::table::csv_number;
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::solve::iterates::Iterate;
@@ -9,7 +9,7 @@ use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 
 /// Names of the columns in their order.
-fn header(mechanism: &Mechanism) -> Vec<String> {
+fn iterate_header(mechanism: &Mechanism) -> Vec<String> {
     let unknowns = || mechanism.unknowns.iter().map(|c| c.name.as_str());
     let mut names = vec!["block".to_owned(), "iteration".to_owned()];
     names.extend(unknowns().map(str::to_owned));
@@ -29,7 +29,7 @@ fn header(mechanism: &Mechanism) -> Vec<String> {
 }
 
 /// The numbers of an iterate in the file's units.
-fn cells(mechanism: &Mechanism, iterate: &Iterate) -> Vec<f64> {
+fn iterate_cells(mechanism: &Mechanism, iterate: &Iterate) -> Vec<f64> {
     let scaled = |values: &[f64]| -> Vec<f64> {
         let pairs = mechanism.unknowns.iter().zip(values);
         pairs
@@ -53,10 +53,16 @@ pub fn write_csv(
     iterates: &[Iterate],
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
-    let names: Vec<String> = header(mechanism).iter().map(|name| quoted(name)).collect();
+    let names: Vec<String> = iterate_header(mechanism)
+        .iter()
+        .map(|name| quoted_cell(name))
+        .collect();
     let mut text = names.join(",") + "\n";
     for iterate in iterates {
-        let row: Vec<String> = cells(mechanism, iterate).into_iter().map(number).collect();
+        let row: Vec<String> = iterate_cells(mechanism, iterate)
+            .into_iter()
+            .map(csv_number)
+            .collect();
         text.push_str(&(row.join(",") + "\n"));
     }
     output.emit(text.as_bytes())
@@ -69,9 +75,11 @@ pub fn write_json(
     closed: bool,
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
-    let names = header(mechanism);
+    let names = iterate_header(mechanism);
     let rows = iterates.iter().map(|iterate| {
-        let values = cells(mechanism, iterate).into_iter().map(|v| json!(v));
+        let values = iterate_cells(mechanism, iterate)
+            .into_iter()
+            .map(|v| json!(v));
         let mut row: Map<String, Value> = names.iter().cloned().zip(values).collect();
         row.insert("block".to_owned(), json!(iterate.block));
         row.insert("iteration".to_owned(), json!(iterate.iteration));

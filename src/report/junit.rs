@@ -16,23 +16,23 @@ pub fn to_junit(verdict: &Verdict, seconds: f64) -> String {
         count(&[Status::NotProved]),
         count(&[Status::Skipped]),
     );
-    let cases: String = verdict.cases.iter().map(case).collect();
+    let cases: String = verdict.cases.iter().map(case_element).collect();
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {totals}>\n  <testsuite name=\"{}\" {totals}>\n\
          {cases}  </testsuite>\n</testsuites>\n",
-        escaped(&verdict.title),
+        escape_text(&verdict.title),
     )
 }
 
-fn case(case: &Case) -> String {
+fn case_element(case: &Case) -> String {
     let time = case.seconds.map(|s| format!(" time=\"{s:.3}\""));
     let head = format!(
         "    <testcase classname=\"{}\" name=\"{}\"{}>",
-        escaped(case.group),
-        escaped(&case.name),
+        escape_text(case.group),
+        escape_text(&case.name),
         time.unwrap_or_default(),
     );
-    let text = escaped(&case.text);
+    let text = escape_text(&case.text);
     // Some readers show the attribute, others the text inside.
     let body = match case.status {
         Status::Passed => format!("<system-out>{text}</system-out>"),
@@ -49,7 +49,7 @@ fn case(case: &Case) -> String {
 }
 
 /// A text for XML attributes and contents.
-fn escaped(text: &str) -> String {
+fn escape_text(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

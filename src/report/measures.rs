@@ -3,9 +3,9 @@
 use super::rounded::{not_above, not_below};
 use super::verdict::{Case, MEASURES, Status};
 use crate::clearance::measured::{Known, is_of_whole_motion, known};
-use crate::clearance::motion::Motion;
-use crate::kinematics::measures::{formula_value, measure};
-use crate::kinematics::motion::sampling::only;
+use crate::clearance::motion::ProvedMotion;
+use crate::kinematics::measures::{formula_value, measure_motion};
+use crate::kinematics::motion::sampling::only_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use serde_json::{Value, json};
 
 /// A measure with its value in the file's units.
-pub struct Measured<'m> {
+pub struct TakenMeasure<'m> {
     measure: &'m Measure,
     value: Option<f64>,
     factor: f64,
@@ -32,13 +32,13 @@ pub fn take_whole<'s>(
     trajectory: &Trajectory,
     times: &[f64],
     tolerance: f64,
-) -> Vec<Measured<'s>> {
+) -> Vec<TakenMeasure<'s>> {
     let (mechanism, actuation) = (&*scene.mechanism, &scene.actuation);
-    let mut list = take(system, scene, &only(actuation, trajectory, times));
+    let mut list = take_measures(system, scene, &only_times(actuation, trajectory, times));
     if !needs_certified_poses(scene) {
         return list;
     }
-    let mut motion = Motion::new(system, actuation, trajectory);
+    let mut motion = ProvedMotion::new(system, actuation, trajectory);
     let inputs = actuation.inputs_at(0.0);
     let mut slots = inputs;
     for measured in &mut list {
@@ -61,11 +61,15 @@ pub fn needs_certified_poses(scene: &Scene) -> bool {
 }
 
 /// Takes the measures of a motion.
-pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> Vec<Measured<'s>> {
+pub fn take_measures<'s>(
+    system: &System,
+    scene: &'s Scene,
+    trajectory: &Trajectory,
+) -> Vec<TakenMeasure<'s>> {
     let mechanism = &*scene.mechanism;
-    let values = measure(system, &scene.actuation, &scene.measures, trajectory);
+    let values = measure_motion(system, &scene.actuation, &scene.measures, trajectory);
     let pairs = scene.measures.list.iter().zip(values);
-    let list = pairs.map(|(measure, value)| Measured {
+    let list = pairs.map(|(measure, value)| TakenMeasure {
         measure,
         value,
         factor: mechanism.file_units(measure.kind),
@@ -80,7 +84,7 @@ pub fn take<'s>(system: &System, scene: &'s Scene, trajectory: &Trajectory) -> V
 }
 
 /// Ten digits, with an exponent where zeros would fill the line.
-fn digits(value: f64) -> String {
+fn measure_digits(value: f64) -> String {
     match decimals(value) {
         Some(decimals) => format!("{value:.decimals$}"),
         None => format!("{value:.9e}"),
@@ -95,7 +99,7 @@ fn decimals(value: f64) -> Option<usize> {
         .then_some((9.0 - exponent) as usize)
 }
 
-impl Measured<'_> {
+impl TakenMeasure<'_> {
     /// Whether it has a value within its limits. A value without limits is just told.
     fn status(&self) -> Status {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();

@@ -1,7 +1,7 @@
 //! A work-precision study as a table for people, as CSV and as JSON.
 
 use crate::analysis::routes::{RotationForm, Route};
-use crate::analysis::work_precision::{Row, Study};
+use crate::analysis::work_precision::{PrecisionRow, PrecisionStudy};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ const HEADER: [&str; 11] = [
 ];
 
 /// The setting of a row: predictor order, closure tolerance, residual form; empty where they mean nothing.
-fn setting(row: &Row) -> [String; 3] {
+fn row_setting(row: &PrecisionRow) -> [String; 3] {
     match row.route {
         Some(Route::Position {
             predictor,
@@ -40,8 +40,8 @@ fn setting(row: &Row) -> [String; 3] {
     }
 }
 
-fn cells(row: &Row) -> [String; 11] {
-    let [predictor, tolerance, form] = setting(row);
+fn row_cells(row: &PrecisionRow) -> [String; 11] {
+    let [predictor, tolerance, form] = row_setting(row);
     [
         row.family.to_owned(),
         predictor,
@@ -58,15 +58,15 @@ fn cells(row: &Row) -> [String; 11] {
 }
 
 /// Aligned columns, with what they mean.
-pub fn text(mechanism: &Mechanism, study: &Study) -> String {
+pub fn precision_text(mechanism: &Mechanism, study: &PrecisionStudy) -> String {
     let mut rows = vec![HEADER.map(str::to_owned)];
-    rows.extend(study.rows.iter().map(cells));
+    rows.extend(study.rows.iter().map(row_cells));
     let unit = &mechanism.length_unit;
     let mut text = format!(
         "{}: {} unknowns, {} poses\n",
         mechanism.title, study.unknowns, study.poses
     );
-    text.push_str(&aligned(&rows));
+    text.push_str(&aligned_table(&rows));
     text.push_str(&format!(
         "\nerror: largest difference of a coordinate to the true pose in {unit}; end_error: at the last pose.\n"
     ));
@@ -93,13 +93,13 @@ pub fn text(mechanism: &Mechanism, study: &Study) -> String {
         text.push_str(&format!(
             "\nDrift, {steps} steps a turn, against the pose at the start:\n"
         ));
-        text.push_str(&aligned(&rows));
+        text.push_str(&aligned_table(&rows));
     }
     text
 }
 
 /// The first column to the left, the others to the right.
-fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
+fn aligned_table<const N: usize>(rows: &[[String; N]]) -> String {
     let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..N).map(width).collect();
     let mut text = String::new();
@@ -115,10 +115,10 @@ fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
 }
 
 /// The rows as CSV; drift is in the JSON and in the table.
-pub fn csv(study: &Study) -> String {
+pub fn precision_csv(study: &PrecisionStudy) -> String {
     let mut lines = vec![HEADER.join(",")];
     for row in &study.rows {
-        let [predictor, tolerance, form] = setting(row);
+        let [predictor, tolerance, form] = row_setting(row);
         let numbers = [
             row.time,
             row.iterations,
@@ -143,7 +143,7 @@ pub fn csv(study: &Study) -> String {
 }
 
 /// The study as one JSON object.
-pub fn json(mechanism: &Mechanism, study: &Study) -> Value {
+pub fn precision_json(mechanism: &Mechanism, study: &PrecisionStudy) -> Value {
     let rows: Vec<Value> = study.rows.iter().map(row_json).collect();
     let drift: Vec<Value> = study
         .drift
@@ -152,8 +152,8 @@ pub fn json(mechanism: &Mechanism, study: &Study) -> Value {
             json!({
                 "route": d.name,
                 "turns": d.turns,
-                "error": number(d.error),
-                "closure_error": number(d.closure),
+                "error": finite_number(d.error),
+                "closure_error": finite_number(d.closure),
             })
         })
         .collect();
@@ -171,13 +171,17 @@ pub fn json(mechanism: &Mechanism, study: &Study) -> Value {
     })
 }
 
-fn row_json(row: &Row) -> Value {
+fn row_json(row: &PrecisionRow) -> Value {
     let (predictor, tolerance, form) = match row.route {
         Some(Route::Position {
             predictor,
             tolerance,
             ..
-        }) => (json!(predictor), json!(tolerance), json!(setting(row)[2])),
+        }) => (
+            json!(predictor),
+            json!(tolerance),
+            json!(row_setting(row)[2]),
+        ),
         Some(Route::Ode { .. }) | None => (Value::Null, Value::Null, Value::Null),
     };
     json!({
@@ -186,17 +190,17 @@ fn row_json(row: &Row) -> Value {
         "tolerance": tolerance,
         "residual": form,
         "steps": row.steps,
-        "us_per_pose": number(row.time),
-        "newton_per_pose": number(row.iterations),
-        "end_error": number(row.end_error),
-        "error": number(row.error),
-        "closure_error": number(row.closure),
+        "us_per_pose": finite_number(row.time),
+        "newton_per_pose": finite_number(row.iterations),
+        "end_error": finite_number(row.end_error),
+        "error": finite_number(row.error),
+        "closure_error": finite_number(row.closure),
         "lost": row.lost,
     })
 }
 
 /// A number that JSON cannot say is missing: the route came to no pose.
-fn number(value: f64) -> Value {
+fn finite_number(value: f64) -> Value {
     if value.is_finite() {
         json!(value)
     } else {

@@ -3,7 +3,7 @@
 use super::rounded::{at_least, at_most};
 use super::sentences;
 use super::verdict::{Case, PROOF, Status};
-use crate::kinematics::certificate::rows::redundant;
+use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::results::certificate::{
     CONSISTENT, Certificate, IntervalCertificate, Reason,
 };
@@ -15,12 +15,12 @@ use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
 /// What proofs of a mechanism rest on, one sentence each.
-pub fn assumptions(system: &System) -> Vec<String> {
+pub fn proof_assumptions(system: &System) -> Vec<String> {
     let mut list = vec![
         "sine and cosine right within one unit in the last place".to_owned(),
         "inputs as printed".to_owned(),
     ];
-    let redundant = redundant(system);
+    let redundant = redundant_rows(system);
     if redundant > 0 {
         list.push(format!(
             "{redundant} redundant equations bounded, not proved"
@@ -107,12 +107,12 @@ impl<'t> MotionProof<'t> {
             text.push_str(&format!(
                 "; within {} {unit} of the proved path, the only motion{}",
                 at_most(self.radius),
-                within(self.unique_radius, unit)
+                within_radius(self.unique_radius, unit)
             ));
         }
         let refusal = self.first_refused().and_then(|(_, i)| i.refused);
         if let Some(refusal) = refusal {
-            let inputs = sentences::inputs(mechanism, &actuation.inputs_at(refusal.time));
+            let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(refusal.time));
             let word = refusal.obstacle.word();
             let time = refusal.time;
             text.push_str(&format!(
@@ -158,7 +158,7 @@ impl<'t> MotionProof<'t> {
 }
 
 /// `" within 2.5 mm"`; nothing where no unknown could differ.
-fn within(radius: f64, unit: &str) -> String {
+fn within_radius(radius: f64, unit: &str) -> String {
     match radius.is_finite() {
         true => format!(" within {} {unit}", at_least(radius)),
         false => String::new(),
@@ -265,7 +265,7 @@ impl PoseProofs {
             format!(
                 "error at most {} {unit}, the only pose{}; ",
                 at_most(p.error_bound),
-                within(p.unique_radius, unit)
+                within_radius(p.unique_radius, unit)
             )
         });
         let reasons = if self.reasons.is_empty() {

@@ -6,26 +6,26 @@ const TRIES: u32 = 4;
 /// An upper bound with two digits: `6.3e-14` of 6.21e-14.
 pub fn at_most(value: f64) -> String {
     let unit = last_digit(value);
-    safe(value, unit, |v| format!("{v:.1e}"))
+    safe_text(value, unit, |v| format!("{v:.1e}"))
 }
 
 /// An upper bound with three digits.
 pub fn at_most_three(value: f64) -> String {
     let unit = 0.1 * last_digit(value);
-    safe(value, unit, |v| format!("{v:.2e}"))
+    safe_text(value, unit, |v| format!("{v:.2e}"))
 }
 
 /// A lower bound with three digits.
 pub fn at_least_three(value: f64) -> String {
     let unit = 0.1 * last_digit(value);
-    safe(value, -unit, |v| format!("{v:.2e}"))
+    safe_text(value, -unit, |v| format!("{v:.2e}"))
 }
 
 /// A lower bound: two digits of small ones, else three decimals.
 pub fn at_least(value: f64) -> String {
     if value.abs() < 0.01 {
         let unit = last_digit(value);
-        safe(value, -unit, |v| format!("{v:.1e}"))
+        safe_text(value, -unit, |v| format!("{v:.1e}"))
     } else {
         not_below(value, 3)
     }
@@ -34,13 +34,13 @@ pub fn at_least(value: f64) -> String {
 /// A lower bound with so many decimals.
 pub fn not_below(value: f64, decimals: usize) -> String {
     let unit = 0.1_f64.powi(decimals as i32);
-    safe(value, -unit, |v| format!("{v:.decimals$}"))
+    safe_text(value, -unit, |v| format!("{v:.decimals$}"))
 }
 
 /// An upper bound with so many decimals.
 pub fn not_above(value: f64, decimals: usize) -> String {
     let unit = 0.1_f64.powi(decimals as i32);
-    safe(value, unit, |v| format!("{v:.decimals$}"))
+    safe_text(value, unit, |v| format!("{v:.decimals$}"))
 }
 
 /// What the second digit counts.
@@ -52,7 +52,7 @@ fn last_digit(value: f64) -> f64 {
 }
 
 /// The decimal that `text` makes of `value`, or of a number a half of `unit` farther on its side.
-fn safe(value: f64, unit: f64, text: impl Fn(f64) -> String) -> String {
+fn safe_text(value: f64, unit: f64, text: impl Fn(f64) -> String) -> String {
     let is_safe = |text: &str| {
         let read = text.parse::<f64>().unwrap_or(value);
         if unit < 0.0 {

@@ -4,7 +4,7 @@ use crate::scene::keys::{Holds, Key, Keys};
 use serde_json::{Map, Value, json};
 
 /// The schema of a file whose top level is `keys`; every table below it is a definition.
-pub fn schema(keys: &'static Keys, title: &str) -> Value {
+pub fn keys_schema(keys: &'static Keys, title: &str) -> Value {
     let mut definitions = Map::new();
     let mut whole = of_table(keys, &mut definitions);
     whole["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
@@ -49,25 +49,25 @@ fn of_value(holds: Holds, definitions: &mut Map<String, Value>) -> Value {
         Holds::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Holds::Flag => json!({ "type": "boolean" }),
         Holds::Formula => formula(),
-        Holds::Formulas(count) => list(formula(), count),
-        Holds::Rows(count) => list(list(formula(), count), 0),
+        Holds::Formulas(count) => list_schema(formula(), count),
+        Holds::Rows(count) => list_schema(list_schema(formula(), count), 0),
         Holds::Colour => json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" }),
-        Holds::Table(keys) => reference(keys, definitions),
-        Holds::Tables(keys) => list(reference(keys, definitions), 0),
+        Holds::Table(keys) => definition_reference(keys, definitions),
+        Holds::Tables(keys) => list_schema(definition_reference(keys, definitions), 0),
         // A name with a dot is a table of names in TOML.
         Holds::Named(values) => {
-            let mut value = any(values, definitions);
+            let mut value = any_of(values, definitions);
             if values.iter().all(|holds| matches!(holds, Holds::Formula)) {
                 let dotted = json!({ "type": "object", "additionalProperties": value });
                 value = json!({ "anyOf": [value, dotted] });
             }
             json!({ "type": "object", "additionalProperties": value })
         }
-        Holds::Any(values) => any(values, definitions),
+        Holds::Any(values) => any_of(values, definitions),
     }
 }
 
-fn any(values: &[Holds], definitions: &mut Map<String, Value>) -> Value {
+fn any_of(values: &[Holds], definitions: &mut Map<String, Value>) -> Value {
     let mut all = values.iter().map(|holds| of_value(*holds, definitions));
     match (all.len(), all.next()) {
         (1, Some(one)) => one,
@@ -76,14 +76,14 @@ fn any(values: &[Holds], definitions: &mut Map<String, Value>) -> Value {
 }
 
 /// A list of so many items; zero stands for any number.
-fn list(items: Value, count: usize) -> Value {
+fn list_schema(items: Value, count: usize) -> Value {
     match count {
         0 => json!({ "type": "array", "items": items }),
         _ => json!({ "type": "array", "items": items, "minItems": count, "maxItems": count }),
     }
 }
 
-fn reference(keys: &'static Keys, definitions: &mut Map<String, Value>) -> Value {
+fn definition_reference(keys: &'static Keys, definitions: &mut Map<String, Value>) -> Value {
     let name = keys.name.replace(' ', "_");
     if !definitions.contains_key(&name) {
         // Stands in while the table is walked, so that none is walked twice.

@@ -1,16 +1,16 @@
 //! Derivatives of a study's measures by its variables as a table for people, as CSV and as JSON.
 
-use super::cells::{aligned, quoted, six};
-use crate::analysis::study::{Family, Gradients};
+use super::cells::{aligned_rows, quoted_cell, six_digits};
+use crate::analysis::study::{Gradients, ParametricMechanism};
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
 const SCHEMA: u32 = 1;
 
 /// Derivatives of all measures.
-pub struct Table<'a> {
+pub struct SensitivityTable<'a> {
     /// The study.
-    pub family: &'a Family,
+    pub family: &'a ParametricMechanism,
     gradients: &'a Gradients,
     /// Variables, the most important first.
     pub order: Vec<usize>,
@@ -18,10 +18,10 @@ pub struct Table<'a> {
     allowed: Option<(usize, f64)>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> SensitivityTable<'a> {
     /// Ranked by the derivatives of measure `rank`. `allowed` is a measure and the scatter it may have.
     pub fn new(
-        family: &'a Family,
+        family: &'a ParametricMechanism,
         gradients: &'a Gradients,
         rank: usize,
         allowed: Option<(usize, f64)>,
@@ -29,7 +29,7 @@ impl<'a> Table<'a> {
         Self {
             family,
             gradients,
-            order: ranking(&gradients.rows[rank]),
+            order: row_ranking(&gradients.rows[rank]),
             allowed,
         }
     }
@@ -81,22 +81,22 @@ impl<'a> Table<'a> {
     pub fn text(&self, rank: usize) -> String {
         let list = &self.family.measures.list;
         let mut rows = vec![self.heads()];
-        rows.extend(self.order.iter().map(|v| self.row(*v, &six)));
+        rows.extend(self.order.iter().map(|v| self.row(*v, &six_digits)));
         let measures: Vec<String> = list
             .iter()
             .zip(&self.gradients.measures)
-            .map(|(m, v)| format!("{} = {}", m.name, six(self.family.shown(m, *v))))
+            .map(|(m, v)| format!("{} = {}", m.name, six_digits(self.family.shown(m, *v))))
             .collect();
         let title = &self.family.mechanism().title;
         let ranked = &list[rank].name;
         let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
-        text.push_str(&aligned(&rows));
+        text.push_str(&aligned_rows(&rows));
         text.push_str(&format!("\nExact derivatives, ranked by d{ranked}.\n"));
         if let Some((measure, scatter)) = self.allowed {
             let measure = &list[measure];
             text.push_str(&format!(
                 "With these tolerances every dimension adds as much to a scatter of {} of {}.\n",
-                six(self.family.shown(measure, scatter)),
+                six_digits(self.family.shown(measure, scatter)),
                 measure.name
             ));
         }
@@ -105,11 +105,11 @@ impl<'a> Table<'a> {
 
     /// One row a variable.
     pub fn csv(&self) -> String {
-        let heads: Vec<String> = self.heads().iter().map(|head| quoted(head)).collect();
+        let heads: Vec<String> = self.heads().iter().map(|head| quoted_cell(head)).collect();
         let mut text = heads.join(",") + "\n";
         for variable in &self.order {
             let row = self.row(*variable, &|v| format!("{v:?}"));
-            let cells: Vec<String> = row.iter().map(|cell| quoted(cell)).collect();
+            let cells: Vec<String> = row.iter().map(|cell| quoted_cell(cell)).collect();
             text.push_str(&cells.join(","));
             text.push('\n');
         }
@@ -152,7 +152,7 @@ impl<'a> Table<'a> {
 }
 
 /// Variables by falling magnitude of their derivative.
-fn ranking(row: &[f64]) -> Vec<usize> {
+fn row_ranking(row: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..row.len()).collect();
     order.sort_by(|a, b| row[*b].abs().total_cmp(&row[*a].abs()));
     order

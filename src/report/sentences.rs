@@ -10,13 +10,19 @@ const SEEN_ANGLE: f64 = 5e-7;
 const LOCKED: f64 = 1e-9;
 
 /// A number of things: `1 mode`, `3 modes`.
-pub fn counted(number: usize, thing: &str) -> String {
+pub fn counted_things(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// A stretch without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
 pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
-    let at = |i: &Instant| format!("t = {:.9} s ({})", i.time, inputs(mechanism, &i.inputs));
+    let at = |i: &Instant| {
+        format!(
+            "t = {:.9} s ({})",
+            i.time,
+            input_sentence(mechanism, &i.inputs)
+        )
+    };
     let stretch = match (&gap.from, &gap.until) {
         (Some(from), Some(until)) => format!("between {} and {}", at(from), at(until)),
         (Some(from), None) => format!("beyond {}", at(from)),
@@ -31,23 +37,23 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
             String::new()
         };
         if !lack.distance.is_finite() {
-            let at = inputs(mechanism, &lack.at.inputs);
+            let at = input_sentence(mechanism, &lack.at.inputs);
             return format!("; `{}` has no value at {at}", lack.name);
         }
-        let at = inputs(mechanism, &lack.at.inputs);
+        let at = input_sentence(mechanism, &lack.at.inputs);
         if mechanism.equations.iter().any(|e| e.name == lack.name)
             && !mechanism.contacts.contains(&lack.name)
         {
             return format!(
                 "; equation `{}` leaves {} at {at}",
                 lack.name,
-                amount(lack.distance)
+                shown_amount(lack.distance)
             );
         }
         format!(
             "; the nearest to closing that was found leaves `{}` {} {unit}{turned} open at {at}",
             lack.name,
-            amount(lack.distance)
+            shown_amount(lack.distance)
         )
     });
     let ends = [("ends", &gap.ending), ("begins again", &gap.beginning)];
@@ -85,11 +91,11 @@ fn ending_words(ending: &Ending) -> String {
 }
 
 /// One event as a sentence.
-pub fn sentence(mechanism: &Mechanism, event: &Event) -> String {
+pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
     let at = format!(
         "t = {:.9} s ({})",
         event.time,
-        inputs(mechanism, &event.inputs)
+        input_sentence(mechanism, &event.inputs)
     );
     match &event.kind {
         EventKind::MotionEnds(ending) => {
@@ -184,19 +190,19 @@ fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
         return format!("`{name}` has no value at {at} where the search ended");
     }
     if mechanism.equations.iter().any(|e| e.name == name) {
-        let left = amount(distance);
+        let left = shown_amount(distance);
         return format!(
             "equation `{name}` does not hold at {at}: the best pose found leaves {left} in place of zero"
         );
     }
     format!(
         "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {angle:.6} rad",
-        amount(distance)
+        shown_amount(distance)
     )
 }
 
 /// What is lacking, in decimals as long as these show it.
-fn amount(value: f64) -> String {
+fn shown_amount(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value) {
         format!("{value:.6}")
     } else {
@@ -205,7 +211,7 @@ fn amount(value: f64) -> String {
 }
 
 /// `p = -17 mm, phi = 0.2 rad`.
-pub fn inputs(mechanism: &Mechanism, values: &[f64]) -> String {
+pub fn input_sentence(mechanism: &Mechanism, values: &[f64]) -> String {
     let pairs = mechanism.inputs.iter().zip(values);
     let texts = pairs.map(|(input, value)| {
         let value = with_unit(mechanism, input.kind, *value);

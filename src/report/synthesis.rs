@@ -1,10 +1,10 @@
 //! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
 
-use super::cells::{aligned, quoted, six};
+use super::cells::{aligned_rows, quoted_cell, six_digits};
 use super::rounded::at_most;
-use crate::analysis::study::{Family, FamilyError};
+use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
-use crate::analysis::synthesis::{Start, Synthesis, ended};
+use crate::analysis::synthesis::{Start, Synthesis, ending_word};
 use crate::model::measure::Measure;
 use serde_json::{Map, Value, json};
 
@@ -15,11 +15,11 @@ const SCHEMA: u32 = 2;
 const KEPT: f64 = 1e-6;
 
 /// What was found for a scene.
-pub struct Found<'a> {
+pub struct FoundMechanism<'a> {
     /// As it was asked for.
     pub name: String,
     /// The scene.
-    pub family: &'a Family,
+    pub family: &'a ParametricMechanism,
     /// Where random numbers started.
     pub seed: u64,
     /// The search.
@@ -32,7 +32,7 @@ pub struct Found<'a> {
     pub scene: String,
 }
 
-impl Found<'_> {
+impl FoundMechanism<'_> {
     /// Everything is proved and all limits are kept between the samples, too.
     pub fn holds(&self) -> bool {
         self.proof
@@ -68,16 +68,16 @@ impl Found<'_> {
     }
 }
 
-fn cell(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), six)
+fn error_cell(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), six_digits)
 }
 
-fn words(list: &[&str]) -> Vec<String> {
+fn owned_words(list: &[&str]) -> Vec<String> {
     list.iter().map(|s| (*s).to_owned()).collect()
 }
 
 /// One scene for people.
-pub fn text(found: &Found) -> String {
+pub fn synthesis_text(found: &FoundMechanism) -> String {
     let (family, synthesis) = (found.family, &found.synthesis);
     let objective = family.objective();
     let unit = objective.map_or(1.0, |m| family.units(m.kind));
@@ -89,7 +89,7 @@ pub fn text(found: &Found) -> String {
     let rejected = synthesis.rejected();
     text.push_str(&format!(
         "  least {name} {}: {} starts, seed {}, {} evaluations, {:.2} s{}\n",
-        six(synthesis.value * unit),
+        six_digits(synthesis.value * unit),
         synthesis.searched,
         found.seed,
         synthesis.evaluations(),
@@ -111,17 +111,17 @@ pub fn text(found: &Found) -> String {
         "s",
         "why it ended",
     ];
-    let mut table = vec![words(&heads)];
+    let mut table = vec![owned_words(&heads)];
     for (k, start) in synthesis.starts.iter().enumerate() {
         let polish = k >= synthesis.searched;
         table.push(start_row(k, start, polish, unit));
     }
-    text.push_str(&aligned(&table));
+    text.push_str(&aligned_rows(&table));
     text.push('\n');
-    text.push_str(&variables(found));
+    text.push_str(&variable_lines(found));
     text.push('\n');
-    text.push_str(&measures(found));
-    text.push_str(&proof(found));
+    text.push_str(&measure_lines(found));
+    text.push_str(&proof_line(found));
     text.push('\n');
     text
 }
@@ -140,47 +140,57 @@ fn start_row(index: usize, start: &Start, is_polish: bool, unit: f64) -> Vec<Str
     let mut row = vec![number, origin];
     match &start.minimum {
         Some(minimum) => row.extend([
-            six(start.first * unit),
-            six(minimum.value * unit),
+            six_digits(start.first * unit),
+            six_digits(minimum.value * unit),
             (minimum.evaluations + minimum.gradients).to_string(),
             start.refusals.count().to_string(),
             start.interpenetrating.to_string(),
             format!("{:.2}", start.seconds),
             if start.value().is_finite() {
-                ended(minimum.ended).to_owned()
+                ending_word(minimum.ended).to_owned()
             } else {
                 "limits not kept".to_owned()
             },
         ]),
-        None => row.extend(words(&["-", "-", "0", "0", "0", "-", "no draw moves"])),
+        None => row.extend(owned_words(&[
+            "-",
+            "-",
+            "0",
+            "0",
+            "0",
+            "-",
+            "no draw moves",
+        ])),
     }
     row
 }
 
-fn variables(found: &Found) -> String {
+fn variable_lines(found: &FoundMechanism) -> String {
     let study = &found.family.study;
-    let mut table = vec![words(&["variable", "scene", "found", "lowest", "highest"])];
+    let mut table = vec![owned_words(&[
+        "variable", "scene", "found", "lowest", "highest",
+    ])];
     for (variable, x) in study.variables.iter().zip(&found.synthesis.best) {
         let unit = found.family.units(variable.kind);
         let numbers = [variable.start, *x, variable.lower, variable.upper];
         let mut row = vec![variable.name.clone()];
-        row.extend(numbers.map(|v| six(v * unit)));
+        row.extend(numbers.map(|v| six_digits(v * unit)));
         table.push(row);
     }
-    aligned(&table)
+    aligned_rows(&table)
 }
 
-fn measures(found: &Found) -> String {
-    let mut table = vec![words(&["measure", "printed", "scene", "found"])];
+fn measure_lines(found: &FoundMechanism) -> String {
+    let mut table = vec![owned_words(&["measure", "printed", "scene", "found"])];
     for (index, measure) in found.family.measures.list.iter().enumerate() {
         let mut row = vec![measure.name.clone()];
-        row.extend(found.values(index, measure).map(cell));
+        row.extend(found.values(index, measure).map(error_cell));
         table.push(row);
     }
-    aligned(&table)
+    aligned_rows(&table)
 }
 
-fn proof(found: &Found) -> String {
+fn proof_line(found: &FoundMechanism) -> String {
     let proof = match &found.proof {
         Ok(proof) => proof,
         Err(error) => return format!("\n  NOT PROVED: {error}\n"),
@@ -229,11 +239,12 @@ fn proof(found: &Found) -> String {
 }
 
 /// Measures that all scenes have, in the order of the first.
-fn common(found: &[Found]) -> Vec<String> {
+fn common_lines(found: &[FoundMechanism]) -> Vec<String> {
     let Some(first) = found.first() else {
         return Vec::new();
     };
-    let has = |one: &Found, name: &str| one.family.measures.list.iter().any(|m| m.name == name);
+    let has =
+        |one: &FoundMechanism, name: &str| one.family.measures.list.iter().any(|m| m.name == name);
     let names = first.family.measures.list.iter().map(|m| m.name.clone());
     names
         .filter(|name| found.iter().all(|one| has(one, name)))
@@ -241,11 +252,11 @@ fn common(found: &[Found]) -> Vec<String> {
 }
 
 /// Several scenes side by side: what simplifying costs.
-pub fn ladder(found: &[Found]) -> String {
-    let names = common(found);
+pub fn restart_ladder(found: &[FoundMechanism]) -> String {
+    let names = common_lines(found);
     let mut text = "Ladder\n".to_owned();
     for name in &names {
-        let mut table = vec![words(&[
+        let mut table = vec![owned_words(&[
             name,
             "variables",
             "printed",
@@ -262,7 +273,7 @@ pub fn ladder(found: &[Found]) -> String {
                     one.name.clone(),
                     one.family.study.variables.len().to_string(),
                 ];
-                row.extend(one.values(index, measure).map(cell));
+                row.extend(one.values(index, measure).map(error_cell));
                 row.extend([
                     one.synthesis.evaluations().to_string(),
                     format!("{:.1}", one.synthesis.seconds),
@@ -271,14 +282,14 @@ pub fn ladder(found: &[Found]) -> String {
                 table.push(row);
             }
         }
-        text.push_str(&aligned(&table));
+        text.push_str(&aligned_rows(&table));
         text.push('\n');
     }
     text
 }
 
 /// The ladder as CSV: scene, kind, name, printed, own and found value.
-pub fn rows(found: &[Found]) -> String {
+pub fn found_rows(found: &[FoundMechanism]) -> String {
     let mut text = "scene,kind,name,printed,scene_value,found\n".to_owned();
     let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:?}"));
     for one in found {
@@ -286,8 +297,8 @@ pub fn rows(found: &[Found]) -> String {
             let [printed, own, value] = one.values(index, measure).map(number);
             text.push_str(&format!(
                 "{},measure,{},{printed},{own},{value}\n",
-                quoted(&one.name),
-                quoted(&measure.name)
+                quoted_cell(&one.name),
+                quoted_cell(&measure.name)
             ));
         }
         let study = &one.family.study;
@@ -296,8 +307,8 @@ pub fn rows(found: &[Found]) -> String {
             let (own, value) = (variable.start * unit, x * unit);
             text.push_str(&format!(
                 "{},variable,{},,{own:?},{value:?}\n",
-                quoted(&one.name),
-                quoted(&variable.name)
+                quoted_cell(&one.name),
+                quoted_cell(&variable.name)
             ));
         }
     }
@@ -305,12 +316,12 @@ pub fn rows(found: &[Found]) -> String {
 }
 
 /// All scenes for programs.
-pub fn document(found: &[Found]) -> Value {
+pub fn synthesis_document(found: &[FoundMechanism]) -> Value {
     let scenes: Vec<Value> = found.iter().map(scene_document).collect();
     json!({ "schema": format!("mechanim-synthesise/{SCHEMA}"), "scenes": scenes })
 }
 
-fn scene_document(found: &Found) -> Value {
+fn scene_document(found: &FoundMechanism) -> Value {
     let (family, synthesis) = (found.family, &found.synthesis);
     let objective = family.objective();
     let unit = objective.map_or(1.0, |m| family.units(m.kind));
@@ -326,7 +337,7 @@ fn scene_document(found: &Found) -> Value {
                 "refused": { "not_reached": start.refusals.not_reached, "torn": start.refusals.torn, "no_value": start.refusals.no_value,
                              "interpenetrating": start.interpenetrating },
                 "limits_kept": start.value().is_finite(),
-                "ended": start.minimum.as_ref().map_or("no draw moves", |m| ended(m.ended)),
+                "ended": start.minimum.as_ref().map_or("no draw moves", |m| ending_word(m.ended)),
             })
         })
         .collect();

@@ -1,7 +1,7 @@
 //! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
 
-use super::cells::quoted;
-use super::events::{events, gaps};
+use super::cells::quoted_cell;
+use super::events::{event_list, gap_list};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::certificate::observed;
@@ -9,7 +9,7 @@ use crate::kinematics::rates::higher_order::RateColumns;
 use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::{rounding, shortest};
+use crate::model::printed::{printing_unit, shortest_decimal};
 use crate::numbers::rounding::GROW;
 use serde_json::{Map, Value, json};
 
@@ -29,7 +29,7 @@ pub struct Columns {
 }
 
 /// A cell of the table.
-enum Cell {
+enum TableCell {
     Number(f64),
     Whole(u64),
     Text(String),
@@ -43,15 +43,15 @@ pub fn write_csv(
     columns: Columns,
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
-    let mut line = header(mechanism, columns)
+    let mut line = table_header(mechanism, columns)
         .iter()
-        .map(|name| quoted(name))
+        .map(|name| quoted_cell(name))
         .collect::<Vec<_>>()
         .join(",");
     for (index, sample) in trajectory.samples.iter().enumerate() {
         line.push('\n');
         output.emit(line.as_bytes())?;
-        line = cells(mechanism, sample, columns)
+        line = sample_cells(mechanism, sample, columns)
             .into_iter()
             .chain(motion_cells(trajectory, index, columns))
             .collect::<Vec<_>>()
@@ -71,18 +71,18 @@ pub fn write_json(
     columns: Columns,
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
-    let names = header(mechanism, columns);
+    let names = table_header(mechanism, columns);
     let document = json!({
         "schema": "mechanim-trajectory/1",
         "title": mechanism.title,
         "units": { "length": mechanism.length_unit, "angle": mechanism.angle_unit.name, "time": "s" },
         "size": mechanism.size,
         "columns": names,
-        "column_units": units(mechanism, columns),
+        "column_units": column_units(mechanism, columns),
         "missing": trajectory.missing(),
         "samples": [],
-        "events": events(mechanism, trajectory),
-        "gaps": gaps(mechanism, trajectory),
+        "events": event_list(mechanism, trajectory),
+        "gaps": gap_list(mechanism, trajectory),
     });
     let text = format!("{document:#}\n");
     // Row by row: a motion as one document takes many times the memory of the motion.
@@ -92,7 +92,7 @@ pub fn write_json(
     output.emit(before.as_bytes())?;
     let mut line = NO_SAMPLES.trim_end_matches(']').to_owned();
     for (index, sample) in trajectory.samples.iter().enumerate() {
-        let cells = cells(mechanism, sample, columns).into_iter();
+        let cells = sample_cells(mechanism, sample, columns).into_iter();
         let values = cells.chain(motion_cells(trajectory, index, columns));
         let row: Map<_, _> = names.iter().cloned().zip(values.map(json_cell)).collect();
         let comma = if index == 0 { "" } else { "," };
@@ -112,7 +112,7 @@ pub fn write_json(
 const NO_SAMPLES: &str = "\n  \"samples\": []";
 
 /// Names of the columns in their order.
-fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
+fn table_header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
     let mut names = vec!["time".to_owned()];
     names.extend(
         mechanism
@@ -121,7 +121,7 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
             .chain(&mechanism.unknowns)
             .map(|c| c.name.clone()),
     );
-    let shown = shown(mechanism);
+    let shown = shown_columns(mechanism);
     names.extend(shown.iter().map(|(name, _)| name.clone()));
     if columns.rates {
         names.extend(
@@ -161,7 +161,7 @@ fn header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
 }
 
 /// Traced points and outputs: what is computed from a pose, and what it measures.
-fn shown(mechanism: &Mechanism) -> Vec<(String, Kind)> {
+fn shown_columns(mechanism: &Mechanism) -> Vec<(String, Kind)> {
     let places = |name: &str| ["x", "y", "z"].map(|axis| (format!("{name}.{axis}"), Kind::Length));
     let mut all: Vec<_> = mechanism
         .traces
@@ -178,12 +178,12 @@ fn bound_of(name: &str) -> String {
 }
 
 /// Units of the columns that have one, by name: rates of angles in degrees are per degree, per degree squared and so on.
-fn units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
+fn column_units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
     let mut list = vec![("time".to_owned(), "s".to_owned())];
     let unit = |kind| mechanism.unit_name(kind).to_owned();
     let coordinates = mechanism.inputs.iter().chain(&mechanism.unknowns);
     list.extend(coordinates.map(|c| (c.name.clone(), unit(c.kind))));
-    for (name, kind) in shown(mechanism) {
+    for (name, kind) in shown_columns(mechanism) {
         if columns.bounds {
             list.push((bound_of(&name), unit(kind)));
         }
@@ -205,24 +205,24 @@ fn units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
     with_unit.map(|(name, unit)| (name, json!(unit))).collect()
 }
 
-fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> {
-    let mut cells = vec![Cell::Number(sample.time)];
+fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<TableCell> {
+    let mut cells = vec![TableCell::Number(sample.time)];
     let inputs = mechanism.inputs.iter().zip(&sample.inputs);
-    cells.extend(inputs.map(|(c, v)| Cell::Number(v * mechanism.file_units(c.kind))));
+    cells.extend(inputs.map(|(c, v)| TableCell::Number(v * mechanism.file_units(c.kind))));
     let Some(pose) = &sample.pose else {
         let before_the_motion = Columns {
             motion: false,
             ..columns
         };
-        let missing = header(mechanism, before_the_motion).len() - cells.len() - 1;
-        cells.extend((0..missing).map(|_| Cell::Empty));
-        cells.push(Cell::Text("no-pose".to_owned()));
+        let missing = table_header(mechanism, before_the_motion).len() - cells.len() - 1;
+        cells.extend((0..missing).map(|_| TableCell::Empty));
+        cells.push(TableCell::Text("no-pose".to_owned()));
         return cells;
     };
-    let in_file = |values: &[f64]| -> Vec<Cell> {
+    let in_file = |values: &[f64]| -> Vec<TableCell> {
         let values = mechanism.unknowns.iter().zip(values);
         values
-            .map(|(c, v)| Cell::Number(v * mechanism.file_units(c.kind)))
+            .map(|(c, v)| TableCell::Number(v * mechanism.file_units(c.kind)))
             .collect()
     };
     cells.extend(in_file(&pose.unknowns));
@@ -230,10 +230,10 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
         pose.traces
             .iter()
             .flat_map(|p| p.to_array())
-            .map(Cell::Number),
+            .map(TableCell::Number),
     );
     let outputs = mechanism.outputs.iter().zip(&pose.outputs);
-    cells.extend(outputs.map(|(o, v)| Cell::Number(v * mechanism.file_units(o.kind))));
+    cells.extend(outputs.map(|(o, v)| TableCell::Number(v * mechanism.file_units(o.kind))));
     if columns.rates {
         cells.extend(in_file(&pose.rates));
     }
@@ -242,11 +242,11 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
         // A singular pose has none.
         cells.extend(headings.map(|(k, (_, factor))| {
             let value = pose.derivatives.get(k);
-            value.map_or(Cell::Empty, |v| Cell::Number(v * factor))
+            value.map_or(TableCell::Empty, |v| TableCell::Number(v * factor))
         }));
     }
     if columns.bounds {
-        let kinds = shown(mechanism).into_iter().map(|(_, kind)| kind);
+        let kinds = shown_columns(mechanism).into_iter().map(|(_, kind)| kind);
         let bounds = observed::printed_bounds(mechanism, sample)
             .into_iter()
             .zip(kinds);
@@ -254,16 +254,18 @@ fn cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<Cell> 
             number_or_empty(bound.map(|b| b * mechanism.file_units(kind) * GROW))
         }));
     }
-    cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(Cell::Number));
-    cells.push(Cell::Whole(pose.rank as u64));
-    cells.push(Cell::Text(pose.branch.clone()));
+    cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(TableCell::Number));
+    cells.push(TableCell::Whole(pose.rank as u64));
+    cells.push(TableCell::Text(pose.branch.clone()));
     let bounds = printed_bounds(mechanism, pose);
     cells.extend([0, 1].map(|k| number_or_empty(bounds.map(|b| b[k]))));
     if columns.redundant {
         cells.push(number_or_empty(pose.certificate.closes_to()));
     }
-    cells.push(Cell::Whole(u64::from(pose.iterations)));
-    cells.push(Cell::Text(status(&pose.certificate).to_owned()));
+    cells.push(TableCell::Whole(u64::from(pose.iterations)));
+    cells.push(TableCell::Text(
+        certificate_word(&pose.certificate).to_owned(),
+    ));
     cells
 }
 
@@ -277,7 +279,7 @@ fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> 
     };
     let values = mechanism.unknowns.iter().zip(&pose.unknowns);
     let rounded = values.map(|(unknown, value)| {
-        let rounded = rounding(*value, mechanism.unit_of(unknown.kind));
+        let rounded = printing_unit(*value, mechanism.unit_of(unknown.kind));
         match unknown.kind {
             Kind::Angle => rounded * mechanism.size * angles,
             Kind::Length | Kind::Number => rounded,
@@ -288,7 +290,7 @@ fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> 
 }
 
 /// A pose in one word: one that is proved not to close is none, whatever its closure error.
-fn status(certificate: &Certificate) -> &'static str {
+fn certificate_word(certificate: &Certificate) -> &'static str {
     match certificate {
         Certificate::Refused {
             reason: reason @ Reason::Open,
@@ -298,53 +300,53 @@ fn status(certificate: &Certificate) -> &'static str {
     }
 }
 
-fn number_or_empty(value: Option<f64>) -> Cell {
-    value.map_or(Cell::Empty, Cell::Number)
+fn number_or_empty(value: Option<f64>) -> TableCell {
+    value.map_or(TableCell::Empty, TableCell::Number)
 }
 
 /// What is proved of the motion from sample `index` to the next one; empty after the last.
-fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<Cell> {
+fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<TableCell> {
     if !columns.motion {
         return Vec::new();
     }
     let Some(interval) = trajectory.intervals.get(index) else {
         let count = 4 + usize::from(columns.redundant);
-        return (0..count).map(|_| Cell::Empty).collect();
+        return (0..count).map(|_| TableCell::Empty).collect();
     };
     let bound = |value| number_or_empty((interval.tubes > 0).then_some(value));
-    let mut cells = vec![Cell::Whole(interval.tubes as u64)];
+    let mut cells = vec![TableCell::Whole(interval.tubes as u64)];
     cells.extend([interval.radius, interval.unique_radius].map(bound));
     if columns.redundant {
         cells.push(number_or_empty(interval.closes_to));
     }
-    cells.push(Cell::Text(interval.word().to_owned()));
+    cells.push(TableCell::Text(interval.word().to_owned()));
     cells
 }
 
-fn csv_cell(cell: &Cell) -> String {
+fn csv_cell(cell: &TableCell) -> String {
     match cell {
-        Cell::Number(value) => number(*value),
-        Cell::Whole(value) => value.to_string(),
-        Cell::Text(text) => quoted(text),
-        Cell::Empty => String::new(),
+        TableCell::Number(value) => csv_number(*value),
+        TableCell::Whole(value) => value.to_string(),
+        TableCell::Text(text) => quoted_cell(text),
+        TableCell::Empty => String::new(),
     }
 }
 
 /// A number; nothing for a value that does not exist (infinities, NaN).
-pub(super) fn number(value: f64) -> String {
+pub(super) fn csv_number(value: f64) -> String {
     match value.is_finite() {
-        true => shortest(value),
+        true => shortest_decimal(value),
         false => String::new(),
     }
 }
 
 /// A value that does not exist is null, as it is an empty cell of the CSV.
-fn json_cell(cell: Cell) -> Value {
+fn json_cell(cell: TableCell) -> Value {
     match cell {
-        Cell::Number(value) => json!(value),
-        Cell::Whole(value) => json!(value),
-        Cell::Text(text) => json!(text),
-        Cell::Empty => Value::Null,
+        TableCell::Number(value) => json!(value),
+        TableCell::Whole(value) => json!(value),
+        TableCell::Text(text) => json!(text),
+        TableCell::Empty => Value::Null,
     }
 }
 

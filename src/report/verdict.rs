@@ -108,12 +108,12 @@ pub struct Verdict {
 impl Verdict {
     /// The worst answer; [`Status::Passed`] if nothing was asked.
     pub fn result(&self) -> Status {
-        worst(self.cases.iter())
+        worst_status(self.cases.iter())
     }
 
     /// The worst answer of one group.
     pub fn result_of(&self, group: &str) -> Status {
-        worst(self.cases.iter().filter(|case| case.group == group))
+        worst_status(self.cases.iter().filter(|case| case.group == group))
     }
 
     /// The result in words, with the names of the cases that did not pass: `failed: crank / rod; not proved: poses`.
@@ -157,7 +157,7 @@ impl Verdict {
     }
 }
 
-fn worst<'c>(cases: impl Iterator<Item = &'c Case>) -> Status {
+fn worst_status<'c>(cases: impl Iterator<Item = &'c Case>) -> Status {
     let all = cases.map(|case| case.status);
     all.fold(Status::Passed, Status::max)
 }

@@ -44,7 +44,7 @@ pub const ALL: [Builtin; 22] = builtin![
 ];
 
 /// The built-in scene of that name.
-pub fn find(name: &str) -> Option<Source> {
+pub fn find_builtin(name: &str) -> Option<Source> {
     ALL.iter()
         .find(|scene| scene.name == name)
         .map(|scene| Source {

@@ -1,6 +1,6 @@
 //! The `[clearance]` section: as typed.
 
-use super::reader::{Spanned, TableReader, required};
+use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
 use crate::diag::Span;
 
@@ -51,23 +51,23 @@ pub struct DistanceFile {
 }
 
 /// Reads an entry of `[outputs]` that is a table.
-pub fn distance(r: &mut TableReader, name: Spanned<String>) -> Option<DistanceFile> {
-    let (pair, shapes) = (pair(r, "distance"), r.rows("shapes"));
+pub fn read_distance(r: &mut TableReader, name: Spanned<String>) -> Option<DistanceFile> {
+    let (pair, shapes) = (read_pair(r, "distance"), r.rows("shapes"));
     let pair = pair?;
     Some(DistanceFile { name, pair, shapes })
 }
 
 /// Reads the section.
-pub fn read(r: &mut TableReader) -> ClearanceFile {
+pub fn read_clearance(r: &mut TableReader) -> ClearanceFile {
     let minimum = r.formula("minimum");
     let pairs = r.tables("pairs", |p| {
-        let pair = pair(p, "pair");
-        let minimum = required(p, "minimum", |p, k| p.formula(k));
+        let pair = read_pair(p, "pair");
+        let minimum = required_value(p, "minimum", |p, k| p.formula(k));
         Some((pair?, minimum?))
     });
     let ignored = r.tables("ignore", |p| {
-        let pair = pair(p, "pair");
-        let reason = required(p, "reason", |p, k| p.string(k));
+        let pair = read_pair(p, "pair");
+        let reason = required_value(p, "reason", |p, k| p.string(k));
         let (shapes, down_to) = (p.rows("shapes"), p.formula("down_to"));
         Some(IgnoredFile {
             pair: pair?,
@@ -76,7 +76,7 @@ pub fn read(r: &mut TableReader) -> ClearanceFile {
             down_to,
         })
     });
-    let touching = r.tables("touching", |p| pair(p, "pair"));
+    let touching = r.tables("touching", |p| read_pair(p, "pair"));
     ClearanceFile {
         touching: touching.into_iter().flatten().collect(),
         minimum,
@@ -85,8 +85,8 @@ pub fn read(r: &mut TableReader) -> ClearanceFile {
     }
 }
 
-fn pair(r: &mut TableReader, key: &'static str) -> Option<PairFile> {
+fn read_pair(r: &mut TableReader, key: &'static str) -> Option<PairFile> {
     let span = r.span.clone();
-    let names = required(r, key, |r, k| r.strings(k))?;
+    let names = required_value(r, key, |r, k| r.strings(k))?;
     Some(PairFile { names, span })
 }

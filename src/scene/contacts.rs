@@ -1,6 +1,6 @@
 //! Contacts of two surfaces as typed: which surfaces there are, and the keys each of them has.
 
-use super::reader::{Spanned, TableReader, required};
+use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
@@ -17,14 +17,14 @@ pub struct ContactFile {
 #[derive(Clone, Debug)]
 pub struct SurfaceFile {
     /// The surface.
-    pub surface: Surface<FormulaText>,
+    pub surface: ContactSurface<FormulaText>,
     /// `frame`: the chain `world_from_surface`; the world itself if absent.
     pub frame: Option<FormulaText>,
 }
 
 /// A surface about the origin of its frame; axes and normals are along z. `T` is what its sizes are at this stage.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Surface<T> {
+pub enum ContactSurface<T> {
     /// About the z axis: radius of the centre circle, radius of the tube (which may be the larger one).
     Torus {
         /// `ring`
@@ -46,7 +46,7 @@ pub enum Surface<T> {
     Plane,
 }
 
-impl<T> Surface<T> {
+impl<T> ContactSurface<T> {
     /// The name in scene files.
     pub const fn word(&self) -> &'static str {
         match self {
@@ -67,48 +67,48 @@ impl<T> Surface<T> {
     }
 
     /// The same surface with its sizes translated; `None` if one of them cannot be.
-    pub fn try_map<U>(&self, mut f: impl FnMut(&T) -> Option<U>) -> Option<Surface<U>> {
+    pub fn try_map<U>(&self, mut f: impl FnMut(&T) -> Option<U>) -> Option<ContactSurface<U>> {
         Some(match self {
             Self::Torus { ring, tube } => {
                 let (ring, tube) = (f(ring), f(tube));
-                Surface::Torus {
+                ContactSurface::Torus {
                     ring: ring?,
                     tube: tube?,
                 }
             }
-            Self::Sphere { radius } => Surface::Sphere { radius: f(radius)? },
-            Self::Cylinder { radius } => Surface::Cylinder { radius: f(radius)? },
-            Self::Plane => Surface::Plane,
+            Self::Sphere { radius } => ContactSurface::Sphere { radius: f(radius)? },
+            Self::Cylinder { radius } => ContactSurface::Cylinder { radius: f(radius)? },
+            Self::Plane => ContactSurface::Plane,
         })
     }
 }
 
 /// Reads the two surfaces of a contact.
-pub fn surfaces(r: &mut TableReader) -> Option<[SurfaceFile; 2]> {
-    let first = required(r, "first", |r, k| r.table(k, surface)).flatten();
-    let second = required(r, "second", |r, k| r.table(k, surface)).flatten();
+pub fn read_surfaces(r: &mut TableReader) -> Option<[SurfaceFile; 2]> {
+    let first = required_value(r, "first", |r, k| r.table(k, read_surface)).flatten();
+    let second = required_value(r, "second", |r, k| r.table(k, read_surface)).flatten();
     Some([first?, second?])
 }
 
-fn surface(r: &mut TableReader) -> Option<SurfaceFile> {
+fn read_surface(r: &mut TableReader) -> Option<SurfaceFile> {
     let span = r.span.clone();
     let torus = r.table("torus", |s| {
-        let ring = required(s, "ring", |s, k| s.formula(k));
-        let tube = required(s, "tube", |s, k| s.formula(k));
-        Some(Surface::Torus {
+        let ring = required_value(s, "ring", |s, k| s.formula(k));
+        let tube = required_value(s, "tube", |s, k| s.formula(k));
+        Some(ContactSurface::Torus {
             ring: ring?,
             tube: tube?,
         })
     });
     let sphere = r.table("sphere", |s| {
-        let radius = required(s, "radius", |s, k| s.formula(k))?;
-        Some(Surface::Sphere { radius })
+        let radius = required_value(s, "radius", |s, k| s.formula(k))?;
+        Some(ContactSurface::Sphere { radius })
     });
     let cylinder = r.table("cylinder", |s| {
-        let radius = required(s, "radius", |s, k| s.formula(k))?;
-        Some(Surface::Cylinder { radius })
+        let radius = required_value(s, "radius", |s, k| s.formula(k))?;
+        Some(ContactSurface::Cylinder { radius })
     });
-    let plane = r.table("plane", |_| Some(Surface::Plane));
+    let plane = r.table("plane", |_| Some(ContactSurface::Plane));
     let frame = r.formula("frame");
     let mut found = [torus, sphere, cylinder, plane].into_iter().flatten();
     match (found.next(), found.next()) {

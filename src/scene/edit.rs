@@ -17,20 +17,20 @@ pub fn with_values(
     guess: &[(String, String)],
 ) -> Option<String> {
     let mut diagnostics = Diagnostics::default();
-    let file = file::read(source, &mut diagnostics);
+    let file = file::read_scene(source, &mut diagnostics);
     let place = |list: &[NamedFormula], name: &str| {
         let found = list.iter().find(|(n, _)| n.value == name);
         found.map(|(_, formula)| formula.span.clone())
     };
     let mut edits = Vec::new();
     for (name, value) in parameters {
-        edits.push((place(&file.parameters, name)?, typed(value)));
+        edits.push((place(&file.parameters, name)?, typed_value(value)));
     }
     let mut added = String::new();
     for (name, value) in guess {
         match place(&file.guess, name) {
-            Some(span) => edits.push((span, typed(value))),
-            None => added.push_str(&format!("{name} = {}\n", typed(value))),
+            Some(span) => edits.push((span, typed_value(value))),
+            None => added.push_str(&format!("{name} = {}\n", typed_value(value))),
         }
     }
     if !added.is_empty() {
@@ -53,7 +53,7 @@ pub fn with_values(
 }
 
 /// A number as it is, a formula in quotes.
-fn typed(value: &str) -> String {
+fn typed_value(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(_) => value.to_owned(),
         Err(_) => format!("{value:?}"),

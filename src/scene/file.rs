@@ -2,15 +2,15 @@
 //! anything is looked up.
 
 use super::clearance::{self, ClearanceFile, DistanceFile};
-use super::contacts::{ContactFile, surfaces};
+use super::contacts::{ContactFile, read_surfaces};
 use super::keys::tables::{CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
-use super::measures::{MeasureFile, TrackFile, measure, measure_formula, track};
-use super::plots::{PlotFile, plot};
-use super::reader::{Found, NamedFormula, Spanned, TableReader, read_table, required};
-use super::shapes::{ShapeFile, shape};
-use super::studies::{StudyFile, study};
+use super::measures::{MeasureFile, TrackFile, measure_formula, read_measure, read_track};
+use super::plots::{PlotFile, read_plot};
+use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table, required_value};
+use super::shapes::{ShapeFile, read_shape};
+use super::studies::{StudyFile, read_study};
 use super::values::{FormulaText, formula_of};
-use super::views::{ViewFile, view};
+use super::views::{ViewFile, read_view};
 use crate::diag::{Diagnostic, Diagnostics, Source, Span};
 use toml::de::{DeTable, DeValue};
 
@@ -157,7 +157,7 @@ pub struct LabelFile {
 }
 
 /// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
-pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
+pub fn read_scene(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
     let (document, errors) = DeTable::parse_recoverable(&source.text);
     for error in errors {
         let message = format!("not valid TOML: {}", error.message());
@@ -172,24 +172,24 @@ pub fn read(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
         };
     }
     let table = document.get_ref();
-    let found = Found {
+    let found = FoundValue {
         table,
         text: &source.text,
         span: 0..source.text.len(),
     };
     let place = "the scene".to_owned();
     read_table(found, &SCENE, place, diagnostics, |r| {
-        scene(r, &source.text)
+        scene_tables(r, &source.text)
     })
 }
 
-fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
+fn scene_tables<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
     let title = r.string("title").map(|s| s.value);
     let description = r.lines("description").map(|s| s.value);
     r.string("source");
     let units = r.table("units", |u| (u.string("length"), u.string("angle")));
     let (length_unit, angle_unit) = units.unwrap_or_default();
-    let (outputs, distances) = outputs(r, text);
+    let (outputs, distances) = read_outputs(r, text);
     SceneFile {
         title,
         description,
@@ -197,34 +197,49 @@ fn scene<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         angle_unit,
         duration: r.formula("duration"),
         parameters: r.named_formulas("parameters"),
-        inputs: inputs(r, text),
+        inputs: read_inputs(r, text),
         chains: r.named_formulas("chains"),
         loops: r.named_formulas("loops"),
         equations: r.named_formulas("equations"),
-        contacts: contacts(r, text),
+        contacts: read_contacts(r, text),
         guess: r.named_formulas("guess"),
-        bodies: r.tables("bodies", body).into_iter().flatten().collect(),
-        traces: r.tables("traces", trace).into_iter().flatten().collect(),
+        bodies: r
+            .tables("bodies", read_body)
+            .into_iter()
+            .flatten()
+            .collect(),
+        traces: r
+            .tables("traces", read_trace)
+            .into_iter()
+            .flatten()
+            .collect(),
         outputs,
         distances,
-        tracks: tracks(r, text),
-        measures: measures(r, text),
-        labels: r.tables("labels", label).into_iter().flatten().collect(),
-        clearance: r.table("clearance", clearance::read),
-        plots: r.tables("plots", plot).into_iter().flatten().collect(),
-        view: r.table("view", view).unwrap_or_default(),
-        study: r.table("study", |s| study(s, text)),
+        tracks: read_tracks(r, text),
+        measures: read_measures(r, text),
+        labels: r
+            .tables("labels", read_label)
+            .into_iter()
+            .flatten()
+            .collect(),
+        clearance: r.table("clearance", clearance::read_clearance),
+        plots: r.tables("plots", read_plot).into_iter().flatten().collect(),
+        view: r.table("view", read_view).unwrap_or_default(),
+        study: r.table("study", |s| read_study(s, text)),
         lacks_sections: r.lacks_sections(&SECTIONS),
     }
 }
 
-fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String>, InputFile)> {
+fn read_inputs<'t>(
+    r: &mut TableReader<'t, '_>,
+    text: &'t str,
+) -> Vec<(Spanned<String>, InputFile)> {
     let mut list = Vec::new();
     for (name, value, span) in r.named("inputs") {
         let input = match value {
             DeValue::Table(table) => {
                 let place = format!("input `{}`", name.value);
-                let found = Found { table, text, span };
+                let found = FoundValue { table, text, span };
                 read_table(found, &INPUT, place, r.diagnostics, input_table)
             }
             other => {
@@ -244,14 +259,14 @@ fn inputs<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<(Spanned<String
     list
 }
 
-fn contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> {
+fn read_contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> {
     let mut list = Vec::new();
     for (name, value, span) in r.named("contacts") {
         let place = format!("contact `{}`", name.value);
         let surfaces = match value.as_table() {
             Some(table) => {
-                let found = Found { table, text, span };
-                read_table(found, &CONTACT, place, r.diagnostics, surfaces)
+                let found = FoundValue { table, text, span };
+                read_table(found, &CONTACT, place, r.diagnostics, read_surfaces)
             }
             None => {
                 let message = format!("{place} must be a table with `first` and `second`");
@@ -264,7 +279,7 @@ fn contacts<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<ContactFile> 
     list
 }
 
-fn tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
+fn read_tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
     let mut list = Vec::new();
     for (name, value, span) in r.named("tracks") {
         let place = format!("track `{}`", name.value);
@@ -273,15 +288,15 @@ fn tracks<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<TrackFile> {
             r.diagnostics.push(Diagnostic::error(message).at(span));
             continue;
         };
-        let read = |r: &mut TableReader<'t, '_>| track(r, name);
-        let found = Found { table, text, span };
+        let read = |r: &mut TableReader<'t, '_>| read_track(r, name);
+        let found = FoundValue { table, text, span };
         list.push(read_table(found, &TRACK, place, r.diagnostics, read));
     }
     list
 }
 
 /// Outputs: formulas, and tables that ask for a distance.
-fn outputs<'t>(
+fn read_outputs<'t>(
     r: &mut TableReader<'t, '_>,
     text: &'t str,
 ) -> (Vec<NamedFormula>, Vec<DistanceFile>) {
@@ -294,20 +309,20 @@ fn outputs<'t>(
             continue;
         };
         let place = format!("output `{}`", name.value);
-        let found = Found { table, text, span };
-        let read = |r: &mut TableReader<'t, '_>| clearance::distance(r, name);
+        let found = FoundValue { table, text, span };
+        let read = |r: &mut TableReader<'t, '_>| clearance::read_distance(r, name);
         distances.extend(read_table(found, &DISTANCE, place, r.diagnostics, read));
     }
     (r.formulas_of(formulas), distances)
 }
 
-fn measures<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<MeasureFile> {
+fn read_measures<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<MeasureFile> {
     let mut list = Vec::new();
     for (name, value, span) in r.named("measures") {
         let place = format!("measure `{}`", name.value);
         if let Some(table) = value.as_table() {
-            let read = |r: &mut TableReader<'t, '_>| measure(r, name);
-            let found = Found { table, text, span };
+            let read = |r: &mut TableReader<'t, '_>| read_measure(r, name);
+            let found = FoundValue { table, text, span };
             list.push(read_table(found, &MEASURE, place, r.diagnostics, read));
         } else if let Some(formula) = formula_of(value, span.clone(), text) {
             list.push(measure_formula((name, formula)));
@@ -342,12 +357,16 @@ fn input_table(r: &mut TableReader) -> Option<InputFile> {
     }
 }
 
-fn body(r: &mut TableReader) -> Option<BodyFile> {
-    let name = required(r, "name", |r, key| r.string(key));
+fn read_body(r: &mut TableReader) -> Option<BodyFile> {
+    let name = required_value(r, "name", |r, key| r.string(key));
     let frame = r.formula("frame");
     let colour = r.colour("colour");
     let opacity = r.formula("opacity");
-    let shapes = r.tables("shapes", shape).into_iter().flatten().collect();
+    let shapes = r
+        .tables("shapes", read_shape)
+        .into_iter()
+        .flatten()
+        .collect();
     Some(BodyFile {
         name: name?,
         frame,
@@ -357,9 +376,9 @@ fn body(r: &mut TableReader) -> Option<BodyFile> {
     })
 }
 
-fn trace(r: &mut TableReader) -> Option<TraceFile> {
-    let name = required(r, "name", |r, k| r.string(k));
-    let body = required(r, "body", |r, k| r.string(k));
+fn read_trace(r: &mut TableReader) -> Option<TraceFile> {
+    let name = required_value(r, "name", |r, k| r.string(k));
+    let body = required_value(r, "body", |r, k| r.string(k));
     let (point, colour, radius) = (r.vector("point"), r.colour("colour"), r.formula("radius"));
     Some(TraceFile {
         name: name?,
@@ -370,9 +389,9 @@ fn trace(r: &mut TableReader) -> Option<TraceFile> {
     })
 }
 
-fn label(r: &mut TableReader) -> Option<LabelFile> {
+fn read_label(r: &mut TableReader) -> Option<LabelFile> {
     let span = r.span.clone();
-    let text = required(r, "text", |r, k| r.lines(k));
+    let text = required_value(r, "text", |r, k| r.lines(k));
     let (body, point) = (r.string("body"), r.vector("point"));
     let (trace, time) = (r.string("trace"), r.formula("time"));
     let (colour, size) = (r.colour("colour"), r.formula("size"));

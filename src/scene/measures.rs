@@ -1,6 +1,6 @@
 //! Tracks and measures as typed: poses beside the drive, and scalars of a whole motion.
 
-use super::reader::{NamedFormula, Spanned, TableReader, required};
+use super::reader::{NamedFormula, Spanned, TableReader, required_value};
 use super::values::FormulaText;
 
 /// One entry of `[tracks]`.
@@ -59,8 +59,8 @@ impl MeasureFile {
 }
 
 /// Reads an entry of `[tracks]`.
-pub fn track(r: &mut TableReader, name: Spanned<String>) -> TrackFile {
-    let samples = required(r, "samples", |r, k| r.formula(k));
+pub fn read_track(r: &mut TableReader, name: Spanned<String>) -> TrackFile {
+    let samples = required_value(r, "samples", |r, k| r.formula(k));
     TrackFile {
         name,
         samples,
@@ -69,10 +69,10 @@ pub fn track(r: &mut TableReader, name: Spanned<String>) -> TrackFile {
 }
 
 /// Reads an entry of `[measures]` that is a table.
-pub fn measure(r: &mut TableReader, name: Spanned<String>) -> MeasureFile {
+pub fn read_measure(r: &mut TableReader, name: Spanned<String>) -> MeasureFile {
     let track = r.string("track");
-    let of = required(r, "of", |r, k| r.formula_or_formulas(k));
-    let take = required(r, "take", |r, k| r.string(k));
+    let of = required_value(r, "of", |r, k| r.formula_or_formulas(k));
+    let take = required_value(r, "take", |r, k| r.string(k));
     let (per, power) = (r.string("per"), r.formula("power"));
     let limits = [r.formula("min"), r.formula("max")];
     let why = r.string("why").map(|s| s.value);

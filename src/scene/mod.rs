@@ -26,9 +26,9 @@ pub use loaded::{Kept, KeptIn, Scene};
 pub use overrides::{OtherDrives, Overrides, PlotText};
 
 /// Reads and resolves `source`; all mistakes found are in the error.
-pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
+pub fn load_scene(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
     let mut diagnostics = Diagnostics::default();
-    let mut file = file::read(source, &mut diagnostics);
+    let mut file = file::read_scene(source, &mut diagnostics);
     // All other mistakes leave enough to go on with, so that one run names everything that is wrong.
     if file.lacks_sections {
         return Err(SceneError {
@@ -36,8 +36,8 @@ pub fn load(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError>
             diagnostics,
         });
     }
-    overrides::apply(overrides, &mut file, &mut diagnostics);
-    let scene = resolve::resolve(&file, overrides, &mut diagnostics);
+    overrides::apply_overrides(overrides, &mut file, &mut diagnostics);
+    let scene = resolve::resolve_scene(&file, overrides, &mut diagnostics);
     match scene {
         Some(mut scene) if !diagnostics.has_errors() => {
             scene.warnings = diagnostics;

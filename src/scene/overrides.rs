@@ -52,7 +52,7 @@ pub struct PlotText {
 }
 
 /// Puts the command line's values in place of the file's.
-pub fn apply(overrides: &Overrides, file: &mut SceneFile, diagnostics: &mut Diagnostics) {
+pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics: &mut Diagnostics) {
     let mut unknown = |what: &str, name: &str, known: Vec<&str>| {
         diagnostics.push(
             Diagnostic::error(format!("the scene has no {what} `{name}`"))

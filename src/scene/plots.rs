@@ -1,6 +1,6 @@
 //! The entries of `[[plots]]` as typed.
 
-use super::reader::{Spanned, TableReader, required};
+use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
@@ -24,9 +24,9 @@ pub struct PlotFile {
 }
 
 /// Reads one entry.
-pub(super) fn plot(r: &mut TableReader) -> Option<PlotFile> {
+pub(super) fn read_plot(r: &mut TableReader) -> Option<PlotFile> {
     let (title, x) = (r.string("title"), r.formula("x"));
-    let y = required(r, "y", |r, k| r.formulas(k));
+    let y = required_value(r, "y", |r, k| r.formulas(k));
     let (equal, angle) = (r.boolean("equal"), r.string("angle"));
     let marks = r.rows::<2>("marks");
     let lines = r.rows::<4>("lines");

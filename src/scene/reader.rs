@@ -224,7 +224,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
     }
 
     /// A table whose keys are names of the user's choice, in the order of the file.
-    pub fn named(&mut self, key: &'static str) -> Vec<Entry<'t>> {
+    pub fn named(&mut self, key: &'static str) -> Vec<TableEntry<'t>> {
         let Some((value, span)) = self.get(key) else {
             return Vec::new();
         };
@@ -256,9 +256,12 @@ impl<'t, 'd> TableReader<'t, 'd> {
     }
 
     /// The same of entries that were taken out already.
-    pub fn formulas_of(&mut self, entries: Vec<Entry<'t>>) -> Vec<(Spanned<String>, FormulaText)> {
+    pub fn formulas_of(
+        &mut self,
+        entries: Vec<TableEntry<'t>>,
+    ) -> Vec<(Spanned<String>, FormulaText)> {
         let mut list = Vec::new();
-        for (name, value, span) in entries.into_iter().flat_map(undotted) {
+        for (name, value, span) in entries.into_iter().flat_map(undotted_entries) {
             match formula_of(value, span.clone(), self.text) {
                 Some(formula) => list.push((name, formula)),
                 None => {
@@ -291,7 +294,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         };
         let keys = self.keys.inner(key);
         let (text, place) = (self.text, format!("[{key}]"));
-        let found = Found { table, text, span };
+        let found = FoundValue { table, text, span };
         Some(read_table(found, keys, place, self.diagnostics, read))
     }
 
@@ -314,7 +317,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 Some(table) => {
                     let keys = self.keys.inner(key);
                     let (text, span) = (self.text, item.span());
-                    let found = Found { table, text, span };
+                    let found = FoundValue { table, text, span };
                     let place = format!("[[{key}]]");
                     list.push(read_table(found, keys, place, self.diagnostics, &mut read));
                 }
@@ -360,7 +363,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
 }
 
 /// A table that is at hand, and where.
-pub struct Found<'t> {
+pub struct FoundValue<'t> {
     /// The table.
     pub table: &'t DeTable<'t>,
     /// The text of the whole file.
@@ -371,7 +374,7 @@ pub struct Found<'t> {
 
 /// Reads a table that may have these keys; `place` names it in messages.
 pub fn read_table<'t, T>(
-    found: Found<'t>,
+    found: FoundValue<'t>,
     keys: &'static Keys,
     place: String,
     diagnostics: &mut Diagnostics,
@@ -391,7 +394,7 @@ pub fn read_table<'t, T>(
 }
 
 /// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).
-pub fn required<'t, 'd, T>(
+pub fn required_value<'t, 'd, T>(
     r: &mut TableReader<'t, 'd>,
     key: &'static str,
     read: impl FnOnce(&mut TableReader<'t, 'd>, &'static str) -> Option<T>,
@@ -404,14 +407,14 @@ pub fn required<'t, 'd, T>(
     value
 }
 
-type Entry<'t> = (Spanned<String>, &'t DeValue<'t>, Span);
+type TableEntry<'t> = (Spanned<String>, &'t DeValue<'t>, Span);
 
 /// The entries of a dotted key; an entry that is no table stays as it is.
-fn undotted((name, value, span): Entry) -> Vec<Entry> {
+fn undotted_entries((name, value, span): TableEntry) -> Vec<TableEntry> {
     let Some(table) = value.as_table().filter(|table| !table.is_empty()) else {
         return vec![(name, value, span)];
     };
-    let mut inner: Vec<Entry> = table
+    let mut inner: Vec<TableEntry> = table
         .iter()
         .map(|(key, value)| {
             let full = Spanned {

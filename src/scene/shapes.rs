@@ -1,6 +1,6 @@
 //! The shapes of a body as typed: which solids there are, and the keys each of them has.
 
-use super::reader::{Spanned, TableReader, required};
+use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
 use crate::diag::{Diagnostic, Span};
 
@@ -74,18 +74,18 @@ pub enum SolidFile {
 const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, half_space, stl";
 
 /// Reads one entry of `shapes`.
-pub fn shape(r: &mut TableReader) -> Option<ShapeFile> {
+pub fn read_shape(r: &mut TableReader) -> Option<ShapeFile> {
     let span = r.span.clone();
     let solids: Vec<Option<SolidFile>> = [
         r.table("sphere", |s| {
             let center = s.vector("center");
             Some(SolidFile::Sphere {
                 center,
-                radius: required(s, "radius", |s, k| s.formula(k))?,
+                radius: required_value(s, "radius", |s, k| s.formula(k))?,
             })
         }),
         r.table("capsule", |s| {
-            let (from, to, radius) = rod(s);
+            let (from, to, radius) = read_rod(s);
             Some(SolidFile::Capsule {
                 from: from?,
                 to: to?,
@@ -93,35 +93,35 @@ pub fn shape(r: &mut TableReader) -> Option<ShapeFile> {
             })
         }),
         r.table("cylinder", |s| {
-            let (from, to, radius) = rod(s);
+            let (from, to, radius) = read_rod(s);
             Some(SolidFile::Cylinder {
                 from: from?,
                 to: to?,
                 radius: radius?,
             })
         }),
-        r.table("cone", cone),
+        r.table("cone", read_cone),
         r.table("box", |s| {
             let center = s.vector("center");
             Some(SolidFile::Box {
                 center,
-                size: required(s, "size", |s, k| s.vector(k))?,
+                size: required_value(s, "size", |s, k| s.vector(k))?,
             })
         }),
-        r.table("torus", torus),
-        r.table("tube", tube),
+        r.table("torus", read_torus),
+        r.table("tube", read_tube),
         r.table("half_space", |s| {
             let (point, normal) = (s.vector("point"), s.vector("normal"));
             Some(SolidFile::HalfSpace {
                 point,
                 normal,
-                size: required(s, "size", |s, k| s.formula(k))?,
+                size: required_value(s, "size", |s, k| s.formula(k))?,
             })
         }),
         r.table("stl", |s| {
             let (scale, surface) = (s.formula("scale"), s.boolean("surface"));
             Some(SolidFile::Stl {
-                file: required(s, "file", |s, k| s.raw_string(k))?,
+                file: required_value(s, "file", |s, k| s.raw_string(k))?,
                 scale,
                 surface: surface.unwrap_or(false),
             })
@@ -160,17 +160,17 @@ type Rod = (
     Option<FormulaText>,
 );
 
-fn rod(s: &mut TableReader) -> Rod {
-    let from = required(s, "from", |s, k| s.vector(k));
-    let to = required(s, "to", |s, k| s.vector(k));
-    (from, to, required(s, "radius", |s, k| s.formula(k)))
+fn read_rod(s: &mut TableReader) -> Rod {
+    let from = required_value(s, "from", |s, k| s.vector(k));
+    let to = required_value(s, "to", |s, k| s.vector(k));
+    (from, to, required_value(s, "radius", |s, k| s.formula(k)))
 }
 
-fn cone(s: &mut TableReader) -> Option<SolidFile> {
-    let from = required(s, "from", |s, k| s.vector(k));
-    let to = required(s, "to", |s, k| s.vector(k));
-    let radius_from = required(s, "radius_from", |s, k| s.formula(k));
-    let radius_to = required(s, "radius_to", |s, k| s.formula(k));
+fn read_cone(s: &mut TableReader) -> Option<SolidFile> {
+    let from = required_value(s, "from", |s, k| s.vector(k));
+    let to = required_value(s, "to", |s, k| s.vector(k));
+    let radius_from = required_value(s, "radius_from", |s, k| s.formula(k));
+    let radius_to = required_value(s, "radius_to", |s, k| s.formula(k));
     Some(SolidFile::Cone {
         from: from?,
         to: to?,
@@ -179,10 +179,10 @@ fn cone(s: &mut TableReader) -> Option<SolidFile> {
     })
 }
 
-fn torus(s: &mut TableReader) -> Option<SolidFile> {
+fn read_torus(s: &mut TableReader) -> Option<SolidFile> {
     let (center, axis) = (s.vector("center"), s.vector("axis"));
-    let ring = required(s, "ring", |s, k| s.formula(k));
-    let tube = required(s, "tube", |s, k| s.formula(k));
+    let ring = required_value(s, "ring", |s, k| s.formula(k));
+    let tube = required_value(s, "tube", |s, k| s.formula(k));
     Some(SolidFile::Torus {
         center,
         axis,
@@ -191,9 +191,9 @@ fn torus(s: &mut TableReader) -> Option<SolidFile> {
     })
 }
 
-fn tube(s: &mut TableReader) -> Option<SolidFile> {
-    let points = required(s, "points", |s, k| s.rows::<3>(k));
-    let radius = required(s, "radius", |s, k| s.formula(k));
+fn read_tube(s: &mut TableReader) -> Option<SolidFile> {
+    let points = required_value(s, "points", |s, k| s.rows::<3>(k));
+    let radius = required_value(s, "radius", |s, k| s.formula(k));
     let closed = s.boolean("closed").unwrap_or(false);
     Some(SolidFile::Tube {
         points: points?,

@@ -1,7 +1,7 @@
 //! The text of a scene: a built-in one by its name, a file by its path, or any reader.
 
 use super::builtin;
-use crate::diag::{Source, nearest};
+use crate::diag::{Source, nearest_name};
 use std::ffi::OsStr;
 use std::io::Read;
 use std::path::Path;
@@ -31,26 +31,26 @@ impl SourceError {
 /// The text of the built-in scene `name`, or of the file at that path.
 ///
 /// Errors: there is neither; a file that cannot be read, is too large, or is no UTF-8.
-pub fn find(name: &OsStr) -> Result<Source, SourceError> {
-    match name.to_str().and_then(builtin::find) {
+pub fn find_source(name: &OsStr) -> Result<Source, SourceError> {
+    match name.to_str().and_then(builtin::find_builtin) {
         Some(source) => Ok(source),
-        None => open(Path::new(name)),
+        None => open_source(Path::new(name)),
     }
 }
 
 /// The text of a file. Errors: likewise.
-pub fn open(path: &Path) -> Result<Source, SourceError> {
+pub fn open_source(path: &Path) -> Result<Source, SourceError> {
     let name = path.to_string_lossy();
     match std::fs::File::open(path) {
-        Ok(file) => read(file, &name),
-        Err(error) => Err(missing(&name, &error)),
+        Ok(file) => read_source(file, &name),
+        Err(error) => Err(missing_source(&name, &error)),
     }
 }
 
 /// The text that `reader` gives, called `name` in messages.
 ///
 /// Errors: a failed read, more than [`MAX_SCENE_BYTES`], no UTF-8.
-pub fn read(reader: impl Read, name: &str) -> Result<Source, SourceError> {
+pub fn read_source(reader: impl Read, name: &str) -> Result<Source, SourceError> {
     let mut bytes = Vec::new();
     reader
         .take(MAX_SCENE_BYTES + 1)
@@ -68,7 +68,7 @@ pub fn read(reader: impl Read, name: &str) -> Result<Source, SourceError> {
     })
 }
 
-fn missing(name: &str, error: &std::io::Error) -> SourceError {
+fn missing_source(name: &str, error: &std::io::Error) -> SourceError {
     let looks_like_path = name.contains(std::path::is_separator) || name.ends_with(".toml");
     if looks_like_path {
         return SourceError::unreadable(name, error);
@@ -84,7 +84,7 @@ fn missing(name: &str, error: &std::io::Error) -> SourceError {
 pub fn no_builtin(name: &str) -> SourceError {
     let names = builtin::ALL.map(|scene| scene.name);
     let mut hints = Vec::new();
-    if let Some(near) = nearest(name, names) {
+    if let Some(near) = nearest_name(name, names) {
         hints.push(format!("did you mean `{near}`?"));
     }
     hints.push(format!("built-in scenes: {}", names.join(", ")));

@@ -1,7 +1,7 @@
 //! The `[study]` section as typed: variables, and the measure that is to be made small.
 
 use super::keys::tables::{LIMIT, VARIABLE};
-use super::reader::{Found, Spanned, TableReader, read_table};
+use super::reader::{FoundValue, Spanned, TableReader, read_table};
 use super::values::FormulaText;
 use crate::diag::Diagnostic;
 
@@ -30,13 +30,13 @@ pub struct VariableFile {
 }
 
 /// Reads the section.
-pub fn study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
+pub fn read_study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
     let mut variables = Vec::new();
     for (name, value, span) in r.named("variables") {
         let variable = match value.as_table() {
             Some(table) => {
                 let place = format!("variable `{}`", name.value);
-                let found = Found { table, text, span };
+                let found = FoundValue { table, text, span };
                 read_table(found, &VARIABLE, place, r.diagnostics, |v| VariableFile {
                     range: v.vector("range"),
                     tolerance: v.formula("tolerance"),
@@ -62,7 +62,7 @@ pub fn study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
             continue;
         };
         let place = format!("limit of `{}`", name.value);
-        let found = Found { table, text, span };
+        let found = FoundValue { table, text, span };
         let ends = read_table(found, &LIMIT, place, r.diagnostics, |v| {
             [v.formula("min"), v.formula("max")]
         });

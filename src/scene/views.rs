@@ -48,7 +48,7 @@ pub struct CameraKeyFile {
 }
 
 /// Reads `[view]`.
-pub fn view(r: &mut TableReader) -> ViewFile {
+pub fn read_view(r: &mut TableReader) -> ViewFile {
     ViewFile {
         azimuth: r.formula("azimuth"),
         elevation: r.formula("elevation"),

@@ -1,8 +1,8 @@
 //! One picture against its golden file. A golden is never written unasked, and one that is missing fails.
 
 use crate::compare::film::Allowed;
-use crate::compare::{Comparison, Difference, compare, triptych};
-use crate::export::png::{Effort, encode};
+use crate::compare::{Comparison, Difference, compare_pictures, difference_triptych};
+use crate::export::png::{Effort, encode_png};
 use crate::export::{ExportError, Output, Target};
 use crate::import::read_png;
 use image::RgbaImage;
@@ -29,7 +29,7 @@ pub enum Update {
 
 /// What came of a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict {
+pub enum GoldenVerdict {
     /// It equals its golden as far as it must.
     Passed(Difference),
     /// The golden was written.
@@ -47,14 +47,14 @@ pub enum Verdict {
 /// `NAME.diff.png` are written beside it; on success they are removed.
 ///
 /// Errors: a file cannot be written.
-pub fn judge(
+pub fn judge_picture(
     golden: &Path,
     actual: &RgbaImage,
     allowed: Allowed,
     update: Update,
-) -> Result<Verdict, ExportError> {
+) -> Result<GoldenVerdict, ExportError> {
     let (is_missing, outcome) = (!golden.exists(), held_against(golden, actual, allowed));
-    let [drawn, difference] = ["new", "diff"].map(|kind| beside(golden, kind));
+    let [drawn, difference] = ["new", "diff"].map(|kind| path_beside(golden, kind));
     for stale in [&drawn, &difference] {
         // There is nothing to remove after a success before this one.
         std::fs::remove_file(stale).ok();
@@ -66,17 +66,20 @@ pub fn judge(
         Update::All => true,
     };
     if writes {
-        save(golden, actual)?;
-        return Ok(Verdict::Written);
+        save_picture(golden, actual)?;
+        return Ok(GoldenVerdict::Written);
     }
     match outcome {
-        Ok(found) => Ok(Verdict::Passed(found)),
+        Ok(found) => Ok(GoldenVerdict::Passed(found)),
         Err(failure) => {
-            save(&drawn, actual)?;
+            save_picture(&drawn, actual)?;
             if let Some(expected) = &failure.expected {
-                save(&difference, &triptych(expected, actual, allowed.tolerance))?;
+                save_picture(
+                    &difference,
+                    &difference_triptych(expected, actual, allowed.tolerance),
+                )?;
             }
-            Ok(Verdict::Failed {
+            Ok(GoldenVerdict::Failed {
                 reason: failure.reason,
                 difference: failure.difference,
             })
@@ -85,7 +88,7 @@ pub fn judge(
 }
 
 /// `a.png` to `a.KIND.png`.
-pub fn beside(golden: &Path, kind: &str) -> PathBuf {
+pub fn path_beside(golden: &Path, kind: &str) -> PathBuf {
     golden.with_extension(format!("{kind}.png"))
 }
 
@@ -109,7 +112,7 @@ fn held_against(
         return Err(unreadable("the golden picture is missing".to_owned()));
     }
     let expected = read_png(golden).map_err(|e| unreadable(e.to_string()))?;
-    let outcome = compare(&expected, actual, allowed.tolerance);
+    let outcome = compare_pictures(&expected, actual, allowed.tolerance);
     let within = outcome.is_within(allowed.pixels);
     let reason = format!("{outcome} (allowed {})", allowed.pixels);
     match outcome {
@@ -127,9 +130,9 @@ fn held_against(
     }
 }
 
-fn save(path: &Path, image: &RgbaImage) -> Result<(), ExportError> {
+fn save_picture(path: &Path, image: &RgbaImage) -> Result<(), ExportError> {
     let mut bytes = Vec::new();
-    encode(image, Effort::Balanced, &mut bytes)?;
+    encode_png(image, Effort::Balanced, &mut bytes)?;
     let mut target = Target::create(path)?;
     target.emit(&bytes)?;
     target.commit()

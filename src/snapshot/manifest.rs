@@ -5,9 +5,9 @@ use crate::compare::film::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::view::{Ghosts, ViewProjection};
 use crate::model::view_change::ViewChange;
-use crate::scene::reader::{Found, Spanned, TableReader, read_table};
+use crate::scene::reader::{FoundValue, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
-use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, choice};
+use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, chosen_word};
 use crate::scene::values::FormulaText;
 use std::collections::HashSet;
 use toml::de::DeTable;
@@ -47,7 +47,7 @@ pub struct Picture {
     /// Samples per pixel.
     pub samples: u32,
     /// When.
-    pub instant: Instant,
+    pub instant: PictureInstant,
     /// What may differ.
     pub allowed: Allowed,
     /// Replaced parameters, by name.
@@ -62,7 +62,7 @@ pub struct Picture {
 
 /// An instant of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Instant {
+pub enum PictureInstant {
     /// The frame with this number, counted from 0, at the scene's rate.
     Frame(usize),
     /// Seconds.
@@ -73,7 +73,7 @@ impl Manifest {
     /// Reads the list; all mistakes found are in the error.
     pub fn read(source: &Source) -> Result<Self, Box<SceneError>> {
         let mut diagnostics = Diagnostics::default();
-        let pictures = pictures(source, &mut diagnostics);
+        let pictures = read_pictures(source, &mut diagnostics);
         if diagnostics.has_errors() {
             return Err(Box::new(SceneError {
                 source_text: source.clone(),
@@ -84,7 +84,7 @@ impl Manifest {
     }
 }
 
-fn pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
+fn read_pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
     let (table, errors) = DeTable::parse_recoverable(&source.text);
     for error in errors {
         let message = format!("not valid TOML: {}", error.message());
@@ -95,13 +95,13 @@ fn pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
     }
     let whole = table.span();
     let place = "the list".to_owned();
-    let found = Found {
+    let found = FoundValue {
         table: table.get_ref(),
         text: &source.text,
         span: whole,
     };
     let list = read_table(found, &LIST, place, diagnostics, |r| {
-        r.tables("picture", picture)
+        r.tables("picture", read_picture)
     });
     let pictures: Vec<(Picture, Span)> = list.into_iter().flatten().collect();
     if pictures.is_empty() && !diagnostics.has_errors() {
@@ -120,19 +120,19 @@ fn pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
     pictures.into_iter().map(|(picture, _)| picture).collect()
 }
 
-fn picture(r: &mut TableReader) -> Option<(Picture, Span)> {
+fn read_picture(r: &mut TableReader) -> Option<(Picture, Span)> {
     let (file, scene) = (r.string("file"), r.string("scene"));
     for (key, value) in [("file", &file), ("scene", &scene)] {
         if value.is_none() {
             r.missing(key);
         }
     }
-    let size = size(r);
-    let samples = number(r, "samples", 1.0, 16.0).map_or(DEFAULT_SAMPLES, |n| n as u32);
-    let instant = instant(r);
+    let size = read_size(r);
+    let samples = read_number(r, "samples", 1.0, 16.0).map_or(DEFAULT_SAMPLES, |n| n as u32);
+    let instant = read_instant(r);
     let allowed = Allowed {
-        tolerance: number(r, "tolerance", 0.0, 255.0).map_or(0, |n| n as u8),
-        pixels: number(r, "pixels", 0.0, 1e9).map_or(0, |n| n as u64),
+        tolerance: read_number(r, "tolerance", 0.0, 255.0).map_or(0, |n| n as u8),
+        pixels: read_number(r, "pixels", 0.0, 1e9).map_or(0, |n| n as u64),
     };
     let [parameters, inputs, guess] = ["parameters", "inputs", "guess"].map(|key| {
         let list = r.named_formulas(key);
@@ -140,7 +140,7 @@ fn picture(r: &mut TableReader) -> Option<(Picture, Span)> {
             .map(|(name, formula)| (name.value, formula.text))
             .collect()
     });
-    let view = r.table("view", view).unwrap_or_default();
+    let view = r.table("view", read_view).unwrap_or_default();
     let file = file.filter(|file| is_plain_png(r, file))?;
     Some((
         Picture {
@@ -177,35 +177,35 @@ fn is_plain_png(r: &mut TableReader, file: &Spanned<String>) -> bool {
     plain
 }
 
-fn size(r: &mut TableReader) -> [u32; 2] {
+fn read_size(r: &mut TableReader) -> [u32; 2] {
     let Some(texts) = r.vector::<2>("size") else {
         return DEFAULT_SIZE;
     };
-    let sides = texts.map(|text| whole(r, "a side", &text, 1.0, LONGEST_SIDE));
+    let sides = texts.map(|text| whole_number(r, "a side", &text, 1.0, LONGEST_SIDE));
     [0, 1].map(|k| sides[k].map_or(DEFAULT_SIZE[k], |side| side as u32))
 }
 
-fn instant(r: &mut TableReader) -> Instant {
-    let frame = number(r, "frame", 0.0, LAST_FRAME);
+fn read_instant(r: &mut TableReader) -> PictureInstant {
+    let frame = read_number(r, "frame", 0.0, LAST_FRAME);
     let time = r.formula("time");
     match (frame, time) {
         (Some(_), Some(time)) => {
             let message = "a picture shows a `frame` or a `time`, not both";
             r.diagnostics.push(Diagnostic::error(message).at(time.span));
-            Instant::Frame(0)
+            PictureInstant::Frame(0)
         }
         (_, Some(time)) => {
-            let seconds = real(r, "the time", &time, 0.0, f64::MAX);
-            Instant::Time(seconds.unwrap_or(0.0))
+            let seconds = real_number(r, "the time", &time, 0.0, f64::MAX);
+            PictureInstant::Time(seconds.unwrap_or(0.0))
         }
-        (frame, None) => Instant::Frame(frame.map_or(0, |frame| frame as usize)),
+        (frame, None) => PictureInstant::Frame(frame.map_or(0, |frame| frame as usize)),
     }
 }
 
-fn view(r: &mut TableReader) -> ViewChange {
+fn read_view(r: &mut TableReader) -> ViewChange {
     let mut degrees = |key: &'static str, low: f64, high: f64| {
         let text = r.formula(key)?;
-        real(r, key, &text, low, high).map(f64::to_radians)
+        real_number(r, key, &text, low, high).map(f64::to_radians)
     };
     let azimuth = degrees("azimuth", -720.0, 720.0);
     let elevation = degrees("elevation", -90.0, 90.0);
@@ -228,8 +228,8 @@ fn view(r: &mut TableReader) -> ViewChange {
                 .hint("one of perspective, orthographic"),
         );
     }
-    let from = word(r, "from", &NAMED_VIEWS);
-    let theme = word(r, "theme", &THEMES);
+    let from = read_word(r, "from", &NAMED_VIEWS);
+    let theme = read_word(r, "theme", &THEMES);
     ViewChange {
         from,
         azimuth,
@@ -239,10 +239,11 @@ fn view(r: &mut TableReader) -> ViewChange {
         background: r.colour("background"),
         captions: r.boolean("captions"),
         ground: r.boolean("ground"),
-        ghosts: number(r, "ghosts", 0.0, MOST_GHOSTS as f64).map(|n| Ghosts::Count(n as usize)),
-        trails: word(r, "trails", &TRAILS),
+        ghosts: read_number(r, "ghosts", 0.0, MOST_GHOSTS as f64)
+            .map(|n| Ghosts::Count(n as usize)),
+        trails: read_word(r, "trails", &TRAILS),
         arrows: r.boolean("arrows"),
-        axes: word(r, "axes", &AXES),
+        axes: read_word(r, "axes", &AXES),
         gauge: r.boolean("gauge"),
         joints: r.boolean("joints"),
         orbit,
@@ -251,19 +252,25 @@ fn view(r: &mut TableReader) -> ViewChange {
 }
 
 /// One of the words that `key` may have.
-fn word<T: Copy>(r: &mut TableReader, key: &'static str, known: &[(&str, T)]) -> Option<T> {
+fn read_word<T: Copy>(r: &mut TableReader, key: &'static str, known: &[(&str, T)]) -> Option<T> {
     let word = r.string(key)?;
-    choice(&Some(word), known, key, r.diagnostics).into()
+    chosen_word(&Some(word), known, key, r.diagnostics).into()
 }
 
 /// A whole number under `key`.
-fn number(r: &mut TableReader, key: &'static str, low: f64, high: f64) -> Option<f64> {
+fn read_number(r: &mut TableReader, key: &'static str, low: f64, high: f64) -> Option<f64> {
     let text = r.formula(key)?;
-    whole(r, key, &text, low, high)
+    whole_number(r, key, &text, low, high)
 }
 
-fn whole(r: &mut TableReader, what: &str, text: &FormulaText, low: f64, high: f64) -> Option<f64> {
-    let value = real(r, what, text, low, high)?;
+fn whole_number(
+    r: &mut TableReader,
+    what: &str,
+    text: &FormulaText,
+    low: f64,
+    high: f64,
+) -> Option<f64> {
+    let value = real_number(r, what, text, low, high)?;
     if value.fract() != 0.0 {
         let message = format!("{what} must be a whole number, found {value}");
         r.diagnostics
@@ -273,7 +280,13 @@ fn whole(r: &mut TableReader, what: &str, text: &FormulaText, low: f64, high: f6
     Some(value)
 }
 
-fn real(r: &mut TableReader, what: &str, text: &FormulaText, low: f64, high: f64) -> Option<f64> {
+fn real_number(
+    r: &mut TableReader,
+    what: &str,
+    text: &FormulaText,
+    low: f64,
+    high: f64,
+) -> Option<f64> {
     let value = text
         .text
         .parse::<f64>()

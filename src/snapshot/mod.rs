@@ -6,6 +6,6 @@ pub mod manifest;
 pub mod picture;
 
 pub use crate::compare::film::Allowed;
-pub use golden::{EXACT, Update, Verdict, judge};
+pub use golden::{EXACT, GoldenVerdict, Update, judge_picture};
 pub use manifest::{MANIFEST, Manifest};
-pub use picture::{DrawError, Open, draw, draw_with};
+pub use picture::{DrawError, Open, draw_picture, draw_with};

@@ -1,8 +1,8 @@
 //! A picture of the list, drawn by the built-in renderer (the same bytes on every machine) or by another one.
 
-use super::manifest::{Instant, Picture};
+use super::manifest::{Picture, PictureInstant};
 use crate::diag::{SceneError, Source};
-use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::StructureError;
@@ -11,7 +11,7 @@ use crate::render::cpu::CpuRenderer;
 use crate::render::overlay::Overlay;
 
 use crate::render::{RenderError, Renderer, Stage};
-use crate::scene::{Overrides, Scene, builtin, load};
+use crate::scene::{Overrides, Scene, builtin, load_scene};
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
 use image::RgbaImage;
@@ -52,7 +52,7 @@ pub type Open<'a> = &'a dyn Fn(Arc<Stage>) -> Result<Box<dyn Renderer>, RenderEr
 /// picture says so.
 ///
 /// Errors: a scene that cannot be read or has mistakes, an instant outside its motion, a size that cannot be drawn.
-pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
+pub fn draw_picture(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
     draw_with(picture, folder, &|stage| {
         Ok(Box::new(CpuRenderer::new(stage)?))
     })
@@ -60,23 +60,23 @@ pub fn draw(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
 
 /// The same with renderers that `open` opens, one for each view. Errors: likewise, and those of `open`.
 pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaImage, DrawError> {
-    let scene = scene(picture, folder)?;
-    let (times, index) = times(&scene, picture.instant)?;
+    let scene = picture_scene(picture, folder)?;
+    let (times, index) = picture_times(&scene, picture.instant)?;
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
-    let trajectory = solve(&system, &scene.actuation, &times);
+    let trajectory = solve_motion(&system, &scene.actuation, &times);
     let options = PictureOptions {
         size: picture.size,
         samples: picture.samples,
     };
     let whole = Staging::new(&scene, &trajectory, options);
     if scene.view.four {
-        return four(&scene, &trajectory, &whole, index, open);
+        return draw_four(&scene, &trajectory, &whole, index, open);
     }
-    one(&whole, index, open)
+    draw_one(&whole, index, open)
 }
 
 /// One view.
-fn one(staging: &Staging, index: usize, open: Open) -> Result<RgbaImage, DrawError> {
+fn draw_one(staging: &Staging, index: usize, open: Open) -> Result<RgbaImage, DrawError> {
     let stage = &staging.stage;
     let mut renderer = open(Arc::clone(stage))?;
     let frame = staging.frame(index);
@@ -87,7 +87,7 @@ fn one(staging: &Staging, index: usize, open: Open) -> Result<RgbaImage, DrawErr
 }
 
 /// Four views in one picture, as `render --view four` lays them out.
-fn four(
+fn draw_four(
     scene: &Scene,
     trajectory: &Trajectory,
     whole: &Staging,
@@ -99,20 +99,20 @@ fn four(
         size: stage.size,
         samples: stage.samples,
     };
-    let scenes = panes::scenes(scene);
+    let scenes = panes::pane_scenes(scene);
     let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
-    for ([x, y], pane) in panes::stagings(&scenes, trajectory, options, &Marks::default()) {
-        let view = one(&pane, index, open)?;
+    for ([x, y], pane) in panes::pane_stagings(&scenes, trajectory, options, &Marks::default()) {
+        let view = draw_one(&pane, index, open)?;
         image::imageops::replace(&mut image, &view, x.into(), y.into());
     }
-    let frame = panes::over(scene, whole, index);
+    let frame = panes::frame_over(scene, whole, index);
     Overlay::new(stage.background).draw(&frame, &stage.camera, &mut image);
     Ok(image)
 }
 
-fn scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
+fn picture_scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
     let path = folder.join(&picture.scene);
-    let source = match builtin::find(&picture.scene) {
+    let source = match builtin::find_builtin(&picture.scene) {
         Some(source) => source,
         None => Source {
             name: path.display().to_string(),
@@ -129,30 +129,30 @@ fn scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
         folder: path.parent().unwrap_or(folder).to_owned(),
         ..Overrides::default()
     };
-    let mut scene = load(&source, &overrides).map_err(Box::new)?;
+    let mut scene = load_scene(&source, &overrides).map_err(Box::new)?;
     picture.view.apply(&mut scene.view);
     Ok(scene)
 }
 
 /// The times that are solved, as `render` does: the whole motion frames the picture and leads to its branch.
-fn times(scene: &Scene, instant: Instant) -> Result<(Vec<f64>, usize), DrawError> {
+fn picture_times(scene: &Scene, instant: PictureInstant) -> Result<(Vec<f64>, usize), DrawError> {
     let duration = scene.actuation.duration;
     let mut times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
     match instant {
-        Instant::Frame(index) if index < times.len() => Ok((times, index)),
-        Instant::Frame(index) => {
+        PictureInstant::Frame(index) if index < times.len() => Ok((times, index)),
+        PictureInstant::Frame(index) => {
             let last = times.len() - 1;
             let message = format!("the motion has frames 0 to {last}, {index} is outside");
             Err(DrawError::Instant(message))
         }
-        Instant::Time(time) if (0.0..=duration).contains(&time) => {
+        PictureInstant::Time(time) if (0.0..=duration).contains(&time) => {
             let index = times.partition_point(|t| *t < time);
             if times.get(index) != Some(&time) {
                 times.insert(index, time);
             }
             Ok((times, index))
         }
-        Instant::Time(time) => {
+        PictureInstant::Time(time) => {
             let message = format!("the motion lasts from 0 to {duration} s, {time} is outside");
             Err(DrawError::Instant(message))
         }

@@ -1,6 +1,6 @@
 //! Velocity arrows on traced points. Speeds are differences between neighbouring samples.
 
-use super::solids::{arrow, merged, sign};
+use super::solids::{arrow_solids, merged_mesh, sign_instance};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
@@ -47,7 +47,7 @@ impl Arrows {
         let count = trajectory.samples.len();
         let velocities: Vec<Vec<DVec3>> = (0..count)
             .map(|index| {
-                let along = |trace| velocity(trajectory, index, trace);
+                let along = |trace| trace_velocity(trajectory, index, trace);
                 (0..traces.len()).map(along).collect()
             })
             .collect();
@@ -63,8 +63,8 @@ impl Arrows {
         for level in 1..=LEVELS {
             let length = longest * level as f64 / LEVELS as f64;
             let head = (HEAD_PIXELS * pixel).min(0.6 * length);
-            let solids = arrow(DVec3::Z, length, SHAFT_PIXELS * pixel, head);
-            meshes.push(merged(&solids, 0.2 * pixel));
+            let solids = arrow_solids(DVec3::Z, length, SHAFT_PIXELS * pixel, head);
+            meshes.push(merged_mesh(&solids, 0.2 * pixel));
         }
         Some(Self {
             velocities,
@@ -86,14 +86,14 @@ impl Arrows {
                     translation: *point,
                     ..Pose::from_z_axis(velocity.normalize())
                 };
-                sign(mesh, meshes, at, *colour, 0.5)
+                sign_instance(mesh, meshes, at, *colour, 0.5)
             })
             .collect()
     }
 }
 
 /// From the samples on both sides where they have poses, else from the one that has.
-fn velocity(trajectory: &Trajectory, index: usize, trace: usize) -> DVec3 {
+fn trace_velocity(trajectory: &Trajectory, index: usize, trace: usize) -> DVec3 {
     let at = |k: usize| {
         let sample = trajectory.samples.get(k)?;
         Some((sample.time, sample.pose.as_ref()?.traces[trace]))

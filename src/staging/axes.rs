@@ -1,10 +1,10 @@
 //! Axes of the world and of the bodies: red x, green y, blue z, in tones that colour-blind eyes tell apart.
 
-use super::solids::{arrow, merged, sign};
+use super::solids::{arrow_solids, merged_mesh, sign_instance};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
-use crate::model::view::Axes;
+use crate::model::view::ShownAxes;
 use crate::render::{Anchor, Instance, Label};
 use glam::DVec3;
 
@@ -32,23 +32,23 @@ pub struct AxisSigns {
 }
 
 /// Length of the world's axes; the camera must hold them.
-pub fn world_length(axes: Axes, extent: f64) -> Option<f64> {
-    matches!(axes, Axes::World | Axes::All).then_some(LENGTHS[0] * extent)
+pub fn world_length(axes: ShownAxes, extent: f64) -> Option<f64> {
+    matches!(axes, ShownAxes::World | ShownAxes::All).then_some(LENGTHS[0] * extent)
 }
 
 impl AxisSigns {
     /// Adds the meshes.
-    pub fn new(axes: Axes, extent: f64, meshes: &mut Vec<Mesh>) -> Self {
+    pub fn new(axes: ShownAxes, extent: f64, meshes: &mut Vec<Mesh>) -> Self {
         let mut add = |length: f64| {
             let first = meshes.len();
             for axis in DVec3::AXES {
-                let solids = arrow(axis, length, SHAFT * length, HEAD * length);
-                meshes.push(merged(&solids, 2e-3 * length));
+                let solids = arrow_solids(axis, length, SHAFT * length, HEAD * length);
+                meshes.push(merged_mesh(&solids, 2e-3 * length));
             }
             first
         };
         let length = LENGTHS[0] * extent;
-        let bodies = matches!(axes, Axes::Bodies | Axes::All);
+        let bodies = matches!(axes, ShownAxes::Bodies | ShownAxes::All);
         Self {
             world: world_length(axes, extent).map(&mut add),
             bodies: bodies.then(|| add(LENGTHS[1] * extent)),
@@ -65,7 +65,7 @@ impl AxisSigns {
             .into_iter()
             .chain(bodies)
             .flat_map(|(first, at)| {
-                (0..3).map(move |k| sign(first + k, meshes, at, COLOURS[k], 0.4))
+                (0..3).map(move |k| sign_instance(first + k, meshes, at, COLOURS[k], 0.4))
             })
             .collect()
     }

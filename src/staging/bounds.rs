@@ -19,7 +19,7 @@ const MANY: usize = 50_000;
 const COLUMNS: usize = 64;
 
 /// The first and last point of every column along each axis.
-fn outermost(points: &[DVec3]) -> Vec<DVec3> {
+fn outermost_points(points: &[DVec3]) -> Vec<DVec3> {
     let [low, high] = box_of(points).unwrap_or_default();
     let cell = (high - low).max(DVec3::splat(f64::MIN_POSITIVE)) / COLUMNS as f64;
     let mut found = vec![None::<[usize; 2]>; 3 * COLUMNS * COLUMNS];
@@ -55,7 +55,7 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
             let place = |p: &DVec3| shape.body_from_shape.transform_point(*p);
             let hull = match &shape.solid {
                 Solid::Triangles(soup) if soup.vertices.len() > MANY => {
-                    outermost(&soup.vertices).iter().map(place).collect()
+                    outermost_points(&soup.vertices).iter().map(place).collect()
                 }
                 solid => {
                     let mesh = mesh_of(solid, COARSE * mechanism.size);
@@ -80,7 +80,7 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
 
 /// Of all points those that are outermost in one of `directions` evenly spread directions (Fibonacci's lattice on the
 /// sphere): enough to frame them.
-pub fn outline(points: &[DVec3], directions: usize) -> Vec<DVec3> {
+pub fn point_outline(points: &[DVec3], directions: usize) -> Vec<DVec3> {
     if points.len() <= directions {
         return points.to_vec();
     }
@@ -121,7 +121,7 @@ mod tests {
             })
         });
         let points: Vec<DVec3> = points.collect();
-        let few = outermost(&points);
+        let few = outermost_points(&points);
         assert!(few.len() < 6 * COLUMNS * COLUMNS, "{}", few.len());
         for direction in &points[..1000] {
             let reach = few.iter().map(|p| p.dot(*direction)).fold(0.0, f64::max);

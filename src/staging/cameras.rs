@@ -49,11 +49,11 @@ impl Cameras {
     ) -> Self {
         if view.camera_path.is_empty() {
             return Self {
-                first: still(view, up, points, aspect),
+                first: still_camera(view, up, points, aspect),
                 moving: Vec::new(),
             };
         }
-        let path = Path::new(view, up, points, (projection(view), aspect), duration);
+        let path = CameraOrbit::new(view, up, points, (view_projection(view), aspect), duration);
         let reach = path.reach(times);
         let moving: Vec<Camera> = times.iter().map(|t| path.camera(*t, reach)).collect();
         Self {
@@ -73,17 +73,23 @@ impl Cameras {
 }
 
 /// The camera that stands where the view says and holds the points tightly; a path of the view is not looked at.
-pub fn still(view: &View, up: DVec3, points: &[DVec3], aspect: f64) -> Camera {
+pub fn still_camera(view: &View, up: DVec3, points: &[DVec3], aspect: f64) -> Camera {
     let direction = ViewDirection {
         azimuth: view.azimuth,
         elevation: view.elevation,
         up,
     };
     let points = points.iter().copied();
-    fit_within(points, &direction, projection(view), aspect, margins(view))
+    fit_within(
+        points,
+        &direction,
+        view_projection(view),
+        aspect,
+        view_margins(view),
+    )
 }
 
-fn projection(view: &View) -> Projection {
+fn view_projection(view: &View) -> Projection {
     match view.projection {
         ViewProjection::Perspective { fov_y } => Projection::Perspective { fov_y },
         ViewProjection::Orthographic => Projection::Orthographic { height: 1.0 },
@@ -91,13 +97,13 @@ fn projection(view: &View) -> Projection {
 }
 
 /// Free shares of the picture's width and height: title and values stand above and below the mechanism, not on it.
-fn margins(view: &View) -> [f64; 2] {
+fn view_margins(view: &View) -> [f64; 2] {
     let captions = if view.captions { CAPTIONS } else { 0.0 };
     [view.margin, view.margin.max(captions)].map(|margin| 2.0 * margin)
 }
 
 /// A view with its path and what it must hold.
-struct Path<'a> {
+struct CameraOrbit<'a> {
     view: &'a View,
     up: DVec3,
     duration: f64,
@@ -110,7 +116,7 @@ struct Path<'a> {
     radius: f64,
 }
 
-impl<'a> Path<'a> {
+impl<'a> CameraOrbit<'a> {
     fn new(
         view: &'a View,
         up: DVec3,
@@ -120,9 +126,9 @@ impl<'a> Path<'a> {
     ) -> Self {
         let [low, high] = bounds::box_of(points).unwrap_or([-0.5 * DVec3::ONE, 0.5 * DVec3::ONE]);
         let middle = 0.5 * (low + high);
-        let free = margins(view).map(|margin| 1.0 - margin);
+        let free = view_margins(view).map(|margin| 1.0 - margin);
         let half_height = match projection {
-            Projection::Perspective { fov_y } => tangent(0.5 * fov_y),
+            Projection::Perspective { fov_y } => half_tangent(0.5 * fov_y),
             Projection::Orthographic { .. } => 0.5,
         };
         let radius = points
@@ -136,7 +142,7 @@ impl<'a> Path<'a> {
             projection,
             slopes: [half_height * aspect * free[0], half_height * free[1]],
             middle,
-            outline: bounds::outline(points, OUTLINE),
+            outline: bounds::point_outline(points, OUTLINE),
             radius: if radius > 0.0 { radius } else { 0.5 },
         }
     }
@@ -189,7 +195,7 @@ impl<'a> Path<'a> {
             }
             Projection::Orthographic { .. } => {
                 // A parallel projection has no distance: it is as high as a perspective would be at the target.
-                let of_distance = |d: f64| 2.0 * d * tangent(0.5 * DEFAULT_FOV);
+                let of_distance = |d: f64| 2.0 * d * half_tangent(0.5 * DEFAULT_FOV);
                 let height = now.distance.map_or(reach / zoom, of_distance);
                 (Projection::Orthographic { height }, 2.0 * deepest)
             }
@@ -209,7 +215,7 @@ impl<'a> Path<'a> {
     }
 }
 
-fn tangent(angle: f64) -> f64 {
+fn half_tangent(angle: f64) -> f64 {
     let (sin, cos) = sin_cos(angle);
     sin / cos
 }
@@ -225,13 +231,13 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::model::camera_path::{CameraKey, CameraPath};
-    use crate::scene::{Overrides, builtin, load};
+    use crate::scene::{Overrides, builtin, load_scene};
 
     const SIZE: [u32; 2] = [640, 480];
 
     fn view(path: CameraPath, projection: ViewProjection) -> View {
-        let source = builtin::find("four-bar").unwrap();
-        let mut view = load(&source, &Overrides::default()).unwrap().view;
+        let source = builtin::find_builtin("four-bar").unwrap();
+        let mut view = load_scene(&source, &Overrides::default()).unwrap().view;
         view.camera_path = path;
         view.projection = projection;
         view.margin = 0.05;

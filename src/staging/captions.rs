@@ -23,7 +23,7 @@ const INSET_IN_HATCHING: f64 = 0.05;
 const SMALLEST_READABLE: f64 = 7.0;
 
 /// Adds title, input values (as text or gauges) and the notice of a missing pose to `frame`.
-pub fn add(
+pub fn add_captions(
     scene: &Scene,
     trajectory: &Trajectory,
     index: usize,
@@ -50,7 +50,7 @@ pub fn add(
         plate: false,
         yields: false,
     };
-    let values = values(&scene.mechanism, &sample.inputs);
+    let values = input_captions(&scene.mechanism, &sample.inputs);
     if view.captions {
         let title = scene.mechanism.title.clone();
         frame
@@ -80,7 +80,7 @@ pub fn add(
 }
 
 /// `p = -17.0 mm   phi = 0.200 rad`.
-fn values(mechanism: &Mechanism, inputs: &[f64]) -> String {
+fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> String {
     let inputs = mechanism.inputs.iter().zip(inputs);
     let texts =
         inputs.map(|(input, v)| format!("{} = {}", input.name, value_text(mechanism, input, *v)));

@@ -3,7 +3,7 @@
 use super::arrows::Arrows;
 use super::axes::{self, AxisSigns};
 use super::joint_signs::JointSigns;
-use super::parts::Part;
+use super::parts::StagedPart;
 use super::trails::{self, TracePart, TrailLook};
 use super::{bounds, ghosts, joints};
 use crate::geometry::Mesh;
@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use glam::DVec3;
 
 /// A scene and its motion.
-type Moving<'a> = (&'a Scene, &'a Trajectory);
+type MovingDecor<'a> = (&'a Scene, &'a Trajectory);
 
 /// Everything that is drawn beside the bodies; empty where the scene asks for none.
 pub struct DecorParts {
@@ -28,7 +28,7 @@ pub struct DecorParts {
 impl DecorParts {
     /// What takes room in the picture; adds its points to `bounds`.
     pub fn before_camera(
-        (scene, trajectory): Moving,
+        (scene, trajectory): MovingDecor,
         (bounds, up): (&mut Vec<DVec3>, DVec3),
         meshes: &mut Vec<Mesh>,
     ) -> Self {
@@ -50,14 +50,14 @@ impl DecorParts {
             axes: AxisSigns::new(decor.axes, extent, meshes),
             traces: Vec::new(),
             arrows: None,
-            ghosts: ghosts::samples(&decor.ghosts, trajectory, scene.actuation.duration),
+            ghosts: ghosts::ghost_samples(&decor.ghosts, trajectory, scene.actuation.duration),
         }
     }
 
     /// What is as thick as some pixels; `pixel` is the length of one.
     pub fn after_camera(
         &mut self,
-        (scene, trajectory): Moving,
+        (scene, trajectory): MovingDecor,
         pixel: f64,
         meshes: &mut Vec<Mesh>,
     ) {
@@ -81,8 +81,8 @@ impl DecorParts {
     /// What is drawn at sample `index`, which shows the pose `pose` of sample `shown`.
     pub fn instances(
         &self,
-        (scene, trajectory): Moving,
-        parts: &[Part],
+        (scene, trajectory): MovingDecor,
+        parts: &[StagedPart],
         (index, shown): (usize, usize),
         pose: &ClosedPose,
         meshes: &[Mesh],
@@ -93,7 +93,7 @@ impl DecorParts {
             .flat_map(|trace| trace.instances(index))
             .collect();
         let now = (shown, pose);
-        all.extend(ghosts::instances(
+        all.extend(ghosts::ghost_instances(
             parts,
             &self.ghosts,
             trajectory,
@@ -106,7 +106,7 @@ impl DecorParts {
         }
         if !self.joints.is_empty() {
             let sample = &trajectory.samples[shown];
-            let arguments = joints::arguments(&scene.mechanism, sample, pose);
+            let arguments = joints::argument_values(&scene.mechanism, sample, pose);
             all.extend(self.joints.instances(&arguments, meshes));
         }
         all

@@ -35,7 +35,7 @@ pub fn of_inputs(
     let count = mechanism.inputs.len();
     for (row, (input, value)) in mechanism.inputs.iter().zip(inputs).enumerate() {
         let middle = 1.0 - inset - PITCH * ((count - row) as f64 - 0.5);
-        let [low, high] = range(trajectory, row);
+        let [low, high] = input_range(trajectory, row);
         let share = if high > low {
             ((value - low) / (high - low)).clamp(0.0, 1.0)
         } else {
@@ -67,7 +67,7 @@ pub fn of_inputs(
 }
 
 /// Least and greatest value of input `input` over the motion.
-fn range(trajectory: &Trajectory, input: usize) -> [f64; 2] {
+fn input_range(trajectory: &Trajectory, input: usize) -> [f64; 2] {
     let values = trajectory.samples.iter().map(|sample| sample.inputs[input]);
     let values = values.filter(|value| value.is_finite());
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {

@@ -1,6 +1,6 @@
 //! Earlier poses that stay in the picture as translucent bodies.
 
-use super::parts::Part;
+use super::parts::StagedPart;
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::math::Pose;
@@ -14,7 +14,7 @@ const OPACITY: f64 = 0.16;
 const STILL: f64 = 1e-9;
 
 /// Samples whose poses stay, ascending.
-pub fn samples(ghosts: &Ghosts, trajectory: &Trajectory, duration: f64) -> Vec<usize> {
+pub fn ghost_samples(ghosts: &Ghosts, trajectory: &Trajectory, duration: f64) -> Vec<usize> {
     let times = match ghosts {
         Ghosts::Count(count) => (0..*count)
             .map(|k| duration * k as f64 / *count as f64)
@@ -38,8 +38,8 @@ pub fn samples(ghosts: &Ghosts, trajectory: &Trajectory, duration: f64) -> Vec<u
 }
 
 /// The ghosts `samples` that lie before sample `index`, whose own pose is `now`.
-pub fn instances(
-    parts: &[Part],
+pub fn ghost_instances(
+    parts: &[StagedPart],
     samples: &[usize],
     trajectory: &Trajectory,
     (index, now): (usize, &ClosedPose),
@@ -51,7 +51,7 @@ pub fn instances(
         .flat_map(|pose| {
             let moved = parts.iter().filter(|part| {
                 let body = part.body();
-                !same(&pose.bodies[body], &now.bodies[body])
+                !same_pose(&pose.bodies[body], &now.bodies[body])
             });
             moved.map(|part| {
                 let mut instance = part.instance(pose, meshes);
@@ -63,7 +63,7 @@ pub fn instances(
         .collect()
 }
 
-fn same(a: &Pose, b: &Pose) -> bool {
+fn same_pose(a: &Pose, b: &Pose) -> bool {
     let turned = (a.rotation - b.rotation).to_cols_array();
     let size = 1.0 + b.translation.length();
     turned.iter().all(|entry| entry.abs() < STILL)

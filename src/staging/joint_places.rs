@@ -36,7 +36,7 @@ pub struct JointPlace {
 }
 
 /// Extents of a solid along the axis of a joint.
-type Stretch = [f64; 2];
+type AxisStretch = [f64; 2];
 
 impl Outlines {
     /// Outlines of all bodies.
@@ -79,7 +79,11 @@ impl Outlines {
             }
             stretches
         });
-        let shift = if meets { 0.0 } else { shift(&before, &after) };
+        let shift = if meets {
+            0.0
+        } else {
+            stretch_shift(&before, &after)
+        };
         JointPlace {
             shift,
             held: !before.is_empty(),
@@ -94,7 +98,7 @@ impl Outlines {
         axis: usize,
         values: &[&[ArgumentValue]],
         reach: f64,
-    ) -> Vec<Stretch> {
+    ) -> Vec<AxisStretch> {
         let bodies = mechanism.bodies.iter().zip(&self.0);
         let resting = bodies.filter_map(|(body, solids)| {
             let seen = values
@@ -102,28 +106,28 @@ impl Outlines {
                 .map(|v| chain.pose(v).inverse() * body.world_from_body.pose(v));
             let seen: Vec<Pose> = seen.collect();
             let first = *seen.first()?;
-            let still = seen
-                .iter()
-                .all(|pose| moved(pose, &first, mechanism.size) < AT_REST * mechanism.size);
+            let still = seen.iter().all(|pose| {
+                pose_difference(pose, &first, mechanism.size) < AT_REST * mechanism.size
+            });
             still.then_some((first, solids))
         });
         resting
             .flat_map(|(pose, solids)| {
                 let solids = solids.iter();
-                solids.filter_map(move |points| stretch(points, &pose, axis, reach))
+                solids.filter_map(move |points| axis_stretch(points, &pose, axis, reach))
             })
             .collect()
     }
 }
 
 /// How far a point of a mechanism of this size is from where another pose puts it, at most.
-fn moved(pose: &Pose, other: &Pose, size: f64) -> f64 {
+fn pose_difference(pose: &Pose, other: &Pose, size: f64) -> f64 {
     let turned = (0..3).map(|k| (pose.rotation.col(k) - other.rotation.col(k)).length());
     (pose.translation - other.translation).length() + size * turned.fold(0.0, f64::max)
 }
 
 /// Extent along the axis of a solid that touches it or surrounds it closely.
-fn stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Option<Stretch> {
+fn axis_stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Option<AxisStretch> {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let local: Vec<DVec3> = points.iter().map(|p| pose.transform_point(*p)).collect();
     let first = *local.first()?;
@@ -139,12 +143,12 @@ fn stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Option<Str
 
 /// Where solids before and behind a joint meet on its axis: in the middle of the gap or overlap of the nearest two; at
 /// the origin if they both cover it.
-fn shift(before: &[Stretch], after: &[Stretch]) -> f64 {
-    let alone = |stretches: &[Stretch]| {
+fn stretch_shift(before: &[AxisStretch], after: &[AxisStretch]) -> f64 {
+    let alone = |stretches: &[AxisStretch]| {
         let nearest = stretches.iter().map(|s| 0f64.clamp(s[0], s[1]));
         nearest.min_by(|a, b| a.abs().total_cmp(&b.abs()))
     };
-    let meeting = |a: &Stretch, b: &Stretch| {
+    let meeting = |a: &AxisStretch, b: &AxisStretch| {
         let (start, end) = (a[0].max(b[0]), a[1].min(b[1]));
         let place = if start <= 0.0 && end >= 0.0 {
             0.0
@@ -168,16 +172,16 @@ fn shift(before: &[Stretch], after: &[Stretch]) -> f64 {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::kinematics::motion::continuation::solve;
+    use crate::kinematics::motion::continuation::solve_motion;
     use crate::kinematics::motion::sampling::even_times;
     use crate::kinematics::structure::system::System;
-    use crate::scene::{Overrides, builtin, load};
+    use crate::scene::{Overrides, builtin, load_scene};
     use crate::staging::joints;
     use std::sync::Arc;
 
     #[test]
     fn a_sign_stands_where_two_solids_meet() {
-        let cases: [(&[Stretch], &[Stretch], f64); 6] = [
+        let cases: [(&[AxisStretch], &[AxisStretch], f64); 6] = [
             (&[[1.0, 3.0]], &[[2.0, 5.0]], 2.5),
             (&[[1.0, 3.0]], &[[4.0, 5.0]], 3.5),
             (&[[-1.0, 3.0]], &[[-4.0, 5.0]], 0.0),
@@ -193,19 +197,19 @@ mod tests {
     /// The driver's bearing is high above the origin in which its chain begins; all joints of the frame are held by it.
     #[test]
     fn signs_stand_on_the_bodies_that_the_joint_connects() {
-        let source = builtin::find("rsrrr").unwrap();
-        let scene = load(&source, &Overrides::default()).unwrap();
+        let source = builtin::find_builtin("rsrrr").unwrap();
+        let scene = load_scene(&source, &Overrides::default()).unwrap();
         let (mechanism, actuation) = (scene.mechanism, &scene.actuation);
         let system = System::new(Arc::clone(&mechanism), actuation).unwrap();
         let times = even_times(&mechanism, actuation, 9);
-        let trajectory = solve(&system, actuation, &times);
+        let trajectory = solve_motion(&system, actuation, &times);
         let samples = trajectory.samples.iter();
         let closed = samples.filter_map(|s| Some((s, s.pose.as_ref()?)));
         let values: Vec<Vec<ArgumentValue>> = closed
-            .map(|(sample, pose)| joints::arguments(&mechanism, sample, pose))
+            .map(|(sample, pose)| joints::argument_values(&mechanism, sample, pose))
             .collect();
         let outlines = Outlines::new(&mechanism);
-        let places = joints::placed(&mechanism)
+        let places = joints::placed_joints(&mechanism)
             .into_iter()
             .filter(|joint| joint.grounded)
             .map(|joint| {

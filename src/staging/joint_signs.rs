@@ -3,11 +3,11 @@
 
 use super::joint_places::Outlines;
 use super::joints::{self, PlacedJoint};
-use super::solids::{merged, sign};
+use super::solids::{merged_mesh, sign_instance};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain, Step};
+use crate::model::chain::{ArgumentValue, Chain, ChainStep};
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
@@ -32,7 +32,7 @@ const FACETS: f64 = 0.02;
 const MAX_SAMPLES: usize = 64;
 
 /// One mesh of a sign and what carries it.
-struct Piece {
+struct SignPiece {
     mesh: usize,
     /// From the world; `None` stands still.
     carrier: Option<Chain>,
@@ -42,7 +42,7 @@ struct Piece {
 /// All signs.
 #[derive(Default)]
 pub struct JointSigns {
-    pieces: Vec<Piece>,
+    pieces: Vec<SignPiece>,
 }
 
 impl JointSigns {
@@ -53,33 +53,33 @@ impl JointSigns {
         (extent, up): (f64, DVec3),
         meshes: &mut Vec<Mesh>,
     ) -> Self {
-        let values = arguments(mechanism, trajectory);
+        let values = argument_rows(mechanism, trajectory);
         let Some(first) = values.first() else {
             return Self::default();
         };
         let radius = RADIUS * extent;
         let mut signs = Self::default();
         let outlines = Outlines::new(mechanism);
-        for joint in joints::placed(mechanism) {
+        for joint in joints::placed_joints(mechanism) {
             let place = outlines.place(mechanism, &joint, &values, HOLD * radius);
             let shift = DVec3::AXES[joint.axis] * place.shift;
             let strokes = values.iter().map(|values| joint.stroke(values));
             let stroke = strokes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| {
                 [low.min(s), high.max(s)]
             });
-            let (seat, mover) = solids(&joint, radius, stroke);
+            let (seat, mover) = joint_solids(&joint, radius, stroke);
             let mut add = |solids: Vec<Solid>, carrier: Option<&Chain>, colour| {
                 if !solids.is_empty() {
-                    meshes.push(merged(&solids, FACETS * radius));
-                    signs.pieces.push(Piece {
+                    meshes.push(merged_mesh(&solids, FACETS * radius));
+                    signs.pieces.push(SignPiece {
                         mesh: meshes.len() - 1,
                         carrier: carrier.cloned(),
                         colour,
                     });
                 }
             };
-            add(seat, Some(&shifted(&joint.before, shift)), SEAT);
-            add(mover, Some(&shifted(&joint.after, shift)), MOVER);
+            add(seat, Some(&shifted_chain(&joint.before, shift)), SEAT);
+            add(mover, Some(&shifted_chain(&joint.after, shift)), MOVER);
             if joint.grounded && !place.held {
                 let at = joint.before.pose(first) * Pose::from_translation(shift);
                 let slides = joint.kind == JointKind::Prismatic;
@@ -88,7 +88,11 @@ impl JointSigns {
                 } else {
                     DVec3::ZERO
                 };
-                add(ground(at.translation + middle, up, radius), None, GROUND);
+                add(
+                    ground_sign(at.translation + middle, up, radius),
+                    None,
+                    GROUND,
+                );
             }
         }
         signs
@@ -114,7 +118,7 @@ impl JointSigns {
             .map(|piece| {
                 let at = piece.carrier.as_ref().map(|chain| chain.pose(arguments));
                 let at = at.unwrap_or(Pose::IDENTITY);
-                let mut instance = sign(piece.mesh, meshes, at, piece.colour, 0.0);
+                let mut instance = sign_instance(piece.mesh, meshes, at, piece.colour, 0.0);
                 instance.casts_shadow = true;
                 instance
             })
@@ -123,26 +127,26 @@ impl JointSigns {
 }
 
 /// The chain with a translation behind it.
-fn shifted(chain: &Chain, by: DVec3) -> Chain {
+fn shifted_chain(chain: &Chain, by: DVec3) -> Chain {
     let mut steps = chain.steps.clone();
     if by != DVec3::ZERO {
-        steps.push(Step::Fixed(Pose::from_translation(by).into()));
+        steps.push(ChainStep::Fixed(Pose::from_translation(by).into()));
     }
     Chain { steps }
 }
 
 /// Values of the arguments at some samples of the motion.
-fn arguments(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Vec<ArgumentValue>> {
+fn argument_rows(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Vec<ArgumentValue>> {
     let samples = trajectory.samples.iter();
     let closed = samples.filter_map(|sample| Some((sample, sample.pose.as_ref()?)));
     let closed: Vec<_> = closed.collect();
     let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
     let kept = closed.into_iter().step_by(stride);
-    kept.map(|(sample, pose)| joints::arguments(mechanism, sample, pose))
+    kept.map(|(sample, pose)| joints::argument_values(mechanism, sample, pose))
         .collect()
 }
 
-fn rod(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
+fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
     Solid::Cylinder {
         from: axis * from,
         to: axis * to,
@@ -151,17 +155,22 @@ fn rod(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
 }
 
 /// The parts in the frames before and behind a joint of pin radius `r`; a translation goes from `low` to `high`.
-fn solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
+fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
     let axis = DVec3::AXES[joint.axis];
-    let guide = rod(axis, low - 6.0 * r, high + 6.0 * r, 0.7 * r);
+    let guide = rod_solid(axis, low - 6.0 * r, high + 6.0 * r, 0.7 * r);
     match joint.kind {
         JointKind::Revolute => (
-            vec![rod(axis, -2.0 * r, 2.0 * r, 1.6 * r)],
-            vec![rod(axis, -3.0 * r, 3.0 * r, r)],
+            vec![rod_solid(axis, -2.0 * r, 2.0 * r, 1.6 * r)],
+            vec![rod_solid(axis, -3.0 * r, 3.0 * r, r)],
         ),
         JointKind::Universal => (
-            vec![rod(axis, -3.0 * r, 3.0 * r, r)],
-            vec![rod(DVec3::AXES[joint.last_axis], -3.0 * r, 3.0 * r, r)],
+            vec![rod_solid(axis, -3.0 * r, 3.0 * r, r)],
+            vec![rod_solid(
+                DVec3::AXES[joint.last_axis],
+                -3.0 * r,
+                3.0 * r,
+                r,
+            )],
         ),
         JointKind::Spherical => {
             let ring = Solid::Torus {
@@ -183,10 +192,13 @@ fn solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Ve
             };
             (vec![guide], vec![block])
         }
-        JointKind::Cylindrical => (vec![guide], vec![rod(axis, -3.0 * r, 3.0 * r, 1.7 * r)]),
+        JointKind::Cylindrical => (
+            vec![guide],
+            vec![rod_solid(axis, -3.0 * r, 3.0 * r, 1.7 * r)],
+        ),
         JointKind::Planar => {
             // A puck on a table; the table is a guide in the direction of the first motion.
-            let puck = rod(DVec3::AXES[joint.last_axis], -0.8 * r, 0.8 * r, 2.4 * r);
+            let puck = rod_solid(DVec3::AXES[joint.last_axis], -0.8 * r, 0.8 * r, 2.4 * r);
             (vec![guide], vec![puck])
         }
         JointKind::Helical => {
@@ -197,14 +209,14 @@ fn solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Ve
                 ring: 0.8 * r,
                 tube: 0.35 * r,
             });
-            let nut = rod(axis, -1.6 * r, 1.6 * r, 1.9 * r);
+            let nut = rod_solid(axis, -1.6 * r, 1.6 * r, 1.9 * r);
             (std::iter::once(guide).chain(thread).collect(), vec![nut])
         }
     }
 }
 
 /// A pedestal on a plate with hatching below, under a joint at `at`.
-fn ground(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
+fn ground_sign(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
     let axes = Pose::from_z_axis(up).rotation;
     let (right, ahead) = (axes.x_axis, axes.y_axis);
     let foot = at - up * (5.0 * r);

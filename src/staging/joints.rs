@@ -2,7 +2,7 @@
 //! `joint_signs`.
 
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::joints::{Joint, JointKind};
 use crate::model::mechanism::Mechanism;
 
@@ -32,7 +32,7 @@ impl PlacedJoint {
 }
 
 /// All joints but those of pieces that follow a formula (of a rope on its drum): these are placed, not jointed.
-pub fn placed(mechanism: &Mechanism) -> Vec<PlacedJoint> {
+pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
     let joints = &mechanism.joints;
     let in_loops: Vec<usize> = joints
         .along_loops
@@ -46,18 +46,18 @@ pub fn placed(mechanism: &Mechanism) -> Vec<PlacedJoint> {
         in_loops.contains(index) || !arguments.any(|a| matches!(a, Argument::Formula(_)))
     });
     jointed
-        .filter_map(|(_, joint)| place(mechanism, joint))
+        .filter_map(|(_, joint)| place_joint(mechanism, joint))
         .collect()
 }
 
-fn place(mechanism: &Mechanism, joint: &Joint) -> Option<PlacedJoint> {
-    let axis = |step: &Step| match step {
-        Step::Joint { axis, .. } => Some(*axis),
-        Step::Fixed(_) => None,
+fn place_joint(mechanism: &Mechanism, joint: &Joint) -> Option<PlacedJoint> {
+    let axis = |step: &ChainStep| match step {
+        ChainStep::Joint { axis, .. } => Some(*axis),
+        ChainStep::Fixed(_) => None,
     };
-    let turn = |step: &Step| match step {
-        Step::Joint {
-            motion: Motion::Rotation,
+    let turn = |step: &ChainStep| match step {
+        ChainStep::Joint {
+            motion: ElementaryMotion::Rotation,
             axis,
             ..
         } => Some(*axis),
@@ -78,7 +78,11 @@ fn place(mechanism: &Mechanism, joint: &Joint) -> Option<PlacedJoint> {
 }
 
 /// Values of all arguments at a sample.
-pub fn arguments(mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> Vec<ArgumentValue> {
+pub fn argument_values(
+    mechanism: &Mechanism,
+    sample: &Sample,
+    pose: &ClosedPose,
+) -> Vec<ArgumentValue> {
     let mut coordinates = pose.unknowns.clone();
     coordinates.extend(&sample.inputs);
     mechanism.argument_values(&coordinates)

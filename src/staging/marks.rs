@@ -1,6 +1,6 @@
 //! Bodies and distances that a picture points out. Holds no judgement of its own.
 
-use super::solids::{merged, sign};
+use super::solids::{merged_mesh, sign_instance};
 use crate::geometry::Mesh;
 use crate::math::Pose;
 use crate::model::shape::Solid;
@@ -40,7 +40,7 @@ const CAPTION_LINE: f64 = 1.5;
 
 /// A distance that is shown.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measure {
+pub struct DimensionMark {
     /// The two bodies.
     pub bodies: [usize; 2],
     /// Its ends, in the world.
@@ -59,7 +59,7 @@ pub struct Marks {
     /// For every sample the bodies that turn colour; may be shorter than the motion.
     pub alarmed: Vec<Vec<usize>>,
     /// A distance between two bodies, the same in every frame.
-    pub measure: Option<Measure>,
+    pub measure: Option<DimensionMark>,
 }
 
 impl Marks {
@@ -96,13 +96,13 @@ impl Marks {
         if from.distance(to) > radius {
             solids.insert(0, Solid::Cylinder { from, to, radius });
         }
-        meshes.push(merged(&solids, 0.2 * pixel));
+        meshes.push(merged_mesh(&solids, 0.2 * pixel));
         Some(meshes.len() - 1)
     }
 
     /// The line as it is drawn.
     pub fn line(mesh: usize, meshes: &[Mesh]) -> Instance {
-        sign(mesh, meshes, Pose::IDENTITY, LINE, 1.0)
+        sign_instance(mesh, meshes, Pose::IDENTITY, LINE, 1.0)
     }
 
     /// The text beside the line, and those above the picture.

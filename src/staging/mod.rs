@@ -33,7 +33,7 @@ use cameras::Cameras;
 use decor::DecorParts;
 use glam::DVec3;
 use marks::Marks;
-use parts::Part;
+use parts::StagedPart;
 use std::sync::Arc;
 
 /// Size and sampling of the pictures.
@@ -53,7 +53,7 @@ pub struct Staging<'a> {
     trajectory: &'a Trajectory,
     /// One a sample where the camera moves, else none.
     cameras: Vec<Camera>,
-    parts: Vec<Part>,
+    parts: Vec<StagedPart>,
     marks: Marks,
     /// Mesh of the marked distance.
     measure: Option<usize>,
@@ -92,11 +92,11 @@ impl<'a> Staging<'a> {
         let mut meshes = Vec::new();
         let moving = (scene, trajectory);
         let mut decor = DecorParts::before_camera(moving, (&mut bounds, up), &mut meshes);
-        let aspect = aspect(options);
+        let aspect = picture_aspect(options);
         let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
         let duration = scene.actuation.duration;
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
-        let ground = ground(view, &bounds, up);
+        let ground = view_ground(view, &bounds, up);
         let pixel = parts::pixel_size(cameras.all(), options.size, &bounds);
         let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
         decor.after_camera(moving, pixel, &mut meshes);
@@ -128,7 +128,7 @@ impl<'a> Staging<'a> {
                 .iter()
                 .map(|label| captions::place_on_trace(label, trajectory))
                 .collect(),
-            shown: shown(trajectory),
+            shown: shown_samples(trajectory),
         }
     }
 
@@ -170,7 +170,7 @@ impl<'a> Staging<'a> {
             frame.instances = self.instances(index, pose);
             frame.labels = self.labels(pose, &frame.camera(&self.stage));
         }
-        captions::add(
+        captions::add_captions(
             self.scene,
             self.trajectory,
             index,
@@ -184,7 +184,7 @@ impl<'a> Staging<'a> {
     pub fn captions(&self, index: usize) -> Frame {
         let mut frame = Frame::default();
         let size = self.stage.size;
-        captions::add(self.scene, self.trajectory, index, size, &mut frame);
+        captions::add_captions(self.scene, self.trajectory, index, size, &mut frame);
         frame
     }
 
@@ -243,7 +243,7 @@ impl<'a> Staging<'a> {
 }
 
 /// The sample drawn in place of each sample: the last one with a pose, or the first one before there is any.
-fn shown(trajectory: &Trajectory) -> Vec<Option<usize>> {
+fn shown_samples(trajectory: &Trajectory) -> Vec<Option<usize>> {
     let first = trajectory.samples.iter().position(|s| s.pose.is_some());
     let mut last = first;
     let samples = trajectory.samples.iter().enumerate();
@@ -258,7 +258,7 @@ fn shown(trajectory: &Trajectory) -> Vec<Option<usize>> {
 }
 
 /// Width over height.
-fn aspect(options: PictureOptions) -> f64 {
+fn picture_aspect(options: PictureOptions) -> f64 {
     f64::from(options.size[0]) / f64::from(options.size[1])
 }
 
@@ -271,7 +271,7 @@ fn up_axis(up: UpAxis) -> DVec3 {
 }
 
 /// The ground under the motion, or none.
-fn ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
+fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
     let [low, high] = bounds::box_of(points)?;
     let extent = (high - low).length();
     let lowest = points

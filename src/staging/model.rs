@@ -1,6 +1,6 @@
 //! From a solved scene to shapes in space with their motion, for 3-D files.
 
-use crate::export::model::{Model, ModelBody, ModelCamera, ModelPart, ModelTrace};
+use crate::export::model::{ExportModel, ModelBody, ModelCamera, ModelPart, ModelTrace};
 use crate::geometry::{Mesh, mesh_of};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
@@ -39,9 +39,9 @@ pub fn of_motion(
     trajectory: &Trajectory,
     samples: Range<usize>,
     camera: Option<(Camera, f64)>,
-) -> Model {
+) -> ExportModel {
     let mechanism = &scene.mechanism;
-    let keys = keys(trajectory, samples);
+    let keys = pose_keys(trajectory, samples);
     let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
         let poses = keys.iter().filter_map(|key| {
             let pose = trajectory.samples[key.sample].pose.as_ref()?;
@@ -49,23 +49,27 @@ pub fn of_motion(
         });
         ModelBody {
             name: body.name.clone(),
-            parts: body.shapes.iter().map(|s| part(s, mechanism)).collect(),
+            parts: body
+                .shapes
+                .iter()
+                .map(|s| model_part(s, mechanism))
+                .collect(),
             poses: poses.collect(),
         }
     });
-    Model {
+    ExportModel {
         title: mechanism.title.clone(),
-        upright: upright(scene.view.up),
+        upright: upright_frame(scene.view.up),
         metres: metres(mechanism),
         times: keys.iter().map(|key| key.time).collect(),
         bodies: bodies.collect(),
-        traces: traces(mechanism, trajectory),
+        traces: model_traces(mechanism, trajectory),
         camera: camera.map(|(camera, aspect)| of_camera(&camera, aspect)),
     }
 }
 
 /// One mesh in the world of a scene.
-pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> Model {
+pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> ExportModel {
     let part = ModelPart {
         mesh,
         colour: SURFACE,
@@ -76,9 +80,9 @@ pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> Model {
         parts: vec![part],
         poses: vec![Pose::IDENTITY],
     };
-    Model {
+    ExportModel {
         title: scene.mechanism.title.clone(),
-        upright: upright(scene.view.up),
+        upright: upright_frame(scene.view.up),
         metres: metres(&scene.mechanism),
         times: vec![0.0],
         bodies: vec![body],
@@ -96,35 +100,35 @@ fn metres(mechanism: &Mechanism) -> f64 {
 
 /// A time, and the sample whose pose is shown at it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Key {
+struct PoseKey {
     time: f64,
     sample: usize,
 }
 
 /// Keys at all samples; before the first after a gap one more, which holds the pose from before the gap.
-fn keys(trajectory: &Trajectory, samples: Range<usize>) -> Vec<Key> {
-    let shown = super::shown(trajectory);
-    let mut keys: Vec<Key> = Vec::new();
+fn pose_keys(trajectory: &Trajectory, samples: Range<usize>) -> Vec<PoseKey> {
+    let shown = super::shown_samples(trajectory);
+    let mut keys: Vec<PoseKey> = Vec::new();
     for index in samples {
         let Some(sample) = shown[index] else { continue };
         let time = trajectory.samples[index].time;
         let gap_before = index > 0 && trajectory.samples[index - 1].pose.is_none();
         if let Some(held) = keys.last().map(|key| key.sample).filter(|_| gap_before) {
-            push(
+            push_key(
                 &mut keys,
-                Key {
+                PoseKey {
                     time: f64::from((time as f32).next_down()),
                     sample: held,
                 },
             );
         }
-        push(&mut keys, Key { time, sample });
+        push_key(&mut keys, PoseKey { time, sample });
     }
     keys
 }
 
 /// Adds a key unless its time is that of the last in the file's 32 bits.
-fn push(keys: &mut Vec<Key>, key: Key) {
+fn push_key(keys: &mut Vec<PoseKey>, key: PoseKey) {
     if keys
         .last()
         .is_none_or(|last| key.time as f32 > last.time as f32)
@@ -133,16 +137,16 @@ fn push(keys: &mut Vec<Key>, key: Key) {
     }
 }
 
-fn part(shape: &Shape, mechanism: &Mechanism) -> ModelPart {
+fn model_part(shape: &Shape, mechanism: &Mechanism) -> ModelPart {
     let mesh = mesh_of(&shape.solid, FACET_ERROR * mechanism.size);
     ModelPart {
-        mesh: placed(mesh, &shape.body_from_shape),
+        mesh: placed_mesh(mesh, &shape.body_from_shape),
         colour: shape.colour,
         opacity: shape.opacity,
     }
 }
 
-fn placed(mut mesh: Mesh, body_from_shape: &Pose) -> Mesh {
+fn placed_mesh(mut mesh: Mesh, body_from_shape: &Pose) -> Mesh {
     for position in &mut mesh.positions {
         *position = body_from_shape.transform_point(*position);
     }
@@ -153,7 +157,7 @@ fn placed(mut mesh: Mesh, body_from_shape: &Pose) -> Mesh {
 }
 
 /// The visible paths over the whole motion, cut where there is no pose.
-fn traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrace> {
+fn model_traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrace> {
     let visible = mechanism.traces.iter().enumerate();
     let visible = visible.filter(|(_, trace)| trace.radius.is_none_or(|r| r > 0.0));
     let path = |index: usize| -> Vec<Vec<DVec3>> {
@@ -181,7 +185,7 @@ fn traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrace> {
 }
 
 /// The rotation that takes the up axis to y.
-fn upright(up: UpAxis) -> DMat3 {
+fn upright_frame(up: UpAxis) -> DMat3 {
     match up {
         UpAxis::Y => DMat3::IDENTITY,
         UpAxis::Z => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),

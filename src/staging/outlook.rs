@@ -1,6 +1,6 @@
 //! One camera and ground for several scenes that are shown one after the other.
 
-use super::{PictureOptions, Staging, aspect, bounds, cameras, ground, up_axis};
+use super::{PictureOptions, Staging, bounds, cameras, picture_aspect, up_axis, view_ground};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::render::{Camera, Ground, Stage};
 use crate::scene::Scene;
@@ -8,12 +8,12 @@ use std::sync::Arc;
 
 /// What stays the same when the mechanism changes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outlook {
+pub struct SharedCamera {
     camera: Camera,
     ground: Option<Ground>,
 }
 
-impl Outlook {
+impl SharedCamera {
     /// Holds all scenes over their motions; looked at as the first one wants to be. `None` without scenes.
     pub fn over<'a>(
         moving: impl Iterator<Item = (&'a Scene, &'a Trajectory)> + Clone,
@@ -23,15 +23,15 @@ impl Outlook {
         let all = moving.flat_map(|(s, t)| bounds::moving_points(&s.mechanism, t));
         let points: Vec<_> = all.collect();
         Some(Self {
-            camera: cameras::still(view, up_axis(view.up), &points, aspect(options)),
-            ground: ground(view, &points, up_axis(view.up)),
+            camera: cameras::still_camera(view, up_axis(view.up), &points, picture_aspect(options)),
+            ground: view_ground(view, &points, up_axis(view.up)),
         })
     }
 }
 
 impl Staging<'_> {
     /// The same looked at as others are.
-    pub fn seen_as(mut self, outlook: &Outlook) -> Self {
+    pub fn seen_as(mut self, outlook: &SharedCamera) -> Self {
         self.stage = Arc::new(Stage {
             camera: outlook.camera,
             ground: outlook.ground,

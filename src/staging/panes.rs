@@ -48,7 +48,7 @@ const LABELS: f64 = 1.6;
 const NAME_SIZE: f64 = 0.026;
 
 /// The scene as each pane looks at it.
-pub fn scenes(scene: &Scene) -> Vec<Scene> {
+pub fn pane_scenes(scene: &Scene) -> Vec<Scene> {
     let panes = PANES.iter().map(|Pane { look, free, .. }| {
         let mut pane = scene.clone();
         let view = &mut pane.view;
@@ -68,7 +68,7 @@ pub fn scenes(scene: &Scene) -> Vec<Scene> {
 }
 
 /// Stagings of the panes with their top left pixels; the parallel ones at one scale.
-pub fn stagings<'a>(
+pub fn pane_stagings<'a>(
     scenes: &'a [Scene],
     trajectory: &'a Trajectory,
     options: PictureOptions,
@@ -122,16 +122,16 @@ fn height_of(stage: &Stage) -> Option<f64> {
 
 /// What stands over the panes at sample `index`: title, values, lines between them and their names. `whole` is the
 /// staging of the whole picture.
-pub fn over(scene: &Scene, whole: &Staging, index: usize) -> Frame {
+pub fn frame_over(scene: &Scene, whole: &Staging, index: usize) -> Frame {
     let mut frame = whole.captions(index);
-    let (patches, names) = borders(scene.view.theme, whole.stage.size);
+    let (patches, names) = pane_borders(scene.view.theme, whole.stage.size);
     frame.patches.extend(patches);
     frame.labels.extend(names);
     frame
 }
 
 /// Lines between the panes and their names, over a picture of `size` pixels.
-fn borders(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
+fn pane_borders(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
     let [width, height] = size.map(f64::from);
     let line = |corner, size| Patch {
         corner,

@@ -12,7 +12,7 @@ use glam::DVec3;
 const FACET_ERROR_PIXELS: f64 = 0.2;
 
 /// A solid of a body, ready to be placed.
-pub struct Part {
+pub struct StagedPart {
     mesh: usize,
     body: usize,
     body_from_shape: Pose,
@@ -20,7 +20,7 @@ pub struct Part {
     opacity: f64,
 }
 
-impl Part {
+impl StagedPart {
     /// Index of the body it belongs to.
     pub fn body(&self) -> usize {
         self.body
@@ -70,12 +70,12 @@ fn nearest_pixel(camera: &Camera, size: [u32; 2], points: &[DVec3]) -> f64 {
 }
 
 /// One part per shape of every body.
-pub fn of_bodies(mechanism: &Mechanism, pixel: f64, meshes: &mut Vec<Mesh>) -> Vec<Part> {
+pub fn of_bodies(mechanism: &Mechanism, pixel: f64, meshes: &mut Vec<Mesh>) -> Vec<StagedPart> {
     let mut parts = Vec::new();
     for (body, b) in mechanism.bodies.iter().enumerate() {
         for shape in &b.shapes {
             meshes.push(mesh_of(&shape.solid, FACET_ERROR_PIXELS * pixel));
-            parts.push(Part {
+            parts.push(StagedPart {
                 mesh: meshes.len() - 1,
                 body,
                 body_from_shape: shape.body_from_shape,

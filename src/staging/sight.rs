@@ -1,6 +1,6 @@
 //! Whether a body stands between the eye and a point.
 
-use super::parts::Part;
+use super::parts::StagedPart;
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::render::{Camera, Instance};
@@ -14,7 +14,7 @@ pub fn is_hidden(
     point: DVec3,
     own: Option<usize>,
     camera: &Camera,
-    parts: &[Part],
+    parts: &[StagedPart],
     pose: &ClosedPose,
     meshes: &[Mesh],
 ) -> bool {
@@ -26,11 +26,11 @@ pub fn is_hidden(
     let others = parts.iter().filter(|part| Some(part.body()) != own);
     others
         .map(|part| part.instance(pose, meshes))
-        .any(|instance| crosses(&instance, &meshes[instance.mesh], point, to_eye))
+        .any(|instance| crosses_instance(&instance, &meshes[instance.mesh], point, to_eye))
 }
 
 /// Whether the way from `point` along `way` meets a triangle of the mesh.
-fn crosses(instance: &Instance, mesh: &Mesh, point: DVec3, way: DVec3) -> bool {
+fn crosses_instance(instance: &Instance, mesh: &Mesh, point: DVec3, way: DVec3) -> bool {
     let mesh_from_world = instance.world_from_mesh.inverse();
     let from = mesh_from_world.transform_point(point);
     let way = mesh_from_world.transform_vector(way);
@@ -39,7 +39,7 @@ fn crosses(instance: &Instance, mesh: &Mesh, point: DVec3, way: DVec3) -> bool {
     }
     mesh.triangles.iter().any(|corners| {
         let [a, b, c] = corners.map(|k| mesh.positions[k as usize]);
-        meets(from, way, [a, b - a, c - a])
+        meets_triangle(from, way, [a, b - a, c - a])
     })
 }
 
@@ -57,7 +57,7 @@ fn passes_box(mesh: &Mesh, from: DVec3, way: DVec3) -> bool {
 }
 
 /// Möller and Trumbore's test of a way against a triangle given by a corner and two edges.
-fn meets(from: DVec3, way: DVec3, [corner, first, second]: [DVec3; 3]) -> bool {
+fn meets_triangle(from: DVec3, way: DVec3, [corner, first, second]: [DVec3; 3]) -> bool {
     let normal = way.cross(second);
     let inverse = 1.0 / first.dot(normal);
     let off = from - corner;

@@ -7,7 +7,7 @@ use crate::render::Instance;
 use glam::DVec3;
 
 /// The mesh of all `solids`; facets are off by `tolerance` at most.
-pub fn merged(solids: &[Solid], tolerance: f64) -> Mesh {
+pub fn merged_mesh(solids: &[Solid], tolerance: f64) -> Mesh {
     let mut mesh = Mesh::default();
     for solid in solids {
         let part = mesh_of(solid, tolerance);
@@ -22,7 +22,7 @@ pub fn merged(solids: &[Solid], tolerance: f64) -> Mesh {
 }
 
 /// An arrow from the origin along `direction` (unit length).
-pub fn arrow(direction: DVec3, length: f64, shaft: f64, head: f64) -> Vec<Solid> {
+pub fn arrow_solids(direction: DVec3, length: f64, shaft: f64, head: f64) -> Vec<Solid> {
     let neck = direction * (length - head).max(0.0);
     let mut solids = vec![Solid::Cone {
         from: neck,
@@ -41,7 +41,13 @@ pub fn arrow(direction: DVec3, length: f64, shaft: f64, head: f64) -> Vec<Solid>
 }
 
 /// A whole mesh, opaque, without shadow; `flat` as in [`Instance`].
-pub fn sign(mesh: usize, meshes: &[Mesh], at: Pose, colour: [u8; 3], flat: f64) -> Instance {
+pub fn sign_instance(
+    mesh: usize,
+    meshes: &[Mesh],
+    at: Pose,
+    colour: [u8; 3],
+    flat: f64,
+) -> Instance {
     Instance {
         mesh,
         world_from_mesh: at,

@@ -144,7 +144,7 @@ pub fn of_traces(
             .samples
             .iter()
             .map(|s| s.pose.as_ref().map(|p| p.traces[index]));
-        let (mut kept, steps) = thinned(points, TRACE_STEP_PIXELS * look.pixel);
+        let (mut kept, steps) = thin_trail(points, TRACE_STEP_PIXELS * look.pixel);
         if closed {
             kept.push(kept[0]);
         }
@@ -157,7 +157,7 @@ pub fn of_traces(
                 .map(|step| step * path.triangles_per_step)
                 .collect(),
             shades: match fading {
-                Some(_) => shades(trace.colour, look.background),
+                Some(_) => trail_shades(trace.colour, look.background),
                 None => vec![trace.colour],
             },
             length: fading.unwrap_or(count),
@@ -168,7 +168,7 @@ pub fn of_traces(
 }
 
 /// From nearly the background to the colour itself.
-fn shades(colour: [u8; 3], background: [u8; 3]) -> Vec<[u8; 3]> {
+fn trail_shades(colour: [u8; 3], background: [u8; 3]) -> Vec<[u8; 3]> {
     let shade = |k: usize| {
         let share = (k + 1) as f64 / SHADES as f64;
         std::array::from_fn(|c| {
@@ -181,7 +181,7 @@ fn shades(colour: [u8; 3], background: [u8; 3]) -> Vec<[u8; 3]> {
 
 /// The points that are at least `apart` from the one kept before (gaps and the last point are always kept), and for
 /// every point the number of steps between kept points up to it.
-fn thinned(
+fn thin_trail(
     points: impl Iterator<Item = Option<DVec3>> + Clone,
     apart: f64,
 ) -> (Vec<Option<DVec3>>, Vec<u32>) {
@@ -207,7 +207,7 @@ mod tests {
     fn close_points_are_thinned_and_gaps_and_ends_are_kept() {
         let x = |v: f64| Some(DVec3::new(v, 0.0, 0.0));
         let points = [x(0.0), x(0.1), x(0.6), x(0.7), None, x(0.7), x(0.8)];
-        let (kept, steps) = thinned(points.into_iter(), 0.5);
+        let (kept, steps) = thin_trail(points.into_iter(), 0.5);
         assert_eq!(kept, [x(0.0), x(0.6), None, x(0.7), x(0.8)]);
         assert_eq!(steps, [0, 0, 1, 1, 2, 3, 4]);
     }

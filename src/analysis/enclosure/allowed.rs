@@ -54,11 +54,11 @@ pub fn allowed_motion(
     } else {
         return Ok(None);
     };
-    Ok(Some(search(&reach, limit)))
+    Ok(Some(search_allowed(&reach, limit)))
 }
 
 /// The largest share whose reach keeps the limit.
-fn search(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
+fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
     let (mut low, mut at_low, mut high) = (0.0, 0.0, f64::INFINITY);
     let mut share = 1.0;
     loop {

@@ -1,7 +1,7 @@
 //! Measures for all pieces: what the poses show as affine forms of the dimensions, reduced along the tracks and put into
 //! the formulas of the measures.
 
-use super::motion::{Obstacle, enclosed};
+use super::motion::{Obstacle, enclosed_pose};
 use super::plan::{Plan, sized};
 use crate::analysis::study::Nominal;
 use crate::kinematics::enclosure::pose::Encloser;
@@ -30,10 +30,10 @@ pub fn enclose_measures(
     plan: &Plan,
     nominal: &Nominal,
 ) -> Result<Vec<MeasureBand>, (usize, Obstacle)> {
-    sized!(plan.dimensions.len(), N => bands::<N>(plan, nominal))
+    sized!(plan.dimensions.len(), N => measure_bands::<N>(plan, nominal))
 }
 
-fn bands<const N: usize>(
+fn measure_bands<const N: usize>(
     plan: &Plan,
     nominal: &Nominal,
 ) -> Result<Vec<MeasureBand>, (usize, Obstacle)> {
@@ -45,28 +45,28 @@ fn bands<const N: usize>(
     // Values of the formulas at the poses of every measure.
     let mut shown: Vec<Vec<Vec<AffineForm<N>>>> = list
         .iter()
-        .map(|m| vec![Vec::new(); formulas(m).len()])
+        .map(|m| vec![Vec::new(); measure_formulas(m).len()])
         .collect();
     for (row, (_, poses)) in rows.iter().enumerate() {
         for index in poses.clone() {
-            let enclosure = enclosed::<N>(plan, &encloser, &mut solver, &nominal.poses[index]);
+            let enclosure = enclosed_pose::<N>(plan, &encloser, &mut solver, &nominal.poses[index]);
             let enclosure = enclosure.map_err(|obstacle| (index, obstacle))?;
             for (measure, values) in list.iter().zip(&mut shown) {
                 if row_of(measure, rows.len()) == Some(row) {
-                    for (formula, values) in formulas(measure).iter().zip(values) {
+                    for (formula, values) in measure_formulas(measure).iter().zip(values) {
                         values.push(enclosure.formula(formula));
                     }
                 }
             }
         }
     }
-    let mut numbers = inputs::<N>(plan);
+    let mut numbers = plan_inputs::<N>(plan);
     let first = numbers.len();
     for (measure, values) in list.iter().zip(&shown) {
         let form = match &measure.source {
             MeasureSource::Formula(formula) => formula.value(&numbers),
             MeasureSource::Over { per: Some(_), .. } => AffineForm::undefined(),
-            MeasureSource::Over { taking, power, .. } => taken(*taking, *power, values),
+            MeasureSource::Over { taking, power, .. } => taken_form(*taking, *power, values),
         };
         numbers.push(form);
     }
@@ -83,7 +83,7 @@ fn bands<const N: usize>(
 }
 
 /// The inputs at the start of the drive, the dimensions moving.
-fn inputs<const N: usize>(plan: &Plan) -> Vec<AffineForm<N>> {
+fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<AffineForm<N>> {
     let family = plan.family;
     let unknowns = family.mechanism().unknowns.len();
     let start = family.actuation.inputs_at(0.0);
@@ -99,7 +99,7 @@ fn inputs<const N: usize>(plan: &Plan) -> Vec<AffineForm<N>> {
 }
 
 /// The formulas that a measure takes over poses.
-fn formulas(measure: &Measure) -> &[Expression] {
+fn measure_formulas(measure: &Measure) -> &[Expression] {
     match &measure.source {
         MeasureSource::Over { of, per: None, .. } => of,
         _ => &[],
@@ -115,7 +115,7 @@ fn row_of(measure: &Measure, rows: usize) -> Option<usize> {
 }
 
 /// One number of `values[formula][pose]`.
-fn taken<const N: usize>(
+fn taken_form<const N: usize>(
     taking: Taking,
     power: f64,
     values: &[Vec<AffineForm<N>>],
@@ -134,28 +134,32 @@ fn taken<const N: usize>(
         Taking::First => *begin,
         Taking::Last => *end,
         Taking::Change => *end - *begin,
-        Taking::Min => -greatest(first.iter().map(|v| -*v)),
-        Taking::Max => greatest(first.iter().copied()),
-        Taking::Range => greatest(first.iter().copied()) + greatest(first.iter().map(|v| -*v)),
-        Taking::Largest => greatest(first.iter().flat_map(|v| [*v, -*v])),
+        Taking::Min => -greatest_form(first.iter().map(|v| -*v)),
+        Taking::Max => greatest_form(first.iter().copied()),
+        Taking::Range => {
+            greatest_form(first.iter().copied()) + greatest_form(first.iter().map(|v| -*v))
+        }
+        Taking::Largest => greatest_form(first.iter().flat_map(|v| [*v, -*v])),
         Taking::Sum => sum(),
         Taking::Mean => sum() / AffineForm::number(first.len() as f64),
-        Taking::Norm => norm(first, power),
+        Taking::Norm => power_norm(first, power),
         // The share of a polyline above zero has a kink wherever a value is zero.
         Taking::Positive => AffineForm::undefined(),
         Taking::Chord => match second {
-            Some(second) => chord(first, second).0,
+            Some(second) => chord_deviation(first, second).0,
             None => AffineForm::undefined(),
         },
         Taking::Bow => match second {
-            Some(second) => bow(first, second),
+            Some(second) => bow_height(first, second),
             None => AffineForm::undefined(),
         },
     }
 }
 
 /// The greatest of functions: the one that is so at δ = 0, and what others can exceed it by.
-fn greatest<const N: usize>(list: impl Iterator<Item = AffineForm<N>> + Clone) -> AffineForm<N> {
+fn greatest_form<const N: usize>(
+    list: impl Iterator<Item = AffineForm<N>> + Clone,
+) -> AffineForm<N> {
     let best = list.clone().max_by(|a, b| a.value.total_cmp(&b.value));
     let Some(best) = best else {
         return AffineForm::undefined();
@@ -166,7 +170,7 @@ fn greatest<const N: usize>(list: impl Iterator<Item = AffineForm<N>> + Clone) -
 }
 
 /// (Σ |v|ᵖ)^(1/p)
-fn norm<const N: usize>(values: &[AffineForm<N>], power: f64) -> AffineForm<N> {
+fn power_norm<const N: usize>(values: &[AffineForm<N>], power: f64) -> AffineForm<N> {
     let p = AffineForm::number(power);
     let sum = values.iter().fold(AffineForm::ZERO, |sum, v| {
         let size = match v.is_below_zero() {
@@ -183,7 +187,7 @@ fn norm<const N: usize>(values: &[AffineForm<N>], power: f64) -> AffineForm<N> {
 }
 
 /// Distance from the first to the last point of a path, and the vector.
-fn chord<const N: usize>(
+fn chord_deviation<const N: usize>(
     x: &[AffineForm<N>],
     y: &[AffineForm<N>],
 ) -> (AffineForm<N>, [AffineForm<N>; 2]) {
@@ -197,8 +201,8 @@ fn chord<const N: usize>(
 }
 
 /// Signed distance from the chord of the point that is farthest from it.
-fn bow<const N: usize>(x: &[AffineForm<N>], y: &[AffineForm<N>]) -> AffineForm<N> {
-    let (length, [a, b]) = chord(x, y);
+fn bow_height<const N: usize>(x: &[AffineForm<N>], y: &[AffineForm<N>]) -> AffineForm<N> {
+    let (length, [a, b]) = chord_deviation(x, y);
     let distance = |k: usize| ((y[k] - y[0]) * a - (x[k] - x[0]) * b) / length;
     let all: Vec<AffineForm<N>> = (0..x.len().min(y.len())).map(distance).collect();
     if !all.iter().all(|form| form.is_finite()) {

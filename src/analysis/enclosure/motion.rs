@@ -2,7 +2,7 @@
 //! range that pieces take.
 
 use super::plan::{Plan, sized};
-use crate::jobs::share;
+use crate::jobs::share_work;
 use crate::kinematics::enclosure::block::Unbounded;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
 use crate::kinematics::loops::observed::observed_slots;
@@ -88,7 +88,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
             None => Err(Obstacle::NoPose),
             Some(pose) => {
                 let pose = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                sized!(plan.dimensions.len(), N => bands::<N>(plan, &encloser, solver, &pose, search))
+                sized!(plan.dimensions.len(), N => coordinate_bands::<N>(plan, &encloser, solver, &pose, search))
             }
         };
         Some(Enclosed {
@@ -98,12 +98,12 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
         })
     };
     let make = || PoseSolver::new(family.system());
-    let list = share(samples.len(), threads, make, work);
+    let list = share_work(samples.len(), threads, make, work);
     list.into_iter().map(|(_, enclosed)| enclosed).collect()
 }
 
 /// The enclosure of all pieces beside a closed pose.
-pub(super) fn enclosed<const N: usize>(
+pub(super) fn enclosed_pose<const N: usize>(
     plan: &Plan,
     encloser: &Encloser,
     solver: &mut PoseSolver,
@@ -114,7 +114,7 @@ pub(super) fn enclosed<const N: usize>(
     Ok(encloser.enclose(pose, &open, &tolerances, &bases)?)
 }
 
-fn bands<const N: usize>(
+fn coordinate_bands<const N: usize>(
     plan: &Plan,
     encloser: &Encloser,
     solver: &mut PoseSolver,
@@ -122,7 +122,7 @@ fn bands<const N: usize>(
     search: bool,
 ) -> Result<Bands, Obstacle> {
     let mechanism = plan.family.mechanism();
-    let enclosure = enclosed::<N>(plan, encloser, solver, pose)?;
+    let enclosure = enclosed_pose::<N>(plan, encloser, solver, pose)?;
     let shown = (0..mechanism.unknowns.len()).chain(mechanism.coordinate_count()..enclosure.len());
     let band = |slot: usize| {
         let function = enclosure.slot(slot);
@@ -131,7 +131,7 @@ fn bands<const N: usize>(
         let mut found = [nominal; 2];
         if search {
             for place in [&range.lowest, &range.highest] {
-                if let Some(value) = piece(plan, solver, &enclosure, place, slot) {
+                if let Some(value) = enclose_piece(plan, solver, &enclosure, place, slot) {
                     found = [found[0].min(value), found[1].max(value)];
                 }
             }
@@ -149,7 +149,7 @@ fn bands<const N: usize>(
 }
 
 /// The value of a slot for the piece whose dimensions are at `place` within their tolerances; `None` if it does not close.
-fn piece<const N: usize>(
+fn enclose_piece<const N: usize>(
     plan: &Plan,
     solver: &mut PoseSolver,
     enclosure: &PoseEnclosure<N>,

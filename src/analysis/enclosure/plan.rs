@@ -1,9 +1,9 @@
 //! Which dimensions have which tolerances.
 
-use crate::analysis::study::Family;
+use crate::analysis::study::ParametricMechanism;
 use crate::kinematics::enclosure::region::Tolerance;
 use crate::model::mechanism::Kind;
-use crate::model::printed::rounding;
+use crate::model::printed::printing_unit;
 use crate::numbers::rounding::{DECIMAL, GROW};
 
 /// Most dimensions that are enclosed together.
@@ -26,14 +26,14 @@ pub struct Dimension {
 #[derive(Clone, Debug)]
 pub struct Plan<'f> {
     /// Its dimensions are inputs.
-    pub family: &'f Family,
+    pub family: &'f ParametricMechanism,
     /// Those with a tolerance.
     pub dimensions: Vec<Dimension>,
 }
 
 impl<'f> Plan<'f> {
     /// The family's variables and its own inputs with the tolerances given by name, in internal units.
-    pub fn new(family: &'f Family, tolerances: &[(String, f64)]) -> Self {
+    pub fn new(family: &'f ParametricMechanism, tolerances: &[(String, f64)]) -> Self {
         let mechanism = family.mechanism();
         let first = mechanism.unknowns.len();
         let inputs = mechanism.inputs.iter().zip(first..);
@@ -78,7 +78,7 @@ impl<'f> Plan<'f> {
         let values = &pose[mechanism.unknowns.len()..];
         let pairs = mechanism.inputs.iter().zip(values);
         pairs
-            .map(|(input, value)| rounding(*value, mechanism.unit_of(input.kind)))
+            .map(|(input, value)| printing_unit(*value, mechanism.unit_of(input.kind)))
             .collect()
     }
 }

@@ -1,7 +1,7 @@
 //! The quasi-Newton method of Broyden, Fletcher, Goldfarb and Shanno with exact gradients (Nocedal and Wright, Numerical
 //! Optimization, 2nd ed., chapter 6), within bounds: variables that press against a bound rest there.
 
-use super::{Bounds, Ended, Minimum, Objective};
+use super::{Ended, Minimum, Objective, VariableBounds};
 
 /// A step must gain this share of what the gradient promises (Armijo).
 const SUFFICIENT_GAIN: f64 = 1e-4;
@@ -17,7 +17,7 @@ const MOST_TRIALS: usize = 40;
 
 /// When the search is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct BfgsLimits {
     /// Largest entry of the gradient times the scale of its variable, relative to the first value.
     pub gradient_tolerance: f64,
     /// Most iterations.
@@ -27,16 +27,16 @@ pub struct Limits {
 }
 
 /// Searches from `start`; `scales` are typical sizes of the variables.
-pub fn minimise(
+pub fn minimise_bfgs(
     objective: &mut dyn Objective,
     start: &[f64],
     scales: &[f64],
-    bounds: &Bounds,
-    limits: Limits,
+    bounds: &VariableBounds,
+    limits: BfgsLimits,
 ) -> Minimum {
     let mut x = start.to_vec();
     bounds.clamp(&mut x);
-    let mut search = Search {
+    let mut search = BfgsSearch {
         objective,
         bounds,
         scales,
@@ -107,33 +107,33 @@ pub fn minimise(
 
 /// A point in scaled variables.
 #[derive(Clone)]
-struct Point {
+struct BfgsPoint {
     x: Vec<f64>,
     value: f64,
     gradient: Vec<f64>,
 }
 
-struct Search<'a> {
+struct BfgsSearch<'a> {
     objective: &'a mut dyn Objective,
-    bounds: &'a Bounds,
+    bounds: &'a VariableBounds,
     scales: &'a [f64],
     evaluations: usize,
 }
 
-impl Search<'_> {
+impl BfgsSearch<'_> {
     fn unscaled(&self, x: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = x.iter().zip(self.scales).map(|(x, s)| x * s).collect();
         self.bounds.clamp(&mut x);
         x
     }
 
-    fn at(&mut self, x: &[f64]) -> Option<Point> {
+    fn at(&mut self, x: &[f64]) -> Option<BfgsPoint> {
         self.evaluations += 1;
         let (value, gradient) = self.objective.gradient(x)?;
         if !value.is_finite() {
             return None;
         }
-        Some(Point {
+        Some(BfgsPoint {
             x: x.iter().zip(self.scales).map(|(x, s)| x / s).collect(),
             value,
             gradient: gradient
@@ -145,7 +145,7 @@ impl Search<'_> {
     }
 
     /// Variables that do not press against a bound.
-    fn free(&self, here: &Point) -> Vec<bool> {
+    fn free(&self, here: &BfgsPoint) -> Vec<bool> {
         let bound = |k: usize, list: &[f64]| list[k] / self.scales[k];
         (0..here.x.len())
             .map(|k| {
@@ -157,9 +157,9 @@ impl Search<'_> {
     }
 
     /// A point along `direction` that gains enough and is far enough; `None` if there is none.
-    fn line(&mut self, here: &Point, direction: &[f64]) -> Option<Point> {
+    fn line(&mut self, here: &BfgsPoint, direction: &[f64]) -> Option<BfgsPoint> {
         let (mut low, mut high, mut share) = (0.0, f64::INFINITY, 1.0);
-        let mut best: Option<Point> = None;
+        let mut best: Option<BfgsPoint> = None;
         for _ in 0..MOST_TRIALS {
             let scaled: Vec<f64> = here
                 .x
@@ -175,8 +175,9 @@ impl Search<'_> {
                     .sum();
                 t.value <= here.value + SUFFICIENT_GAIN * promised && t.value < here.value
             });
-            let slope =
-                |p: &Point| -> f64 { p.gradient.iter().zip(direction).map(|(g, d)| g * d).sum() };
+            let slope = |p: &BfgsPoint| -> f64 {
+                p.gradient.iter().zip(direction).map(|(g, d)| g * d).sum()
+            };
             match trial {
                 Some(trial) if gained => {
                     let steep = slope(&trial) < SLOPE_SHARE * slope(here);
@@ -239,7 +240,7 @@ impl Inverse {
             .collect()
     }
 
-    fn update(&mut self, from: &Point, to: &Point, free: &[bool], is_fresh: bool) {
+    fn update(&mut self, from: &BfgsPoint, to: &BfgsPoint, free: &[bool], is_fresh: bool) {
         let n = self.n;
         let moved = |k: usize| if free[k] { to.x[k] - from.x[k] } else { 0.0 };
         let turned = |k: usize| {

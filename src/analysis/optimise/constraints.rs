@@ -86,7 +86,7 @@ impl Objective for Penalised<'_> {
 ///
 /// `tolerance` is the violation that is let pass, in the constraints' own `scales`. The minimum's value is that of the
 /// function without penalties.
-pub fn minimise(
+pub fn minimise_constrained(
     inner: &mut dyn Constrained,
     start: &[f64],
     scales: &[f64],

@@ -1,7 +1,7 @@
 //! Differential evolution (Storn and Price, J. Global Optimization 11, 1997) within a box: finds the right valley
 //! where there are many. Random numbers depend on the seed, the generation and the member only.
 
-use super::{Bounds, Ended, Minimum, Objective};
+use super::{Ended, Minimum, Objective, VariableBounds};
 use crate::analysis::random::Random;
 
 /// Share of a difference that is added, drawn anew for every trial between these.
@@ -12,7 +12,7 @@ const CROSSOVER: f64 = 0.85;
 
 /// How large the search is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct EvolutionLimits {
     /// Members of a generation.
     pub members: usize,
     /// Generations.
@@ -24,11 +24,11 @@ pub struct Limits {
 }
 
 /// Searches the box, which must be finite; `start` is one of the first members.
-pub fn minimise(
+pub fn minimise_by_evolution(
     objective: &mut dyn Objective,
     start: &[f64],
-    bounds: &Bounds,
-    limits: Limits,
+    bounds: &VariableBounds,
+    limits: EvolutionLimits,
 ) -> Minimum {
     let n = start.len();
     let mut evaluations = 0;
@@ -58,7 +58,7 @@ pub fn minimise(
         let best = best_of(&population);
         for member in 0..members {
             let mut random = Random::new(limits.seed, generation as u64, member as u64);
-            let x = trial(&population, member, best, bounds, &mut random);
+            let x = trial_point(&population, member, best, bounds, &mut random);
             let v = value(objective, &x);
             if v <= population[member].1 {
                 population[member] = (x, v);
@@ -95,11 +95,11 @@ fn best_of(population: &[(Vec<f64>, f64)]) -> usize {
 }
 
 /// Half of the trials start from the best member, half from a random one.
-fn trial(
+fn trial_point(
     population: &[(Vec<f64>, f64)],
     member: usize,
     best: usize,
-    bounds: &Bounds,
+    bounds: &VariableBounds,
     random: &mut Random,
 ) -> Vec<f64> {
     let (count, n) = (population.len(), population[member].0.len());

@@ -5,13 +5,13 @@
 
 use super::curvature::Curvature;
 use super::quadratic::Programme;
-use super::{Bounds, Ended, Minimum};
+use super::{Ended, Minimum, VariableBounds};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
 /// Values at a point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heights {
+pub struct PeakValues {
     /// The largest of these is to be small.
     pub peaks: Vec<f64>,
     /// None of these is to be positive.
@@ -20,7 +20,7 @@ pub struct Heights {
 
 /// Derivatives at a point: a row for each peak and for each limit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slopes {
+pub struct PeakGradients {
     /// Of the peaks.
     pub peaks: Vec<Vec<f64>>,
     /// Of the limits.
@@ -28,15 +28,15 @@ pub struct Slopes {
 }
 
 /// Many functions at once.
-pub trait Landscape {
+pub trait MinimaxProblem {
     /// Values at `x`; `None` where `x` is refused.
-    fn heights(&mut self, x: &[f64]) -> Option<Heights>;
+    fn heights(&mut self, x: &[f64]) -> Option<PeakValues>;
 
     /// Values and derivatives at `x`; `None` where `x` is refused.
-    fn slopes(&mut self, x: &[f64]) -> Option<(Heights, Slopes)>;
+    fn slopes(&mut self, x: &[f64]) -> Option<(PeakValues, PeakGradients)>;
 
     /// A limit that refused `x`, if it is one that has a value and slopes beyond its edge only.
-    fn edge(&mut self, _x: &[f64]) -> Option<Edge> {
+    fn edge(&mut self, _x: &[f64]) -> Option<TrustEdge> {
         None
     }
 
@@ -53,7 +53,7 @@ pub trait Landscape {
 
 /// A refused point: how far beyond a limit it is, and how that changes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Edge {
+pub struct TrustEdge {
     /// The point.
     pub x: Vec<f64>,
     /// Positive: how much is missed there.
@@ -62,7 +62,7 @@ pub struct Edge {
     pub slope: Vec<f64>,
 }
 
-impl Edge {
+impl TrustEdge {
     /// What the edge allows at `x`, seen from the refused point; a point that was accepted keeps it.
     fn at(&self, x: &[f64]) -> f64 {
         let moves = x.iter().zip(&self.x).zip(&self.slope);
@@ -73,7 +73,7 @@ impl Edge {
 
 /// When the search is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
+pub struct MinimaxSearch {
     /// First radius of the trust region, in scales of the variables.
     pub radius: f64,
     /// The search is over below this radius.
@@ -109,12 +109,12 @@ const MOST_EDGES: usize = 24;
 const LEAST_UNIT: f64 = 1e-6;
 
 /// Searches from `start`; `scales` are typical sizes of the variables, limits are of order one.
-pub fn minimise(
-    landscape: &mut dyn Landscape,
+pub fn minimise_largest(
+    landscape: &mut dyn MinimaxProblem,
     start: &[f64],
     scales: &[f64],
-    bounds: &Bounds,
-    search: Search,
+    bounds: &VariableBounds,
+    search: MinimaxSearch,
 ) -> Minimum {
     let mut x = start.to_vec();
     bounds.clamp(&mut x);
@@ -129,11 +129,11 @@ pub fn minimise(
     let Some((mut heights, mut slopes)) = landscape.slopes(&x) else {
         return result;
     };
-    let weight = WEIGHT * unit(merit(&heights, 0.0), &slopes, scales, search.radius);
+    let weight = WEIGHT * trust_unit(merit_value(&heights, 0.0), &slopes, scales, search.radius);
     let mut curvature = Curvature::none(x.len());
     let mut radius = search.radius;
     let mut accepted = 0;
-    let mut edges: VecDeque<Edge> = VecDeque::new();
+    let mut edges: VecDeque<TrustEdge> = VecDeque::new();
     result.ended = loop {
         if result.iterations >= search.iterations {
             break Ended::OutOfBudget;
@@ -145,7 +145,7 @@ pub fn minimise(
             break Ended::Stopped;
         }
         result.iterations += 1;
-        let place = Place {
+        let place = MinimaxPoint {
             x: &x,
             edges: &edges,
             slopes: &slopes,
@@ -153,9 +153,9 @@ pub fn minimise(
             scales,
             bounds,
             weight,
-            unit: unit(merit(&heights, weight), &slopes, scales, radius),
+            unit: trust_unit(merit_value(&heights, weight), &slopes, scales, radius),
         };
-        let here = merit(&heights, weight);
+        let here = merit_value(&heights, weight);
         let Some(step) = place.step(&heights, radius) else {
             radius *= SHRINK;
             continue;
@@ -165,8 +165,8 @@ pub fn minimise(
             break Ended::Converged;
         }
         result.evaluations += 1;
-        let gain = |there: &Option<Heights>| match there {
-            Some(there) => (here - merit(there, weight)) / promise,
+        let gain = |there: &Option<PeakValues>| match there {
+            Some(there) => (here - merit_value(there, weight)) / promise,
             None => f64::NEG_INFINITY,
         };
         let there = landscape.heights(&step.x);
@@ -194,13 +194,13 @@ pub fn minimise(
                 continue;
             };
             let moved: Vec<f64> = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]).collect();
-            let turn = |slopes: &Slopes| step.pull(slopes, scales);
+            let turn = |slopes: &PeakGradients| step.pull(slopes, scales);
             let change = turn(&new_slopes) - turn(&slopes);
             curvature.learn(&DVector::from_vec(moved), change);
             (heights, slopes) = (new_heights, new_slopes);
             x = next;
             accepted += 1;
-            if !landscape.progress(accepted, &x, largest(&heights.peaks)) {
+            if !landscape.progress(accepted, &x, largest_value(&heights.peaks)) {
                 break Ended::Stopped;
             }
         }
@@ -210,28 +210,31 @@ pub fn minimise(
             radius *= SHRINK;
         }
     };
-    result.value = largest(&heights.peaks);
+    result.value = largest_value(&heights.peaks);
     result.x = x;
     result
 }
 
-fn largest(values: &[f64]) -> f64 {
+fn largest_value(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn merit(heights: &Heights, weight: f64) -> f64 {
-    largest(&heights.peaks) + weight * largest(&heights.limits).max(0.0)
+fn merit_value(heights: &PeakValues, weight: f64) -> f64 {
+    largest_value(&heights.peaks) + weight * largest_value(&heights.limits).max(0.0)
 }
 
 /// What a programme's values are measured in: the merit, but no less than a part of what can change within the region.
-fn unit(merit: f64, slopes: &Slopes, scales: &[f64], radius: f64) -> f64 {
-    let reaches = slopes.peaks.iter().map(|row| reach(row, scales, radius));
+fn trust_unit(merit: f64, slopes: &PeakGradients, scales: &[f64], radius: f64) -> f64 {
+    let reaches = slopes
+        .peaks
+        .iter()
+        .map(|row| row_reach(row, scales, radius));
     let floor = LEAST_UNIT * reaches.fold(0.0, f64::max);
     merit.abs().max(floor).max(f64::MIN_POSITIVE)
 }
 
 /// The largest change of a linearised function within the region.
-fn reach(row: &[f64], scales: &[f64], radius: f64) -> f64 {
+fn row_reach(row: &[f64], scales: &[f64], radius: f64) -> f64 {
     radius
         * row
             .iter()
@@ -241,20 +244,20 @@ fn reach(row: &[f64], scales: &[f64], radius: f64) -> f64 {
 }
 
 /// A point with its linearisation.
-struct Place<'a> {
+struct MinimaxPoint<'a> {
     x: &'a [f64],
-    slopes: &'a Slopes,
-    edges: &'a VecDeque<Edge>,
+    slopes: &'a PeakGradients,
+    edges: &'a VecDeque<TrustEdge>,
     curvature: &'a Curvature,
     scales: &'a [f64],
-    bounds: &'a Bounds,
+    bounds: &'a VariableBounds,
     weight: f64,
     /// Merit of the point: programmes are in shares of it.
     unit: f64,
 }
 
 /// The best point of a programme.
-struct Step {
+struct MinimaxStep {
     x: Vec<f64>,
     /// What the programme says of its merit.
     merit: f64,
@@ -263,9 +266,9 @@ struct Step {
     limits: Vec<(usize, f64)>,
 }
 
-impl Step {
+impl MinimaxStep {
     /// Gradient of the Lagrangian in scaled variables.
-    fn pull(&self, slopes: &Slopes, scales: &[f64]) -> DVector<f64> {
+    fn pull(&self, slopes: &PeakGradients, scales: &[f64]) -> DVector<f64> {
         let mut sum = DVector::zeros(scales.len());
         let held = |list: &[(usize, f64)], rows: &[Vec<f64>], sum: &mut DVector<f64>| {
             for (index, multiplier) in list {
@@ -280,15 +283,15 @@ impl Step {
     }
 }
 
-impl Place<'_> {
+impl MinimaxPoint<'_> {
     /// Values at `there` less what the slopes say of the way to it: what the linearised functions should start from to be
     /// right at `there` (second-order correction).
-    fn bent(&self, next: &[f64], there: &Heights) -> Heights {
+    fn bent(&self, next: &[f64], there: &PeakValues) -> PeakValues {
         let less = |values: &[f64], slopes: &[Vec<f64>]| -> Vec<f64> {
             let pairs = values.iter().zip(slopes);
             pairs.map(|(v, row)| v - self.along(next, row)).collect()
         };
-        Heights {
+        PeakValues {
             peaks: less(&there.peaks, &self.slopes.peaks),
             limits: less(&there.limits, &self.slopes.limits),
         }
@@ -300,15 +303,15 @@ impl Place<'_> {
     }
 
     /// Rows that can matter within the region: peaks that can become the largest, limits that can be missed.
-    fn relevant(&self, heights: &Heights, radius: f64) -> [Vec<usize>; 2] {
+    fn relevant(&self, heights: &PeakValues, radius: f64) -> [Vec<usize>; 2] {
         let lowest =
-            |k: usize| heights.peaks[k] - reach(&self.slopes.peaks[k], self.scales, radius);
+            |k: usize| heights.peaks[k] - row_reach(&self.slopes.peaks[k], self.scales, radius);
         let floor = (0..heights.peaks.len())
             .map(lowest)
             .fold(f64::NEG_INFINITY, f64::max);
         let can_reach = |values: &[f64], rows: &[Vec<f64>], level: f64| -> Vec<usize> {
             (0..values.len())
-                .filter(|k| values[*k] + reach(&rows[*k], self.scales, radius) >= level)
+                .filter(|k| values[*k] + row_reach(&rows[*k], self.scales, radius) >= level)
                 .collect()
         };
         [
@@ -321,7 +324,7 @@ impl Place<'_> {
     ///
     /// The programme's variables are the moves in radii, the largest peak in units, and the worst missed limit in units of
     /// its cost.
-    fn step(&self, heights: &Heights, radius: f64) -> Option<Step> {
+    fn step(&self, heights: &PeakValues, radius: f64) -> Option<MinimaxStep> {
         let n = self.x.len();
         let [peaks, limits] = self.relevant(heights, radius);
         let count = peaks.len() + limits.len() + self.edges.len() + 1 + 2 * n;
@@ -371,8 +374,8 @@ impl Place<'_> {
         let mut cost = DVector::zeros(n + 2);
         (cost[top], cost[excess]) = (1.0, 1.0);
         let mut start = DVector::zeros(n + 2);
-        start[top] = largest(&heights.peaks) / self.unit + 0.1;
-        start[excess] = largest(&heights.limits).max(0.0) / limit_unit + 0.1;
+        start[top] = largest_value(&heights.peaks) / self.unit + 0.1;
+        start[excess] = largest_value(&heights.limits).max(0.0) / limit_unit + 0.1;
         let programme = Programme {
             bend,
             cost,
@@ -396,7 +399,7 @@ impl Place<'_> {
         );
         let moves = answer.point.rows(0, n);
         let bending = 0.5 * moves.dot(&(known * moves)) * self.unit;
-        Some(Step {
+        Some(MinimaxStep {
             merit: self.foreseen(heights, &next) + bending,
             x: next,
             peaks: held_peaks,
@@ -405,15 +408,15 @@ impl Place<'_> {
     }
 
     /// Merit of the linearised functions.
-    fn foreseen(&self, heights: &Heights, next: &[f64]) -> f64 {
+    fn foreseen(&self, heights: &PeakValues, next: &[f64]) -> f64 {
         let moved = |values: &[f64], rows: &[Vec<f64>]| -> Vec<f64> {
             let pairs = values.iter().zip(rows);
             pairs.map(|(v, row)| v + self.along(next, row)).collect()
         };
-        let there = Heights {
+        let there = PeakValues {
             peaks: moved(&heights.peaks, &self.slopes.peaks),
             limits: moved(&heights.limits, &self.slopes.limits),
         };
-        merit(&there, self.weight)
+        merit_value(&there, self.weight)
     }
 }

@@ -25,14 +25,14 @@ pub trait Objective {
 
 /// A box that the variables stay in.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bounds {
+pub struct VariableBounds {
     /// Smallest values.
     pub lower: Vec<f64>,
     /// Largest values.
     pub upper: Vec<f64>,
 }
 
-impl Bounds {
+impl VariableBounds {
     /// No bounds on `count` variables.
     pub fn none(count: usize) -> Self {
         Self {

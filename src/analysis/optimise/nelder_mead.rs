@@ -1,7 +1,7 @@
 //! The simplex search of Nelder and Mead (Computer Journal 7, 1965) in the form of Lagarias et al. (SIAM J. Optim. 9,
 //! 1998): no derivatives, any dimension up to a dozen or so.
 
-use super::{Bounds, Ended, Minimum, Objective};
+use super::{Ended, Minimum, Objective, VariableBounds};
 
 const REFLECTION: f64 = 1.0;
 const EXPANSION: f64 = 2.0;
@@ -16,7 +16,7 @@ const FIRST_STEP_FROM_ZERO: f64 = 0.00025;
 
 /// When the search is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct NelderMeadLimits {
     /// Largest distance of a corner from the best one, along any coordinate.
     pub x_tolerance: f64,
     /// Largest difference of a corner's value from the best one.
@@ -26,13 +26,13 @@ pub struct Limits {
 }
 
 /// Searches from `start`; points outside the bounds are moved to their edge.
-pub fn minimise(
+pub fn minimise_nelder_mead(
     objective: &mut dyn Objective,
     start: &[f64],
-    bounds: &Bounds,
-    limits: Limits,
+    bounds: &VariableBounds,
+    limits: NelderMeadLimits,
 ) -> Minimum {
-    let mut search = Search {
+    let mut search = SimplexSearch {
         objective,
         bounds,
         evaluations: 0,
@@ -70,9 +70,9 @@ pub fn minimise(
     }
 }
 
-type Corner = (Vec<f64>, f64);
+type SimplexCorner = (Vec<f64>, f64);
 
-fn is_small(simplex: &[Corner], limits: Limits) -> bool {
+fn is_small(simplex: &[SimplexCorner], limits: NelderMeadLimits) -> bool {
     let (best, value) = &simplex[0];
     simplex[1..].iter().all(|(corner, v)| {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() <= limits.x_tolerance;
@@ -80,21 +80,21 @@ fn is_small(simplex: &[Corner], limits: Limits) -> bool {
     })
 }
 
-struct Search<'a> {
+struct SimplexSearch<'a> {
     objective: &'a mut dyn Objective,
-    bounds: &'a Bounds,
+    bounds: &'a VariableBounds,
     evaluations: usize,
 }
 
-impl Search<'_> {
-    fn corner(&mut self, mut x: Vec<f64>) -> Corner {
+impl SimplexSearch<'_> {
+    fn corner(&mut self, mut x: Vec<f64>) -> SimplexCorner {
         self.bounds.clamp(&mut x);
         self.evaluations += 1;
         let value = self.objective.value(&x);
         (x, if value.is_nan() { f64::INFINITY } else { value })
     }
 
-    fn first_simplex(&mut self, start: &[f64]) -> Vec<Corner> {
+    fn first_simplex(&mut self, start: &[f64]) -> Vec<SimplexCorner> {
         let mut simplex = vec![self.corner(start.to_vec())];
         for k in 0..start.len() {
             let mut x = start.to_vec();
@@ -112,7 +112,7 @@ impl Search<'_> {
     }
 
     /// One reflection, expansion, contraction or shrinkage of a sorted simplex.
-    fn improve(&mut self, simplex: &mut [Corner]) {
+    fn improve(&mut self, simplex: &mut [SimplexCorner]) {
         let last = simplex.len() - 1;
         let count = last as f64;
         let centre: Vec<f64> = (0..last)

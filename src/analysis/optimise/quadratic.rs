@@ -19,7 +19,7 @@ pub struct Programme {
 
 /// Its answer.
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct QuadraticStep {
     /// z
     pub point: DVector<f64>,
     /// A multiplier for every row, none negative.
@@ -39,7 +39,7 @@ const MOST_ITERATIONS: usize = 60;
 const INSIDE: f64 = 0.995;
 
 /// A point with its slacks and multipliers.
-struct Iterate {
+struct InteriorPoint {
     z: DVector<f64>,
     slack: DVector<f64>,
     multipliers: DVector<f64>,
@@ -53,10 +53,10 @@ struct Residuals {
 
 impl Programme {
     /// Solves from the point `start`; `None` where the numbers run away.
-    pub fn solve(&self, start: DVector<f64>) -> Option<Answer> {
+    pub fn solve(&self, start: DVector<f64>) -> Option<QuadraticStep> {
         let rows = self.ends.len();
         let gap = &self.ends - &self.rows * &start;
-        let mut here = Iterate {
+        let mut here = InteriorPoint {
             slack: gap.map(|s| s.max(0.1)),
             multipliers: DVector::from_element(rows, 1.0 / (rows as f64).max(1.0)),
             z: start,
@@ -73,13 +73,13 @@ impl Programme {
             here = next;
         }
         let usable = here.gap() < USABLE && self.residuals(&here).largest() < USABLE;
-        usable.then_some(Answer {
+        usable.then_some(QuadraticStep {
             point: here.z,
             multipliers: here.multipliers,
         })
     }
 
-    fn residuals(&self, here: &Iterate) -> Residuals {
+    fn residuals(&self, here: &InteriorPoint) -> Residuals {
         let dual = &self.bend * &here.z + &self.cost + self.rows.tr_mul(&here.multipliers);
         Residuals {
             dual,
@@ -87,7 +87,7 @@ impl Programme {
         }
     }
 
-    fn step(&self, here: &Iterate, residuals: &Residuals) -> Option<Iterate> {
+    fn step(&self, here: &InteriorPoint, residuals: &Residuals) -> Option<InteriorPoint> {
         let count = here.slack.len();
         let weights = here.multipliers.component_div(&here.slack);
         let mut weighted = self.rows.clone();
@@ -109,16 +109,18 @@ impl Programme {
             (dz, ds, dl)
         };
         let (_, ds, dl) = direction(&DVector::zeros(count));
-        let (along_slack, along_multipliers) =
-            (room(&here.slack, &ds), room(&here.multipliers, &dl));
+        let (along_slack, along_multipliers) = (
+            step_room(&here.slack, &ds),
+            step_room(&here.multipliers, &dl),
+        );
         let affine = (&here.slack + &ds * along_slack)
             .dot(&(&here.multipliers + &dl * along_multipliers))
             / count as f64;
         let centring = (affine / here.gap()).powi(3) * here.gap();
         let (dz, ds, dl) = direction(&ds.zip_map(&dl, |s, l| centring - s * l));
-        let length = room(&here.slack, &ds).min(room(&here.multipliers, &dl));
+        let length = step_room(&here.slack, &ds).min(step_room(&here.multipliers, &dl));
         let length = (INSIDE * length).min(1.0);
-        Some(Iterate {
+        Some(InteriorPoint {
             z: &here.z + dz * length,
             slack: &here.slack + ds * length,
             multipliers: &here.multipliers + dl * length,
@@ -126,7 +128,7 @@ impl Programme {
     }
 }
 
-impl Iterate {
+impl InteriorPoint {
     fn gap(&self) -> f64 {
         self.slack.dot(&self.multipliers) / (self.slack.len() as f64).max(1.0)
     }
@@ -139,7 +141,7 @@ impl Residuals {
 }
 
 /// How far along `change` all `values` stay positive; what makes a whole step at most.
-fn room(values: &DVector<f64>, change: &DVector<f64>) -> f64 {
+fn step_room(values: &DVector<f64>, change: &DVector<f64>) -> f64 {
     let pairs = values.iter().zip(change.iter());
     let limits = pairs.filter(|(_, d)| **d < 0.0).map(|(v, d)| -v / d);
     limits.fold(1.0 / INSIDE, f64::min).min(1.0 / INSIDE)

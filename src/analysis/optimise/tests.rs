@@ -43,12 +43,17 @@ fn near(found: &[f64], wanted: &[f64], tolerance: f64) {
 /// 85 iterations and 159 evaluations are what the common implementation of the same rules documents for this start.
 #[test]
 fn the_simplex_search_follows_the_published_rules() {
-    let limits = nelder_mead::Limits {
+    let limits = nelder_mead::NelderMeadLimits {
         x_tolerance: 1e-4,
         value_tolerance: 1e-4,
         evaluations: 1000,
     };
-    let found = nelder_mead::minimise(&mut rosenbrock(), &[-1.2, 1.0], &Bounds::none(2), limits);
+    let found = nelder_mead::minimise_nelder_mead(
+        &mut rosenbrock(),
+        &[-1.2, 1.0],
+        &VariableBounds::none(2),
+        limits,
+    );
     near(&found.x, &[1.0, 1.0], 1e-4);
     assert_eq!((found.iterations, found.evaluations), (85, 159));
     assert_eq!(found.ended, Ended::Converged);
@@ -56,17 +61,17 @@ fn the_simplex_search_follows_the_published_rules() {
 
 #[test]
 fn bfgs_finds_the_valley_to_rounding() {
-    let limits = bfgs::Limits {
+    let limits = bfgs::BfgsLimits {
         gradient_tolerance: 1e-13,
         iterations: 200,
         first_step: 0.1,
     };
     let start = [-1.2, 1.0];
-    let found = bfgs::minimise(
+    let found = bfgs::minimise_bfgs(
         &mut rosenbrock(),
         &start,
         &[1.0, 1.0],
-        &Bounds::none(2),
+        &VariableBounds::none(2),
         limits,
     );
     near(&found.x, &[1.0, 1.0], 1e-9);
@@ -85,11 +90,11 @@ fn bfgs_finds_the_valley_to_rounding() {
         },
         calls: 0,
     };
-    let other = bfgs::minimise(
+    let other = bfgs::minimise_bfgs(
         &mut scaled,
         &[-1.2, 1e3],
         &[1.0, 1e3],
-        &Bounds::none(2),
+        &VariableBounds::none(2),
         limits,
     );
     near(&other.x, &[1.0, 1e3], 1e-5);
@@ -97,16 +102,16 @@ fn bfgs_finds_the_valley_to_rounding() {
 
 #[test]
 fn bounds_hold_and_are_left_again() {
-    let bounds = Bounds {
+    let bounds = VariableBounds {
         lower: vec![-2.0, -2.0],
         upper: vec![0.5, 2.0],
     };
-    let limits = bfgs::Limits {
+    let limits = bfgs::BfgsLimits {
         gradient_tolerance: 1e-12,
         iterations: 200,
         first_step: 0.1,
     };
-    let found = bfgs::minimise(
+    let found = bfgs::minimise_bfgs(
         &mut rosenbrock(),
         &[-1.2, 1.0],
         &[1.0, 1.0],
@@ -114,19 +119,20 @@ fn bounds_hold_and_are_left_again() {
         limits,
     );
     near(&found.x, &[0.5, 0.25], 1e-8);
-    let simplex = nelder_mead::Limits {
+    let simplex = nelder_mead::NelderMeadLimits {
         x_tolerance: 1e-9,
         value_tolerance: 1e-12,
         evaluations: 2000,
     };
-    let found = nelder_mead::minimise(&mut rosenbrock(), &[-1.2, 1.0], &bounds, simplex);
+    let found =
+        nelder_mead::minimise_nelder_mead(&mut rosenbrock(), &[-1.2, 1.0], &bounds, simplex);
     near(&found.x, &[0.5, 0.25], 1e-6);
     // From a corner of the box to the inside.
-    let wide = Bounds {
+    let wide = VariableBounds {
         lower: vec![-2.0, -1.0],
         upper: vec![2.0, 2.0],
     };
-    let found = bfgs::minimise(&mut rosenbrock(), &[-2.0, -1.0], &[1.0, 1.0], &wide, limits);
+    let found = bfgs::minimise_bfgs(&mut rosenbrock(), &[-2.0, -1.0], &[1.0, 1.0], &wide, limits);
     near(&found.x, &[1.0, 1.0], 1e-8);
 }
 
@@ -140,17 +146,17 @@ fn evolution_finds_the_deepest_of_many_valleys_and_repeats() {
         gradient: |_: &[f64]| Vec::new(),
         calls: 0,
     };
-    let bounds = Bounds {
+    let bounds = VariableBounds {
         lower: vec![-5.0; 4],
         upper: vec![5.1; 4],
     };
-    let limits = evolution::Limits {
+    let limits = evolution::EvolutionLimits {
         members: 60,
         generations: 600,
         seed: 3,
         value_tolerance: 1e-9,
     };
-    let found = evolution::minimise(&mut rastrigin(), &[4.5; 4], &bounds, limits);
+    let found = evolution::minimise_by_evolution(&mut rastrigin(), &[4.5; 4], &bounds, limits);
     near(&found.x, &[0.0; 4], 1e-4);
     assert_eq!(
         found,
@@ -180,23 +186,27 @@ impl Constrained for Disc {
 
 #[test]
 fn constraints_hold_at_the_minimum() {
-    let limits = bfgs::Limits {
+    let limits = bfgs::BfgsLimits {
         gradient_tolerance: 1e-10,
         iterations: 200,
         first_step: 0.1,
     };
-    let bounds = Bounds::none(2);
+    let bounds = VariableBounds::none(2);
     let mut run =
-        |f: &mut dyn Objective, x: &[f64]| bfgs::minimise(f, x, &[1.0, 1.0], &bounds, limits);
-    let found = constraints::minimise(&mut Disc, &[0.5, 0.3], &[1.0, 1.0], 1e-9, &mut run);
+        |f: &mut dyn Objective, x: &[f64]| bfgs::minimise_bfgs(f, x, &[1.0, 1.0], &bounds, limits);
+    let found =
+        constraints::minimise_constrained(&mut Disc, &[0.5, 0.3], &[1.0, 1.0], 1e-9, &mut run);
     near(&found.x, &[-1.0, -1.0], 1e-7);
-    let simplex = nelder_mead::Limits {
+    let simplex = nelder_mead::NelderMeadLimits {
         x_tolerance: 1e-9,
         value_tolerance: 1e-12,
         evaluations: 5000,
     };
-    let mut run = |f: &mut dyn Objective, x: &[f64]| nelder_mead::minimise(f, x, &bounds, simplex);
-    let found = constraints::minimise(&mut Disc, &[0.5, 0.3], &[1.0, 1.0], 1e-7, &mut run);
+    let mut run = |f: &mut dyn Objective, x: &[f64]| {
+        nelder_mead::minimise_nelder_mead(f, x, &bounds, simplex)
+    };
+    let found =
+        constraints::minimise_constrained(&mut Disc, &[0.5, 0.3], &[1.0, 1.0], 1e-7, &mut run);
     near(&found.x, &[-1.0, -1.0], 1e-4);
 }
 
@@ -213,16 +223,16 @@ fn refused_points_are_walked_around() {
         gradient: |x: &[f64]| vec![2.0 * (x[0] - 0.25), 2.0 * x[1]],
         calls: 0,
     };
-    let limits = bfgs::Limits {
+    let limits = bfgs::BfgsLimits {
         gradient_tolerance: 1e-12,
         iterations: 100,
         first_step: 10.0,
     };
-    let found = bfgs::minimise(
+    let found = bfgs::minimise_bfgs(
         &mut guarded,
         &[3.0, 1.0],
         &[1.0, 1.0],
-        &Bounds::none(2),
+        &VariableBounds::none(2),
         limits,
     );
     near(&found.x, &[0.25, 0.0], 1e-8);
@@ -241,19 +251,19 @@ impl Line {
     }
 }
 
-impl minimax::Landscape for Line {
-    fn heights(&mut self, x: &[f64]) -> Option<minimax::Heights> {
-        Some(minimax::Heights {
+impl minimax::MinimaxProblem for Line {
+    fn heights(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
+        Some(minimax::PeakValues {
             peaks: self.errors(x),
             limits: self.limit.iter().map(|l| x[0] * x[0] - l * l).collect(),
         })
     }
-    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::Heights, minimax::Slopes)> {
+    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
         let rows = (0..=1000).flat_map(|k| {
             let t = k as f64 / 1000.0;
             [vec![1.0, t], vec![-1.0, -t]]
         });
-        let slopes = minimax::Slopes {
+        let slopes = minimax::PeakGradients {
             peaks: rows.collect(),
             limits: self.limit.iter().map(|_| vec![2.0 * x[0], 0.0]).collect(),
         };
@@ -263,7 +273,7 @@ impl minimax::Landscape for Line {
 
 #[test]
 fn minimax_finds_the_line_of_equal_errors() {
-    let search = minimax::Search {
+    let search = minimax::MinimaxSearch {
         radius: 0.1,
         smallest_radius: 1e-12,
         tolerance: 1e-12,
@@ -272,11 +282,11 @@ fn minimax_finds_the_line_of_equal_errors() {
     let slope = std::f64::consts::E - 1.0;
     let error = (2.0 - std::f64::consts::E + slope * slope.ln()) / 2.0;
     let start = [0.0, 0.0];
-    let found = minimax::minimise(
+    let found = minimax::minimise_largest(
         &mut Line { limit: None },
         &start,
         &[1.0; 2],
-        &Bounds::none(2),
+        &VariableBounds::none(2),
         search,
     );
     assert!(
@@ -290,7 +300,13 @@ fn minimax_finds_the_line_of_equal_errors() {
     );
     // With |x0| at most 0.8 the error at 0 is 0.2.
     let mut limited = Line { limit: Some(0.8) };
-    let found = minimax::minimise(&mut limited, &start, &[1.0; 2], &Bounds::none(2), search);
+    let found = minimax::minimise_largest(
+        &mut limited,
+        &start,
+        &[1.0; 2],
+        &VariableBounds::none(2),
+        search,
+    );
     assert!(
         (found.value - 0.2).abs() < 1e-9 && (found.x[0] - 0.8).abs() < 1e-9,
         "{found:?}"
@@ -300,14 +316,14 @@ fn minimax_finds_the_line_of_equal_errors() {
 /// A few smooth functions without limits, with their gradients by central differences of the same formulas.
 struct Few<F>(F);
 
-impl<F: Fn(&[f64]) -> Vec<f64>> minimax::Landscape for Few<F> {
-    fn heights(&mut self, x: &[f64]) -> Option<minimax::Heights> {
-        Some(minimax::Heights {
+impl<F: Fn(&[f64]) -> Vec<f64>> minimax::MinimaxProblem for Few<F> {
+    fn heights(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
+        Some(minimax::PeakValues {
             peaks: (self.0)(x),
             limits: Vec::new(),
         })
     }
-    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::Heights, minimax::Slopes)> {
+    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
         let heights = self.heights(x)?;
         let mut peaks = vec![vec![0.0; x.len()]; heights.peaks.len()];
         for k in 0..x.len() {
@@ -322,7 +338,7 @@ impl<F: Fn(&[f64]) -> Vec<f64>> minimax::Landscape for Few<F> {
             }
         }
         let limits = Vec::new();
-        Some((heights, minimax::Slopes { peaks, limits }))
+        Some((heights, minimax::PeakGradients { peaks, limits }))
     }
 }
 
@@ -361,7 +377,7 @@ fn minimax_solves_the_standard_problems() {
         (cb3, &[2.0, 2.0], 2.0, &[1.0, 1.0]),
         (rosen_suzuki, &[0.0; 4], -44.0, &[0.0, 1.0, 2.0, -1.0]),
     ];
-    let search = minimax::Search {
+    let search = minimax::MinimaxSearch {
         radius: 0.5,
         smallest_radius: 1e-10,
         tolerance: 1e-12,
@@ -369,8 +385,8 @@ fn minimax_solves_the_standard_problems() {
     };
     for (functions, start, value, place) in cases {
         let n = start.len();
-        let (scales, bounds) = (vec![1.0; n], Bounds::none(n));
-        let found = minimax::minimise(&mut Few(functions), start, &scales, &bounds, search);
+        let (scales, bounds) = (vec![1.0; n], VariableBounds::none(n));
+        let found = minimax::minimise_largest(&mut Few(functions), start, &scales, &bounds, search);
         assert!((found.value - value).abs() < 1e-6, "{found:?} {value}");
         near(&found.x, place, 2e-4);
         assert!(found.evaluations < 60, "{found:?}");

@@ -3,7 +3,7 @@
 use super::reshaped::{self, Reading};
 use crate::diag::{SceneError, Source};
 use crate::kinematics::measures::{driven_along, poses_of};
-use crate::kinematics::motion::continuation::{solve, solve_whole};
+use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::Sample;
@@ -14,7 +14,7 @@ use crate::model::drive::Drive;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::study::{Study, Variable};
-use crate::scene::{Kept, Overrides, load};
+use crate::scene::{Kept, Overrides, load_scene};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ const DRIVE_SAMPLES: usize = 180;
 
 /// A mechanism whose last inputs are the variables of its study.
 #[derive(Clone, Debug)]
-pub struct Family {
+pub struct ParametricMechanism {
     /// Traced points have frames of their own in its mechanism, bodies are as in the file.
     system: Arc<System>,
     /// The scene's drives; the variables rest.
@@ -84,7 +84,7 @@ pub enum FamilyError {
     },
 }
 
-impl Family {
+impl ParametricMechanism {
     /// Reads the scene with the parameters called `vary` as variables, or with those of its `[study]`.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl Family {
         overrides: &Overrides,
         vary: &[String],
     ) -> Result<Self, FamilyError> {
-        let nominal = load(source, overrides).map_err(Box::new)?;
+        let nominal = load_scene(source, overrides).map_err(Box::new)?;
         let own = nominal.study.iter().flat_map(|s| &s.variables);
         let names: Vec<String> = if vary.is_empty() {
             own.map(|v| v.name.clone()).collect()
@@ -123,7 +123,7 @@ impl Family {
         overrides: &Overrides,
         names: &[String],
     ) -> Result<Self, FamilyError> {
-        let nominal = load(source, overrides).map_err(Box::new)?;
+        let nominal = load_scene(source, overrides).map_err(Box::new)?;
         Self::of(source, overrides, names.to_vec(), nominal.mechanism.size)
     }
 
@@ -140,7 +140,7 @@ impl Family {
             size: Some(size),
             ..overrides.clone()
         };
-        let scene = load(source, &overrides).map_err(Box::new)?;
+        let scene = load_scene(source, &overrides).map_err(Box::new)?;
         let mut study = scene.study.unwrap_or_default();
         if overrides.vary.is_empty() {
             study.variables.clear();
@@ -248,7 +248,7 @@ impl Family {
                 Some(track) => poses_of(&self.system, &self.actuation, track),
                 None => {
                     let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
-                    solve(&self.system, &self.actuation, &times).of_one_motion()
+                    solve_motion(&self.system, &self.actuation, &times).of_one_motion()
                 }
             };
             self.add_samples(row, &samples, &mut nominal)?;

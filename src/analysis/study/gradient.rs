@@ -1,11 +1,11 @@
 //! Exact derivatives of measures by the variables: rates of the poses, then the chain rule. Where a measure derives by
 //! an input the mixed second derivative is needed, which Taylor series through the loops give.
 
-use super::measure::Shown;
-use super::slopes::Slopes;
-use super::stand::{Evaluator, Rejection, Stand};
+use super::measure::ShownMeasure;
+use super::slopes::MeasureSlopes;
+use super::stand::{Evaluator, Rejection, TrackPoses};
 use crate::jobs;
-use crate::kinematics::measures::along;
+use crate::kinematics::measures::values_along;
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
 use crate::numbers::series::TaylorSeries;
@@ -24,7 +24,7 @@ pub struct Gradients {
 
 /// How what a pose shows changes with the variables.
 pub(super) struct Changes {
-    slopes: Slopes,
+    slopes: MeasureSlopes,
     /// Along every variable to the second order, where a measure derives by an input.
     variables: Vec<Vec<TaylorSeries>>,
     /// Along an input by which measures derive, and along it and every variable together.
@@ -44,7 +44,7 @@ impl Changes {
         &self,
         formula: &Expression,
         per: Option<usize>,
-        shown: &Shown,
+        shown: &ShownMeasure,
         scale: f64,
         row: &mut [f64],
     ) {
@@ -82,7 +82,7 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// A measure without a value or derivative (names it), or a singular pose.
-    pub fn gradients(&self, stand: &Stand) -> Result<Gradients, Rejection> {
+    pub fn gradients(&self, stand: &TrackPoses) -> Result<Gradients, Rejection> {
         let list = &self.family.measures.list;
         let (own, count) = (self.family.own_inputs(), stand.values.len());
         let shown = self.shown(stand);
@@ -94,7 +94,9 @@ impl Evaluator<'_> {
         for (measure, reduced) in list.iter().zip(&reductions) {
             let mut row = vec![0.0; count];
             match (&measure.source, reduced) {
-                (MeasureSource::Formula(formula), _) => chain(formula, &numbers, &rows, &mut row),
+                (MeasureSource::Formula(formula), _) => {
+                    chain_rule(formula, &numbers, &rows, &mut row)
+                }
                 (MeasureSource::Over { track, of, per, .. }, Some(reduced)) => {
                     let poses = self.family.poses_of(*track);
                     for (formula, weights) in of.iter().zip(&reduced.weights) {
@@ -123,8 +125,8 @@ impl Evaluator<'_> {
     /// How every pose of a stand, which shows `shown`, changes with the variables.
     pub(super) fn changes(
         &self,
-        stand: &Stand,
-        shown: &[Shown],
+        stand: &TrackPoses,
+        shown: &[ShownMeasure],
     ) -> Result<Vec<Changes>, Rejection> {
         let settled;
         let sensitivities = match stand.sensitivities() {
@@ -141,16 +143,16 @@ impl Evaluator<'_> {
                 return None;
             }
             let slots = &shown[index].slots;
-            let slopes = Slopes::new(mechanism, count, slots, &sensitivities[index]);
+            let slopes = MeasureSlopes::new(mechanism, count, slots, &sensitivities[index]);
             self.changes_at(index, &stand.poses[index], slopes)
         };
         let poses = stand.poses.len();
         // Only series through the loops are worth a thread.
         let threads = match self.derives_by_inputs() {
-            true => jobs::cores().min(poses.div_ceil(LEAST_PORTION)),
+            true => jobs::core_count().min(poses.div_ceil(LEAST_PORTION)),
             false => 1,
         };
-        let found = jobs::share(poses, threads, || (), |(), index| Some(work(index)));
+        let found = jobs::share_work(poses, threads, || (), |(), index| Some(work(index)));
         let changes = found.into_iter().map(|(index, changes)| {
             changes.ok_or_else(|| {
                 let (track, pose) = self.family.place_of(index);
@@ -160,7 +162,7 @@ impl Evaluator<'_> {
         changes.collect()
     }
 
-    fn changes_at(&self, index: usize, pose: &[f64], slopes: Slopes) -> Option<Changes> {
+    fn changes_at(&self, index: usize, pose: &[f64], slopes: MeasureSlopes) -> Option<Changes> {
         let family = self.family;
         let (first, count) = (family.own_inputs(), family.study.variables.len());
         let inputs = self.derived_by(index);
@@ -171,7 +173,7 @@ impl Evaluator<'_> {
                 mixed: Vec::new(),
             });
         }
-        let series = |moving: &[usize]| along(family.system(), pose, moving, 2);
+        let series = |moving: &[usize]| values_along(family.system(), pose, moving, 2);
         let variables: Option<Vec<_>> = (0..count).map(|k| series(&[first + k])).collect();
         let mixed: Option<Vec<Mixed>> = inputs
             .into_iter()
@@ -194,7 +196,7 @@ impl Evaluator<'_> {
 }
 
 /// Adds the derivative of a formula of earlier numbers, whose derivatives are `rows`.
-fn chain(formula: &Expression, numbers: &[f64], rows: &[Vec<f64>], row: &mut [f64]) {
+fn chain_rule(formula: &Expression, numbers: &[f64], rows: &[Vec<f64>], row: &mut [f64]) {
     let mut gradient = vec![0.0; numbers.len()];
     formula.add_gradient(
         numbers,

@@ -1,8 +1,8 @@
 //! Measures of a stand: what every pose shows, reduced along the tracks, put into the measures' formulas.
 
-use super::stand::{Evaluator, Rejection, Stand};
-use crate::kinematics::measures::along;
-use crate::kinematics::measures::reduce::{Reduced, reduce};
+use super::stand::{Evaluator, Rejection, TrackPoses};
+use crate::kinematics::measures::reduce::{Reduced, reduce_values};
+use crate::kinematics::measures::values_along;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
@@ -16,12 +16,12 @@ pub struct Measured {
 }
 
 /// What a pose shows: coordinates, traces, outputs, and their series along the inputs by which measures derive.
-pub(super) struct Shown {
+pub(super) struct ShownMeasure {
     pub slots: Vec<f64>,
     along: Vec<(usize, Option<Vec<TaylorSeries>>)>,
 }
 
-impl Shown {
+impl ShownMeasure {
     /// The value of a formula, or its derivative by an input.
     pub fn value(&self, formula: &Expression, per: Option<usize>, scratch: &mut Vec<f64>) -> f64 {
         let Some(input) = per else {
@@ -36,7 +36,7 @@ impl Shown {
 }
 
 /// Coordinates, x, y, z of the traces, outputs.
-fn slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
+fn measure_slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
     let arguments = mechanism.argument_values(pose);
     let mut slots = pose.to_vec();
     for trace in &mechanism.traces {
@@ -55,20 +55,20 @@ fn slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
 
 impl Evaluator<'_> {
     /// What every pose of a stand shows.
-    pub(super) fn shown(&self, stand: &Stand) -> Vec<Shown> {
+    pub(super) fn shown(&self, stand: &TrackPoses) -> Vec<ShownMeasure> {
         let poses = stand.poses.iter().enumerate();
         poses
             .map(|(index, pose)| self.shown_at(index, pose))
             .collect()
     }
 
-    fn shown_at(&self, index: usize, pose: &[f64]) -> Shown {
+    fn shown_at(&self, index: usize, pose: &[f64]) -> ShownMeasure {
         let family = self.family;
         let system = family.system();
         let inputs = self.derived_by(index);
-        let series = |input: usize| (input, along(system, pose, &[input], 1));
-        Shown {
-            slots: slots(system.mechanism(), pose),
+        let series = |input: usize| (input, values_along(system, pose, &[input], 1));
+        ShownMeasure {
+            slots: measure_slots(system.mechanism(), pose),
             along: inputs.into_iter().map(series).collect(),
         }
     }
@@ -102,7 +102,7 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// A measure that has no value (names it).
-    pub fn measure(&self, stand: &Stand) -> Result<Measured, Rejection> {
+    pub fn measure(&self, stand: &TrackPoses) -> Result<Measured, Rejection> {
         let shown = self.shown(stand);
         let (numbers, _) = self.numbers(stand, &shown);
         let measures = numbers[self.family.mechanism().inputs.len()..].to_vec();
@@ -116,7 +116,7 @@ impl Evaluator<'_> {
     }
 
     /// Why the measure called `name` has no value at a stand: which operation, at which pose.
-    pub fn why(&self, stand: &Stand, name: &str) -> String {
+    pub fn why(&self, stand: &TrackPoses, name: &str) -> String {
         let (measures, shown) = (&self.family.measures.list, self.shown(stand));
         let (numbers, _) = self.numbers(stand, &shown);
         let source = measures.iter().find(|m| m.name == name).map(|m| &m.source);
@@ -138,8 +138,8 @@ impl Evaluator<'_> {
     /// Inputs and measures, the slots of the measures' formulas; and how those over tracks came about.
     pub(super) fn numbers(
         &self,
-        stand: &Stand,
-        shown: &[Shown],
+        stand: &TrackPoses,
+        shown: &[ShownMeasure],
     ) -> (Vec<f64>, Vec<Option<Reduced>>) {
         let mut numbers = self.family.actuation.inputs_at(0.0);
         let own = self.family.own_inputs();
@@ -168,7 +168,7 @@ impl Evaluator<'_> {
                                 .collect()
                         })
                         .collect();
-                    let reduced = reduce(*taking, *power, &rows);
+                    let reduced = reduce_values(*taking, *power, &rows);
                     (reduced.as_ref().map_or(f64::NAN, |r| r.value), reduced)
                 }
             };

@@ -13,9 +13,9 @@ mod slopes;
 mod stand;
 mod tears;
 
-pub use family::{Family, FamilyError, Nominal};
+pub use family::{FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
 pub use measure::Measured;
 pub use peaks::{Guard, Peaks};
-pub use search::{Refusals, Search, Watch};
-pub use stand::{Evaluator, Rejection, Stand};
+pub use search::{Refusals, StudySearch, Watch};
+pub use stand::{Evaluator, Rejection, TrackPoses};

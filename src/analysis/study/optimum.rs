@@ -1,8 +1,8 @@
 //! Searching a study's optimum by a chosen method, and proving afterwards what was found.
 
-use super::family::{Family, FamilyError};
+use super::family::{FamilyError, ParametricMechanism};
 use super::peaks::Peaks;
-use super::search::{Refusals, Search, Watch};
+use super::search::{Refusals, StudySearch, Watch};
 use super::stand::Evaluator;
 use crate::analysis::optimise::{
     Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
@@ -64,8 +64,8 @@ pub struct Optimum {
 ///
 /// # Errors
 /// No objective, no poses at the start, or no bounds where the method needs them.
-pub fn optimise(
-    family: &Family,
+pub fn find_optimum(
+    family: &ParametricMechanism,
     method: Method,
     iterations: usize,
     watch: Box<Watch<'_>>,
@@ -73,7 +73,7 @@ pub fn optimise(
     if let Method::Minimax { tolerance } = method {
         return least_largest(family, tolerance, iterations, watch);
     }
-    let mut search = Search::new(family, watch)?;
+    let mut search = StudySearch::new(family, watch)?;
     let (bounds, scales) = (search.bounds(), search.scales());
     let finite = bounds
         .lower
@@ -88,33 +88,33 @@ pub fn optimise(
     let limits = search.constraint_scales();
     let mut run = |objective: &mut dyn Objective, x: &[f64]| -> Minimum {
         let newton = |objective: &mut dyn Objective, x: &[f64], tolerance: f64| {
-            let limits = bfgs::Limits {
+            let limits = bfgs::BfgsLimits {
                 gradient_tolerance: tolerance,
                 iterations,
                 first_step: FIRST_STEP,
             };
-            bfgs::minimise(objective, x, &scales, &bounds, limits)
+            bfgs::minimise_bfgs(objective, x, &scales, &bounds, limits)
         };
         match method {
             Method::NelderMead { tolerance } => {
-                let limits = nelder_mead::Limits {
+                let limits = nelder_mead::NelderMeadLimits {
                     x_tolerance: tolerance,
                     value_tolerance: tolerance,
                     evaluations: 4 * iterations,
                 };
-                nelder_mead::minimise(objective, x, &bounds, limits)
+                nelder_mead::minimise_nelder_mead(objective, x, &bounds, limits)
             }
             Method::Bfgs { tolerance } | Method::Minimax { tolerance } => {
                 newton(objective, x, tolerance)
             }
             Method::Evolution { tolerance, seed } => {
-                let limits = evolution::Limits {
+                let limits = evolution::EvolutionLimits {
                     members: MEMBERS_PER_VARIABLE * x.len() + 4,
                     generations: iterations,
                     seed,
                     value_tolerance: tolerance,
                 };
-                let found = evolution::minimise(objective, x, &bounds, limits);
+                let found = evolution::minimise_by_evolution(objective, x, &bounds, limits);
                 let refined = newton(objective, &found.x, tolerance);
                 let total = Minimum {
                     iterations: found.iterations + refined.iterations,
@@ -133,7 +133,7 @@ pub fn optimise(
     let minimum = if limits.is_empty() {
         run(&mut search, &start)
     } else {
-        constraints::minimise(&mut search, &start, &limits, LET_PASS, &mut run)
+        constraints::minimise_constrained(&mut search, &start, &limits, LET_PASS, &mut run)
     };
     Ok(Optimum {
         minimum,
@@ -143,23 +143,23 @@ pub fn optimise(
 }
 
 fn least_largest(
-    family: &Family,
+    family: &ParametricMechanism,
     tolerance: f64,
     iterations: usize,
     watch: Box<Watch<'_>>,
 ) -> Result<Optimum, FamilyError> {
-    let quiet = Search::new(family, Box::new(|_, _, _| true))?;
+    let quiet = StudySearch::new(family, Box::new(|_, _, _| true))?;
     let (bounds, scales, first_value) = (quiet.bounds(), quiet.scales(), quiet.value());
     let mut evaluator = Evaluator::new(family);
     let start = evaluator.nominal(family.nominal()?.poses);
     let mut peaks = Peaks::new(family, evaluator, start, watch)?;
-    let search = minimax::Search {
+    let search = minimax::MinimaxSearch {
         radius: FIRST_STEP,
         smallest_radius: SMALLEST_RADIUS,
         tolerance,
         iterations,
     };
-    let minimum = minimax::minimise(&mut peaks, &family.start(), &scales, &bounds, search);
+    let minimum = minimax::minimise_largest(&mut peaks, &family.start(), &scales, &bounds, search);
     Ok(Optimum {
         minimum,
         first_value,
@@ -186,7 +186,7 @@ pub struct Verified {
 ///
 /// # Errors
 /// What is wrong with the values: they do not assemble, or not on the way from the start values.
-pub fn verify(
+pub fn verify_optimum(
     source: &Source,
     overrides: &Overrides,
     parameters: Vec<(String, String)>,
@@ -196,7 +196,7 @@ pub fn verify(
         parameters,
         ..overrides.clone()
     };
-    let family = Family::load(source, &overrides, vary)?;
+    let family = ParametricMechanism::load(source, &overrides, vary)?;
     let nominal = family.nominal()?;
     let (error_bound, unproved, poses) =
         (nominal.error_bound, nominal.unproved, nominal.poses.len());

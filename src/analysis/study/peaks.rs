@@ -1,11 +1,11 @@
 //! A study whose objective is the largest value along a track, pose by pose: what a minimax search works on.
 
-use super::family::{Family, FamilyError};
-use super::rows::{Listed, Rows, listed, nearness};
+use super::family::{FamilyError, ParametricMechanism};
+use super::rows::{Listed, StudyRows, list_rows, row_nearness};
 use super::search::{Refusals, Watch};
-use super::stand::{Evaluator, Rejection, Stand};
-use crate::analysis::optimise::Bounds;
-use crate::analysis::optimise::minimax::{Edge, Heights, Landscape, Slopes};
+use super::stand::{Evaluator, Rejection, TrackPoses};
+use crate::analysis::optimise::VariableBounds;
+use crate::analysis::optimise::minimax::{MinimaxProblem, PeakGradients, PeakValues, TrustEdge};
 
 /// Found poses may be nearer to a singular one than those of the file's values, but not nearer than this share: a search
 /// that is let go farther ends where its mechanism is about to fall apart.
@@ -17,13 +17,13 @@ const SLOPES_BELOW: f64 = 4.0;
 /// A family whose objective is the largest value or magnitude along a track.
 pub struct Peaks<'f, 'w> {
     evaluator: Evaluator<'f>,
-    base: Stand,
+    base: TrackPoses,
     base_merit: f64,
     excess: f64,
     /// Poses with a smaller singular value are refused.
     least_sigma: f64,
     /// Those of the objective, then those of the limits that are asked pose by pose.
-    rows: Vec<Rows<'f>>,
+    rows: Vec<StudyRows<'f>>,
     /// Limits of measures that are one number, as (measure, factor, shift).
     singles: Vec<(usize, f64, f64)>,
     /// Candidates that were refused.
@@ -37,7 +37,7 @@ pub struct Peaks<'f, 'w> {
 
 /// Called with a stand that a search is about to build on: how far it is beyond what is allowed, as a number of order one;
 /// zero or less lets it pass.
-pub type Guard<'w> = dyn FnMut(&Stand) -> f64 + 'w;
+pub type Guard<'w> = dyn FnMut(&TrackPoses) -> f64 + 'w;
 
 /// Step of the differences that show how a guard's answer changes, as a share of the variables' ranges.
 const GUARD_STEP: f64 = 1e-7;
@@ -48,14 +48,14 @@ impl<'f, 'w> Peaks<'f, 'w> {
     /// # Errors
     /// An objective of another form.
     pub fn new(
-        family: &'f Family,
+        family: &'f ParametricMechanism,
         mut evaluator: Evaluator<'f>,
-        start: Stand,
+        start: TrackPoses,
         watch: Box<Watch<'w>>,
     ) -> Result<Self, FamilyError> {
         let measures = &family.measures.list;
         let objective = family.study.objective.map(|index| &measures[index]);
-        let peaks = objective.and_then(|m| Rows::of(family, m));
+        let peaks = objective.and_then(|m| StudyRows::of(family, m));
         let Some(peaks) = peaks.filter(|rows| rows.signs[0] > 0.0) else {
             let message =
                 "minimax needs an objective that takes \"max\" or \"largest\" over a track";
@@ -68,14 +68,16 @@ impl<'f, 'w> Peaks<'f, 'w> {
                 let size = if bound == 0.0 { 1.0 } else { bound.abs() };
                 let shift = -sign * bound / size;
                 // Only the side that the extreme is on can be asked pose by pose.
-                match Rows::of(family, measure).filter(|rows| rows.signs[0] == sign) {
+                match StudyRows::of(family, measure).filter(|rows| rows.signs[0] == sign) {
                     Some(own) => rows.push(own.scaled(1.0 / size, shift)),
                     None => singles.push((index, sign / size, shift)),
                 }
             }
         }
         let base = evaluator.settled(start);
-        let here = nearness(family, &base.poses, 1.0, 0.0).values.into_iter();
+        let here = row_nearness(family, &base.poses, 1.0, 0.0)
+            .values
+            .into_iter();
         let least_sigma = SHARE_OF_SIGMA * (1.0 - here.fold(0.0, f64::max));
         Ok(Self {
             least_sigma,
@@ -118,9 +120,9 @@ impl<'f, 'w> Peaks<'f, 'w> {
     }
 
     /// The box of the variables.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> VariableBounds {
         let variables = &self.evaluator.family().study.variables;
-        Bounds {
+        VariableBounds {
             lower: variables.iter().map(|v| v.lower).collect(),
             upper: variables.iter().map(|v| v.upper).collect(),
         }
@@ -146,7 +148,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         self.least_sigma
     }
 
-    fn look(&mut self, x: &[f64], with_slopes: bool) -> Option<(Heights, Slopes)> {
+    fn look(&mut self, x: &[f64], with_slopes: bool) -> Option<(PeakValues, PeakGradients)> {
         match self.look_or_refuse(x, with_slopes) {
             Ok(found) => found,
             Err(rejection) => {
@@ -160,7 +162,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         &mut self,
         x: &[f64],
         with_slopes: bool,
-    ) -> Result<Option<(Heights, Slopes)>, Rejection> {
+    ) -> Result<Option<(PeakValues, PeakGradients)>, Rejection> {
         let stand = if with_slopes {
             self.evaluator.reach(&self.base, x)?
         } else {
@@ -177,18 +179,18 @@ impl<'f, 'w> Peaks<'f, 'w> {
             return Ok(None);
         }
         let family = self.evaluator.family();
-        let mut lists = listed(family, &self.rows, &stand.poses, with_slopes).into_iter();
+        let mut lists = list_rows(family, &self.rows, &stand.poses, with_slopes).into_iter();
         let Listed { values, slopes } = lists.next().unwrap_or_default();
-        let mut heights = Heights {
+        let mut heights = PeakValues {
             peaks: values,
             limits: Vec::new(),
         };
-        let mut slopes = Slopes {
+        let mut slopes = PeakGradients {
             peaks: slopes,
             limits: Vec::new(),
         };
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
-        let regular = nearness(family, &stand.poses, self.least_sigma, near);
+        let regular = row_nearness(family, &stand.poses, self.least_sigma, near);
         for mut list in lists.chain([regular]) {
             heights.limits.append(&mut list.values);
             slopes.limits.append(&mut list.slopes);
@@ -217,10 +219,10 @@ impl<'f, 'w> Peaks<'f, 'w> {
     /// Limits of measures that are one number.
     fn add_singles(
         &self,
-        stand: &Stand,
+        stand: &TrackPoses,
         with_slopes: bool,
-        heights: &mut Heights,
-        slopes: &mut Slopes,
+        heights: &mut PeakValues,
+        slopes: &mut PeakGradients,
     ) -> Result<(), Rejection> {
         let measures = if with_slopes {
             let found = self.evaluator.gradients(stand)?;
@@ -240,17 +242,17 @@ impl<'f, 'w> Peaks<'f, 'w> {
     }
 }
 
-impl Landscape for Peaks<'_, '_> {
-    fn heights(&mut self, x: &[f64]) -> Option<Heights> {
+impl MinimaxProblem for Peaks<'_, '_> {
+    fn heights(&mut self, x: &[f64]) -> Option<PeakValues> {
         Some(self.look(x, false)?.0)
     }
 
-    fn slopes(&mut self, x: &[f64]) -> Option<(Heights, Slopes)> {
+    fn slopes(&mut self, x: &[f64]) -> Option<(PeakValues, PeakGradients)> {
         self.look(x, true)
     }
 
     /// By differences: a guard knows no derivatives, and none at all on the side that it lets pass.
-    fn edge(&mut self, x: &[f64]) -> Option<Edge> {
+    fn edge(&mut self, x: &[f64]) -> Option<TrustEdge> {
         let stand = self.evaluator.reach(&self.base, x).ok()?;
         let guard = self.guard.as_mut()?;
         let value = guard(&stand);
@@ -277,7 +279,7 @@ impl Landscape for Peaks<'_, '_> {
             };
             slope[k] = (other - value) / h;
         }
-        Some(Edge {
+        Some(TrustEdge {
             x: x.to_vec(),
             value,
             slope,

@@ -7,7 +7,7 @@ use crate::math::Pose;
 use crate::model::distance::{Nearest, Solids};
 use crate::model::mechanism::{Body, Mechanism, OutputSource};
 use crate::model::study::Variable;
-use crate::scene::{Overrides, load};
+use crate::scene::{Overrides, load_scene};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -39,7 +39,7 @@ impl Reading {
             let text = format!("{:?}", value * unit);
             overrides.parameters.push((variable.name.clone(), text));
         }
-        let scene = load(&self.source, &overrides).ok()?;
+        let scene = load_scene(&self.source, &overrides).ok()?;
         Some(scene.mechanism.bodies.clone())
     }
 }

@@ -1,8 +1,8 @@
 //! A formula pose by pose: its values along a track, or its derivatives by an input, and how these change with the
 //! variables. The poses are shared among threads; the numbers do not depend on how many there are.
 
-use super::family::Family;
-use crate::jobs::{cores, share};
+use super::family::ParametricMechanism;
+use crate::jobs::{core_count, share_work};
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
@@ -13,7 +13,7 @@ use std::ops::Range;
 const LEAST_PORTION: usize = 64;
 
 /// The same formula at several poses, as `sign · factor · formula + shift` for every sign.
-pub(super) struct Rows<'a> {
+pub(super) struct StudyRows<'a> {
     formula: &'a Expression,
     per: Option<usize>,
     poses: Range<usize>,
@@ -34,9 +34,9 @@ pub(super) struct Listed {
     pub slopes: Vec<Vec<f64>>,
 }
 
-impl<'f> Rows<'f> {
+impl<'f> StudyRows<'f> {
     /// The rows of a measure that is the largest or smallest value of a row of poses.
-    pub fn of(family: &'f Family, measure: &'f Measure) -> Option<Self> {
+    pub fn of(family: &'f ParametricMechanism, measure: &'f Measure) -> Option<Self> {
         let MeasureSource::Over {
             track,
             of,
@@ -53,7 +53,7 @@ impl<'f> Rows<'f> {
             Taking::Largest => &[1.0, -1.0],
             _ => return None,
         };
-        let (reach, is_free_of_traces) = needs(family, &of[0]);
+        let (reach, is_free_of_traces) = needed_rows(family, &of[0]);
         Some(Self {
             formula: &of[0],
             per: *per,
@@ -77,7 +77,7 @@ impl<'f> Rows<'f> {
 }
 
 /// The number of slots that must be known for a formula, and whether no trace is among those that count.
-fn needs(family: &Family, formula: &Expression) -> (usize, bool) {
+fn needed_rows(family: &ParametricMechanism, formula: &Expression) -> (usize, bool) {
     let mechanism = family.mechanism();
     let coordinates = mechanism.coordinate_count();
     let base = coordinates + 3 * mechanism.traces.len();
@@ -97,14 +97,14 @@ fn needs(family: &Family, formula: &Expression) -> (usize, bool) {
 /// What is asked at a pose.
 #[derive(Clone, Copy)]
 enum Question<'a> {
-    Formula(&'a Rows<'a>),
+    Formula(&'a StudyRows<'a>),
     /// The smallest singular value.
     Regularity,
 }
 
 /// Evaluates formulas at poses; one for each thread.
 struct Reader<'f> {
-    family: &'f Family,
+    family: &'f ParametricMechanism,
     variation: Variation<'f>,
     numbers: Vec<f64>,
     gradient: Vec<f64>,
@@ -117,7 +117,7 @@ struct Reader<'f> {
 }
 
 impl<'f> Reader<'f> {
-    fn new(family: &'f Family) -> Self {
+    fn new(family: &'f ParametricMechanism) -> Self {
         Self {
             family,
             variation: Variation::new(family.system()),
@@ -164,7 +164,7 @@ impl<'f> Reader<'f> {
     }
 
     /// The formula of `rows` at a pose.
-    fn value(&mut self, rows: &Rows, pose: &[f64]) -> f64 {
+    fn value(&mut self, rows: &StudyRows, pose: &[f64]) -> f64 {
         if let Some(input) = rows.per {
             self.variation.tangent(pose, input, &mut self.along);
             let slots = self
@@ -183,7 +183,7 @@ impl<'f> Reader<'f> {
     }
 
     /// Its derivatives by the variables.
-    fn slope(&mut self, rows: &Rows, pose: &[f64]) -> Vec<f64> {
+    fn slope(&mut self, rows: &StudyRows, pose: &[f64]) -> Vec<f64> {
         let variables = self.family.study.variables.len();
         let first = self.family.own_inputs();
         if rows.per.is_none() && rows.is_free_of_traces {
@@ -218,7 +218,7 @@ impl<'f> Reader<'f> {
     }
 
     /// Coordinates and outputs; no traces.
-    fn fill_numbers(&mut self, rows: &Rows, pose: &[f64]) {
+    fn fill_numbers(&mut self, rows: &StudyRows, pose: &[f64]) {
         let mechanism = self.family.mechanism();
         self.numbers.clear();
         self.numbers.extend_from_slice(pose);
@@ -234,7 +234,7 @@ impl<'f> Reader<'f> {
     }
 
     /// Derivatives of the formula by the coordinates, backwards through the outputs.
-    fn fill_gradient(&mut self, rows: &Rows, pose: &[f64]) {
+    fn fill_gradient(&mut self, rows: &StudyRows, pose: &[f64]) {
         self.fill_numbers(rows, pose);
         let (numbers, gradient) = (&self.numbers, &mut self.gradient);
         let (values, adjoints) = (&mut self.values, &mut self.adjoints);
@@ -255,9 +255,9 @@ impl<'f> Reader<'f> {
 }
 
 /// Values of all rows at the poses of a stand, list by list.
-pub(super) fn listed(
-    family: &Family,
-    rows: &[Rows],
+pub(super) fn list_rows(
+    family: &ParametricMechanism,
+    rows: &[StudyRows],
     poses: &[Vec<f64>],
     with_slopes: bool,
 ) -> Vec<Listed> {
@@ -269,16 +269,16 @@ pub(super) fn listed(
                 .map(move |pose| (Question::Formula(r), pose))
         })
         .collect();
-    let mut found = answers(family, &jobs, poses, &|_| with_slopes).into_iter();
+    let mut found = row_answers(family, &jobs, poses, &|_| with_slopes).into_iter();
     rows.iter()
-        .map(|r| sided(r, found.by_ref().take(r.poses.len()).collect()))
+        .map(|r| one_sided(r, found.by_ref().take(r.poses.len()).collect()))
         .collect()
 }
 
 /// How near to singular poses the poses of a stand are, as `1 - σ/least`: not positive where the smallest singular value
 /// is at least `least`. Slopes only where it is below `slopes_below` times that, else zeros.
-pub(super) fn nearness(
-    family: &Family,
+pub(super) fn row_nearness(
+    family: &ParametricMechanism,
     poses: &[Vec<f64>],
     least: f64,
     slopes_below: f64,
@@ -288,7 +288,7 @@ pub(super) fn nearness(
         .collect();
     let mut listed = Listed::default();
     let is_near = |sigma: f64| sigma < slopes_below * least;
-    for (sigma, mut slope) in answers(family, &jobs, poses, &is_near) {
+    for (sigma, mut slope) in row_answers(family, &jobs, poses, &is_near) {
         listed.values.push(1.0 - sigma / least);
         slope.iter_mut().for_each(|d| *d /= -least);
         slope.resize(family.study.variables.len(), 0.0);
@@ -297,15 +297,15 @@ pub(super) fn nearness(
     listed
 }
 
-fn answers(
-    family: &Family,
+fn row_answers(
+    family: &ParametricMechanism,
     jobs: &[(Question, usize)],
     poses: &[Vec<f64>],
     with_slope: &(dyn Fn(f64) -> bool + Sync),
 ) -> Vec<(f64, Vec<f64>)> {
-    let threads = cores().min(jobs.len().div_ceil(LEAST_PORTION));
+    let threads = core_count().min(jobs.len().div_ceil(LEAST_PORTION));
     let make = || Reader::new(family);
-    let found = share(jobs.len(), threads, make, |reader, job| {
+    let found = share_work(jobs.len(), threads, make, |reader, job| {
         let (question, pose) = jobs[job];
         Some(reader.answer(question, &poses[pose], with_slope))
     });
@@ -313,7 +313,7 @@ fn answers(
 }
 
 /// Every sign's side of the values of some rows.
-fn sided(rows: &Rows, found: Vec<(f64, Vec<f64>)>) -> Listed {
+fn one_sided(rows: &StudyRows, found: Vec<(f64, Vec<f64>)>) -> Listed {
     let mut listed = Listed::default();
     for sign in rows.signs {
         let factor = sign * rows.factor;

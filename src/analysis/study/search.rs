@@ -1,9 +1,9 @@
 //! A study as a function for the minimisers: poses from the best stand so far, refused candidates counted by cause.
 
-use super::family::{Family, FamilyError};
-use super::stand::{Evaluator, Rejection, Stand};
+use super::family::{FamilyError, ParametricMechanism};
+use super::stand::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::constraints::Constrained;
-use crate::analysis::optimise::{Bounds, Objective};
+use crate::analysis::optimise::{Objective, VariableBounds};
 
 /// How many candidates were refused, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,9 +36,9 @@ impl Refusals {
 pub type Watch<'w> = dyn FnMut(usize, &[f64], f64) -> bool + 'w;
 
 /// A family with its objective.
-pub struct Search<'f, 'w> {
+pub struct StudySearch<'f, 'w> {
     evaluator: Evaluator<'f>,
-    base: Stand,
+    base: TrackPoses,
     base_value: f64,
     objective: usize,
     /// Candidates that were refused.
@@ -46,12 +46,15 @@ pub struct Search<'f, 'w> {
     watch: Box<Watch<'w>>,
 }
 
-impl<'f, 'w> Search<'f, 'w> {
+impl<'f, 'w> StudySearch<'f, 'w> {
     /// Prepares the search from the file's own values.
     ///
     /// # Errors
     /// No objective; poses or measures that do not exist at the start.
-    pub fn new(family: &'f Family, watch: Box<Watch<'w>>) -> Result<Self, FamilyError> {
+    pub fn new(
+        family: &'f ParametricMechanism,
+        watch: Box<Watch<'w>>,
+    ) -> Result<Self, FamilyError> {
         let Some(objective) = family.study.objective else {
             let message =
                 "the study has nothing to minimise: name a measure with `minimise` in `[study]`";
@@ -83,9 +86,9 @@ impl<'f, 'w> Search<'f, 'w> {
     }
 
     /// The box of the variables.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> VariableBounds {
         let variables = &self.evaluator.family().study.variables;
-        Bounds {
+        VariableBounds {
             lower: variables.iter().map(|v| v.lower).collect(),
             upper: variables.iter().map(|v| v.upper).collect(),
         }
@@ -154,7 +157,7 @@ impl<'f, 'w> Search<'f, 'w> {
     }
 }
 
-impl Constrained for Search<'_, '_> {
+impl Constrained for StudySearch<'_, '_> {
     fn values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
         let (measures, _) = self.look(x, false)?;
         let mut values = vec![measures[self.objective]];
@@ -188,7 +191,7 @@ impl Constrained for Search<'_, '_> {
     }
 }
 
-impl Objective for Search<'_, '_> {
+impl Objective for StudySearch<'_, '_> {
     fn value(&mut self, x: &[f64]) -> f64 {
         self.look(x, false)
             .map_or(f64::INFINITY, |(measures, _)| measures[self.objective])

@@ -2,19 +2,19 @@
 //! points from the twists of their chains, outputs by the chain rule.
 
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion};
+use crate::model::chain::{Argument, ArgumentValue, Chain, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
-use crate::model::walk::walk;
+use crate::model::walk::walk_chain;
 use glam::DVec3;
 
 /// Derivatives of the slots of a pose: coordinates, x, y, z of the traces, outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Slopes {
+pub struct MeasureSlopes {
     /// One row per variable.
     pub rows: Vec<Vec<f64>>,
 }
 
-impl Slopes {
+impl MeasureSlopes {
     /// The slopes at a pose that shows `slots` by the last `count` inputs. `sensitivity` holds
     /// d(unknown)/d(variable), variable after variable.
     pub fn new(mechanism: &Mechanism, count: usize, slots: &[f64], sensitivity: &[f64]) -> Self {
@@ -112,15 +112,15 @@ fn point_by_arguments(
 ) -> Vec<(usize, DVec3)> {
     let mut pose = Pose::IDENTITY;
     let mut joints = Vec::with_capacity(chain.steps.len());
-    walk(&chain.steps, &mut pose, arguments, |here, joint| {
+    walk_chain(&chain.steps, &mut pose, arguments, |here, joint| {
         let axis = here.rotation.col(joint.axis) * joint.sign;
         joints.push((joint.argument, joint.motion, axis, here.translation));
     });
     let end = pose.transform_point(point);
     let moved = joints.into_iter().map(|(argument, motion, axis, origin)| {
         let by_argument = match motion {
-            Motion::Translation => axis,
-            Motion::Rotation => axis.cross(end - origin),
+            ElementaryMotion::Translation => axis,
+            ElementaryMotion::Rotation => axis.cross(end - origin),
         };
         (argument, by_argument)
     });

@@ -1,10 +1,10 @@
 //! Posing the mechanism with other values of its variables: from a known stand along the straight way to the new
 //! values, with the branch checks of any motion.
 
-use super::family::Family;
+use super::family::ParametricMechanism;
 use crate::kinematics::motion::tracker::steps::Steps;
 use crate::kinematics::solve::newton::Pace;
-use crate::kinematics::solve::pose_solver::{PoseSolver, follows};
+use crate::kinematics::solve::pose_solver::{PoseSolver, follows_prediction};
 use crate::kinematics::solve::predictor::Prediction;
 
 /// Smallest share of the way that is tried before a candidate is given up.
@@ -16,7 +16,7 @@ const LEAST_SIGMA: f64 = 1e-5;
 
 /// All poses of all tracks with one set of values, and how they change with the values.
 #[derive(Clone, Debug)]
-pub struct Stand {
+pub struct TrackPoses {
     /// Values of the variables.
     pub values: Vec<f64>,
     /// Unknowns, then inputs (the variables last), of every pose, track after track.
@@ -28,7 +28,7 @@ pub struct Stand {
     sigmas: Vec<f64>,
 }
 
-impl Stand {
+impl TrackPoses {
     /// d(unknowns)/d(variable) of every pose, variable after variable; none if the stand was only approached.
     pub(super) fn sensitivities(&self) -> Option<&[Vec<f64>]> {
         let known = self.sensitivities.len() == self.poses.len();
@@ -68,13 +68,13 @@ pub enum Rejection {
 /// Poses a family; one for each thread.
 #[derive(Clone, Debug)]
 pub struct Evaluator<'f> {
-    pub(super) family: &'f Family,
+    pub(super) family: &'f ParametricMechanism,
     pub(super) solver: PoseSolver<'f>,
 }
 
 impl<'f> Evaluator<'f> {
     /// Buffers for `family`.
-    pub fn new(family: &'f Family) -> Self {
+    pub fn new(family: &'f ParametricMechanism) -> Self {
         Self {
             family,
             solver: PoseSolver::new(family.system()),
@@ -82,15 +82,15 @@ impl<'f> Evaluator<'f> {
     }
 
     /// The family that is posed.
-    pub fn family(&self) -> &'f Family {
+    pub fn family(&self) -> &'f ParametricMechanism {
         self.family
     }
 
     /// The stand at the file's own values, from their `poses`.
-    pub fn nominal(&mut self, poses: Vec<Vec<f64>>) -> Stand {
+    pub fn nominal(&mut self, poses: Vec<Vec<f64>>) -> TrackPoses {
         let states = poses.iter().map(|pose| self.side(pose));
         let (signs, sigmas) = states.unzip();
-        self.settled(Stand {
+        self.settled(TrackPoses {
             values: self.family.start(),
             sensitivities: Vec::new(),
             signs,
@@ -125,12 +125,12 @@ impl<'f> Evaluator<'f> {
     ///
     /// # Errors
     /// The pose at which the way ends.
-    pub fn reach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
+    pub fn reach(&mut self, stand: &TrackPoses, values: &[f64]) -> Result<TrackPoses, Rejection> {
         self.go(stand, values, true)
     }
 
     /// An approached stand with the sensitivities that gradients and further steps need.
-    pub fn settled(&mut self, mut stand: Stand) -> Stand {
+    pub fn settled(&mut self, mut stand: TrackPoses) -> TrackPoses {
         if stand.sensitivities().is_none() {
             let poses = stand.poses.iter();
             stand.sensitivities = poses.map(|pose| self.sensitivity(pose)).collect();
@@ -142,11 +142,20 @@ impl<'f> Evaluator<'f> {
     ///
     /// # Errors
     /// The pose at which the way ends.
-    pub fn approach(&mut self, stand: &Stand, values: &[f64]) -> Result<Stand, Rejection> {
+    pub fn approach(
+        &mut self,
+        stand: &TrackPoses,
+        values: &[f64],
+    ) -> Result<TrackPoses, Rejection> {
         self.go(stand, values, false)
     }
 
-    fn go(&mut self, stand: &Stand, values: &[f64], settle: bool) -> Result<Stand, Rejection> {
+    fn go(
+        &mut self,
+        stand: &TrackPoses,
+        values: &[f64],
+        settle: bool,
+    ) -> Result<TrackPoses, Rejection> {
         let first = match self.step(stand, values, settle) {
             Ok(reached) => return Ok(reached),
             Err(pose) => pose,
@@ -177,7 +186,12 @@ impl<'f> Evaluator<'f> {
     }
 
     /// One step; the number of the pose that could not be trusted otherwise.
-    fn step(&mut self, stand: &Stand, values: &[f64], settle: bool) -> Result<Stand, usize> {
+    fn step(
+        &mut self,
+        stand: &TrackPoses,
+        values: &[f64],
+        settle: bool,
+    ) -> Result<TrackPoses, usize> {
         let change: Vec<f64> = values
             .iter()
             .zip(&stand.values)
@@ -194,7 +208,7 @@ impl<'f> Evaluator<'f> {
             }
             poses.push(pose);
         }
-        Ok(Stand {
+        Ok(TrackPoses {
             values: values.to_vec(),
             poses,
             sensitivities,
@@ -205,7 +219,7 @@ impl<'f> Evaluator<'f> {
 
     fn pose(
         &mut self,
-        stand: &Stand,
+        stand: &TrackPoses,
         index: usize,
         change: &[f64],
         values: &[f64],
@@ -225,7 +239,7 @@ impl<'f> Evaluator<'f> {
         pose[first..].copy_from_slice(values);
         let correction = self.solver.correct(&mut pose, Pace::Brisk);
         let prediction = Prediction { length, bend: 0.0 };
-        let trusted = follows(&correction, &prediction);
+        let trusted = follows_prediction(&correction, &prediction);
         if !trusted {
             return None;
         }

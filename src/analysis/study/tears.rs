@@ -1,8 +1,8 @@
 //! Whether neighbouring poses of a track still belong to one motion. Each pose follows the variables by itself; where a
 //! singular pose passes between two samples of a track, they end up on different branches, and no sample shows it.
 
-use super::stand::{Evaluator, Rejection, Stand};
-use crate::analysis::observer::{distance, positions};
+use super::stand::{Evaluator, Rejection, TrackPoses};
+use crate::analysis::observer::{largest_distance, marked_positions};
 use crate::kinematics::motion::continuation::solve_whole;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::model::actuation::Actuation;
@@ -18,7 +18,7 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// The pose that the one before it does not lead to.
-    pub fn whole(&mut self, stand: &Stand) -> Result<(), Rejection> {
+    pub fn whole(&mut self, stand: &TrackPoses) -> Result<(), Rejection> {
         for (track, range) in self.family.rows() {
             for (from, pair) in stand.poses[range].windows(2).enumerate() {
                 if !self.leads_to(&pair[0], &pair[1]) {
@@ -51,7 +51,10 @@ impl Evaluator<'_> {
             return false;
         };
         let end = [end.unknowns.as_slice(), &to[n..]].concat();
-        let off = distance(&positions(mechanism, &end), &positions(mechanism, to));
+        let off = largest_distance(
+            &marked_positions(mechanism, &end),
+            &marked_positions(mechanism, to),
+        );
         off < SAME * mechanism.size
     }
 

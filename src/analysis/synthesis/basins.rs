@@ -83,7 +83,7 @@ mod tests {
     use super::*;
     use crate::analysis::optimise::{Ended, Minimum};
 
-    fn start(origin: Origin, value: f64, x: [f64; 2]) -> Start {
+    fn basin_start(origin: Origin, value: f64, x: [f64; 2]) -> Start {
         let minimum = Minimum {
             x: x.to_vec(),
             value,
@@ -103,15 +103,15 @@ mod tests {
     fn the_same_minimum_found_twice_is_one_basin() {
         let broken = Start {
             excess: 0.1,
-            ..start(Origin::Random, 0.1, [9.0, 9.0])
+            ..basin_start(Origin::Random, 0.1, [9.0, 9.0])
         };
         let starts = [
-            start(Origin::Scene, 5.0, [0.0, 0.0]),
+            basin_start(Origin::Scene, 5.0, [0.0, 0.0]),
             // Its mirror image: elsewhere, of the same value.
-            start(Origin::Random, 5.01, [-40.0, 0.0]),
-            start(Origin::Random, 3.0, [10.0, 0.0]),
+            basin_start(Origin::Random, 5.01, [-40.0, 0.0]),
+            basin_start(Origin::Random, 3.0, [10.0, 0.0]),
             // On the way to that one, not there yet.
-            start(Origin::Random, 4.0, [10.4, 0.0]),
+            basin_start(Origin::Random, 4.0, [10.4, 0.0]),
             Start::none(Origin::Random),
             broken,
         ];

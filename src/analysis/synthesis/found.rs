@@ -89,7 +89,7 @@ impl Synthesis {
 }
 
 /// The end of a search in words.
-pub const fn ended(ended: Ended) -> &'static str {
+pub const fn ending_word(ended: Ended) -> &'static str {
     match ended {
         Ended::Converged => "converged",
         Ended::Stalled => "stuck",

@@ -10,10 +10,10 @@ mod starts;
 pub mod touching;
 pub mod verify;
 
-use crate::analysis::study::{Evaluator, Family, FamilyError, Peaks, Search};
-pub use found::{Start, Synthesis, ended};
-pub use plan::{FINER, From, Listener, Plan};
-use searches::{Phase, Run};
+use crate::analysis::study::{Evaluator, FamilyError, ParametricMechanism, Peaks, StudySearch};
+pub use found::{Start, Synthesis, ending_word};
+pub use plan::{FINER, From, Listener, SearchPlan};
+use searches::{Phase, SynthesisRun};
 pub use starts::{Origin, Rejected};
 use std::time::Instant;
 use touching::Touching;
@@ -22,15 +22,15 @@ use touching::Touching;
 ///
 /// # Errors
 /// A study that is not of the form minimax searches, without bounds, or that does not move with the file's own values.
-pub fn synthesise(
-    family: &Family,
+pub fn synthesise_path(
+    family: &ParametricMechanism,
     touching: Touching,
-    plan: Plan,
+    plan: SearchPlan,
     listener: &Listener,
 ) -> Result<Synthesis, FamilyError> {
     let mut evaluator = Evaluator::new(family);
     let own = evaluator.nominal(family.nominal()?.poses);
-    let search = Search::new(family, Box::new(|_, _, _| true))?;
+    let search = StudySearch::new(family, Box::new(|_, _, _| true))?;
     let bounds = search.bounds();
     if !bounds
         .lower
@@ -42,7 +42,7 @@ pub fn synthesise(
         return Err(FamilyError::Lacks(message.to_owned()));
     }
     let peaks = Peaks::new(family, evaluator, own, Box::new(|_, _, _| true))?;
-    let run = Run {
+    let run = SynthesisRun {
         family,
         touching,
         plan,
@@ -58,7 +58,7 @@ pub fn synthesise(
     }
     let searched = starts.len();
     let stopped = !run.goes_on(Phase::Searching);
-    let best = polishing::finish(&run, &mut starts);
+    let best = polishing::finish_polishing(&run, &mut starts);
     let Some((best, minimum)) = best.and_then(|b| b.minimum.clone().map(|m| (b, m))) else {
         let mut rejected = Rejected::default();
         starts.iter().for_each(|s| rejected.add(s.rejected));

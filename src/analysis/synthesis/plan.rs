@@ -18,7 +18,7 @@ pub enum From {
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct SearchPlan {
     /// Number of starts.
     pub starts: usize,
     /// Where random numbers start.

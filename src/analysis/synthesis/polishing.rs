@@ -4,9 +4,9 @@
 use super::basins::Basins;
 use super::found::Start;
 use super::plan::FINER;
-use super::searches::{Phase, Run};
+use super::searches::{Phase, SynthesisRun};
 use super::starts::Begun;
-use crate::analysis::study::{Evaluator, Family};
+use crate::analysis::study::{Evaluator, ParametricMechanism};
 use std::time::Instant;
 
 /// Basins whose best minimum is polished.
@@ -26,14 +26,14 @@ const DRAWN_IN: f64 = 1.5;
 
 /// Polishes the best of `starts` and appends what it finds; the best of all that keeps its limits between the samples,
 /// or, where none does, at them.
-pub fn finish(run: &Run, starts: &mut Vec<Start>) -> Option<Start> {
+pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<Start> {
     let finalists: Vec<Start> = Basins::new(starts, &run.sizes)
         .best(FINALISTS)
         .map(|k| starts[k].clone())
         .collect();
     if run.goes_on(Phase::Polishing) {
         let polished = run.shared(starts.len(), finalists.len(), &|k| {
-            polish(run, run.family, &finalists[k], Phase::Polishing)
+            polish_start(run, run.family, &finalists[k], Phase::Polishing)
         });
         starts.extend(polished);
     }
@@ -50,27 +50,33 @@ pub fn finish(run: &Run, starts: &mut Vec<Start>) -> Option<Start> {
 }
 
 /// The start with its limits kept between the samples; `None` where that cannot be reached.
-fn drawn_in(run: &Run, start: &Start, starts: &mut Vec<Start>) -> Option<Start> {
+fn drawn_in(run: &SynthesisRun, start: &Start, starts: &mut Vec<Start>) -> Option<Start> {
     let (mut family, mut best) = (run.family.clone(), start.clone());
     for _ in 0..ROUNDS {
         // Measuring finer tracks takes its time, too.
         if !run.goes_on(Phase::DrawingIn) {
             return None;
         }
-        if !tighten(&mut family, run.family, &best)? {
+        if !tighten_bounds(&mut family, run.family, &best)? {
             return Some(best);
         }
-        best = polish(run, &family, &best, Phase::DrawingIn);
+        best = polish_start(run, &family, &best, Phase::DrawingIn);
         (run.listener.done)(starts.len(), &best);
         starts.push(best.clone());
     }
-    (run.goes_on(Phase::DrawingIn) && !tighten(&mut family, run.family, &best)?).then_some(best)
+    (run.goes_on(Phase::DrawingIn) && !tighten_bounds(&mut family, run.family, &best)?)
+        .then_some(best)
 }
 
 /// A start's search taken up again with more iterations, under the limits of `family`.
-fn polish(run: &Run, family: &Family, start: &Start, phase: Phase) -> Start {
+fn polish_start(
+    run: &SynthesisRun,
+    family: &ParametricMechanism,
+    start: &Start,
+    phase: Phase,
+) -> Start {
     let clock = Instant::now();
-    let family = standing(family, start).filter(|_| run.goes_on(phase));
+    let family = standing_family(family, start).filter(|_| run.goes_on(phase));
     let Some(family) = family else {
         return start.clone();
     };
@@ -90,7 +96,7 @@ fn polish(run: &Run, family: &Family, start: &Start, phase: Phase) -> Start {
 }
 
 /// The family at found values; the scene's start values choose the assembly, but those of the found one do better.
-fn standing(family: &Family, found: &Start) -> Option<Family> {
+fn standing_family(family: &ParametricMechanism, found: &Start) -> Option<ParametricMechanism> {
     let mut family = family.with_start(&found.minimum.as_ref()?.x);
     if let Some(unknowns) = &found.unknowns {
         family.actuation.guess.clone_from(unknowns);
@@ -100,8 +106,12 @@ fn standing(family: &Family, found: &Start) -> Option<Family> {
 
 /// Draws the limits of `family` that a found mechanism misses between the samples in, by what it misses those of
 /// `asked`; whether there were any. `None` where that cannot be said.
-fn tighten(family: &mut Family, asked: &Family, found: &Start) -> Option<bool> {
-    let fine = standing(asked, found)?.with_finer_tracks(FINER);
+fn tighten_bounds(
+    family: &mut ParametricMechanism,
+    asked: &ParametricMechanism,
+    found: &Start,
+) -> Option<bool> {
+    let fine = standing_family(asked, found)?.with_finer_tracks(FINER);
     let mut evaluator = Evaluator::new(&fine);
     let stand = evaluator.nominal(fine.nominal().ok()?.poses);
     let measures = evaluator.measure(&stand).ok()?.measures;

@@ -2,12 +2,12 @@
 
 use super::basins::Basins;
 use super::found::Start;
-use super::plan::{From, Listener, Plan};
-use super::starts::{Begun, Origin, begin};
+use super::plan::{From, Listener, SearchPlan};
+use super::starts::{Begun, Origin, begin_starts};
 use super::touching::Touching;
 use crate::analysis::optimise::minimax;
-use crate::analysis::study::{Evaluator, Family, Peaks, Stand};
-use crate::jobs::share;
+use crate::analysis::study::{Evaluator, ParametricMechanism, Peaks, TrackPoses};
+use crate::jobs::share_work;
 use std::time::Instant;
 
 /// Starts that are searched without knowing of each other.
@@ -37,17 +37,17 @@ pub enum Phase {
 }
 
 /// Everything that the searches share.
-pub struct Run<'r> {
-    pub family: &'r Family,
+pub struct SynthesisRun<'r> {
+    pub family: &'r ParametricMechanism,
     pub touching: Touching<'r>,
-    pub plan: Plan,
+    pub plan: SearchPlan,
     pub listener: &'r Listener<'r>,
     pub begun: Instant,
     pub least_sigma: f64,
     pub sizes: Vec<f64>,
 }
 
-impl Run<'_> {
+impl SynthesisRun<'_> {
     /// Whether a phase has time, and nobody told it to stop.
     pub fn goes_on(&self, phase: Phase) -> bool {
         let share = match phase {
@@ -94,7 +94,7 @@ impl Run<'_> {
         one: &(dyn Fn(usize) -> Start + Sync),
     ) -> Vec<Start> {
         let threads = self.plan.threads;
-        let found = share(
+        let found = share_work(
             count,
             threads,
             || (),
@@ -119,7 +119,8 @@ impl Run<'_> {
             _ => &[],
         };
         let drawn = (origin, self.plan.seed, item);
-        let (begun, rejected) = begin(self.family, self.touching, drawn, near, &self.sizes, &ended);
+        let (begun, rejected) =
+            begin_starts(self.family, self.touching, drawn, near, &self.sizes, &ended);
         let mut start = match begun {
             Some(begun) => {
                 let how = (Phase::Searching, self.plan.iterations);
@@ -152,19 +153,20 @@ impl Run<'_> {
         let Ok(peaks) = Peaks::new(family, evaluator, begun.stand, Box::new(watch)) else {
             return blank;
         };
-        let guard = |stand: &Stand| self.touching.depth(family, &stand.values, &stand.poses);
+        let guard = |stand: &TrackPoses| self.touching.depth(family, &stand.values, &stand.poses);
         let mut peaks = peaks
             .with_least_sigma(self.least_sigma)
             .guarded_by(Box::new(guard))
             .while_it(&goes_on);
         let bounds = peaks.bounds();
-        let search = minimax::Search {
+        let search = minimax::MinimaxSearch {
             radius: RADIUS,
             smallest_radius: SMALLEST_RADIUS,
             tolerance: PROMISE,
             iterations,
         };
-        let minimum = minimax::minimise(&mut peaks, &family.start(), &self.sizes, &bounds, search);
+        let minimum =
+            minimax::minimise_largest(&mut peaks, &family.start(), &self.sizes, &bounds, search);
         let found = minimum.value.is_finite();
         Start {
             first,

@@ -3,7 +3,7 @@
 
 use super::touching::Touching;
 use crate::analysis::random::Random;
-use crate::analysis::study::{Evaluator, Family, Stand};
+use crate::analysis::study::{Evaluator, ParametricMechanism, TrackPoses};
 
 /// Most draws for one start.
 const MOST_DRAWS: usize = 400;
@@ -66,9 +66,9 @@ impl Rejected {
 /// A start that moves: its family, and where that stands.
 pub struct Begun {
     /// The family with the start's values as its own.
-    pub family: Family,
+    pub family: ParametricMechanism,
     /// All its poses.
-    pub stand: Stand,
+    pub stand: TrackPoses,
 }
 
 impl Begun {
@@ -83,8 +83,8 @@ impl Begun {
 
 /// Draws a start until one moves, of random ones until several do; `near` is the minimum that it is near to, `sizes` are
 /// typical sizes of the variables. `ended` is asked before every draw but the first.
-pub fn begin(
-    family: &Family,
+pub fn begin_starts(
+    family: &ParametricMechanism,
     touching: Touching,
     (origin, seed, item): (Origin, u64, u64),
     near: &[f64],
@@ -104,8 +104,8 @@ pub fn begin(
             break;
         }
         let random = Random::new(seed, item, draw as u64);
-        let values = drawn(family, origin, random, near, sizes);
-        let Some(begun) = assemble(family, touching, &values, &mut rejected) else {
+        let values = draw_starts(family, origin, random, near, sizes);
+        let Some(begun) = assemble_start(family, touching, &values, &mut rejected) else {
             continue;
         };
         wanted -= 1;
@@ -117,8 +117,8 @@ pub fn begin(
     (best.map(|(_, begun)| begun), rejected)
 }
 
-fn drawn(
-    family: &Family,
+fn draw_starts(
+    family: &ParametricMechanism,
     origin: Origin,
     mut random: Random,
     near: &[f64],
@@ -137,8 +137,8 @@ fn drawn(
     values.collect()
 }
 
-fn assemble(
-    family: &Family,
+fn assemble_start(
+    family: &ParametricMechanism,
     touching: Touching,
     values: &[f64],
     rejected: &mut Rejected,

@@ -1,12 +1,12 @@
 //! Whether bodies that a scene says touch do no more than that: the guard of a search, which would otherwise go on to
 //! mechanisms whose surfaces cut each other beside the point of contact.
 
-use crate::analysis::study::Family;
+use crate::analysis::study::ParametricMechanism;
 use crate::diag::Source;
-use crate::distance::bodies::{Hull, LeftOut, nearest};
+use crate::distance::bodies::{Hull, LeftOut, nearest_bodies};
 use crate::kinematics::loops::forward;
 use crate::model::mechanism::Mechanism;
-use crate::scene::{Overrides, load};
+use crate::scene::{Overrides, load_scene};
 
 /// Every so many poses are looked at; where a search ends all are.
 const STRIDE: usize = 3;
@@ -32,13 +32,13 @@ impl Touching<'_> {
     /// How deep a touching pair cuts into each other at the worst of the poses (unknowns, then inputs) of `family` with
     /// these values, in mechanism sizes beyond rounding. Zero or less where the scene names no such pair; infinite where it
     /// cannot have these values.
-    pub fn depth(&self, family: &Family, values: &[f64], poses: &[Vec<f64>]) -> f64 {
+    pub fn depth(&self, family: &ParametricMechanism, values: &[f64], poses: &[Vec<f64>]) -> f64 {
         let overrides = Overrides {
             parameters: (self.parameters)(values),
             vary: Vec::new(),
             ..self.overrides.clone()
         };
-        let Ok(scene) = load(self.source, &overrides) else {
+        let Ok(scene) = load_scene(self.source, &overrides) else {
             return f64::INFINITY;
         };
         let Some(rules) = &scene.clearance else {
@@ -56,7 +56,7 @@ impl Touching<'_> {
             for [a, b] in &rules.touching {
                 if let (Some(first), Some(second)) = (&hulls[*a], &hulls[*b]) {
                     let first_from_second = bodies[*a].inverse() * bodies[*b];
-                    let near = nearest(first, second, &first_from_second, &LeftOut::new());
+                    let near = nearest_bodies(first, second, &first_from_second, &LeftOut::new());
                     let depth = near.map_or(0.0, |n| -n.proximity.distance / mechanism.size);
                     deepest = deepest.max(depth);
                 }
@@ -67,7 +67,7 @@ impl Touching<'_> {
 }
 
 /// Where the coordinates of the scene stand among those of the family, whose further inputs are its variables.
-fn order_of(family: &Family, mechanism: &Mechanism) -> Option<Vec<usize>> {
+fn order_of(family: &ParametricMechanism, mechanism: &Mechanism) -> Option<Vec<usize>> {
     let theirs = family.mechanism();
     let all: Vec<&str> = theirs
         .unknowns

@@ -3,16 +3,16 @@
 //! the drive must close, and the bodies are checked against each other.
 
 use super::plan::FINER;
-use crate::analysis::observer::{distance, positions};
+use crate::analysis::observer::{largest_distance, marked_positions};
 use crate::analysis::study::FamilyError;
-use crate::clearance::check::{ClearanceReport, Closely, check};
+use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
 use crate::diag::Source;
-use crate::kinematics::measures::measure;
-use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::sampling::{is_cyclic, knots};
+use crate::kinematics::measures::measure_motion;
+use crate::kinematics::motion::continuation::solve_motion;
+use crate::kinematics::motion::sampling::{is_cyclic, knot_times};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
-use crate::scene::{Overrides, load};
+use crate::scene::{Overrides, load_scene};
 use std::sync::Arc;
 
 /// Steps of the drive: a quarter of a degree of a full turn.
@@ -66,8 +66,8 @@ impl Proof {
 ///
 /// # Errors
 /// A scene that cannot be read with these values, or has no motion.
-pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
-    let mut scene = load(source, overrides).map_err(Box::new)?;
+pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
+    let mut scene = load_scene(source, overrides).map_err(Box::new)?;
     for track in &mut scene.measures.tracks {
         track.samples = FINER * (track.samples - 1) + 1;
     }
@@ -76,7 +76,7 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     let times: Vec<f64> = (0..=STEPS)
         .map(|k| actuation.duration * k as f64 / STEPS as f64)
         .collect();
-    let trajectory = solve(&system, actuation, &times);
+    let trajectory = solve_motion(&system, actuation, &times);
     let mut proof = Proof {
         poses: trajectory.samples.len(),
         missing: trajectory.missing(),
@@ -85,7 +85,7 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
         one_branch: true,
         open: None,
         closed: true,
-        measures: measure(&system, actuation, &scene.measures, &trajectory),
+        measures: measure_motion(&system, actuation, &scene.measures, &trajectory),
         cutting: Vec::new(),
         meeting: Vec::new(),
         pairs: 0,
@@ -104,9 +104,11 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
     {
         let at = |sample: &crate::kinematics::results::trajectory::Sample| {
             let pose = sample.pose.as_ref()?;
-            Some(places(mechanism, &pose.unknowns, &sample.inputs))
+            Some(pivot_places(mechanism, &pose.unknowns, &sample.inputs))
         };
-        let open = at(first).zip(at(last)).map(|(a, b)| distance(&a, &b));
+        let open = at(first)
+            .zip(at(last))
+            .map(|(a, b)| largest_distance(&a, &b));
         proof.closed = open.is_some_and(|d| d <= CLOSED * mechanism.size);
         proof.open = open;
     }
@@ -114,9 +116,9 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
         let times: Vec<f64> = (0..CLEARANCE_SAMPLES)
             .map(|k| actuation.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)
             .collect();
-        let coarse = solve(&system, actuation, &knots(actuation, &times));
+        let coarse = solve_motion(&system, actuation, &knot_times(actuation, &times));
         let tolerance = CLEARANCE_TOLERANCE;
-        let report = check(
+        let report = check_clearance(
             &system,
             actuation,
             rules,
@@ -130,8 +132,8 @@ pub fn prove(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyErro
 }
 
 /// Where bodies and traces are, and the unknowns' directions.
-fn places(mechanism: &Mechanism, unknowns: &[f64], inputs: &[f64]) -> Vec<f64> {
-    positions(mechanism, &[unknowns, inputs].concat())
+fn pivot_places(mechanism: &Mechanism, unknowns: &[f64], inputs: &[f64]) -> Vec<f64> {
+    marked_positions(mechanism, &[unknowns, inputs].concat())
 }
 
 impl Proof {

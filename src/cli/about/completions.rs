@@ -7,7 +7,7 @@ use clap_complete::{Shell, generate};
 use std::io::Write;
 
 /// Runs the verb.
-pub fn run(shell: Shell) -> Result<Outcome, Failure> {
+pub fn print_completions(shell: Shell) -> Result<Outcome, Failure> {
     // Into memory first: the generator panics where a write fails, a broken pipe should not.
     let mut script = Vec::new();
     generate(shell, &mut Cli::command(), "mechanim", &mut script);

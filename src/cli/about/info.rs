@@ -6,9 +6,9 @@ use serde_json::json;
 use std::io::Write;
 
 /// Runs the verb.
-pub fn run(as_json: bool) -> Result<Outcome, Failure> {
+pub fn print_info(as_json: bool) -> Result<Outcome, Failure> {
     let adapters = list_adapters();
-    let cores = crate::jobs::cores();
+    let cores = crate::jobs::core_count();
     let mut out = std::io::stdout().lock();
     if as_json {
         let adapters: Vec<_> = adapters

@@ -8,18 +8,18 @@ use clap_mangen::Man;
 use std::path::Path;
 
 /// Runs the verb.
-pub fn run(folder: &Path) -> Result<Outcome, Failure> {
+pub fn write_manual(folder: &Path) -> Result<Outcome, Failure> {
     let mut program = Cli::command();
     program.build();
-    write(folder, &program, "mechanim")?;
+    write_page(folder, &program, "mechanim")?;
     for verb in program.get_subcommands() {
         let name = format!("mechanim-{}", verb.get_name());
-        write(folder, verb, &name)?;
+        write_page(folder, verb, &name)?;
     }
     Ok(Outcome::Done)
 }
 
-fn write(folder: &Path, command: &Command, name: &str) -> Result<(), Failure> {
+fn write_page(folder: &Path, command: &Command, name: &str) -> Result<(), Failure> {
     let mut page = Vec::new();
     Man::new(command.clone()).render(&mut page)?;
     let mut target = Box::new(Target::create(&folder.join(format!("{name}.1")))?);

@@ -1,17 +1,17 @@
 //! `mechanim scenes`: the list of built-in scenes, or the file of one.
 
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::nearest;
-use crate::scene::{Overrides, builtin, load};
+use crate::diag::nearest_name;
+use crate::scene::{Overrides, builtin, load_scene};
 use std::io::Write;
 
 /// Runs the verb.
-pub fn run(name: Option<&str>) -> Result<Outcome, Failure> {
+pub fn print_scenes(name: Option<&str>) -> Result<Outcome, Failure> {
     let mut out = std::io::stdout().lock();
     match name {
         Some(name) => {
-            let Some(source) = builtin::find(name) else {
-                return Err(unknown(name));
+            let Some(source) = builtin::find_builtin(name) else {
+                return Err(unknown_scene(name));
             };
             out.write_all(source.text.as_bytes())?;
         }
@@ -22,8 +22,9 @@ pub fn run(name: Option<&str>) -> Result<Outcome, Failure> {
                 .max()
                 .unwrap_or(0);
             for scene in builtin::ALL {
-                let source = builtin::find(scene.name).ok_or_else(|| unknown(scene.name))?;
-                let loaded = load(&source, &Overrides::default()).map_err(Box::new)?;
+                let source =
+                    builtin::find_builtin(scene.name).ok_or_else(|| unknown_scene(scene.name))?;
+                let loaded = load_scene(&source, &Overrides::default()).map_err(Box::new)?;
                 writeln!(out, "{:width$}  {}", scene.name, loaded.description)?;
             }
         }
@@ -32,9 +33,9 @@ pub fn run(name: Option<&str>) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn unknown(name: &str) -> Failure {
+fn unknown_scene(name: &str) -> Failure {
     let names = builtin::ALL.map(|scene| scene.name);
-    let hint = match nearest(name, names) {
+    let hint = match nearest_name(name, names) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("built-in scenes: {}", names.join(", ")),
     };

@@ -1,7 +1,7 @@
 //! The arguments of the verbs that draw charts: `plot` and `accuracy`.
 
 use super::scene::SceneArgs;
-use super::values::{ThemeArg, frame_count, order, size};
+use super::values::{ThemeArg, frame_count, picture_size, rate_order};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub struct PlotArgs {
     #[arg(long, requires = "y")]
     pub equal: bool,
     /// Add the derivatives of the curves up to this order (1 to 8), by time.
-    #[arg(long, value_name = "N", requires = "y", value_parser = order)]
+    #[arg(long, value_name = "N", requires = "y", value_parser = rate_order)]
     pub order: Option<usize>,
     /// Take these derivatives by an input in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
@@ -36,7 +36,7 @@ pub struct PlotArgs {
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
     /// Picture size in pixels; as high as the panels need if absent.
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
     /// Dark on white, or light on nearly black.
     #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
@@ -53,27 +53,27 @@ pub struct AccuracyArgs {
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Poses that every route delivers, spread evenly over the motion.
-    #[arg(long, value_name = "N", default_value_t = 90, value_parser = poses)]
+    #[arg(long, value_name = "N", default_value_t = 90, value_parser = pose_count)]
     pub poses: usize,
     /// Most turns of the drift table, for motions that return to their start.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = turns)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = turn_count)]
     pub turns: usize,
     /// Size of the chart in pixels.
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
     /// Dark on white, or light on nearly black.
     #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
     pub theme: ThemeArg,
 }
 
-fn poses(text: &str) -> Result<usize, String> {
+fn pose_count(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(count) if (1..=10_000).contains(&count) => Ok(count),
         _ => Err("between 1 and 10000".to_owned()),
     }
 }
 
-fn turns(text: &str) -> Result<usize, String> {
+fn turn_count(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(count) if count <= 10_000 => Ok(count),
         _ => Err("between 0 and 10000".to_owned()),

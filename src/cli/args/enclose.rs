@@ -1,7 +1,7 @@
 //! The argument table of `mechanim enclose`.
 
 use super::scene::SceneArgs;
-use super::study::{VaryArgs, limit, positive, threads};
+use super::study::{VaryArgs, named_limit, positive_number, thread_count};
 use super::values::{ThemeArg, frame_count};
 use clap::Args;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ pub struct EncloseArgs {
     #[command(flatten)]
     pub vary: VaryArgs,
     /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
-    #[arg(long, value_name = "VALUE", value_parser = positive)]
+    #[arg(long, value_name = "VALUE", value_parser = positive_number)]
     pub tolerance: Option<f64>,
     /// Number of samples, spread evenly over the motion.
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = frame_count)]
@@ -32,13 +32,13 @@ pub struct EncloseArgs {
     pub at: Vec<f64>,
     /// Find how much larger or smaller all tolerances may be for a band to stay within this of the motion as drawn (of an
     /// unknown, a traced point or an output), or of a measure's value: NAME=VALUE.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = limit)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = named_limit)]
     pub allow: Option<(String, f64)>,
     /// Do not look for pieces near the ends of the bands.
     #[arg(long)]
     pub no_search: bool,
     /// Worker threads; all cores if absent. The numbers do not depend on it.
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write the bands of every sample: .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]

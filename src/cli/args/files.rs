@@ -1,6 +1,6 @@
 //! The argument tables of picture files: what is written, and the verbs that take pictures as they are.
 
-use super::values::colour;
+use super::values::hex_colour;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ pub struct FileArgs {
     #[arg(long, value_enum)]
     pub format: Option<PictureFormat>,
     /// Quality of a GIF, 1 to 100 (the default): lower values allow small colour errors for smaller files.
-    #[arg(long, value_name = "N", value_parser = super::values::quality)]
+    #[arg(long, value_name = "N", value_parser = super::values::gif_quality)]
     pub quality: Option<u8>,
     /// PNG compression level [default: balanced; fast for sequences].
     #[arg(long, value_enum)]
@@ -27,7 +27,7 @@ pub struct FileArgs {
     #[arg(long = "loop", value_enum)]
     pub repeat: Option<Repeat>,
     /// Worker threads; all cores if absent. The files do not depend on it.
-    #[arg(long, value_name = "N", value_parser = super::values::threads)]
+    #[arg(long, value_name = "N", value_parser = super::values::worker_count)]
     pub threads: Option<usize>,
     /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
@@ -50,7 +50,7 @@ pub struct EncodeArgs {
     #[arg(long)]
     pub no_sort: bool,
     /// Lay translucent frames over this colour.
-    #[arg(long, value_name = "#rrggbb", value_parser = colour)]
+    #[arg(long, value_name = "#rrggbb", value_parser = hex_colour)]
     pub background: Option<[u8; 3]>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::files::FileArgs;
 use super::scene::SceneArgs;
-use super::values::{assignment, frame_count, frame_rate, order, size};
+use super::values::{frame_count, frame_rate, name_and_text, picture_size, rate_order};
 use super::view::ViewArgs;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub file: FileArgs,
     /// Picture size in pixels.
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = picture_size)]
     pub size: [u32; 2],
     /// Frames a second; the scene decides if absent.
     #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = frame_rate)]
@@ -32,7 +32,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", conflicts_with = "at")]
     pub frame: Option<usize>,
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = samples)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = sample_count)]
     pub samples: u32,
     /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
     #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
@@ -82,7 +82,7 @@ pub struct SolveArgs {
     pub rates: bool,
     /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs. At a
     /// keyframe they are those of the piece that begins there.
-    #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = order)]
+    #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = rate_order)]
     pub order: Option<usize>,
     /// Take these rates by an input, the others standing still, in place of time: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
@@ -109,7 +109,7 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
-    #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = assignment)]
+    #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = name_and_text)]
     pub pose: Vec<(String, String)>,
     /// Judge the clearances over a range of this input, or with a second one over the box of both, in place of the motion:
     /// proved for all values at once, or with the part of the box named that is not.
@@ -161,7 +161,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024))]
     pub cells: u32,
     /// Pairs within this length of their minimum are near; within the minimum once more if absent.
-    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub band: Option<f64>,
     /// Let pairs of bodies pass whose bound is only estimated.
     #[arg(long, conflicts_with = "pose")]
@@ -175,7 +175,7 @@ pub struct CheckArgs {
     pub worst: usize,
     /// How near the proved bound must come to the least distance found, as a part of the pair's minimum (of that
     /// distance where the minimum is 0).
-    #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = share)]
+    #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
     pub tolerance: f64,
 }
 
@@ -189,7 +189,7 @@ pub struct ModesArgs {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     pub at: f64,
     /// Most starts, random and others. Fewer are made where an estimate says that hardly anything is left to be found.
-    #[arg(long, value_name = "N", default_value_t = crate::kinematics::assemblies::DEFAULT_STARTS, value_parser = starts)]
+    #[arg(long, value_name = "N", default_value_t = crate::kinematics::assemblies::DEFAULT_STARTS, value_parser = start_count)]
     pub starts: usize,
     /// Write the list as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
@@ -229,14 +229,14 @@ pub enum TableFormat {
     Json,
 }
 
-fn samples(text: &str) -> Result<u32, String> {
+fn sample_count(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(count) if [1, 2, 4, 8, 16].contains(&count) => Ok(count),
         _ => Err("1, 2, 4, 8 or 16".to_owned()),
     }
 }
 
-fn share(text: &str) -> Result<f64, String> {
+fn proper_share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
         _ => Err("between 1e-9 and 1".to_owned()),
@@ -255,14 +255,14 @@ fn range(text: &str) -> Result<(String, [f64; 2]), String> {
     Ok((name.trim().to_owned(), [low, high]))
 }
 
-fn length(text: &str) -> Result<f64, String> {
+fn positive_length(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(length) if length >= 0.0 && length.is_finite() => Ok(length),
         _ => Err("a length that is not negative".to_owned()),
     }
 }
 
-fn starts(text: &str) -> Result<usize, String> {
+fn start_count(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(count) if count <= 1_000_000 => Ok(count),
         _ => Err("between 0 and 1000000".to_owned()),

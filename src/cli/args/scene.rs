@@ -1,6 +1,6 @@
 //! Which scene a verb is about.
 
-use super::values::assignment;
+use super::values::name_and_text;
 use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,13 +11,13 @@ pub struct SceneArgs {
     /// Name of a built-in scene, path of a scene file, or `-` for standard input.
     pub scene: OsString,
     /// Replace a parameter: NAME=FORMULA. May be repeated.
-    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = assignment)]
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = name_and_text)]
     pub parameters: Vec<(String, String)>,
     /// Replace the drive of an input: NAME=FORMULA, a number or a formula of `t`. May be repeated.
-    #[arg(long = "input", value_name = "NAME=VALUE", value_parser = assignment)]
+    #[arg(long = "input", value_name = "NAME=VALUE", value_parser = name_and_text)]
     pub inputs: Vec<(String, String)>,
     /// Replace the start value of an unknown, which chooses the assembly mode: NAME=VALUE. May be repeated.
-    #[arg(long = "guess", value_name = "NAME=VALUE", value_parser = assignment)]
+    #[arg(long = "guess", value_name = "NAME=VALUE", value_parser = name_and_text)]
     pub guess: Vec<(String, String)>,
     /// Take the inputs from the rows of a table, `-` for standard input: a CSV file as spreadsheets write it, with `,`, `;`
     /// or tabs. Columns are found by the names of the inputs; one named `time` says when, else row k is met at second k.

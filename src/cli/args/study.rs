@@ -27,7 +27,7 @@ pub struct SensitivityArgs {
     #[arg(long, value_name = "MEASURE")]
     pub rank: Option<String>,
     /// Propose tolerances that give a measure this scatter, shared equally: MEASURE=VALUE.
-    #[arg(long, value_name = "MEASURE=VALUE", value_parser = limit)]
+    #[arg(long, value_name = "MEASURE=VALUE", value_parser = named_limit)]
     pub allow: Option<(String, f64)>,
     /// Draw the derivatives as bars, ranked: .svg or .png.
     #[arg(long, value_name = "FILE")]
@@ -50,7 +50,7 @@ pub struct ToleranceArgs {
     #[arg(long, value_name = "VALUE", value_parser = half_width)]
     pub tolerance: Option<f64>,
     /// Number of random pieces.
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = pieces)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
     pub samples: usize,
     /// Number of the first piece: runs on several machines can share the work.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -62,7 +62,7 @@ pub struct ToleranceArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Worker threads; all cores if absent. The numbers do not depend on it.
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write the report as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
@@ -77,7 +77,7 @@ pub struct ToleranceArgs {
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Most pieces whose paths are drawn.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = paths)]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = path_count)]
     pub paths: usize,
     /// How much deviations are enlarged in the picture; a round number that lets them be seen if absent.
     #[arg(long, value_name = "FACTOR", value_parser = enlargement)]
@@ -103,13 +103,13 @@ pub struct OptimiseArgs {
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
     /// Free every variable within this share of its value (0.2 or 20%), in place of the study's ranges.
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = proper_share)]
     pub within: Option<f64>,
     /// Relative accuracy: of gradients (bfgs), of values and variables (nelder-mead), of the generation (evolution).
     #[arg(long, value_name = "VALUE", value_parser = relative)]
     pub tolerance: Option<f64>,
     /// Most iterations.
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iterations)]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
     pub iterations: usize,
     /// Where random numbers start (evolution).
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -121,7 +121,7 @@ pub struct OptimiseArgs {
     #[arg(long, value_name = "N", default_value_t = 20, requires = "pairs")]
     pub worst: usize,
     /// Worker threads for --pairs; all cores if absent. The numbers do not depend on it.
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write a film of the improvements, one frame each: .gif, .apng, a folder, or a pattern of frames.
     #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
@@ -156,26 +156,26 @@ pub struct SynthesiseArgs {
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<OsString>,
     /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
-    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::assignment)]
+    #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::name_and_text)]
     pub parameters: Vec<(String, String)>,
     /// Number of starts: the scene's own values, then in turn near the minima found and random ones of the whole ranges.
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = starts)]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = search_starts)]
     pub starts: usize,
     /// Where random numbers start.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Most iterations from one start; the best are polished with forty times as many.
-    #[arg(long, value_name = "N", default_value_t = 25, value_parser = iterations)]
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = iteration_count)]
     pub iterations: usize,
     /// End every scene's search after so many seconds, with the best so far.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_number)]
     pub time: Option<f64>,
     /// Where searches start, besides near the minima found: everywhere, from the scene's own values only, or from random
     /// values only.
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
     pub from: StartsFrom,
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write the scene with the best values (of one scene), or all of them into a folder.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
@@ -213,34 +213,34 @@ pub enum DistributionArg {
 /// Most random pieces of one run: their measures are kept for the quantiles.
 const MAX_PIECES: usize = 20_000_000;
 
-fn pieces(text: &str) -> Result<usize, String> {
-    whole(text, 1, MAX_PIECES)
+fn piece_count(text: &str) -> Result<usize, String> {
+    whole_between(text, 1, MAX_PIECES)
 }
 
-fn paths(text: &str) -> Result<usize, String> {
-    whole(text, 1, 20_000)
+fn path_count(text: &str) -> Result<usize, String> {
+    whole_between(text, 1, 20_000)
 }
 
-fn starts(text: &str) -> Result<usize, String> {
-    whole(text, 1, 100_000)
+fn search_starts(text: &str) -> Result<usize, String> {
+    whole_between(text, 1, 100_000)
 }
 
-fn iterations(text: &str) -> Result<usize, String> {
-    whole(text, 1, 1_000_000)
+fn iteration_count(text: &str) -> Result<usize, String> {
+    whole_between(text, 1, 1_000_000)
 }
 
-pub(super) fn threads(text: &str) -> Result<usize, String> {
-    whole(text, 1, 256)
+pub(super) fn thread_count(text: &str) -> Result<usize, String> {
+    whole_between(text, 1, 256)
 }
 
-fn whole(text: &str, low: usize, high: usize) -> Result<usize, String> {
+fn whole_between(text: &str, low: usize, high: usize) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(n) if (low..=high).contains(&n) => Ok(n),
         _ => Err(format!("a whole number from {low} to {high}")),
     }
 }
 
-pub(super) fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive_number(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
         _ => Err("a positive number".to_owned()),
@@ -257,8 +257,13 @@ const MOST_TOLERANCE: f64 = 1e9;
 const MOST_WITHIN: f64 = 1e3;
 
 fn between_zero_and(text: &str, most: f64) -> Result<f64, String> {
-    let value = positive(text).ok().filter(|v| *v <= most);
-    value.ok_or_else(|| format!("a positive number, at most {}", crate::diag::shown(most)))
+    let value = positive_number(text).ok().filter(|v| *v <= most);
+    value.ok_or_else(|| {
+        format!(
+            "a positive number, at most {}",
+            crate::diag::shown_number(most)
+        )
+    })
 }
 
 fn enlargement(text: &str) -> Result<f64, String> {
@@ -273,16 +278,16 @@ fn relative(text: &str) -> Result<f64, String> {
     between_zero_and(text, 1.0)
 }
 
-fn share(text: &str) -> Result<f64, String> {
+fn proper_share(text: &str) -> Result<f64, String> {
     let value = match text.strip_suffix('%') {
-        Some(percent) => positive(percent.trim()).map(|v| v / 100.0),
-        None => positive(text),
+        Some(percent) => positive_number(percent.trim()).map(|v| v / 100.0),
+        None => positive_number(text),
     };
     let value = value.ok().filter(|v| *v <= MOST_WITHIN);
     value.ok_or_else(|| format!("a positive share, 0.2 or 20%, at most {MOST_WITHIN}"))
 }
 
-pub(super) fn limit(text: &str) -> Result<(String, f64), String> {
+pub(super) fn named_limit(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write MEASURE=VALUE")?;
-    Ok((name.trim().to_owned(), positive(value.trim())?))
+    Ok((name.trim().to_owned(), positive_number(value.trim())?))
 }

@@ -26,7 +26,7 @@ pub const MAX_SIDE: u32 = 16_384;
 pub const MAX_PIXELS: u64 = 64_000_000;
 
 /// `NAME=VALUE`.
-pub fn assignment(text: &str) -> Result<(String, String), String> {
+pub fn name_and_text(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().to_owned(), value.trim().to_owned()))
@@ -36,7 +36,7 @@ pub fn assignment(text: &str) -> Result<(String, String), String> {
 }
 
 /// `WIDTHxHEIGHT` in pixels.
-pub fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || "write WIDTHxHEIGHT, for example 640x480".to_owned();
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let size = [
@@ -74,7 +74,7 @@ pub fn frame_count(text: &str) -> Result<usize, String> {
 }
 
 /// Quality of a GIF.
-pub fn quality(text: &str) -> Result<u8, String> {
+pub fn gif_quality(text: &str) -> Result<u8, String> {
     match text.parse() {
         Ok(quality) if (1..=100).contains(&quality) => Ok(quality),
         _ => Err("between 1 and 100".to_owned()),
@@ -82,7 +82,7 @@ pub fn quality(text: &str) -> Result<u8, String> {
 }
 
 /// A number of workers.
-pub fn threads(text: &str) -> Result<usize, String> {
+pub fn worker_count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if (1..=256).contains(&count) => Ok(count),
         _ => Err("between 1 and 256".to_owned()),
@@ -90,7 +90,7 @@ pub fn threads(text: &str) -> Result<usize, String> {
 }
 
 /// Order of a derivative.
-pub fn order(text: &str) -> Result<usize, String> {
+pub fn rate_order(text: &str) -> Result<usize, String> {
     let limit = crate::model::plot::MAX_ORDER;
     match text.parse::<usize>() {
         Ok(order) if (1..=limit).contains(&order) => Ok(order),
@@ -99,7 +99,7 @@ pub fn order(text: &str) -> Result<usize, String> {
 }
 
 /// `#rrggbb`.
-pub fn colour(text: &str) -> Result<[u8; 3], String> {
+pub fn hex_colour(text: &str) -> Result<[u8; 3], String> {
     crate::scene::values::parse_colour(text)
         .ok_or_else(|| "write #rrggbb, for example #c2452d".to_owned())
 }

@@ -1,10 +1,10 @@
 //! The options of `mechanim render` that change the scene's `[view]`.
 
-use super::values::{ThemeArg, colour};
+use super::values::{ThemeArg, hex_colour};
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
 use crate::model::theme::Theme;
-use crate::model::view::{Axes, Ghosts, NamedView, Trails};
+use crate::model::view::{Ghosts, NamedView, ShownAxes, Trails};
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;
 use crate::scene::resolve::camera::MOST_ORBIT;
@@ -19,13 +19,13 @@ pub struct ViewArgs {
     #[arg(long, value_enum)]
     pub view: Option<ViewArg>,
     /// Direction of the viewer about the up axis, in degrees.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = azimuth)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = azimuth_angle)]
     pub azimuth: Option<f64>,
     /// Height of the viewer above the horizon, in degrees, -90 to 90.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = elevation)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = elevation_angle)]
     pub elevation: Option<f64>,
     /// Degrees that the camera turns about the up axis during the motion, in place of the scene's camera path.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = orbit)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = orbit_angle)]
     pub orbit: Option<f64>,
     /// Kind of projection.
     #[arg(long, value_enum)]
@@ -34,20 +34,20 @@ pub struct ViewArgs {
     #[arg(long, value_enum)]
     pub theme: Option<ThemeArg>,
     /// Colour of the background.
-    #[arg(long, value_name = "#rrggbb", value_parser = colour)]
+    #[arg(long, value_name = "#rrggbb", value_parser = hex_colour)]
     pub background: Option<[u8; 3]>,
     /// No background, in PNG and APNG.
     #[arg(long, conflicts_with = "background")]
     pub transparent: bool,
     /// Leave this many earlier poses standing as translucent bodies.
-    #[arg(long, value_name = "N", value_parser = ghosts)]
+    #[arg(long, value_name = "N", value_parser = ghost_count)]
     pub ghosts: Option<usize>,
     /// Leave the poses at these times in seconds standing.
     #[arg(
         long,
         value_name = "T,T,…",
         value_delimiter = ',',
-        value_parser = instant,
+        value_parser = instant_seconds,
         conflicts_with = "ghosts"
     )]
     pub ghost_times: Option<Vec<f64>>,
@@ -55,13 +55,13 @@ pub struct ViewArgs {
     #[arg(long, value_enum)]
     pub trails: Option<TrailsArg>,
     /// Length of fading trails in seconds.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub trail_length: Option<f64>,
     /// Velocity arrows on traced points.
     #[arg(long)]
     pub arrows: bool,
     /// Seconds of motion that a velocity arrow is long.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub arrow_scale: Option<f64>,
     /// Axes of frames.
     #[arg(long, value_enum)]
@@ -148,10 +148,10 @@ impl ViewArgs {
             }),
             arrows: yes(self.arrows),
             axes: self.axes.map(|axes| match axes {
-                AxesArg::None => Axes::None,
-                AxesArg::World => Axes::World,
-                AxesArg::Bodies => Axes::Bodies,
-                AxesArg::All => Axes::All,
+                AxesArg::None => ShownAxes::None,
+                AxesArg::World => ShownAxes::World,
+                AxesArg::Bodies => ShownAxes::Bodies,
+                AxesArg::All => ShownAxes::All,
             }),
             gauge: yes(self.gauge),
             joints: yes(self.joints),
@@ -185,40 +185,40 @@ impl ViewArgs {
     }
 }
 
-fn azimuth(text: &str) -> Result<f64, String> {
-    between(text, -720.0, 720.0)
+fn azimuth_angle(text: &str) -> Result<f64, String> {
+    angle_between(text, -720.0, 720.0)
 }
 
-fn orbit(text: &str) -> Result<f64, String> {
-    between(text, -MOST_ORBIT, MOST_ORBIT)
+fn orbit_angle(text: &str) -> Result<f64, String> {
+    angle_between(text, -MOST_ORBIT, MOST_ORBIT)
 }
 
-fn elevation(text: &str) -> Result<f64, String> {
-    between(text, -90.0, 90.0)
+fn elevation_angle(text: &str) -> Result<f64, String> {
+    angle_between(text, -90.0, 90.0)
 }
 
-fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
+fn angle_between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (low..=high).contains(&value) => Ok(value),
         _ => Err(format!("between {low} and {high} degrees")),
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+fn positive_scale(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("a positive number of seconds".to_owned()),
     }
 }
 
-fn instant(text: &str) -> Result<f64, String> {
+fn instant_seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
         _ => Err("a time in seconds, 0 or later".to_owned()),
     }
 }
 
-fn ghosts(text: &str) -> Result<usize, String> {
+fn ghost_count(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(count) if count <= MOST_GHOSTS => Ok(count),
         _ => Err(format!("between 0 and {MOST_GHOSTS}")),

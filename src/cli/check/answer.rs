@@ -22,7 +22,7 @@ impl Answer {
     pub fn closes_nowhere(scene: &str, failure: Failure) -> Self {
         let verdict = Verdict {
             title: scene.to_owned(),
-            cases: vec![closure::nowhere(&failure.to_string())],
+            cases: vec![closure::unclosed_case(&failure.to_string())],
         };
         Self {
             text: String::new(),

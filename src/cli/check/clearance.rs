@@ -1,7 +1,7 @@
 //! The clearance part of `mechanim check`: what is asked, and the files.
 
 use crate::charts;
-use crate::clearance::check::{ClearanceReport, Closely, check};
+use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
 use crate::cli::args::files::ProgressArg;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::files::chart;
@@ -12,9 +12,9 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::limits::{Resource, limits};
+use crate::limits::{Resource, current_limits};
 use crate::model::mechanism::Mechanism;
-use crate::plot::{Drawing, Theme, matrix};
+use crate::plot::{ChartTheme, Drawing, matrix};
 use crate::report::clearance::to_csv;
 use crate::scene::Scene;
 use std::path::Path;
@@ -41,7 +41,7 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
 }
 
 /// Checks the clearances that the scene asks for; `None` if it asks for none.
-pub fn run(
+pub fn check_pairs(
     args: &CheckArgs,
     opened: &OpenScene,
     trajectory: &Trajectory,
@@ -58,13 +58,13 @@ pub fn run(
         .filter(|b| !b.shapes.is_empty())
         .count();
     let pairs = bodies as f64 * (bodies as f64 - 1.0) / 2.0;
-    limits().allow(
+    current_limits().allow(
         Resource::Pairs,
         pairs,
         &format!("[clearance] of {bodies} bodies"),
     )?;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
-    let found = check(
+    let found = check_clearance(
         system,
         &scene.actuation,
         rules,
@@ -86,15 +86,17 @@ pub fn run(
         io::write_text(&args.scene, path, &to_csv(mechanism, &found))?;
     }
     if let Some(path) = &args.plot {
-        plot(args, mechanism, &found, path)?;
+        plot_distances(args, mechanism, &found, path)?;
     }
     if let Some(path) = &args.matrix {
-        let chart = charts::clearance_matrix::chart(mechanism, &found, args.band);
-        let drawing = matrix::draw(&chart, matrix::usual_size(&chart), Theme::LIGHT);
+        let chart = charts::clearance_matrix::clearance_matrix(mechanism, &found, args.band);
+        let drawing = matrix::draw_matrix(&chart, matrix::usual_size(&chart), ChartTheme::LIGHT);
         write_drawing(args, path, &drawing)?;
     }
     if let Some(path) = &args.render {
-        crate::cli::pictures::clearance::write(args, opened, trajectory, &found, path, term)?;
+        crate::cli::pictures::clearance::write_worst_pair(
+            args, opened, trajectory, &found, path, term,
+        )?;
     }
     Ok(Some(found))
 }
@@ -103,19 +105,23 @@ pub fn run(
 fn write_drawing(args: &CheckArgs, path: &Path, drawing: &Drawing) -> Result<(), Failure> {
     let format = PlotFormat::of(path)?;
     io::refuse_input(&args.scene, path)?;
-    let mut output = io::open(path)?;
+    let mut output = io::open_output(path)?;
     chart::write_drawing(drawing, format, output.as_mut())?;
     Ok(output.commit()?)
 }
 
 /// The distances of the worst pairs over time as a chart.
-fn plot(
+fn plot_distances(
     args: &CheckArgs,
     mechanism: &Mechanism,
     found: &ClearanceReport,
     path: &Path,
 ) -> Result<(), Failure> {
-    let chart = charts::clearance::chart(mechanism, found, args.worst.min(MOST_CURVES));
+    let chart = charts::clearance::clearance_chart(mechanism, found, args.worst.min(MOST_CURVES));
     let size = crate::plot::usual_size(&chart);
-    write_drawing(args, path, &crate::plot::draw(&chart, size, Theme::LIGHT))
+    write_drawing(
+        args,
+        path,
+        &crate::plot::draw_chart(&chart, size, ChartTheme::LIGHT),
+    )
 }

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Runs the verb.
-pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_check(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     if !(args.closure > 0.0 && args.closure.is_finite()) {
         return Err(Failure::usage(
             "the largest closure error must be a positive number",
@@ -37,14 +37,14 @@ pub fn run(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     ];
     io::refuse_clashes(&[&args.scene], &reports)?;
     let begun = Instant::now();
-    let answer = match open_scene::open(&args.scene, term) {
+    let answer = match open_scene::open_scene(&args.scene, term) {
         Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => {
             Answer::closes_nowhere(&args.scene.scene.to_string_lossy(), failure)
         }
         Err(failure) => return Err(failure),
         Ok(opened) if !args.inputs_box.is_empty() => inputs_box::check(args, &opened)?,
-        Ok(opened) if args.pose.is_empty() => motion::check(args, &opened, term)?,
-        Ok(opened) => pose::check(args, &opened.scene)?,
+        Ok(opened) if args.pose.is_empty() => motion::check_motion(args, &opened, term)?,
+        Ok(opened) => pose::check_pose(args, &opened.scene)?,
     };
     let seconds = begun.elapsed().as_secs_f64();
     if let Some(path) = &args.junit {

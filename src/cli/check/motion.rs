@@ -8,7 +8,7 @@ use crate::cli::open::inputs_table;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::motion::sampling::{even_times, frame_times, knots};
+use crate::kinematics::motion::sampling::{even_times, frame_times, knot_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::report::check::{MotionReport, without_pose};
@@ -17,7 +17,7 @@ use crate::report::{closure, measures};
 use std::time::Instant;
 
 /// Solves the motion and asks everything that the scene and the command line ask.
-pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer, Failure> {
+pub fn check_motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer, Failure> {
     let OpenScene { scene, system } = opened;
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let times = match args.samples {
@@ -38,14 +38,15 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
         asked => asked,
     };
     let begun = Instant::now();
-    let mut trajectory = certify::motion(system, actuation, &knots(actuation, &times), needed)?;
+    let mut trajectory =
+        certify::certify_motion(system, actuation, &knot_times(actuation, &times), needed)?;
     let seconds = begun.elapsed().as_secs_f64();
     event_messages::note_moved_start(system, actuation, &mut trajectory)?;
-    if let Err(failure) = event_messages::tell(system, actuation, &trajectory, term) {
+    if let Err(failure) = event_messages::tell_events(system, actuation, &trajectory, term) {
         return Ok(never_closed(mechanism, &trajectory, failure));
     }
     let measured = measures::take_whole(system, scene, &trajectory, &times, args.tolerance);
-    let clearances = clearance::run(args, opened, &trajectory, term)?;
+    let clearances = clearance::check_pairs(args, opened, &trajectory, term)?;
     swept::write(args, opened, &trajectory, term)?;
     let asked = Asked {
         closure: args.closure,
@@ -73,7 +74,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer
 
 /// There is no pose at all: `failure` says why and what to do.
 fn never_closed(mechanism: &Mechanism, trajectory: &Trajectory, failure: Failure) -> Answer {
-    let mut case = closure::closes(mechanism, trajectory);
+    let mut case = closure::closing_case(mechanism, trajectory);
     case.text = format!("{}; {failure}", case.text);
     let verdict = Verdict {
         title: mechanism.title.clone(),

@@ -3,20 +3,20 @@
 use super::answer::Answer;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::term::outcome::Failure;
-use crate::diag::nearest;
-use crate::kinematics::solve::pose_check::judge;
-use crate::report::closure::{offered, offered_json};
+use crate::diag::nearest_name;
+use crate::kinematics::solve::pose_check::judge_pose;
+use crate::report::closure::{offered_case, offered_json};
 use crate::report::verdict::Verdict;
 use crate::scene::Scene;
 use serde_json::json;
 
 /// Judges the pose.
-pub fn check(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
+pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
     let mechanism = &scene.mechanism;
-    let found = judge(mechanism, &coordinates(args, scene)?, args.closure);
+    let found = judge_pose(mechanism, &offered_coordinates(args, scene)?, args.closure);
     let verdict = Verdict {
         title: mechanism.title.clone(),
-        cases: found.iter().map(|l| offered(mechanism, l)).collect(),
+        cases: found.iter().map(|l| offered_case(mechanism, l)).collect(),
     };
     let cases = verdict.cases.iter();
     let lines: String = cases
@@ -45,7 +45,7 @@ pub fn check(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
 }
 
 /// Coordinates of the offered pose: all unknowns from `--pose`, inputs at the start of the drive.
-fn coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+fn offered_coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
     let mechanism = &scene.mechanism;
     let mut values = vec![None; mechanism.unknowns.len()];
     for (name, text) in &args.pose {
@@ -53,7 +53,8 @@ fn coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
             let names: Vec<&str> = mechanism.unknowns.iter().map(|c| c.name.as_str()).collect();
             let mut hints = vec![format!("its unknowns are: {}", names.join(", "))];
             hints.extend(
-                nearest(name, names.iter().copied()).map(|near| format!("did you mean `{near}`?")),
+                nearest_name(name, names.iter().copied())
+                    .map(|near| format!("did you mean `{near}`?")),
             );
             return Err(Failure::usage(
                 format!("the scene has no unknown `{name}`"),

@@ -1,6 +1,6 @@
 //! `mechanim check --swept`: what a body sweeps, as a file.
 
-use crate::clearance::motion::Motion;
+use crate::clearance::motion::ProvedMotion;
 use crate::clearance::swept::Swept;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::io;
@@ -30,7 +30,7 @@ pub fn write(
     let seen_from = from.map(|name| index(opened, name)).transpose()?;
     let format = format_of(path)?;
     io::refuse_input(&args.scene, path)?;
-    let motion = Motion::new(&opened.system, &opened.scene.actuation, trajectory);
+    let motion = ProvedMotion::new(&opened.system, &opened.scene.actuation, trajectory);
     let swept = Swept::new(&motion, body, seen_from, args.cells)
         .map_err(|error| Failure::usage(format!("`{name}` sweeps no mesh: {error}"), Vec::new()))?;
     let sure = if swept.is_certified {

@@ -3,9 +3,9 @@
 use crate::cli::args::values::ThemeArg;
 use crate::cli::term::outcome::Failure;
 use crate::export::Output;
-use crate::export::png::{Effort, encode};
-use crate::plot::raster::Painter;
-use crate::plot::{Chart, Drawing, Theme, draw, svg};
+use crate::export::png::{Effort, encode_png};
+use crate::plot::raster::ChartPainter;
+use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, svg};
 use std::path::Path;
 
 /// What a chart's file holds.
@@ -36,7 +36,7 @@ impl PlotFormat {
 }
 
 /// Draws a chart and writes it.
-pub fn write(
+pub fn write_chart(
     chart: &Chart,
     format: PlotFormat,
     size: Option<[u32; 2]>,
@@ -45,10 +45,10 @@ pub fn write(
 ) -> Result<(), Failure> {
     let size = size.unwrap_or_else(|| crate::plot::usual_size(chart));
     let theme = match theme {
-        ThemeArg::Light => Theme::LIGHT,
-        ThemeArg::Dark => Theme::DARK,
+        ThemeArg::Light => ChartTheme::LIGHT,
+        ThemeArg::Dark => ChartTheme::DARK,
     };
-    write_drawing(&draw(chart, size, theme), format, output)
+    write_drawing(&draw_chart(chart, size, theme), format, output)
 }
 
 /// Writes what has been laid out.
@@ -58,11 +58,11 @@ pub fn write_drawing(
     output: &mut dyn Output,
 ) -> Result<(), Failure> {
     let bytes = match format {
-        PlotFormat::Svg => svg::write(drawing).into_bytes(),
+        PlotFormat::Svg => svg::write_svg(drawing).into_bytes(),
         PlotFormat::Png => {
             let mut bytes = Vec::new();
-            encode(
-                &Painter::default().picture(drawing),
+            encode_png(
+                &ChartPainter::default().picture(drawing),
                 Effort::Balanced,
                 &mut bytes,
             )?;

@@ -6,8 +6,8 @@ use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::compare::film::{Allowed, FilmReport, FrameReport, FrameVerdict, compare_films};
-use crate::compare::{Comparison, Difference, LADDER, triptych};
-use crate::import::{Film, Plays};
+use crate::compare::{Comparison, Difference, LADDER, difference_triptych};
+use crate::import::{FilmReader, Plays};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -16,9 +16,9 @@ use std::sync::atomic::Ordering;
 const MAX_LINES: usize = 12;
 
 /// Runs the verb.
-pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     refuse_overwriting(args)?;
-    let (a, b) = (Film::open(&args.a)?, Film::open(&args.b)?);
+    let (a, b) = (FilmReader::open(&args.a)?, FilmReader::open(&args.b)?);
     let kind = a.kind;
     if kind != b.kind {
         let (left, right) = (args.a.display(), args.b.display());
@@ -31,14 +31,14 @@ pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
         pixels: args.max_pixels,
     };
     let plays = [a.plays, b.plays];
-    let going = |film: Film| film.take_while(|_| !CANCEL.load(Ordering::Relaxed));
+    let going = |film: FilmReader| film.take_while(|_| !CANCEL.load(Ordering::Relaxed));
     let found = compare_films(going(a), going(b), plays, allowed)?;
     if CANCEL.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted);
     }
     match (&args.out, &found.worst) {
         (Some(path), Some((_, left, right))) => {
-            io::write_png(&triptych(left, right, args.tolerance), path)?;
+            io::write_png(&difference_triptych(left, right, args.tolerance), path)?;
         }
         (Some(path), None) => term.warning(&format!(
             "no picture is in both: {} was not written",
@@ -47,9 +47,9 @@ pub fn run(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
         (None, _) => {}
     }
     if let Some(path) = &args.json {
-        io::write_document(path, &document(args, kind, &found))?;
+        io::write_document(path, &diff_document(args, kind, &found))?;
     }
-    io::print_beside(term, args.json.as_deref(), &text(&found))?;
+    io::print_beside(term, args.json.as_deref(), &diff_text(&found))?;
     Ok(if found.is_same() {
         Outcome::Done
     } else {
@@ -69,12 +69,16 @@ fn refuse_overwriting(args: &DiffArgs) -> Result<(), Failure> {
 }
 
 /// The report as people read it.
-fn text(found: &FilmReport) -> String {
+fn diff_text(found: &FilmReport) -> String {
     let failing = found.failing();
     let mut text = String::new();
     for index in failing.iter().take(MAX_LINES) {
         let frame = &found.frames[*index];
-        text += &format!("  {}: {}\n", title(*index, frame), sentence(frame));
+        text += &format!(
+            "  {}: {}\n",
+            frame_title(*index, frame),
+            frame_sentence(frame)
+        );
     }
     if failing.len() > MAX_LINES {
         text += &format!("  and {} more\n", failing.len() - MAX_LINES);
@@ -93,21 +97,21 @@ fn text(found: &FilmReport) -> String {
         (1, _) => String::new(),
         (all, failing) => format!(" ({failing} of {all} pictures differ)"),
     };
-    text + &format!("  result           {}{frames}\n", verdict(found))
+    text + &format!("  result           {}{frames}\n", verdict_word(found))
 }
 
-fn verdict(found: &FilmReport) -> &'static str {
+fn verdict_word(found: &FilmReport) -> &'static str {
     if found.is_same() { "same" } else { "different" }
 }
 
-fn title(index: usize, frame: &FrameReport) -> String {
+fn frame_title(index: usize, frame: &FrameReport) -> String {
     match frame.name.as_str() {
         "" => format!("frame {index}"),
         name => name.to_owned(),
     }
 }
 
-fn sentence(frame: &FrameReport) -> String {
+fn frame_sentence(frame: &FrameReport) -> String {
     let mut parts = Vec::new();
     match &frame.verdict {
         FrameVerdict::OnlyInA => parts.push("only in A".to_owned()),
@@ -130,7 +134,7 @@ fn plays_word(plays: Option<Plays>) -> String {
 }
 
 /// The report as programs read it; described in `docs/formats.md`.
-fn document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
+fn diff_document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
     let frames = found.frames.iter().enumerate().map(|(index, frame)| {
         let mut entry =
             json!({ "frame": index, "name": frame.name, "passes": found.passes(index) });
@@ -142,7 +146,7 @@ fn document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
                 "other-size"
             }
             FrameVerdict::Both(Comparison::SameSize(difference)) => {
-                entry["difference"] = numbers(difference);
+                entry["difference"] = difference_numbers(difference);
                 "compared"
             }
         };
@@ -163,12 +167,12 @@ fn document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
         "plays": found.plays.map(|plays| plays.map(plays_word)),
         "worst": found.worst.as_ref().map(|worst| worst.0),
         "frames": frames,
-        "result": verdict(found),
+        "result": verdict_word(found),
     })
 }
 
 /// The figures of a difference.
-pub fn numbers(difference: &Difference) -> Value {
+pub fn difference_numbers(difference: &Difference) -> Value {
     // An infinite ratio, for equal colours, is no number in JSON.
     let psnr = Some(difference.psnr).filter(|psnr| psnr.is_finite());
     json!({

@@ -1,25 +1,25 @@
 //! `mechanim encode`: frames made elsewhere into one file, through the same encoders as our own.
 
 use super::sinks;
-use super::sinks::Film;
+use super::sinks::OpenFilm;
 use crate::cli::args::files::EncodeArgs;
 use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::import::film::png_files;
-use crate::import::{ImportError, has_alpha, natural, read_png};
+use crate::import::{ImportError, has_alpha, natural_order, read_png};
 use image::{Rgba, RgbaImage};
 use std::path::{Path, PathBuf};
 
 /// Runs the verb.
-pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
-    let format = sinks::format(&args.file)?;
+pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
+    let format = sinks::film_format(&args.file)?;
     if format.is_model() {
         let message = format!("{} holds shapes, which pictures do not have", format.name());
         return Err(Failure::usage(message, Vec::new()));
     }
-    let paths = paths(args)?;
+    let paths = picture_paths(args)?;
     if let Some(path) = paths.iter().find(|path| is_same(path, &args.file.out)) {
         return Err(io::is_input(path));
     }
@@ -36,10 +36,11 @@ pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
         opaque: holds_no_alpha(&format).then(|| format.name()),
         background: args.background,
     };
-    let destination = sinks::open(&args.file, &format)?;
+    let destination = sinks::open_sink(&args.file, &format)?;
     let alpha = frames.opaque.is_none() && frames.are_translucent()?;
-    let film = Film::new(&args.file, &format, frames.size, paths.len(), args.fps).with_alpha(alpha);
-    let cores = crate::jobs::cores();
+    let film =
+        OpenFilm::new(&args.file, &format, frames.size, paths.len(), args.fps).with_alpha(alpha);
+    let cores = crate::jobs::core_count();
     let count = args.file.threads.unwrap_or(cores);
     let mut workers: Vec<_> = (0..count)
         .map(|_| move |index: usize, image: &mut RgbaImage| frames.read(index, image))
@@ -51,7 +52,7 @@ pub fn run(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
 }
 
 /// All files in their order.
-fn paths(args: &EncodeArgs) -> Result<Vec<PathBuf>, Failure> {
+fn picture_paths(args: &EncodeArgs) -> Result<Vec<PathBuf>, Failure> {
     let mut paths = Vec::new();
     for path in &args.frames {
         if path.is_dir() {
@@ -67,7 +68,7 @@ fn paths(args: &EncodeArgs) -> Result<Vec<PathBuf>, Failure> {
         ));
     }
     if !args.no_sort {
-        paths.sort_by(|a, b| natural(a, b));
+        paths.sort_by(|a, b| natural_order(a, b));
     }
     Ok(paths)
 }

@@ -17,9 +17,9 @@ use std::path::Path;
 /// The format that the options and the file name ask for.
 ///
 /// Errors: an unknown extension; an option that this format has no use for.
-pub fn format(args: &FileArgs) -> Result<Format, Failure> {
+pub fn film_format(args: &FileArgs) -> Result<Format, Failure> {
     let format = match args.format {
-        Some(format) => named(format, &args.out)?,
+        Some(format) => named_format(format, &args.out)?,
         None if to_stdout(args) => Format::Gif,
         None => Format::from_path(&args.out)?,
     };
@@ -45,7 +45,7 @@ pub fn format(args: &FileArgs) -> Result<Format, Failure> {
     Ok(format)
 }
 
-fn named(format: PictureFormat, out: &Path) -> Result<Format, Failure> {
+fn named_format(format: PictureFormat, out: &Path) -> Result<Format, Failure> {
     Ok(match format {
         PictureFormat::Gif => Format::Gif,
         PictureFormat::Apng => Format::Apng,
@@ -68,7 +68,7 @@ pub fn to_stdout(args: &FileArgs) -> bool {
 }
 
 /// Opens the output.
-pub fn open(args: &FileArgs, format: &Format) -> Result<Destination, Failure> {
+pub fn open_sink(args: &FileArgs, format: &Format) -> Result<Destination, Failure> {
     Ok(match format {
         Format::PngSequence(pattern) => Destination::Sequence(pattern.clone()),
         _ => Destination::File(open_file(args)?),
@@ -84,14 +84,14 @@ pub fn open_file(args: &FileArgs) -> Result<Box<dyn Output>, Failure> {
 }
 
 /// Frames to be written as the command line says.
-pub struct Film<'a> {
+pub struct OpenFilm<'a> {
     /// Where to and how.
     pub args: &'a FileArgs,
     /// Into what.
     pub settings: FilmSettings<'a>,
 }
 
-impl<'a> Film<'a> {
+impl<'a> OpenFilm<'a> {
     /// `count` opaque frames of pixels `size`, `fps` of them a second.
     pub fn new(
         args: &'a FileArgs,
@@ -147,7 +147,7 @@ impl<'a> Film<'a> {
         Failure: From<E>,
     {
         let prepared = self.settings.open(destination, workers, &CANCEL);
-        let prepared = prepared.map_err(failure)?;
+        let prepared = prepared.map_err(pump_failure)?;
         if let Some(clamp) = prepared.clamp {
             term.warning(&format!(
                 "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s; an .apng keeps its rate",
@@ -173,7 +173,7 @@ impl<'a> Film<'a> {
         let show = |done, all| progress.show(done, all);
         let result = self.settings.write(prepared, workers, &show, &CANCEL);
         progress.end();
-        result.map_err(failure)
+        result.map_err(pump_failure)
     }
 
     /// Says what was written, unless it went to standard output, and what older frames stand behind it.
@@ -210,7 +210,7 @@ impl<'a> Film<'a> {
     }
 }
 
-fn failure<E>(error: PumpError<E>) -> Failure
+fn pump_failure<E>(error: PumpError<E>) -> Failure
 where
     E: std::error::Error + 'static,
     Failure: From<E>,

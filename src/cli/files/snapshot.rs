@@ -1,34 +1,36 @@
 //! `mechanim snapshot`: the pictures of a list against their golden files.
 
-use super::diff::numbers;
+use super::diff::difference_numbers;
 use crate::cli::args::files::{SnapshotArgs, UpdateArg};
 use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::import::film::png_files;
 use crate::scene::source;
-use crate::snapshot::golden::beside;
+use crate::snapshot::golden::path_beside;
 use crate::snapshot::manifest::Picture;
-use crate::snapshot::{DrawError, MANIFEST, Manifest, Update, Verdict, draw, judge};
+use crate::snapshot::{
+    DrawError, GoldenVerdict, MANIFEST, Manifest, Update, draw_picture, judge_picture,
+};
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// Runs the verb.
-pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
-    let update = update(args)?;
-    let manifest = read(&args.folder)?;
-    let wanted = wanted(args, &manifest)?;
+pub fn run_snapshot(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
+    let update = wanted_update(args)?;
+    let manifest = read_manifest(&args.folder)?;
+    let wanted = wanted_pictures(args, &manifest)?;
     let mut results = Vec::new();
     for picture in wanted {
-        let drawn = draw(picture, &args.folder).map_err(|e| failure(picture, e))?;
+        let drawn = draw_picture(picture, &args.folder).map_err(|e| picture_failure(picture, e))?;
         let golden = args.folder.join(&picture.file);
-        let verdict = judge(&golden, &drawn, picture.allowed, update)?;
+        let verdict = judge_picture(&golden, &drawn, picture.allowed, update)?;
         if crate::cli::interrupt::CANCEL.load(std::sync::atomic::Ordering::Relaxed) {
             let written = results
                 .iter()
-                .filter(|(_, v)| matches!(v, Verdict::Written));
+                .filter(|(_, v)| matches!(v, GoldenVerdict::Written));
             return Err(
-                match written.count() + usize::from(matches!(verdict, Verdict::Written)) {
+                match written.count() + usize::from(matches!(verdict, GoldenVerdict::Written)) {
                     0 => Failure::Interrupted,
                     count => {
                         Failure::Stopped(format!("{count} golden pictures were written before"))
@@ -41,11 +43,15 @@ pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
     warn_of_strangers(&args.folder, &manifest, term)?;
     let failed = results
         .iter()
-        .any(|(_, v)| matches!(v, Verdict::Failed { .. }));
+        .any(|(_, v)| matches!(v, GoldenVerdict::Failed { .. }));
     if let Some(path) = &args.json {
-        io::write_document(path, &document(&results, failed))?;
+        io::write_document(path, &snapshot_document(&results, failed))?;
     }
-    io::print_beside(term, args.json.as_deref(), &text(&args.folder, &results))?;
+    io::print_beside(
+        term,
+        args.json.as_deref(),
+        &snapshot_text(&args.folder, &results),
+    )?;
     Ok(if failed {
         Outcome::CheckFailed
     } else {
@@ -54,7 +60,7 @@ pub fn run(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
 }
 
 /// What may be written; nothing where nobody looks at it.
-fn update(args: &SnapshotArgs) -> Result<Update, Failure> {
+fn wanted_update(args: &SnapshotArgs) -> Result<Update, Failure> {
     let Some(update) = args.update else {
         return Ok(Update::Never);
     };
@@ -70,7 +76,7 @@ fn update(args: &SnapshotArgs) -> Result<Update, Failure> {
     })
 }
 
-fn read(folder: &Path) -> Result<Manifest, Failure> {
+fn read_manifest(folder: &Path) -> Result<Manifest, Failure> {
     let path = folder.join(MANIFEST);
     let name = path.display().to_string();
     let failed = |message| {
@@ -80,12 +86,15 @@ fn read(folder: &Path) -> Result<Manifest, Failure> {
     let file = std::fs::File::open(&path);
     let file = file.map_err(|e| failed(format!("cannot read {name}: {e}")))?;
     // As large as a scene may be.
-    let text = source::read(file, &name).map_err(|e| failed(e.message))?;
+    let text = source::read_source(file, &name).map_err(|e| failed(e.message))?;
     Ok(Manifest::read(&text)?)
 }
 
 /// The pictures that `--only` leaves; never none.
-fn wanted<'a>(args: &SnapshotArgs, manifest: &'a Manifest) -> Result<Vec<&'a Picture>, Failure> {
+fn wanted_pictures<'a>(
+    args: &SnapshotArgs,
+    manifest: &'a Manifest,
+) -> Result<Vec<&'a Picture>, Failure> {
     let is_wanted = |picture: &&Picture| {
         args.only.is_empty() || args.only.iter().any(|text| picture.file.contains(text))
     };
@@ -101,7 +110,7 @@ fn wanted<'a>(args: &SnapshotArgs, manifest: &'a Manifest) -> Result<Vec<&'a Pic
     Ok(wanted)
 }
 
-fn failure(picture: &Picture, error: DrawError) -> Failure {
+fn picture_failure(picture: &Picture, error: DrawError) -> Failure {
     match error {
         DrawError::Scene(error) => error.into(),
         DrawError::Structure(error) => error.into(),
@@ -123,16 +132,16 @@ fn warn_of_strangers(folder: &Path, manifest: &Manifest, term: &Term) -> Result<
     Ok(())
 }
 
-fn text(folder: &Path, results: &[(&Picture, Verdict)]) -> String {
+fn snapshot_text(folder: &Path, results: &[(&Picture, GoldenVerdict)]) -> String {
     let mut text = String::new();
     for (picture, verdict) in results {
         let file = &picture.file;
         text += &match verdict {
-            Verdict::Passed(_) => format!("passed   {file}\n"),
-            Verdict::Written => format!("written  {file}\n"),
-            Verdict::Failed { reason, .. } => {
+            GoldenVerdict::Passed(_) => format!("passed   {file}\n"),
+            GoldenVerdict::Written => format!("written  {file}\n"),
+            GoldenVerdict::Failed { reason, .. } => {
                 let golden = folder.join(file);
-                let left = ["new", "diff"].map(|kind| beside(&golden, kind));
+                let left = ["new", "diff"].map(|kind| path_beside(&golden, kind));
                 let left = left.iter().filter(|path| path.exists());
                 let left: Vec<String> = left.map(|path| path.display().to_string()).collect();
                 format!(
@@ -144,17 +153,19 @@ fn text(folder: &Path, results: &[(&Picture, Verdict)]) -> String {
     }
     let failed = results
         .iter()
-        .filter(|(_, v)| matches!(v, Verdict::Failed { .. }));
+        .filter(|(_, v)| matches!(v, GoldenVerdict::Failed { .. }));
     text + &format!("{} of {} pictures failed\n", failed.count(), results.len())
 }
 
 /// The report as programs read it; described in `docs/formats.md`.
-fn document(results: &[(&Picture, Verdict)], failed: bool) -> Value {
+fn snapshot_document(results: &[(&Picture, GoldenVerdict)], failed: bool) -> Value {
     let pictures = results.iter().map(|(picture, verdict)| {
         let (word, reason, difference) = match verdict {
-            Verdict::Passed(difference) => ("passed", None, Some(difference)),
-            Verdict::Written => ("written", None, None),
-            Verdict::Failed { reason, difference } => ("failed", Some(reason), difference.as_ref()),
+            GoldenVerdict::Passed(difference) => ("passed", None, Some(difference)),
+            GoldenVerdict::Written => ("written", None, None),
+            GoldenVerdict::Failed { reason, difference } => {
+                ("failed", Some(reason), difference.as_ref())
+            }
         };
         json!({
             "file": picture.file,
@@ -163,7 +174,7 @@ fn document(results: &[(&Picture, Verdict)], failed: bool) -> Value {
             "max_pixels": picture.allowed.pixels,
             "verdict": word,
             "reason": reason,
-            "difference": difference.map(numbers),
+            "difference": difference.map(difference_numbers),
         })
     });
     json!({

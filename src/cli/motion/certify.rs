@@ -12,13 +12,13 @@ use crate::model::actuation::Actuation;
 /// The motion at `times`.
 ///
 /// Errors: Ctrl-C.
-pub fn motion(
+pub fn certify_motion(
     system: &System,
     actuation: &Actuation,
     times: &[f64],
     certify: CertifyArg,
 ) -> Result<Trajectory, Failure> {
-    sampling::allow(system.mechanism(), times.len())?;
+    sampling::allow_samples(system.mechanism(), times.len())?;
     let proofs = match certify {
         CertifyArg::None => Proofs::None,
         CertifyArg::Pose => Proofs::Poses,

@@ -9,13 +9,13 @@ use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Coordinate;
-use crate::report::sentences::{gap_sentence, sentence, with_unit};
+use crate::report::sentences::{event_sentence, gap_sentence, with_unit};
 
 /// Most events that are printed one by one.
 const MAX_LINES: usize = 12;
 
 /// Says what happened; a motion without any pose is a failure.
-pub fn tell(
+pub fn tell_events(
     system: &System,
     actuation: &Actuation,
     trajectory: &Trajectory,
@@ -36,7 +36,9 @@ pub fn tell(
     };
     let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
     let events = trajectory.events.iter().filter(told);
-    let lines: Vec<String> = gaps.chain(events.map(|e| sentence(mechanism, e))).collect();
+    let lines: Vec<String> = gaps
+        .chain(events.map(|e| event_sentence(mechanism, e)))
+        .collect();
     for line in lines.iter().take(MAX_LINES) {
         term.warning(line);
     }
@@ -45,7 +47,7 @@ pub fn tell(
     }
     let limits = trajectory.events.iter();
     for event in limits.filter(|e| matches!(e.kind, EventKind::LimitPosition { .. })) {
-        term.note(&sentence(mechanism, event));
+        term.note(&event_sentence(mechanism, event));
     }
     let missing = trajectory.missing();
     if trajectory.is_whole() {
@@ -83,7 +85,7 @@ pub fn note_moved_start(
     if !wishes.are_missed(&pose.unknowns) {
         return Ok(());
     }
-    let Some(nearer) = mode::nearer(system, actuation, &wishes, &pose.unknowns)? else {
+    let Some(nearer) = mode::nearer_mode(system, actuation, &wishes, &pose.unknowns)? else {
         return Ok(());
     };
     let unknown = nearer.unknown;
@@ -109,11 +111,11 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
     let first = trajectory.events.first();
     let message = first.map_or_else(
         || "no pose was found".to_owned(),
-        |event| sentence(mechanism, event),
+        |event| event_sentence(mechanism, event),
     );
     let mut hints: Vec<String> = first
         .into_iter()
-        .filter_map(|e| contradiction(system, e))
+        .filter_map(|e| event_contradiction(system, e))
         .collect();
     hints.extend([
         "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
@@ -140,7 +142,7 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
 }
 
 /// What to say when the loop that does not close has too few unknowns for its equations.
-fn contradiction(system: &System, event: &Event) -> Option<String> {
+fn event_contradiction(system: &System, event: &Event) -> Option<String> {
     let mechanism = system.mechanism();
     let EventKind::StartNotClosed { name, .. } = &event.kind else {
         return None;

@@ -9,7 +9,7 @@ use crate::export::glb::write_glb;
 use crate::export::solid::{Library, write_obj, write_stl};
 use crate::export::{ExportSummary, Format, Target};
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::report::sentences::inputs;
+use crate::report::sentences::input_sentence;
 use crate::scene::Scene;
 use crate::staging::Staging;
 use crate::staging::model::of_motion;
@@ -18,7 +18,7 @@ use std::ops::Range;
 /// Writes the samples of the motion as the model that `format` names.
 ///
 /// Errors: a still of an instant without a pose; a failed write.
-pub fn write(
+pub fn write_model(
     args: &FileArgs,
     format: &Format,
     scene: &Scene,
@@ -36,19 +36,19 @@ pub fn write(
     let output = sinks::open_file(args)?;
     let summary = match format {
         Format::Stl => write_stl(&model, output)?,
-        Format::Obj => write_obj(&model, output, library(args)?)?,
+        Format::Obj => write_obj(&model, output, material_library(args)?)?,
         _ => write_glb(&model, output)?,
     };
     if !to_stdout(args) {
         let parts = model.bodies.iter().flat_map(|body| &body.parts);
         let triangles: usize = parts.map(|part| part.mesh.triangles.len()).sum();
-        tell(args, &summary, model.bodies.len(), triangles, term);
+        tell_model(args, &summary, model.bodies.len(), triangles, term);
     }
     Ok(())
 }
 
 /// Name and file of an OBJ's materials: beside it, under its name. `None` where the OBJ has no name to go by.
-fn library(args: &FileArgs) -> Result<Option<Library>, Failure> {
+fn material_library(args: &FileArgs) -> Result<Option<Library>, Failure> {
     let path = args.out.with_extension("mtl");
     let name = path.file_name().and_then(|name| name.to_str());
     // A name with blanks would be read as several.
@@ -67,14 +67,20 @@ fn refuse_missing(scene: &Scene, trajectory: &Trajectory, sample: usize) -> Resu
     if sample.pose.is_some() {
         return Ok(());
     }
-    let values = inputs(&scene.mechanism, &sample.inputs);
+    let values = input_sentence(&scene.mechanism, &sample.inputs);
     Err(Failure::NeverClosed {
         message: format!("the motion has no pose at t = {} s ({values})", sample.time),
         hints: vec!["take another time with --at SECONDS".to_owned()],
     })
 }
 
-fn tell(args: &FileArgs, summary: &ExportSummary, bodies: usize, triangles: usize, term: &Term) {
+fn tell_model(
+    args: &FileArgs,
+    summary: &ExportSummary,
+    bodies: usize,
+    triangles: usize,
+    term: &Term,
+) {
     let keys = match summary.frames {
         1 => String::new(),
         keys => format!(", {keys} keys over {:.2} s", summary.seconds),

@@ -2,12 +2,12 @@
 
 use crate::cli::args::motion::ModesArgs;
 use crate::cli::io;
-use crate::cli::open::mode::search;
+use crate::cli::open::mode::search_modes;
 use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::shown;
+use crate::diag::shown_number;
 use crate::kinematics::assemblies::{Mode, Modes};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Coordinate, Mechanism};
@@ -15,38 +15,38 @@ use crate::report::{assemblies, sentences};
 use serde_json::{Map, Value, json};
 
 /// Runs the verb.
-pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.scene.mode.is_some() {
         return Err(Failure::usage(
             "`modes` lists all assemblies; --mode chooses one in render, solve and check",
             Vec::new(),
         ));
     }
-    let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
+    let OpenScene { scene, system } = open_scene::open_scene(&args.scene, term)?;
     let actuation = &scene.actuation;
     if !(0.0..=actuation.duration).contains(&args.at) {
         return Err(Failure::usage(
             format!(
                 "the motion lasts from 0 to {} s, {} is outside",
                 actuation.duration,
-                shown(args.at)
+                shown_number(args.at)
             ),
             Vec::new(),
         ));
     }
-    let modes = search(&system, actuation, args.at, args.starts)?;
+    let modes = search_modes(&system, actuation, args.at, args.starts)?;
     let inputs = &actuation.inputs_at(args.at);
     if let Some(path) = &args.json {
         io::write_json(
             &args.scene,
             path,
-            &document(&system, inputs, args.at, &modes),
+            &modes_document(&system, inputs, args.at, &modes),
         )?;
     }
     io::print_beside(
         term,
         args.json.as_deref(),
-        &text(&system, inputs, args.at, &modes),
+        &modes_text(&system, inputs, args.at, &modes),
     )?;
     Ok(if modes.list.is_empty() {
         Outcome::NotClosed
@@ -56,19 +56,19 @@ pub fn run(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
 }
 
 /// The table, and what it is worth.
-fn text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> String {
+fn modes_text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> String {
     let mechanism = system.mechanism();
-    let inputs = sentences::inputs(mechanism, inputs);
+    let inputs = sentences::input_sentence(mechanism, inputs);
     let mut text = format!(
         "{}\n{} found at t = {time} s ({inputs})\n",
         mechanism.title,
-        assemblies::headline(mechanism, modes)
+        assemblies::modes_headline(mechanism, modes)
     );
     if !modes.list.is_empty() {
-        text.push_str(&table(mechanism, modes));
+        text.push_str(&modes_table(mechanism, modes));
     }
     text.push('\n');
-    for line in assemblies::remarks(system, modes) {
+    for line in assemblies::mode_remarks(system, modes) {
         text.push_str(&line);
         text.push('\n');
     }
@@ -76,12 +76,17 @@ fn text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> String {
 }
 
 /// Rows of aligned cells: number, that of the placement where they differ, signature, singular value, hits, coordinates with their units.
-fn table(mechanism: &Mechanism, modes: &Modes) -> String {
+fn modes_table(mechanism: &Mechanism, modes: &Modes) -> String {
     let has_names = modes.list.len() > modes.placements();
     let mut headings = vec!["mode", "placement", "branch", "sigma_min", "met"];
     headings.retain(|heading| has_names || *heading != "placement");
     let mut rows = vec![headings.into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    rows[0].extend(mechanism.unknowns.iter().map(|c| heading(mechanism, c)));
+    rows[0].extend(
+        mechanism
+            .unknowns
+            .iter()
+            .map(|c| unknown_heading(mechanism, c)),
+    );
     for (k, mode) in modes.list.iter().enumerate() {
         let mark = if mode.is_scene { "* " } else { "" };
         let set = if mode.dimension > 0 { "~ " } else { "" };
@@ -108,7 +113,7 @@ fn table(mechanism: &Mechanism, modes: &Modes) -> String {
     text
 }
 
-fn heading(mechanism: &Mechanism, unknown: &Coordinate) -> String {
+fn unknown_heading(mechanism: &Mechanism, unknown: &Coordinate) -> String {
     match mechanism.unit_name(unknown.kind) {
         "" => unknown.name.clone(),
         unit => format!("{}/{unit}", unknown.name),
@@ -124,7 +129,7 @@ fn in_file<'a>(
     pairs.map(|(c, v)| (c.name.as_str(), v * mechanism.file_units(c.kind)))
 }
 
-fn document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Value {
+fn modes_document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Value {
     let mechanism = system.mechanism();
     let inputs: Map<String, Value> = mechanism
         .inputs
@@ -165,7 +170,7 @@ fn document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Value 
         .iter()
         .map(|(kind, tally)| {
             let tally = json!({ "starts": tally.starts, "closed": tally.closed, "new": tally.new });
-            (assemblies::words(*kind).replace("of the ", ""), tally)
+            (assemblies::kind_words(*kind).replace("of the ", ""), tally)
         })
         .collect();
     json!({

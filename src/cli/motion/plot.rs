@@ -1,9 +1,9 @@
 //! `mechanim plot`: curves of the motion as SVG or PNG.
 
 use super::event_messages;
-use crate::charts::motion::{chart, default_plot};
+use crate::charts::motion::{default_plot, motion_chart};
 use crate::cli::args::charts::PlotArgs;
-use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::files::chart::{PlotFormat, write_chart};
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::io;
 use crate::cli::open::scene as open_scene;
@@ -23,28 +23,29 @@ use crate::scene::{PlotText, Scene};
 const USUAL_SAMPLES: usize = 361;
 
 /// Runs the verb.
-pub fn run(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_plot(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let format = PlotFormat::of(&args.out)?;
     io::refuse_input(&args.scene, &args.out)?;
-    let OpenScene { scene, system } = open_scene::open_with_plot(&args.scene, asked(args)?, term)?;
+    let OpenScene { scene, system } =
+        open_scene::open_with_plot(&args.scene, asked_plot(args)?, term)?;
     let actuation = &scene.actuation;
-    let plots = chosen(args.only.as_deref(), &scene)?;
-    let times = times(args, actuation);
-    sampling::allow(&scene.mechanism, times.len())?;
-    let mut output = io::open(&args.out)?;
+    let plots = chosen_plots(args.only.as_deref(), &scene)?;
+    let times = plot_times(args, actuation);
+    sampling::allow_samples(&scene.mechanism, times.len())?;
+    let mut output = io::open_output(&args.out)?;
     let mut trajectory = solve_with_ends(&system, actuation, &times, &is_interrupted);
     refuse_interrupted()?;
     event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
-    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
-    let chart = chart(&system, actuation, &plots, &trajectory);
-    let written = write(&chart, format, args.size, args.theme, output.as_mut());
+    let outcome = event_messages::tell_events(&system, actuation, &trajectory, term)?;
+    let chart = motion_chart(&system, actuation, &plots, &trajectory);
+    let written = write_chart(&chart, format, args.size, args.theme, output.as_mut());
     io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))?;
     Ok(outcome)
 }
 
 /// The plot asked for on the command line, if any.
-fn asked(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
-    let mut y: Vec<String> = args.y.iter().flat_map(|list| split(list)).collect();
+fn asked_plot(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
+    let mut y: Vec<String> = args.y.iter().flat_map(|list| split_list(list)).collect();
     if y.is_empty() {
         if args.x.is_some() || args.order.is_some() || args.equal {
             let hint = "name them: --y NAME,NAME";
@@ -72,7 +73,7 @@ fn asked(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
 }
 
 /// Splits a list at the commas that are not inside parentheses.
-fn split(list: &str) -> Vec<String> {
+fn split_list(list: &str) -> Vec<String> {
     let (mut depth, mut parts) = (0_i32, vec![String::new()]);
     for character in list.chars() {
         match character {
@@ -90,7 +91,7 @@ fn split(list: &str) -> Vec<String> {
 }
 
 /// The plots to draw: the scene's, the one with the given title, or the default.
-pub fn chosen(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> {
+pub fn chosen_plots(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> {
     let Some(title) = title else {
         return Ok(match scene.plots.as_slice() {
             [] => vec![default_plot(&scene.mechanism, &scene.actuation)],
@@ -114,37 +115,37 @@ pub fn chosen(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> 
 
 /// The chart of `--panel`: the scene's first plot or that with the given title, at even samples and at those of the
 /// frames in `trajectory`.
-pub fn companion(
+pub fn companion_film(
     title: &str,
     (scene, system): (&Scene, &System),
     trajectory: &Trajectory,
     size: [u32; 2],
 ) -> Result<Companion, Failure> {
-    let mut plots = chosen(Some(title).filter(|t| !t.is_empty()), scene)?;
+    let mut plots = chosen_plots(Some(title).filter(|t| !t.is_empty()), scene)?;
     plots.truncate(1);
     let actuation = &scene.actuation;
-    let times = even(actuation.duration, USUAL_SAMPLES);
+    let times = even_times(actuation.duration, USUAL_SAMPLES);
     let fine = solve_with_ends(system, actuation, &times, &is_interrupted);
     refuse_interrupted()?;
-    let mut whole = chart(system, actuation, &plots, &fine);
+    let mut whole = motion_chart(system, actuation, &plots, &fine);
     // The animation bears the title.
     whole.title.clear();
-    let frames = chart(system, actuation, &plots, trajectory);
+    let frames = motion_chart(system, actuation, &plots, trajectory);
     Ok(Companion::new(&whole, frames, size, scene.view.background))
 }
 
 /// Evenly over the motion, both ends included.
-fn even(duration: f64, count: usize) -> Vec<f64> {
+fn even_times(duration: f64, count: usize) -> Vec<f64> {
     let share = |k: usize| k as f64 / (count - 1) as f64;
     (0..count).map(|k| duration * share(k)).collect()
 }
 
 /// The samples asked for.
-fn times(args: &PlotArgs, actuation: &Actuation) -> Vec<f64> {
+fn plot_times(args: &PlotArgs, actuation: &Actuation) -> Vec<f64> {
     if args.samples.is_none() && args.scene.table.is_some() {
         return crate::cli::open::inputs_table::row_times(actuation);
     }
-    even(
+    even_times(
         actuation.duration,
         args.samples.unwrap_or(USUAL_SAMPLES).max(2),
     )

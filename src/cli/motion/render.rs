@@ -4,7 +4,7 @@ use super::solve::up_to;
 use super::{event_messages, models, plot};
 use crate::cli::args::motion::{RenderArgs, RendererArg, ShowArg};
 use crate::cli::files::sinks;
-use crate::cli::files::sinks::Film;
+use crate::cli::files::sinks::OpenFilm;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
@@ -17,9 +17,9 @@ use crate::export::Format;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::sampling::{self, even_times, frame_times};
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::kinematics::solve::iterates::{film, iterates};
+use crate::kinematics::solve::iterates::{iterate_film, record_iterates};
 use crate::kinematics::structure::system::System;
-use crate::limits::{Resource, limits};
+use crate::limits::{Resource, current_limits};
 use crate::model::printed::InputReading;
 use crate::model::view::Ghosts;
 use crate::pictures::frames::{DrawnBy, Pictures};
@@ -35,21 +35,21 @@ use std::ops::Range;
 const ITERATES_A_SECOND: f64 = 1.0;
 
 /// Runs the verb.
-pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut clock = Clock::new(args.timings);
     let format = kind_of_output(args)?;
     io::refuse_input(&args.scene, &args.file.out)?;
-    let OpenScene { mut scene, system } = open_scene::open(&args.scene, term)?;
+    let OpenScene { mut scene, system } = open_scene::open_scene(&args.scene, term)?;
     args.view.apply(&format, &mut scene)?;
     warn_of_missing_glyphs(&scene, term);
     clock.lap("read");
     let (plan, trajectory, outcome) = if args.trace_iterations {
-        iterations(args, &system, &mut scene, &format)?
+        trace_iterations(args, &system, &mut scene, &format)?
     } else {
-        let plan = Plan::new(args, &scene, &format)?;
+        let plan = RenderPlan::new(args, &scene, &format)?;
         let [width, height] = args.size.map(f64::from);
-        limits().allow(Resource::Pixels, width * height, &"a picture of --size")?;
-        sampling::allow(&scene.mechanism, plan.times.len())?;
+        current_limits().allow(Resource::Pixels, width * height, &"a picture of --size")?;
+        sampling::allow_samples(&scene.mechanism, plan.times.len())?;
         let proof = Some(InputReading::Numbers);
         let mut trajectory = solve_until(
             &system,
@@ -60,34 +60,34 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         );
         refuse_interrupted()?;
         event_messages::note_moved_start(&system, &scene.actuation, &mut trajectory)?;
-        let outcome = event_messages::tell(&system, &scene.actuation, &trajectory, term)?;
+        let outcome = event_messages::tell_events(&system, &scene.actuation, &trajectory, term)?;
         (plan, trajectory, outcome)
     };
     let scene = scene;
     clock.lap("solve");
     let panel = args.panel.as_deref();
     let panel =
-        panel.map(|title| plot::companion(title, (&scene, &system), &trajectory, args.size));
+        panel.map(|title| plot::companion_film(title, (&scene, &system), &trajectory, args.size));
     let panel = panel.transpose()?;
     let options = PictureOptions {
         size: panel.as_ref().map_or(args.size, |p| p.animation),
         samples: args.samples,
     };
     let marks = match args.show {
-        Some(ShowArg::Clearance) => clearance_picture::alarms(&scene, &system, &trajectory)?,
+        Some(ShowArg::Clearance) => clearance_picture::alarm_marks(&scene, &system, &trajectory)?,
         None => Marks::default(),
     };
     let views = if scene.view.four && !format.is_model() {
-        panes::scenes(&scene)
+        panes::pane_scenes(&scene)
     } else {
         Vec::new()
     };
-    let panes = panes::stagings(&views, &trajectory, options, &marks);
+    let panes = panes::pane_stagings(&views, &trajectory, options, &marks);
     let staging = Staging::marked(&scene, &trajectory, options, marks);
     clock.lap("stage");
     if format.is_model() {
         let samples = plan.samples();
-        models::write(
+        models::write_model(
             &args.file,
             &format,
             &scene,
@@ -105,7 +105,7 @@ pub fn run(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             first: plan.first,
             panel: panel.as_ref(),
         };
-        io::unless_reader_left(draw(
+        io::unless_reader_left(draw_film(
             args,
             &format,
             &plan,
@@ -142,22 +142,22 @@ fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
 }
 
 /// Newton's iterates in place of a motion; the earlier ones stay as ghosts.
-fn iterations(
+fn trace_iterations(
     args: &RenderArgs,
     system: &System,
     scene: &mut Scene,
     format: &Format,
-) -> Result<(Plan, Trajectory, Outcome), Failure> {
+) -> Result<(RenderPlan, Trajectory, Outcome), Failure> {
     let mechanism = &scene.mechanism;
     let start = scene.actuation.start_at(0.0);
-    let (list, closed) = iterates(system, &start);
-    let trajectory = film(mechanism, &start[mechanism.unknowns.len()..], &list);
+    let (list, closed) = record_iterates(system, &start);
+    let trajectory = iterate_film(mechanism, &start[mechanism.unknowns.len()..], &list);
     let count = trajectory.samples.len();
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
     scene.actuation.duration = count as f64;
     scene.view.decor.ghosts = Ghosts::Times(times.clone());
     let still = format.is_still();
-    let plan = Plan {
+    let plan = RenderPlan {
         times,
         first: if still { count - 1 } else { 0 },
         count: if still { 1 } else { count },
@@ -172,10 +172,10 @@ fn iterations(
 }
 
 /// Draws and encodes the frames of the plan.
-fn draw(
+fn draw_film(
     args: &RenderArgs,
     format: &Format,
-    plan: &Plan,
+    plan: &RenderPlan,
     trajectory: &Trajectory,
     pictures: &Pictures,
     clock: &mut Clock,
@@ -186,8 +186,8 @@ fn draw(
         term.note(&format!("drawing on {}", workers.name));
     }
     clock.lap("renderer");
-    let destination = sinks::open(&args.file, format)?;
-    let film = Film::new(&args.file, format, args.size, plan.count, plan.fps)
+    let destination = sinks::open_sink(&args.file, format)?;
+    let film = OpenFilm::new(&args.file, format, args.size, plan.count, plan.fps)
         .with_flat_colours(pictures.staging.flat_colours())
         .with_alpha(pictures.scene.view.transparent);
     let prepared = film.sink(destination, &mut workers.list, term)?;
@@ -222,12 +222,12 @@ fn drawn_by(args: &RenderArgs) -> DrawnBy {
     DrawnBy {
         renderer,
         adapter,
-        threads: args.file.threads.unwrap_or_else(crate::jobs::cores),
+        threads: args.file.threads.unwrap_or_else(crate::jobs::core_count),
     }
 }
 
 /// Which samples become pictures, and when they are shown.
-struct Plan {
+struct RenderPlan {
     times: Vec<f64>,
     /// First sample that is drawn.
     first: usize,
@@ -235,7 +235,7 @@ struct Plan {
     fps: f64,
 }
 
-impl Plan {
+impl RenderPlan {
     fn new(args: &RenderArgs, scene: &Scene, format: &Format) -> Result<Self, Failure> {
         let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
         let fps = args.fps.unwrap_or(scene.view.fps);
@@ -285,7 +285,7 @@ impl Plan {
     }
 }
 
-impl Plan {
+impl RenderPlan {
     /// The samples that are shown.
     fn samples(&self) -> Range<usize> {
         self.first..self.first + self.count
@@ -305,7 +305,7 @@ fn frame_time(frames: &[f64], frame: usize) -> Result<f64, Failure> {
 }
 
 fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
-    let format = sinks::format(&args.file)?;
+    let format = sinks::film_format(&args.file)?;
     let single = args.at.is_some() || args.frame.is_some();
     if format.is_still() && args.frames.is_some_and(|n| n > 1) && !single {
         let out = args.file.out.display();
@@ -326,7 +326,7 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
 }
 
 /// Only frames that were drawn count.
-fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &Plan) -> Outcome {
+fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &RenderPlan) -> Outcome {
     let drawn = &trajectory.samples[plan.samples()];
     if outcome == Outcome::NotClosed && drawn.iter().all(|sample| sample.pose.is_some()) {
         return Outcome::Done;

@@ -8,13 +8,13 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::shown;
+use crate::diag::shown_number;
 use crate::export::Output;
-use crate::kinematics::certificate::rows::redundant;
+use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
-use crate::kinematics::solve::iterates::iterates;
+use crate::kinematics::solve::iterates::record_iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -25,8 +25,8 @@ use crate::scene::Scene;
 use std::path::Path;
 
 /// Runs the verb.
-pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
-    let format = format(args)?;
+pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
+    let format = table_format(args)?;
     io::refuse_input(&args.scene, &args.out)?;
     if args.at.is_some() && args.certify == CertifyArg::Motion {
         let hints = vec!["leave out --at: the table has the times in its first column".to_owned()];
@@ -35,15 +35,15 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
             hints,
         ));
     }
-    let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
+    let OpenScene { scene, system } = open_scene::open_scene(&args.scene, term)?;
     let actuation = &scene.actuation;
-    let derivatives = derivatives(args, &scene.mechanism)?;
-    let times = times(args, &scene)?;
-    let mut output = io::open(&args.out)?;
+    let derivatives = rate_columns(args, &scene.mechanism)?;
+    let times = row_times(args, &scene)?;
+    let mut output = io::open_output(&args.out)?;
     if args.trace_iterations {
         return trace_iterations(&system, actuation, format, output, term);
     }
-    let mut trajectory = certify::motion(&system, actuation, &times, args.certify)?;
+    let mut trajectory = certify::certify_motion(&system, actuation, &times, args.certify)?;
     refuse_interrupted()?;
     event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
     if args.events {
@@ -52,7 +52,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
-    let outcome = event_messages::tell(&system, actuation, &trajectory, term)?;
+    let outcome = event_messages::tell_events(&system, actuation, &trajectory, term)?;
     let proves_motion = args.certify == CertifyArg::Motion;
     let proof = proves_motion.then(|| MotionProof::of(&trajectory));
     if let Some(proof) = proof.filter(|p| !p.is_whole()) {
@@ -74,7 +74,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         ));
     }
     for held in &system.structure().held {
-        let idle = freedoms::idle(&scene.mechanism, held);
+        let idle = freedoms::passive_sentence(&scene.mechanism, held);
         term.note(&format!("idle: {idle} at its start value"));
     }
     if let Some(wanted) = derivatives {
@@ -85,7 +85,7 @@ pub fn run(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         rates: args.rates,
         derivatives,
         motion: proves_motion,
-        redundant: redundant(&system) > 0,
+        redundant: redundant_rows(&system) > 0,
         bounds: args.bounds,
     };
     let written = match format {
@@ -121,7 +121,7 @@ fn trace_iterations(
     term: &Term,
 ) -> Result<Outcome, Failure> {
     let mechanism = system.mechanism();
-    let (list, closed) = iterates(system, &actuation.start_at(0.0));
+    let (list, closed) = record_iterates(system, &actuation.start_at(0.0));
     match format {
         TableFormat::Csv => iterate_table::write_csv(mechanism, &list, output.as_mut())?,
         TableFormat::Json => iterate_table::write_json(mechanism, &list, closed, output.as_mut())?,
@@ -134,7 +134,7 @@ fn trace_iterations(
     Ok(Outcome::NotClosed)
 }
 
-fn times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+fn row_times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     if let Some(at) = args.at {
         let frames = frame_times(mechanism, actuation, scene.view.fps);
@@ -154,7 +154,7 @@ pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure
         return Err(Failure::usage(
             format!(
                 "the motion lasts from 0 to {duration} s, {} is outside",
-                shown(at)
+                shown_number(at)
             ),
             Vec::new(),
         ));
@@ -165,7 +165,7 @@ pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure
 }
 
 /// The rates asked for with `--order` and `--per`.
-fn derivatives(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateColumns>, Failure> {
+fn rate_columns(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateColumns>, Failure> {
     let Some(order) = args.order else {
         return Ok(None);
     };
@@ -185,7 +185,7 @@ fn derivatives(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateCol
     Ok(Some(RateColumns { order, by }))
 }
 
-fn format(args: &SolveArgs) -> Result<TableFormat, Failure> {
+fn table_format(args: &SolveArgs) -> Result<TableFormat, Failure> {
     if let Some(format) = args.format {
         return Ok(format);
     }

@@ -55,7 +55,7 @@ impl<R: BufRead> Cells<R> {
             }
             let separator = self.separator.unwrap_or_else(|| separator_of(text));
             self.separator = Some(separator);
-            return split(text, separator).map(Some);
+            return split_cells(text, separator).map(Some);
         }
     }
 
@@ -115,13 +115,13 @@ fn separator_of(header: &str) -> char {
 }
 
 /// The cells of a line.
-fn split(text: &str, separator: char) -> Result<Vec<String>, String> {
+fn split_cells(text: &str, separator: char) -> Result<Vec<String>, String> {
     let mut cells = Vec::new();
     let mut rest = text;
     loop {
         let trimmed = rest.trim_start_matches([' ', '\u{a0}']);
         let (cell, after) = match trimmed.strip_prefix('"') {
-            Some(quoted) => unquoted(quoted)?,
+            Some(quoted) => unquote_cell(quoted)?,
             None => {
                 let end = rest.find(separator).unwrap_or(rest.len());
                 (rest[..end].trim().to_owned(), &rest[end..])
@@ -138,7 +138,7 @@ fn split(text: &str, separator: char) -> Result<Vec<String>, String> {
 }
 
 /// The text up to the closing quote, two quotes being one of it, and what is behind.
-fn unquoted(text: &str) -> Result<(String, &str), String> {
+fn unquote_cell(text: &str) -> Result<(String, &str), String> {
     let mut cell = String::new();
     let mut rest = text;
     while let Some((before, after)) = rest.split_once('"') {

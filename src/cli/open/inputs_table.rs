@@ -2,8 +2,8 @@
 
 use super::cells::Cells;
 use crate::cli::term::outcome::Failure;
-use crate::diag::nearest;
-use crate::limits::{Resource, limits};
+use crate::diag::nearest_name;
+use crate::limits::{Resource, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::Mechanism;
@@ -18,14 +18,18 @@ const TIME: [&str; 3] = ["time", "t", "time [s]"];
 
 /// Replaces the drives. Columns are found by name, others are ignored. A column of time says when each row is met, else row
 /// k is met at second k.
-pub fn apply(mechanism: &Mechanism, actuation: &mut Actuation, path: &Path) -> Result<(), Failure> {
+pub fn apply_inputs(
+    mechanism: &Mechanism,
+    actuation: &mut Actuation,
+    path: &Path,
+) -> Result<(), Failure> {
     let name = path.display();
     let failed = |e: std::io::Error| Failure::usage(format!("cannot read {name}: {e}"), Vec::new());
     let file: Box<dyn BufRead> = match path == Path::new("-") {
         true => Box::new(std::io::stdin().lock()),
         false => Box::new(BufReader::new(std::fs::File::open(path).map_err(failed)?)),
     };
-    let mut table = Table {
+    let mut table = InputsTable {
         path,
         mechanism,
         cells: Cells::new(file),
@@ -45,7 +49,7 @@ pub fn apply(mechanism: &Mechanism, actuation: &mut Actuation, path: &Path) -> R
             Vec::new(),
         ));
     };
-    let Table { times, values, .. } = table;
+    let InputsTable { times, values, .. } = table;
     let keys = values.into_iter().map(|values| Drive::Keys {
         times: times.clone(),
         values,
@@ -66,7 +70,7 @@ pub fn row_times(actuation: &Actuation) -> Vec<f64> {
 }
 
 /// A table being read.
-struct Table<'t> {
+struct InputsTable<'t> {
     path: &'t Path,
     mechanism: &'t Mechanism,
     cells: Cells<Box<dyn BufRead>>,
@@ -79,7 +83,7 @@ struct Table<'t> {
     values: Vec<Vec<f64>>,
 }
 
-impl Table<'_> {
+impl InputsTable<'_> {
     /// A mistake in the line that was read last.
     fn wrong(&self, what: &str, hints: Vec<String>) -> Failure {
         Failure::usage(
@@ -126,7 +130,7 @@ impl Table<'_> {
 
     fn missing(&self, input: &str, header: &[String]) -> Failure {
         let mut hints = vec![format!("its columns are: {}", header.join(", "))];
-        if let Some(near) = nearest(input, header.iter().map(String::as_str)) {
+        if let Some(near) = nearest_name(input, header.iter().map(String::as_str)) {
             hints.insert(0, format!("did you mean `{near}` to be `{input}`?"));
         }
         let message = format!(
@@ -165,7 +169,7 @@ impl Table<'_> {
             return Err(Failure::usage(message, Vec::new()));
         }
         let numbers = (self.times.len() * (1 + self.columns.len())) as f64;
-        Ok(limits().allow(Resource::Samples, numbers, &self.path.display())?)
+        Ok(current_limits().allow(Resource::Samples, numbers, &self.path.display())?)
     }
 
     fn value(&mut self, cell: &str, of: &str) -> Result<f64, Failure> {

@@ -4,11 +4,11 @@ use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::outcome::Failure;
 
 /// The scene with the middle of every interval, and half their widths in the file's units.
-pub fn middles(args: &SceneArgs) -> Result<(SceneArgs, Vec<(String, f64)>), Failure> {
+pub fn interval_middles(args: &SceneArgs) -> Result<(SceneArgs, Vec<(String, f64)>), Failure> {
     let mut scene = args.clone();
     let mut widths = Vec::new();
     for (name, text) in &mut scene.parameters {
-        if let Some((middle, half)) = interval(name, text)? {
+        if let Some((middle, half)) = named_interval(name, text)? {
             *text = middle;
             widths.push((name.clone(), half));
         }
@@ -17,7 +17,7 @@ pub fn middles(args: &SceneArgs) -> Result<(SceneArgs, Vec<(String, f64)>), Fail
 }
 
 /// The middle of an interval as a formula, and half its width; `None` if the text is none.
-fn interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failure> {
+fn named_interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failure> {
     let wrong = |message: String| {
         let hint = "write --param NAME=880+-0.2 or --param NAME=879.8..880.2";
         Err(Failure::usage(message, vec![hint.to_owned()]))
@@ -63,7 +63,7 @@ mod tests {
             interval("L", "2*k ± 1").unwrap().unwrap(),
             ("2*k".to_owned(), 1.0)
         );
-        let (middle, half) = interval("L", "879.8..880.2").unwrap().unwrap();
+        let (middle, half) = named_interval("L", "879.8..880.2").unwrap().unwrap();
         let middle: f64 = middle.parse().unwrap();
         assert!(middle - half <= 879.8 && middle + half >= 880.2 && half < 0.2001);
         for none in ["880", "2*(k + -1)", "-3"] {

@@ -7,7 +7,7 @@ use crate::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use crate::kinematics::solve::wishes::Wishes;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use crate::report::sentences::counted;
+use crate::report::sentences::counted_things;
 use std::sync::atomic::Ordering;
 
 /// Starts that show whether an assembly is nearer to the start values: enough for assemblies that are not rare.
@@ -32,22 +32,22 @@ pub fn start_of(
     actuation: &Actuation,
     choice: &ModeChoice,
 ) -> Result<Vec<f64>, Failure> {
-    let modes = search(system, actuation, 0.0, DEFAULT_STARTS)?;
+    let modes = search_modes(system, actuation, 0.0, DEFAULT_STARTS)?;
     let mut coordinates = match choice {
-        ModeChoice::Number(number) => numbered(&modes, *number)?,
-        ModeChoice::Signature(signature) => signed(system, actuation, &modes, signature)?,
+        ModeChoice::Number(number) => numbered_mode(&modes, *number)?,
+        ModeChoice::Signature(signature) => signed_mode(system, actuation, &modes, signature)?,
     };
     coordinates.truncate(system.mechanism().unknowns.len());
     Ok(coordinates)
 }
 
-fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
+fn numbered_mode(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
     let mode = number.checked_sub(1).and_then(|k| modes.list.get(k));
     mode.map(|mode| mode.coordinates.clone()).ok_or_else(|| {
         Failure::usage(
             format!(
                 "there is no mode {number}: {} found at the start of the drive",
-                counted(modes.list.len(), "mode")
+                counted_things(modes.list.len(), "mode")
             ),
             vec!["`mechanim modes` lists them".to_owned()],
         )
@@ -55,23 +55,23 @@ fn numbered(modes: &Modes, number: usize) -> Result<Vec<f64>, Failure> {
 }
 
 /// The only mode with that signature. Where branches meet at the start, that of the branch right after it.
-fn signed(
+fn signed_mode(
     system: &System,
     actuation: &Actuation,
     modes: &Modes,
     signature: &str,
 ) -> Result<Vec<f64>, Failure> {
-    if let Some(mode) = only(modes, signature)? {
+    if let Some(mode) = only_mode(modes, signature)? {
         return Ok(mode.coordinates.clone());
     }
     if modes.list.iter().any(|mode| mode.is_singular) {
-        let beside = search(
+        let beside = search_modes(
             system,
             actuation,
             BESIDE_START * actuation.duration,
             DEFAULT_STARTS,
         )?;
-        if let Some(mode) = only(&beside, signature)? {
+        if let Some(mode) = only_mode(&beside, signature)? {
             return Ok(mode.coordinates.clone());
         }
     }
@@ -84,7 +84,7 @@ fn signed(
 }
 
 /// The mode with a signature, if there is one; an error if there are several.
-fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failure> {
+fn only_mode<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failure> {
     let has_it = |mode: &Mode| mode.branch == signature && !mode.is_singular;
     let numbered = modes.list.iter().enumerate();
     let fitting: Vec<usize> = numbered
@@ -106,7 +106,7 @@ fn only<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, Failu
 
 /// The assembly nearest to the wishes, as `--mode` takes it, if `pose` at the start of the drive is far from one that it
 /// keeps, and the unknown that is.
-pub fn nearer(
+pub fn nearer_mode(
     system: &System,
     actuation: &Actuation,
     wishes: &Wishes,
@@ -119,15 +119,15 @@ pub fn nearer(
         let unknown = wishes.gained(pose, &modes.list[index].coordinates)?;
         (far < wishes.distance(pose)).then_some((index, unknown))
     };
-    if nearest(&search(system, actuation, 0.0, FEW_STARTS)?).is_none() {
+    if nearest(&search_modes(system, actuation, 0.0, FEW_STARTS)?).is_none() {
         return Ok(None);
     }
-    let modes = search(system, actuation, 0.0, DEFAULT_STARTS)?;
+    let modes = search_modes(system, actuation, 0.0, DEFAULT_STARTS)?;
     let Some((index, unknown)) = nearest(&modes) else {
         return Ok(None);
     };
     let mode = &modes.list[index];
-    let name = match only(&modes, &mode.branch) {
+    let name = match only_mode(&modes, &mode.branch) {
         Ok(Some(_)) => mode.branch.clone(),
         _ => (index + 1).to_string(),
     };
@@ -141,7 +141,7 @@ pub fn nearer(
 /// The assemblies at the inputs of a time, from so many starts.
 ///
 /// Errors: an input without a value there; Ctrl-C.
-pub fn search(
+pub fn search_modes(
     system: &System,
     actuation: &Actuation,
     time: f64,

@@ -4,10 +4,10 @@ use super::{inputs_table, mode};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
-use crate::cli::term::progress::announced;
+use crate::cli::term::progress::announce_work;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
-use crate::scene::{Overrides, PlotText, Scene, load, source};
+use crate::scene::{Overrides, PlotText, Scene, load_scene, source};
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub struct OpenScene {
 }
 
 /// Reads, resolves and adapts the scene, and analyses its mechanism; warnings are printed.
-pub fn open(args: &SceneArgs, term: &Term) -> Result<OpenScene, Failure> {
+pub fn open_scene(args: &SceneArgs, term: &Term) -> Result<OpenScene, Failure> {
     open_with_plot(args, None, term)
 }
 
@@ -37,11 +37,11 @@ pub fn open_with_plot(
     }
     let (source, mut overrides) = text_of(args)?;
     overrides.plot = plot;
-    let read = || load(&source, &overrides).map_err(Box::new);
-    let mut scene = announced("reading the scene and its meshes", term.quiet(), read)?;
+    let read = || load_scene(&source, &overrides).map_err(Box::new);
+    let mut scene = announce_work("reading the scene and its meshes", term.quiet(), read)?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
-        inputs_table::apply(&scene.mechanism, &mut scene.actuation, path)?;
+        inputs_table::apply_inputs(&scene.mechanism, &mut scene.actuation, path)?;
     }
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     if let Some(choice) = &args.mode {
@@ -66,7 +66,7 @@ pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
 /// The text of a scene: built-in name, `-`, or a path.
 fn text_by_name(name: &OsStr) -> Result<Source, Failure> {
     Ok(match name.to_str() {
-        Some("-") => source::read(std::io::stdin().lock(), "<stdin>")?,
-        _ => source::find(name)?,
+        Some("-") => source::read_source(std::io::stdin().lock(), "<stdin>")?,
+        _ => source::find_source(name)?,
     })
 }

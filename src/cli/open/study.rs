@@ -1,7 +1,7 @@
 //! What the verbs on studies share: opening a family, and its variables as parameters of the scene file.
 
 use super::{inputs_table, mode, scene as open_scene};
-use crate::analysis::study::{Evaluator, Family, FamilyError, Rejection, Stand};
+use crate::analysis::study::{Evaluator, FamilyError, ParametricMechanism, Rejection, TrackPoses};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
 use crate::cli::term::Term;
@@ -9,7 +9,7 @@ use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::scene::{OtherDrives, Overrides, Scene, load};
+use crate::scene::{OtherDrives, Overrides, Scene, load_scene};
 use std::sync::Arc;
 
 /// A scene that is to be studied.
@@ -19,22 +19,22 @@ pub struct Opened {
     /// What the command line changes in it.
     pub overrides: Overrides,
     /// With its variables as inputs.
-    pub family: Family,
+    pub family: ParametricMechanism,
 }
 
 /// Stands for every dimension.
 const ALL: &str = "all";
 
 /// Reads the scene; `all_by_default` decides what is varied where nothing is said.
-pub fn open(
+pub fn open_study(
     scene: &SceneArgs,
     vary: &VaryArgs,
     all_by_default: bool,
     term: &Term,
 ) -> Result<Opened, Failure> {
-    let (source, overrides, nominal) = nominal(scene, term)?;
-    let names = names(vary, all_by_default, nominal)?;
-    let family = Family::load(&source, &overrides, &names)?;
+    let (source, overrides, nominal) = nominal_source(scene, term)?;
+    let names = varied_names(vary, all_by_default, nominal)?;
+    let family = ParametricMechanism::load(&source, &overrides, &names)?;
     Ok(Opened {
         source,
         overrides,
@@ -43,16 +43,19 @@ pub fn open(
 }
 
 /// The scene as it is without variables.
-pub fn nominal(scene: &SceneArgs, term: &Term) -> Result<(Source, Overrides, Scene), Failure> {
+pub fn nominal_source(
+    scene: &SceneArgs,
+    term: &Term,
+) -> Result<(Source, Overrides, Scene), Failure> {
     let (source, mut overrides) = open_scene::text_of(scene)?;
-    let mut nominal = load(&source, &overrides).map_err(Box::new)?;
-    apply(scene, &mut nominal, &mut overrides)?;
+    let mut nominal = load_scene(&source, &overrides).map_err(Box::new)?;
+    apply_variables(scene, &mut nominal, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);
     Ok((source, overrides, nominal))
 }
 
 /// What `--vary` names.
-pub fn names(
+pub fn varied_names(
     vary: &VaryArgs,
     all_by_default: bool,
     nominal: Scene,
@@ -75,7 +78,11 @@ pub fn names(
 }
 
 /// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.
-fn apply(args: &SceneArgs, scene: &mut Scene, overrides: &mut Overrides) -> Result<(), Failure> {
+fn apply_variables(
+    args: &SceneArgs,
+    scene: &mut Scene,
+    overrides: &mut Overrides,
+) -> Result<(), Failure> {
     let (mechanism, actuation) = (&scene.mechanism, &mut scene.actuation);
     if let Some(path) = &args.table {
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
@@ -85,7 +92,7 @@ fn apply(args: &SceneArgs, scene: &mut Scene, overrides: &mut Overrides) -> Resu
                 vec!["a measure without `track` looks along the drive".to_owned()],
             ));
         }
-        inputs_table::apply(mechanism, actuation, path)?;
+        inputs_table::apply_inputs(mechanism, actuation, path)?;
         overrides.drives = Some(OtherDrives {
             drives: actuation.drives.clone(),
             duration: actuation.duration,
@@ -124,7 +131,12 @@ impl From<FamilyError> for Failure {
 
 impl Opened {
     /// What is said of a stand that cannot be studied.
-    pub fn refused(&self, evaluator: &Evaluator, stand: &Stand, refusal: &Rejection) -> Failure {
+    pub fn refused(
+        &self,
+        evaluator: &Evaluator,
+        stand: &TrackPoses,
+        refusal: &Rejection,
+    ) -> Failure {
         let why = match refusal {
             Rejection::NoValue(name) => evaluator.why(stand, name),
             Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),

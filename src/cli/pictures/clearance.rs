@@ -1,6 +1,6 @@
 //! Pictures of clearances: the worst moment of a check, and bodies that turn colour in an animation.
 
-use crate::clearance::check::{ClearanceReport, Closely, PairReport, check};
+use crate::clearance::check::{ClearanceReport, Closely, PairReport, check_clearance};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
@@ -8,15 +8,15 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::export::png::{Effort, PngSettings, StillSink};
 use crate::export::{Format, FrameSink, Target};
-use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
-use crate::render::open::{RendererChoice, open};
+use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
-use crate::report::clearance::{names, word};
+use crate::report::clearance::{body_names, judgement_word};
 use crate::scene::Scene;
-use crate::staging::marks::{Marks, Measure};
+use crate::staging::marks::{DimensionMark, Marks};
 use crate::staging::{PictureOptions, Staging};
 use image::RgbaImage;
 use std::path::Path;
@@ -32,7 +32,7 @@ const OPTIONS: PictureOptions = PictureOptions {
 const COARSE: f64 = 1.0;
 
 /// Draws the worst pair at its worst moment.
-pub fn write(
+pub fn write_worst_pair(
     args: &CheckArgs,
     opened: &OpenScene,
     motion: &Trajectory,
@@ -59,14 +59,14 @@ pub fn write(
     if all.get(index) != Some(&least.time) {
         all.insert(index, least.time);
     }
-    let trajectory = solve(system, &scene.actuation, &all);
+    let trajectory = solve_motion(system, &scene.actuation, &all);
     let unit = &scene.mechanism.length_unit;
     let marks = Marks {
-        measure: Some(Measure {
+        measure: Some(DimensionMark {
             bodies: worst.pair,
             points: least.points,
             text: format!("{:.3} {unit}", least.distance),
-            caption: caption(&scene.mechanism, worst),
+            caption: pair_caption(&scene.mechanism, worst),
             is_alarm: !worst.judgement.is_kept(),
         }),
         ..Marks::default()
@@ -76,7 +76,7 @@ pub fn write(
     let stage = Arc::clone(&staging.stage);
     let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
     let frame = staging.frame(index);
-    for mut renderer in open(choice, choice.default_adapter(), stage, 1)? {
+    for mut renderer in open_renderer(choice, choice.default_adapter(), stage, 1)? {
         renderer.draw(&frame, &mut image)?;
     }
     Overlay::new(staging.stage.background).draw(&frame, &frame.camera(&staging.stage), &mut image);
@@ -94,12 +94,12 @@ pub fn write(
 }
 
 /// Who, when, and what was asked.
-fn caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
+fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
     let unit = &mechanism.length_unit;
     let who = format!(
         "{}: {}",
-        names(mechanism, pair).join(" / "),
-        word(&pair.judgement)
+        body_names(mechanism, pair).join(" / "),
+        judgement_word(&pair.judgement)
     );
     let when = format!(
         "{:.4} {unit} at t = {:.4} s, {} {unit} asked",
@@ -109,7 +109,11 @@ fn caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
 }
 
 /// For every sample the bodies that are nearer to another one than the scene allows.
-pub fn alarms(scene: &Scene, system: &System, trajectory: &Trajectory) -> Result<Marks, Failure> {
+pub fn alarm_marks(
+    scene: &Scene,
+    system: &System,
+    trajectory: &Trajectory,
+) -> Result<Marks, Failure> {
     let Some(rules) = &scene.clearance else {
         return Err(Failure::usage(
             "the scene asks for no clearances",
@@ -118,7 +122,7 @@ pub fn alarms(scene: &Scene, system: &System, trajectory: &Trajectory) -> Result
     };
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
     let actuation = &scene.actuation;
-    let report = check(
+    let report = check_clearance(
         system,
         actuation,
         rules,

@@ -4,9 +4,9 @@ use crate::cli::args::scene::SceneArgs;
 use crate::cli::io;
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
-use crate::plot::primitive::{Primitive, Stroke};
-use crate::plot::raster::Painter;
-use crate::render::open::{RendererChoice, open};
+use crate::plot::primitive::{DrawnPrimitive, Stroke};
+use crate::plot::raster::ChartPainter;
+use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
 use crate::render::{Anchor, Label, RenderError};
 use crate::staging::Staging;
@@ -30,7 +30,7 @@ pub struct PathLine {
 }
 
 /// Draws sample `index` with `paths` over it and `lines` of text below the title.
-pub fn draw(
+pub fn draw_paths(
     staging: &Staging,
     index: usize,
     paths: &[PathLine],
@@ -40,22 +40,22 @@ pub fn draw(
     let choice = RendererChoice::Cpu;
     let stage = &staging.stage;
     let mut frame = staging.frame(index);
-    for mut renderer in open(choice, choice.default_adapter(), Arc::clone(stage), 1)? {
+    for mut renderer in open_renderer(choice, choice.default_adapter(), Arc::clone(stage), 1)? {
         renderer.draw(&frame, image)?;
     }
     let (camera, size) = (&frame.camera(stage), stage.size);
-    let primitives: Vec<Primitive> = paths
+    let primitives: Vec<DrawnPrimitive> = paths
         .iter()
         .map(|path| {
             let points = path.points.iter().filter_map(|p| camera.project(*p, size));
-            Primitive::Line {
+            DrawnPrimitive::Line {
                 points: points.map(|[x, y, _]| [x, y]).collect(),
                 stroke: path.stroke,
                 name: String::new(),
             }
         })
         .collect();
-    Painter::default().paint(&primitives, image);
+    ChartPainter::default().paint(&primitives, image);
     let [width, height] = size.map(f64::from);
     for (k, line) in lines.iter().enumerate() {
         frame.labels.push(Label {

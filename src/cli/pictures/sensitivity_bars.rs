@@ -7,9 +7,9 @@ use crate::cli::files::chart::PlotFormat;
 use crate::cli::io;
 use crate::cli::term::outcome::Failure;
 use crate::export::Output;
-use crate::plot::Theme;
-use crate::plot::bars::{draw, usual_size};
-use crate::report::sensitivity::Table;
+use crate::plot::ChartTheme;
+use crate::plot::bars::{draw_bars, usual_size};
+use crate::report::sensitivity::SensitivityTable;
 use std::path::Path;
 
 /// A file that is to hold bars.
@@ -19,19 +19,19 @@ pub struct BarFile {
 }
 
 /// Opens the file before anything is computed.
-pub fn open(scene: &SceneArgs, path: &Path) -> Result<BarFile, Failure> {
+pub fn open_bars(scene: &SceneArgs, path: &Path) -> Result<BarFile, Failure> {
     io::refuse_input(scene, path)?;
     Ok(BarFile {
         format: PlotFormat::of(path)?,
-        output: io::open(path)?,
+        output: io::open_output(path)?,
     })
 }
 
 impl BarFile {
     /// Draws the table; measure `rank` decides the order and comes first.
-    pub fn write(mut self, table: &Table, rank: usize) -> Result<(), Failure> {
-        let chart = charts::sensitivity::chart(table, rank);
-        let drawing = draw(&chart, usual_size(&chart), Theme::LIGHT);
+    pub fn write(mut self, table: &SensitivityTable, rank: usize) -> Result<(), Failure> {
+        let chart = charts::sensitivity::sensitivity_chart(table, rank);
+        let drawing = draw_bars(&chart, usual_size(&chart), ChartTheme::LIGHT);
         chart::write_drawing(&drawing, self.format, self.output.as_mut())?;
         self.output.commit()?;
         Ok(())

@@ -2,10 +2,10 @@
 
 use super::paths;
 use super::paths::PathLine;
-use crate::analysis::cloud::{PathCloud, clouds};
-use crate::analysis::study::Stand;
-use crate::analysis::tolerance::Batch;
-use crate::charts::cloud::chart;
+use crate::analysis::cloud::{PathCloud, path_clouds};
+use crate::analysis::study::TrackPoses;
+use crate::analysis::tolerance::SampleBatch;
+use crate::charts::cloud::cloud_chart;
 use crate::cli::args::study::ToleranceArgs;
 use crate::cli::args::values::ThemeArg;
 use crate::cli::files::chart;
@@ -15,12 +15,12 @@ use crate::cli::io;
 use crate::cli::motion::solve::up_to;
 use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;
-use crate::scene::load;
+use crate::scene::load_scene;
 use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
 use image::RgbaImage;
@@ -39,17 +39,17 @@ const SEEN: f64 = 0.12;
 const CAMERA_SAMPLES: usize = 32;
 
 /// Opacity of a path, of 255, where `pieces` of them lie over each other.
-fn opacity(pieces: usize) -> u8 {
+fn path_opacity(pieces: usize) -> u8 {
     (4000.0 / pieces.max(1) as f64).clamp(5.0, 90.0) as u8
 }
 
 /// Draws what is asked for.
-pub fn write(
+pub fn write_cloud(
     args: &ToleranceArgs,
     opened: &Opened,
-    nominal: &Stand,
+    nominal: &TrackPoses,
     tolerances: &[f64],
-    batch: Batch,
+    batch: SampleBatch,
 ) -> Result<(), Failure> {
     if args.picture.is_none() && args.plot.is_none() {
         return Ok(());
@@ -61,27 +61,28 @@ pub fn write(
             vec!["name a point: [[traces]] with name, body and point".to_owned()],
         ));
     }
-    let few = Batch {
+    let few = SampleBatch {
         samples: args.paths.min(batch.samples),
         ..batch
     };
-    let found = clouds(family, nominal, tolerances, few, &CANCEL).ok_or(Failure::Interrupted)?;
+    let found =
+        path_clouds(family, nominal, tolerances, few, &CANCEL).ok_or(Failure::Interrupted)?;
     if let Some(path) = &args.plot {
         let format = PlotFormat::of(path)?;
         let mechanism = family.mechanism();
-        let chart = chart(&mechanism.title, &mechanism.length_unit, &found);
-        let mut output = io::open(path)?;
-        chart::write(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+        let chart = cloud_chart(&mechanism.title, &mechanism.length_unit, &found);
+        let mut output = io::open_output(path)?;
+        chart::write_chart(&chart, format, None, ThemeArg::Light, output.as_mut())?;
         output.commit()?;
     }
     if let Some(path) = &args.picture {
-        io::write_png(&picture(args, opened, &found)?, path)?;
+        io::write_png(&cloud_picture(args, opened, &found)?, path)?;
     }
     Ok(())
 }
 
 /// Refuses files that cannot be written before anything is computed.
-pub fn refuse(args: &ToleranceArgs) -> Result<(), Failure> {
+pub fn refuse_cloud(args: &ToleranceArgs) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
         paths::refuse_other(&args.scene, path)?;
     }
@@ -92,12 +93,12 @@ pub fn refuse(args: &ToleranceArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn picture(
+fn cloud_picture(
     args: &ToleranceArgs,
     opened: &Opened,
     clouds: &[PathCloud],
 ) -> Result<RgbaImage, Failure> {
-    let mut scene = load(&opened.source, &opened.overrides).map_err(Box::new)?;
+    let mut scene = load_scene(&opened.source, &opened.overrides).map_err(Box::new)?;
     scene.view.decor.trails = Trails::None;
     // The camera holds the whole motion; the pose is the one that the drive reaches.
     let even = even_times(&scene.mechanism, &scene.actuation, CAMERA_SAMPLES);
@@ -105,7 +106,7 @@ fn picture(
     let index = times.len() - 1;
     times.extend(even.into_iter().filter(|t| *t > args.at));
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
-    let trajectory = solve(&system, &scene.actuation, &times);
+    let trajectory = solve_motion(&system, &scene.actuation, &times);
     let staging = Staging::new(&scene, &trajectory, OPTIONS);
     let factor = args.enlarge.unwrap_or_else(|| {
         let all = clouds.iter().map(|c| c.enlargement(SEEN));
@@ -114,9 +115,9 @@ fn picture(
     let mut lines = Vec::new();
     for cloud in clouds {
         let [r, g, b] = cloud.colour;
-        let stroke = Stroke::solid([r, g, b, opacity(cloud.pieces.len())], 1.3);
+        let stroke = Stroke::solid([r, g, b, path_opacity(cloud.pieces.len())], 1.3);
         lines.extend(cloud.pieces.iter().map(|piece| PathLine {
-            points: enlarged(piece, &cloud.nominal, factor),
+            points: enlarge_piece(piece, &cloud.nominal, factor),
             stroke,
         }));
     }
@@ -130,11 +131,11 @@ fn picture(
         text.push(format!("deviations {factor} times enlarged"));
     }
     let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
-    paths::draw(&staging, index, &lines, &text, &mut image)?;
+    paths::draw_paths(&staging, index, &lines, &text, &mut image)?;
     Ok(image)
 }
 
-fn enlarged(piece: &[DVec3], nominal: &[DVec3], factor: f64) -> Vec<DVec3> {
+fn enlarge_piece(piece: &[DVec3], nominal: &[DVec3], factor: f64) -> Vec<DVec3> {
     let points = piece.iter().zip(nominal);
     points.map(|(p, n)| *n + (*p - *n) * factor).collect()
 }

@@ -1,9 +1,9 @@
 //! `mechanim accuracy`: routes along a motion, their time against their true error.
 
-use crate::analysis::work_precision::{Study, StudyError, study};
+use crate::analysis::work_precision::{PrecisionStudy, StudyError, study_precision};
 use crate::charts;
 use crate::cli::args::charts::AccuracyArgs;
-use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::files::chart::{PlotFormat, write_chart};
 use crate::cli::io;
 use crate::cli::open::scene as open_scene;
 use crate::cli::open::scene::OpenScene;
@@ -18,22 +18,22 @@ use std::path::Path;
 const CHART: [u32; 2] = [840, 520];
 
 /// What the report is written as.
-enum Format {
+enum StudyFormat {
     Csv,
     Json,
     Chart(PlotFormat),
 }
 
 /// Runs the verb.
-pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
-    let format = args.out.as_deref().map(format).transpose()?;
+pub fn run_accuracy(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
+    let format = args.out.as_deref().map(accuracy_format).transpose()?;
     if let Some(out) = &args.out {
         io::refuse_input(&args.scene, out)?;
     }
-    let OpenScene { scene, system } = open_scene::open(&args.scene, term)?;
+    let OpenScene { scene, system } = open_scene::open_scene(&args.scene, term)?;
     let mechanism = &scene.mechanism;
-    let mut output = args.out.as_deref().map(io::open).transpose()?;
-    let study = match study(&system, &scene.actuation, args.poses, args.turns) {
+    let mut output = args.out.as_deref().map(io::open_output).transpose()?;
+    let study = match study_precision(&system, &scene.actuation, args.poses, args.turns) {
         Ok(study) => study,
         Err(error @ StudyError::Gap { .. }) => {
             return Err(Failure::NeverClosed {
@@ -44,7 +44,7 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     crate::cli::interrupt::refuse_interrupted()?;
     if let (Some(format), Some(output)) = (format, output.as_mut()) {
-        save(mechanism, &study, &format, args, output.as_mut())?;
+        save_accuracy(mechanism, &study, &format, args, output.as_mut())?;
     }
     if let Some(output) = output {
         output.commit()?;
@@ -52,19 +52,19 @@ pub fn run(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure> {
     io::print_beside(
         term,
         args.out.as_deref(),
-        &precision::text(mechanism, &study),
+        &precision::precision_text(mechanism, &study),
     )?;
     Ok(Outcome::Done)
 }
 
-fn format(path: &Path) -> Result<Format, Failure> {
+fn accuracy_format(path: &Path) -> Result<StudyFormat, Failure> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        None if path == Path::new("-") => Ok(Format::Json),
-        Some("json") => Ok(Format::Json),
-        Some("csv") => Ok(Format::Csv),
-        Some("svg") => Ok(Format::Chart(PlotFormat::Svg)),
-        Some("png") => Ok(Format::Chart(PlotFormat::Png)),
+        None if path == Path::new("-") => Ok(StudyFormat::Json),
+        Some("json") => Ok(StudyFormat::Json),
+        Some("csv") => Ok(StudyFormat::Csv),
+        Some("svg") => Ok(StudyFormat::Chart(PlotFormat::Svg)),
+        Some("png") => Ok(StudyFormat::Chart(PlotFormat::Png)),
         _ => Err(Failure::usage(
             format!("{}: unknown kind of report", path.display()),
             vec!["known are .json, .csv, .svg and .png".to_owned()],
@@ -72,17 +72,17 @@ fn format(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-fn save(
+fn save_accuracy(
     mechanism: &Mechanism,
-    study: &Study,
-    format: &Format,
+    study: &PrecisionStudy,
+    format: &StudyFormat,
     args: &AccuracyArgs,
     output: &mut dyn Output,
 ) -> Result<(), Failure> {
     let text = match format {
-        Format::Chart(format) => {
-            let chart = charts::precision::chart(mechanism, study);
-            return write(
+        StudyFormat::Chart(format) => {
+            let chart = charts::precision::precision_chart(mechanism, study);
+            return write_chart(
                 &chart,
                 *format,
                 Some(args.size.unwrap_or(CHART)),
@@ -90,8 +90,8 @@ fn save(
                 output,
             );
         }
-        Format::Json => format!("{:#}\n", precision::json(mechanism, study)),
-        Format::Csv => precision::csv(study),
+        StudyFormat::Json => format!("{:#}\n", precision::precision_json(mechanism, study)),
+        StudyFormat::Csv => precision::precision_csv(study),
     };
     output.emit(text.as_bytes())?;
     Ok(())

@@ -4,16 +4,16 @@ use crate::analysis::enclosure::{
     Enclosed, MOST_DIMENSIONS, MeasureBand, Obstacle, Plan, allowed_motion, enclose_measures,
     enclose_motion, shown_names,
 };
-use crate::analysis::study::{Family, Nominal};
+use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
 use crate::cli::args::enclose::EncloseArgs;
-use crate::cli::files::chart::{PlotFormat, write};
+use crate::cli::files::chart::{PlotFormat, write_chart};
 use crate::cli::io;
-use crate::cli::open::intervals::middles;
-use crate::cli::open::study::{names, nominal};
+use crate::cli::open::intervals::interval_middles;
+use crate::cli::open::study::{nominal_source, varied_names};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::jobs::cores;
+use crate::jobs::core_count;
 use crate::kinematics::motion::sampling;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::enclosure as report;
@@ -24,28 +24,28 @@ use std::path::Path;
 const MOST_TOLD: usize = 5;
 
 /// Runs the verb.
-pub fn run(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> {
     let reports = [
         ("--out", args.out.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let (scene, own) = middles(&args.scene)?;
+    let (scene, own) = interval_middles(&args.scene)?;
     io::refuse_clashes(&[&scene], &reports)?;
     let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
-    let (source, overrides, drawn) = nominal(&scene, term)?;
-    let tolerances = tolerances(args, own, &drawn)?;
+    let (source, overrides, drawn) = nominal_source(&scene, term)?;
+    let tolerances = piece_tolerances(args, own, &drawn)?;
     let parameters: Vec<String> = tolerances
         .iter()
         .map(|(name, _)| name.clone())
         .filter(|name| !is_input(&drawn.mechanism, name))
         .collect();
-    let family = Family::varying(&source, &overrides, &parameters)?;
+    let family = ParametricMechanism::varying(&source, &overrides, &parameters)?;
     refuse_kept(&family)?;
     let plan = Plan::new(&family, &tolerances);
-    let times = times(args, &family)?;
-    let threads = args.threads.unwrap_or_else(cores);
+    let times = enclose_times(args, &family)?;
+    let threads = args.threads.unwrap_or_else(core_count);
     if let Some((name, limit)) = &args.allow {
-        return allow(&plan, name, *limit, &times, threads, term);
+        return allow_pieces(&plan, name, *limit, &times, threads, term);
     }
     let motion = enclose_motion(&plan, &times, threads, !args.no_search);
     let measures = measures_of(&plan)?;
@@ -59,24 +59,24 @@ pub fn run(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> {
         )?;
     }
     if let (Some(path), Some(format)) = (&args.plot, format) {
-        let wanted = wanted(&args.only, plan.family.mechanism())?;
-        let chart = bands::chart(&plan, &motion, &wanted);
-        let mut output = io::open(path)?;
-        let written = write(&chart, format, None, args.theme, output.as_mut());
+        let wanted = wanted_slots(&args.only, plan.family.mechanism())?;
+        let chart = bands::band_chart(&plan, &motion, &wanted);
+        let mut output = io::open_output(path)?;
+        let written = write_chart(&chart, format, None, args.theme, output.as_mut());
         io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))?;
     }
-    let mut text = report::summary(&plan, &motion, !args.no_search);
+    let mut text = report::enclosure_summary(&plan, &motion, !args.no_search);
     if let Some((poses, list)) = &measures {
         if !list.is_empty() {
             text += &format!(
                 "\nMeasures over {poses} poses\n{}",
-                report::measures(&plan, list)
+                report::measure_lines(&plan, list)
             );
         }
     }
     let refused: Vec<String> = motion
         .iter()
-        .filter_map(|e| report::refusal(&plan, e))
+        .filter_map(|e| report::refusal_text(&plan, e))
         .collect();
     for line in refused.iter().take(MOST_TOLD) {
         text += &format!("\n  {line}");
@@ -88,11 +88,15 @@ pub fn run(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> {
         text.push('\n');
     }
     io::print_beside(term, args.out.as_deref(), &text)?;
-    Ok(outcome(&plan, &motion, measures.as_ref().map(|m| &m.1[..])))
+    Ok(enclose_outcome(
+        &plan,
+        &motion,
+        measures.as_ref().map(|m| &m.1[..]),
+    ))
 }
 
 /// Whether everything that was asked is proved.
-fn outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureBand]>) -> Outcome {
+fn enclose_outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureBand]>) -> Outcome {
     let is_refused = |e: &Enclosed| matches!(e.bands, Err(Obstacle::Test { .. }));
     let list = plan.family.measures.list.iter();
     let mut limited = list.zip(measures.into_iter().flatten());
@@ -133,7 +137,7 @@ fn measures_of(plan: &Plan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure
 }
 
 /// Tolerances by name, in internal units.
-fn tolerances(
+fn piece_tolerances(
     args: &EncloseArgs,
     own: Vec<(String, f64)>,
     drawn: &Scene,
@@ -144,7 +148,7 @@ fn tolerances(
         .filter_map(|v| Some((v.name.as_str(), v.tolerance?)))
         .collect();
     let listed = if !args.vary.vary.is_empty() {
-        names(&args.vary, false, drawn.clone())?
+        varied_names(&args.vary, false, drawn.clone())?
     } else if own.is_empty() && of_study.is_empty() {
         drawn.dimensions.clone()
     } else {
@@ -220,7 +224,7 @@ fn kind_of(drawn: &Scene, name: &str) -> Kind {
 
 /// Drives and tracks keep the file's dimensions, and a computed one may stand in a measure: nothing would be true of
 /// other pieces there.
-fn refuse_kept(family: &Family) -> Result<(), Failure> {
+fn refuse_kept(family: &ParametricMechanism) -> Result<(), Failure> {
     let Some(kept) = family.kept.first() else {
         return Ok(());
     };
@@ -239,7 +243,7 @@ fn refuse_kept(family: &Family) -> Result<(), Failure> {
 }
 
 /// The samples asked for.
-fn times(args: &EncloseArgs, family: &Family) -> Result<Vec<f64>, Failure> {
+fn enclose_times(args: &EncloseArgs, family: &ParametricMechanism) -> Result<Vec<f64>, Failure> {
     let mut times = args.at.clone();
     let last = family.actuation.duration;
     if let Some(bad) = times.iter().find(|t| !(0.0..=last).contains(*t)) {
@@ -251,7 +255,7 @@ fn times(args: &EncloseArgs, family: &Family) -> Result<Vec<f64>, Failure> {
     if times.is_empty() {
         times = sampling::even_times(family.mechanism(), &family.actuation, args.samples);
     }
-    sampling::allow(family.mechanism(), times.len())?;
+    sampling::allow_samples(family.mechanism(), times.len())?;
     Ok(times)
 }
 
@@ -270,14 +274,18 @@ fn write_out(
         true => io::write_json(
             &args.scene,
             path,
-            &report::document(plan, motion, measures, searched),
+            &report::enclosure_document(plan, motion, measures, searched),
         ),
-        false => io::write_text(&args.scene, path, &report::csv(plan, motion, searched)),
+        false => io::write_text(
+            &args.scene,
+            path,
+            &report::enclosure_csv(plan, motion, searched),
+        ),
     }
 }
 
 /// Indices of the quantities that are drawn.
-fn wanted(only: &[String], mechanism: &Mechanism) -> Result<Vec<usize>, Failure> {
+fn wanted_slots(only: &[String], mechanism: &Mechanism) -> Result<Vec<usize>, Failure> {
     let names: Vec<String> = shown_names(mechanism).into_iter().map(|(n, _)| n).collect();
     if only.is_empty() {
         let unknowns = mechanism.unknowns.len();
@@ -313,7 +321,7 @@ fn unknown_name(name: &str, names: &[String]) -> Failure {
 }
 
 /// `--allow`: how large all tolerances may be together.
-fn allow(
+fn allow_pieces(
     plan: &Plan,
     name: &str,
     limit: f64,
@@ -330,7 +338,11 @@ fn allow(
         let all: Vec<String> = names.chain(measures).collect();
         return Err(unknown_name(name, &all));
     };
-    io::print_beside(term, None, &report::allowed(plan, name, limit, &found))?;
+    io::print_beside(
+        term,
+        None,
+        &report::allowed_lines(plan, name, limit, &found),
+    )?;
     Ok(match found.factor > 0.0 {
         true => Outcome::Done,
         false => Outcome::CheckFailed,

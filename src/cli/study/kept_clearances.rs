@@ -3,14 +3,14 @@
 use super::search_film::Improvement;
 use crate::analysis::optimise::Minimum;
 use crate::analysis::study::Evaluator;
-use crate::clearance::check::{Closely, check};
+use crate::clearance::check::{Closely, check_clearance};
 use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
-use crate::kinematics::motion::continuation::solve;
-use crate::kinematics::motion::sampling::{frame_times, knots};
+use crate::kinematics::motion::continuation::solve_motion;
+use crate::kinematics::motion::sampling::{frame_times, knot_times};
 use crate::kinematics::structure::system::System;
-use crate::report::cells::six;
-use crate::scene::{Overrides, load};
+use crate::report::cells::six_digits;
+use crate::scene::{Overrides, load_scene};
 use std::sync::Arc;
 
 /// Nearness of the bound where the instants between the samples count only roughly.
@@ -31,20 +31,20 @@ pub struct Clearances {
 }
 
 /// Judges the values; `None` if the scene asks for no clearances, or no pair is judged.
-fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure> {
+fn judge_clearances(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure> {
     let overrides = Overrides {
         parameters: opened.parameters(values),
         ..opened.overrides.clone()
     };
-    let scene = load(&opened.source, &overrides).map_err(Box::new)?;
+    let scene = load_scene(&opened.source, &overrides).map_err(Box::new)?;
     let Some(rules) = &scene.clearance else {
         return Ok(None);
     };
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
-    let trajectory = solve(&system, actuation, &knots(actuation, &times));
-    let report = check(
+    let trajectory = solve_motion(&system, actuation, &knot_times(actuation, &times));
+    let report = check_clearance(
         &system,
         actuation,
         rules,
@@ -54,7 +54,7 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
     );
     Ok(report.worst().map(|pair| {
         let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
-        let (distance, unit) = (six(pair.least.distance), &mechanism.length_unit);
+        let (distance, unit) = (six_digits(pair.least.distance), &mechanism.length_unit);
         Clearances {
             kept: report.is_kept(),
             worst: format!("{a} / {b}, {distance} {unit} ({} asked for)", pair.minimum),
@@ -65,12 +65,12 @@ fn judge(opened: &Opened, values: &[f64]) -> Result<Option<Clearances>, Failure>
 
 /// Judges a minimum. Where it comes too near, the last point found on the way that does not takes its place; if there is
 /// none it stays, as one that does not keep them.
-pub fn settle(
+pub fn settle_clearances(
     opened: &Opened,
     minimum: &mut Minimum,
     improvements: &[Improvement],
 ) -> Result<Option<Clearances>, Failure> {
-    let Some(found) = judge(opened, &minimum.x)? else {
+    let Some(found) = judge_clearances(opened, &minimum.x)? else {
         return Ok(None);
     };
     if found.kept {
@@ -81,7 +81,7 @@ pub fn settle(
     let mut best = None;
     while low < high {
         let middle = (low + high) / 2;
-        match judge(opened, &improvements[middle].values)? {
+        match judge_clearances(opened, &improvements[middle].values)? {
             Some(clearances) if clearances.kept => {
                 best = Some((middle, clearances));
                 low = middle + 1;
@@ -97,7 +97,7 @@ pub fn settle(
     let end = improvements
         .get(index + 1)
         .map_or(&minimum.x, |i| &i.values);
-    let further = further(opened, taken, end)?;
+    let further = search_further(opened, taken, end)?;
     (minimum.x, minimum.value) = (taken.values.clone(), taken.objective);
     if let Some((values, value, nearer)) = further {
         (minimum.x, minimum.value) = (values, value);
@@ -108,7 +108,7 @@ pub fn settle(
 
 /// How far one can go from a candidate that keeps the clearances towards the next, which does not: the values there,
 /// their objective, and what the bodies do. `None` if that is no gain.
-fn further(
+fn search_further(
     opened: &Opened,
     from: &Improvement,
     to: &[f64],
@@ -119,7 +119,7 @@ fn further(
         let share = 0.5 * (low + high);
         let ends = from.values.iter().zip(to);
         let values: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
-        match judge(opened, &values)? {
+        match judge_clearances(opened, &values)? {
             Some(clearances) if clearances.kept => {
                 best = Some((values, clearances));
                 low = share;
@@ -130,12 +130,12 @@ fn further(
     let Some((values, clearances)) = best else {
         return Ok(None);
     };
-    let value = objective(opened, &values)?.filter(|v| *v < from.objective);
+    let value = kept_objective(opened, &values)?.filter(|v| *v < from.objective);
     Ok(value.map(|value| (values, value, clearances)))
 }
 
 /// The objective at other values; `None` where they cannot be reached.
-fn objective(opened: &Opened, values: &[f64]) -> Result<Option<f64>, Failure> {
+fn kept_objective(opened: &Opened, values: &[f64]) -> Result<Option<f64>, Failure> {
     let family = &opened.family;
     let mut evaluator = Evaluator::new(family);
     let start = evaluator.nominal(family.nominal()?.poses);

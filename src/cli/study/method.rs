@@ -1,7 +1,7 @@
 //! The search that `mechanim optimise` asks for, of one set of variables or of pairs of them.
 
 use crate::analysis::optimise::Ended;
-use crate::analysis::study::Family;
+use crate::analysis::study::ParametricMechanism;
 use crate::analysis::study::optimum::Method;
 use crate::cli::args::study::{MethodArg, OptimiseArgs};
 
@@ -13,7 +13,7 @@ const SIMPLEX_TOLERANCE: f64 = 1e-4;
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 
 /// Ranges of a share of the variables' values, in place of the study's.
-pub fn widen(family: &mut Family, share: f64) {
+pub fn widen_variables(family: &mut ParametricMechanism, share: f64) {
     for variable in &mut family.study.variables {
         let half = share * variable.start.abs();
         if half > 0.0 {
@@ -23,7 +23,7 @@ pub fn widen(family: &mut Family, share: f64) {
 }
 
 /// The method asked for.
-pub fn method(args: &OptimiseArgs) -> Method {
+pub fn search_method(args: &OptimiseArgs) -> Method {
     let tolerance = |usual: f64| args.tolerance.unwrap_or(usual);
     match args.method {
         MethodArg::NelderMead => Method::NelderMead {
@@ -43,7 +43,7 @@ pub fn method(args: &OptimiseArgs) -> Method {
 }
 
 /// The end of a search in words.
-pub fn ended(ended: Ended) -> &'static str {
+pub fn ending_word(ended: Ended) -> &'static str {
     match ended {
         Ended::Converged => "converged",
         Ended::Stalled => "no step gains any more",

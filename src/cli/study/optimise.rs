@@ -1,20 +1,20 @@
 //! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
 
 use super::kept_clearances::Clearances;
-use super::method::{SCHEMA, ended, method, widen};
+use super::method::{SCHEMA, ending_word, search_method, widen_variables};
 use super::search_film::Improvement;
 use super::{kept_clearances as optimise_clearance, pairs, search_film as optimise_film};
 use crate::analysis::optimise::Ended;
 use crate::analysis::study::FamilyError;
-use crate::analysis::study::optimum::{Optimum, Verified, optimise, verify};
+use crate::analysis::study::optimum::{Optimum, Verified, find_optimum, verify_optimum};
 use crate::cli::args::study::OptimiseArgs;
 use crate::cli::interrupt::{CANCEL, unless_interrupted};
 use crate::cli::io;
-use crate::cli::open::study::{Opened, open};
+use crate::cli::open::study::{Opened, open_study};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
-use crate::report::cells::{aligned, six};
+use crate::report::cells::{aligned_rows, six_digits};
 use crate::report::rounded::at_most;
 use crate::scene::edit::with_values;
 use serde_json::{Value, json};
@@ -31,30 +31,32 @@ const LINES_APART: usize = 50;
 const SAME: f64 = 1e-6;
 
 /// Runs the verb.
-pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
     let reports = [
         ("--out", args.out.as_deref()),
         ("--json", args.json.as_deref()),
         ("--film", args.film.as_deref()),
     ];
     io::refuse_clashes(&[&args.scene], &reports)?;
-    let film = args.film.as_deref().map(optimise_film::file);
+    let film = args.film.as_deref().map(optimise_film::film_file);
     let film = film.transpose()?;
-    let mut opened = open(&args.scene, &args.vary, args.pairs, term)?;
+    let mut opened = open_study(&args.scene, &args.vary, args.pairs, term)?;
     if let Some(share) = args.within {
-        widen(&mut opened.family, share);
+        widen_variables(&mut opened.family, share);
     }
     // The best so far is worth waiting for.
     crate::cli::interrupt::save_results();
     if args.pairs {
-        return pairs::run(args, &opened, term);
+        return pairs::run_pairs(args, &opened, term);
     }
     let start = Instant::now();
-    let (mut optimum, improvements) = search(args, &opened, term)?;
+    let (mut optimum, improvements) = search_optimum(args, &opened, term)?;
     let is_stopped = optimum.minimum.ended == Ended::Stopped;
     let clearances = match is_stopped {
         true => None,
-        false => optimise_clearance::settle(&opened, &mut optimum.minimum, &improvements)?,
+        false => {
+            optimise_clearance::settle_clearances(&opened, &mut optimum.minimum, &improvements)?
+        }
     };
     let seconds = start.elapsed().as_secs_f64();
     let study = &opened.family.study;
@@ -79,7 +81,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
             ));
         }
     }
-    let result = Report {
+    let result = OptimiseReport {
         opened: &opened,
         optimum: &optimum,
         verified: &verified,
@@ -102,7 +104,7 @@ pub fn run(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure> {
         return Err(Failure::Stopped(kept));
     }
     if let Some(film) = &film {
-        optimise_film::write(film, &opened, &improvements, term)?;
+        optimise_film::write_search_film(film, &opened, &improvements, term)?;
     }
     let is_kept = clearances.as_ref().is_none_or(|c| c.kept);
     Ok(match &verified {
@@ -123,12 +125,12 @@ fn verified(
             "interrupted before the proof".to_owned(),
         ))
     };
-    let work = move || verify(&source, &overrides, parameters.clone(), &vary);
+    let work = move || verify_optimum(&source, &overrides, parameters.clone(), &vary);
     unless_interrupted(work).unwrap_or_else(unproved)
 }
 
 /// The search with its progress, and the points it came to, from the start on.
-fn search(
+fn search_optimum(
     args: &OptimiseArgs,
     opened: &Opened,
     term: &Term,
@@ -140,7 +142,7 @@ fn search(
         .objective()
         .map_or(1.0, |m| opened.family.units(m.kind));
     let watch = |iteration: usize, values: &[f64], value: f64| {
-        let text = format!("  iteration {iteration}: {}", six(value * unit));
+        let text = format!("  iteration {iteration}: {}", six_digits(value * unit));
         progress.say(&text, iteration.is_multiple_of(LINES_APART));
         let last = improvements.last();
         if last.is_none_or(|last| last.values != values) {
@@ -152,8 +154,8 @@ fn search(
         }
         !CANCEL.load(Ordering::Relaxed)
     };
-    let method = method(args);
-    let optimum = optimise(&opened.family, method, args.iterations, Box::new(watch))?;
+    let method = search_method(args);
+    let optimum = find_optimum(&opened.family, method, args.iterations, Box::new(watch))?;
     progress.end();
     let first = Improvement {
         iteration: 0,
@@ -175,7 +177,7 @@ fn search(
     Ok((optimum, improvements))
 }
 
-struct Report<'a> {
+struct OptimiseReport<'a> {
     opened: &'a Opened,
     optimum: &'a Optimum,
     verified: &'a Result<Verified, FamilyError>,
@@ -183,7 +185,7 @@ struct Report<'a> {
     seconds: f64,
 }
 
-impl Report<'_> {
+impl OptimiseReport<'_> {
     /// Name and unit of the objective.
     fn objective(&self) -> (&str, f64) {
         let measure = self.opened.family.objective();
@@ -220,19 +222,23 @@ impl Report<'_> {
         let (minimum, study) = (&self.optimum.minimum, &self.opened.family.study);
         let (first, last) = (self.optimum.first_value, minimum.value);
         let change = match first / last {
-            factor if factor >= 1.0 && factor.is_finite() => format!("{} times less", six(factor)),
-            factor if factor > 0.0 && factor < 1.0 => format!("{} times more", six(1.0 / factor)),
-            _ => format!("by {}", six((last - first) * unit)),
+            factor if factor >= 1.0 && factor.is_finite() => {
+                format!("{} times less", six_digits(factor))
+            }
+            factor if factor > 0.0 && factor < 1.0 => {
+                format!("{} times more", six_digits(1.0 / factor))
+            }
+            _ => format!("by {}", six_digits((last - first) * unit)),
         };
         let mut text = format!(
             "{}\n  {name}: {} to {} ({change})\n",
             self.opened.family.mechanism().title,
-            six(self.optimum.first_value * unit),
-            six(minimum.value * unit),
+            six_digits(self.optimum.first_value * unit),
+            six_digits(minimum.value * unit),
         );
         text.push_str(&format!(
             "  {}: {} iterations, {} evaluations ({} refused: {} not reached, {} torn, {} without a value), {:.2} s\n\n",
-            ended(minimum.ended),
+            ending_word(minimum.ended),
             minimum.iterations,
             minimum.evaluations,
             self.optimum.refusals.count(),
@@ -250,10 +256,10 @@ impl Report<'_> {
             let unit = self.opened.family.units(variable.kind);
             let numbers = [variable.start, *x, variable.lower, variable.upper];
             let mut row = vec![variable.name.clone()];
-            row.extend(numbers.map(|v| six(v * unit)));
+            row.extend(numbers.map(|v| six_digits(v * unit)));
             rows.push(row);
         }
-        text.push_str(&aligned(&rows));
+        text.push_str(&aligned_rows(&rows));
         match self.verified {
             Ok(v) => {
                 text.push_str(&format!(
@@ -262,11 +268,10 @@ impl Report<'_> {
                 ));
                 let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
                 let measures = self.opened.family.measures.list.iter().zip(&v.measures);
-                rows.extend(
-                    measures
-                        .map(|(m, v)| vec![m.name.clone(), six(self.opened.family.shown(m, *v))]),
-                );
-                text.push_str(&aligned(&rows));
+                rows.extend(measures.map(|(m, v)| {
+                    vec![m.name.clone(), six_digits(self.opened.family.shown(m, *v))]
+                }));
+                text.push_str(&aligned_rows(&rows));
                 if !self.agrees(v) {
                     text.push_str(
                         "Not confirmed: this motion is another than the one that was optimised.\n",
@@ -311,7 +316,7 @@ impl Report<'_> {
             "objective": name,
             "from": self.optimum.first_value * unit,
             "to": minimum.value * unit,
-            "ended": ended(minimum.ended),
+            "ended": ending_word(minimum.ended),
             "iterations": minimum.iterations,
             "evaluations": minimum.evaluations,
             "refused": { "not_reached": self.optimum.refusals.not_reached, "torn": self.optimum.refusals.torn,

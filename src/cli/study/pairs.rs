@@ -1,8 +1,8 @@
 //! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
 
-use super::method::{SCHEMA, ended, method, widen};
-use crate::analysis::study::optimum::{Optimum, optimise};
-use crate::analysis::study::{Family, FamilyError};
+use super::method::{SCHEMA, ending_word, search_method, widen_variables};
+use crate::analysis::study::optimum::{Optimum, find_optimum};
+use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::cli::args::study::OptimiseArgs;
 use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
@@ -10,8 +10,8 @@ use crate::cli::open::study::Opened;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
-use crate::jobs::{cores, share_watched};
-use crate::report::cells::{aligned, six};
+use crate::jobs::{core_count, share_watched};
+use crate::report::cells::{aligned_rows, six_digits};
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -23,7 +23,7 @@ struct Pair {
 }
 
 /// Runs all pairs; an interrupt leaves the ranking of those that were done.
-pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome, Failure> {
     let variables = &opened.family.study.variables;
     let mut jobs = Vec::new();
     for (k, a) in variables.iter().enumerate() {
@@ -41,13 +41,13 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
     }
     let start = Instant::now();
     let progress = Progress::new(args.progress, term.quiet()).counting("pairs");
-    let threads = args.threads.unwrap_or_else(cores);
+    let threads = args.threads.unwrap_or_else(core_count);
     let one = |_: &mut (), index: usize| {
         if CANCEL.load(Ordering::Relaxed) {
             return None;
         }
         let names = jobs[index].clone();
-        let found = pair(args, opened, &names);
+        let found = optimise_pair(args, opened, &names);
         // What an interrupt has cut short is no optimum of the pair.
         (!CANCEL.load(Ordering::Relaxed)).then_some(Pair { names, found })
     };
@@ -73,7 +73,7 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
     io::print_beside(
         term,
         args.json.as_deref(),
-        &ranking(opened, &ranked, args.worst, seconds),
+        &pair_ranking(opened, &ranked, args.worst, seconds),
     )?;
     if ranked.len() < jobs.len() {
         let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());
@@ -82,16 +82,25 @@ pub fn run(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome,
     Ok(Outcome::Done)
 }
 
-fn pair(args: &OptimiseArgs, opened: &Opened, names: &[String; 2]) -> Result<Optimum, FamilyError> {
-    let mut family = Family::load(&opened.source, &opened.overrides, names)?;
+fn optimise_pair(
+    args: &OptimiseArgs,
+    opened: &Opened,
+    names: &[String; 2],
+) -> Result<Optimum, FamilyError> {
+    let mut family = ParametricMechanism::load(&opened.source, &opened.overrides, names)?;
     if let Some(share) = args.within {
-        widen(&mut family, share);
+        widen_variables(&mut family, share);
     }
     let watch = |_: usize, _: &[f64], _: f64| !CANCEL.load(Ordering::Relaxed);
-    optimise(&family, method(args), args.iterations, Box::new(watch))
+    find_optimum(
+        &family,
+        search_method(args),
+        args.iterations,
+        Box::new(watch),
+    )
 }
 
-fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
+fn pair_ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
     let objective = opened.family.objective();
     let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
@@ -104,11 +113,11 @@ fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> Strin
         let mut row = vec![pair.names.join(" + ")];
         match &pair.found {
             Ok(o) => {
-                let [a, b] = places(opened, pair, o);
+                let [a, b] = pair_places(opened, pair, o);
                 row.extend([
-                    six(o.minimum.value * unit),
-                    six(a),
-                    six(b),
+                    six_digits(o.minimum.value * unit),
+                    six_digits(a),
+                    six_digits(b),
                     o.minimum.evaluations.to_string(),
                 ]);
             }
@@ -121,12 +130,12 @@ fn ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> Strin
         opened.family.mechanism().title,
         ranked.len(),
         rows.len() - 1,
-        aligned(&rows)
+        aligned_rows(&rows)
     )
 }
 
 /// Values of a pair's variables in the file's units.
-fn places(opened: &Opened, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
+fn pair_places(opened: &Opened, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
     let unit = |k: usize| {
         let mut variables = opened.family.study.variables.iter();
         let variable = variables.find(|v| v.name == pair.names[k]);
@@ -140,10 +149,10 @@ fn pair_document(opened: &Opened, pair: &Pair) -> Value {
         Ok(o) => json!({
             "names": pair.names,
             "objective": o.minimum.value,
-            "values": places(opened, pair, o),
+            "values": pair_places(opened, pair, o),
             "iterations": o.minimum.iterations,
             "evaluations": o.minimum.evaluations,
-            "ended": ended(o.minimum.ended),
+            "ended": ending_word(o.minimum.ended),
         }),
         Err(error) => json!({ "names": pair.names, "error": error.to_string() }),
     }

@@ -3,23 +3,23 @@
 
 use crate::cli::args::files::{FileArgs, ProgressArg};
 use crate::cli::files::sinks;
-use crate::cli::files::sinks::Film;
+use crate::cli::files::sinks::OpenFilm;
 use crate::cli::open::study::Opened;
 use crate::cli::pictures::paths;
 use crate::cli::pictures::paths::PathLine;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::measures::poses_of;
-use crate::kinematics::motion::continuation::solve;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;
 use crate::plot::theme::Dashes;
-use crate::report::cells::six;
-use crate::scene::{Overrides, Scene, load};
-use crate::staging::outlook::Outlook;
+use crate::report::cells::six_digits;
+use crate::scene::{Overrides, Scene, load_scene};
+use crate::staging::outlook::SharedCamera;
 use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
 use image::RgbaImage;
@@ -68,7 +68,7 @@ struct Shot {
 }
 
 /// The file asked for; whether it can hold a film is found out before the search.
-pub fn file(out: &Path) -> Result<FileArgs, Failure> {
+pub fn film_file(out: &Path) -> Result<FileArgs, Failure> {
     let args = FileArgs {
         out: out.to_path_buf(),
         format: None,
@@ -79,7 +79,7 @@ pub fn file(out: &Path) -> Result<FileArgs, Failure> {
         threads: None,
         progress: ProgressArg::None,
     };
-    let format = sinks::format(&args)?;
+    let format = sinks::film_format(&args)?;
     if format.is_still() || format.is_model() {
         return Err(Failure::usage(
             format!("{} holds no film", out.display()),
@@ -93,22 +93,22 @@ pub fn file(out: &Path) -> Result<FileArgs, Failure> {
 }
 
 /// Draws and writes the film.
-pub fn write(
+pub fn write_search_film(
     args: &FileArgs,
     opened: &Opened,
     improvements: &[Improvement],
     term: &Term,
 ) -> Result<(), Failure> {
-    let chosen = thinned(improvements);
+    let chosen = thin_improvements(improvements);
     let shots: Vec<Shot> = chosen
         .iter()
-        .map(|i| shot(opened, i))
+        .map(|i| improvement_shot(opened, i))
         .collect::<Result<_, _>>()?;
     let Some(first) = shots.first() else {
         return Ok(());
     };
     let moving = shots.iter().map(|s| (&s.scene, &s.trajectory));
-    let Some(outlook) = Outlook::over(moving, OPTIONS) else {
+    let Some(outlook) = SharedCamera::over(moving, OPTIONS) else {
         return Ok(());
     };
     let draw = |frame: usize, image: &mut RgbaImage| -> Result<(), Failure> {
@@ -128,16 +128,16 @@ pub fn write(
             stroke: Stroke::solid([*r, *g, *b, 255], 2.4),
         }));
         let text = [shot.text.clone()];
-        paths::draw(&staging, 0, &lines, &text, image)?;
+        paths::draw_paths(&staging, 0, &lines, &text, image)?;
         Ok(())
     };
-    let format = sinks::format(args)?;
-    let threads = crate::jobs::cores();
+    let format = sinks::film_format(args)?;
+    let threads = crate::jobs::core_count();
     let mut workers: Vec<_> = (0..threads).map(|_| draw).collect();
     let count = shots.len() + LAST;
-    let film = Film::new(args, &format, OPTIONS.size, count, FPS)
+    let film = OpenFilm::new(args, &format, OPTIONS.size, count, FPS)
         .with_flat_colours(vec![first.scene.view.background]);
-    let destination = sinks::open(args, &format)?;
+    let destination = sinks::open_sink(args, &format)?;
     let prepared = film.sink(destination, &mut workers, term)?;
     let summary = film.write(prepared, workers, term)?;
     film.tell(&summary, "", term);
@@ -145,7 +145,7 @@ pub fn write(
 }
 
 /// The first, the last, and evenly some between.
-fn thinned(improvements: &[Improvement]) -> Vec<&Improvement> {
+fn thin_improvements(improvements: &[Improvement]) -> Vec<&Improvement> {
     let count = improvements.len().min(MOST_FRAMES);
     let last = improvements.len().saturating_sub(1);
     (0..count)
@@ -153,24 +153,24 @@ fn thinned(improvements: &[Improvement]) -> Vec<&Improvement> {
         .collect()
 }
 
-fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
+fn improvement_shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
     let overrides = Overrides {
         parameters: opened.parameters(&improvement.values),
         ..opened.overrides.clone()
     };
-    let mut scene = load(&opened.source, &overrides).map_err(Box::new)?;
+    let mut scene = load_scene(&opened.source, &overrides).map_err(Box::new)?;
     scene.view.decor.trails = Trails::None;
     // Labels on a trace need the whole drive; the path is drawn beside it.
     scene.view.labels.clear();
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
-    let paths = paths(&scene, &system);
-    let trajectory = solve(&system, &scene.actuation, &[0.0]);
+    let paths = coloured_paths(&scene, &system);
+    let trajectory = solve_motion(&system, &scene.actuation, &[0.0]);
     let (name, unit) = opened.family.objective().map_or(("objective", 1.0), |m| {
         (&m.name, opened.family.units(m.kind))
     });
     let text = format!(
         "{name} = {}   iteration {}",
-        six(improvement.objective * unit),
+        six_digits(improvement.objective * unit),
         improvement.iteration
     );
     Ok(Shot {
@@ -182,7 +182,7 @@ fn shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
 }
 
 /// Paths of all traced points along all tracks, or along the drive where there are none.
-fn paths(scene: &Scene, system: &System) -> Vec<ColouredPath> {
+fn coloured_paths(scene: &Scene, system: &System) -> Vec<ColouredPath> {
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let mut rows: Vec<Vec<Sample>> = Vec::new();
     for track in &scene.measures.tracks {
@@ -190,7 +190,7 @@ fn paths(scene: &Scene, system: &System) -> Vec<ColouredPath> {
     }
     if rows.is_empty() {
         let times = even_times(mechanism, actuation, DRIVE_SAMPLES);
-        rows.push(solve(system, actuation, &times).samples);
+        rows.push(solve_motion(system, actuation, &times).samples);
     }
     let traces = mechanism.traces.iter().enumerate();
     let paths = traces.flat_map(|(index, trace)| {

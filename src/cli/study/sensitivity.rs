@@ -3,18 +3,18 @@
 use crate::analysis::study::Evaluator;
 use crate::cli::args::study::SensitivityArgs;
 use crate::cli::io;
-use crate::cli::open::study::open;
+use crate::cli::open::study::open_study;
 use crate::cli::pictures::sensitivity_bars as sensitivity_plot;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::report::sensitivity::Table;
+use crate::report::sensitivity::SensitivityTable;
 
 /// Runs the verb.
-pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
     let plot = args.plot.as_deref();
-    let plot = plot.map(|path| sensitivity_plot::open(&args.scene, path));
+    let plot = plot.map(|path| sensitivity_plot::open_bars(&args.scene, path));
     let plot = plot.transpose()?;
-    let opened = open(&args.scene, &args.vary, true, term)?;
+    let opened = open_study(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
     let mut evaluator = Evaluator::new(family);
     let nominal = family.nominal()?;
@@ -36,7 +36,7 @@ pub fn run(args: &SensitivityArgs, term: &Term) -> Result<Outcome, Failure> {
         }
         None => None,
     };
-    let table = Table::new(family, &gradients, rank, allowed);
+    let table = SensitivityTable::new(family, &gradients, rank, allowed);
     if let Some(plot) = plot {
         plot.write(&table, rank)?;
     }

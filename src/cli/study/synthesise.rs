@@ -2,33 +2,35 @@
 
 use crate::analysis::study::FamilyError;
 use crate::analysis::synthesis::touching::Touching;
-use crate::analysis::synthesis::verify::{Proof, prove};
-use crate::analysis::synthesis::{From, Listener, Plan, Start, Synthesis, synthesise};
+use crate::analysis::synthesis::verify::{Proof, prove_found};
+use crate::analysis::synthesis::{From, Listener, SearchPlan, Start, Synthesis, synthesise_path};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::{is_interrupted, unless_interrupted};
 use crate::cli::io;
-use crate::cli::open::study::{Opened, open};
+use crate::cli::open::study::{Opened, open_study};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
-use crate::jobs::cores;
-use crate::report::cells::six;
-use crate::report::synthesis::{Found, document, ladder, rows, text};
+use crate::jobs::core_count;
+use crate::report::cells::six_digits;
+use crate::report::synthesis::{
+    FoundMechanism, found_rows, restart_ladder, synthesis_document, synthesis_text,
+};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Runs the verb.
-pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
+pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     let scenes: Vec<SceneArgs> = args.scenes.iter().map(|s| scene_args(args, s)).collect();
     let mut opened = Vec::new();
     for scene in &scenes {
         let vary = VaryArgs { vary: Vec::new() };
-        opened.push(open(scene, &vary, false, term)?);
+        opened.push(open_study(scene, &vary, false, term)?);
     }
-    let targets = targets(args)?;
+    let targets = target_files(args)?;
     let mut reports = vec![
         ("--json", args.json.as_deref()),
         ("--csv", args.csv.as_deref()),
@@ -44,7 +46,7 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
         }
         let name = name.to_string_lossy();
         term.note(&format!("{name}:"));
-        let one = one(args, opened, &name, term)?;
+        let one = synthesise_one(args, opened, &name, term)?;
         if let Some(out) = targets.get(found.len()) {
             let out = io::unless_complete(out, !is_interrupted());
             io::write_text(scene, &out, &one.scene)?;
@@ -53,23 +55,30 @@ pub fn run(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     let stopped = is_interrupted();
     if let Some(path) = &args.json {
-        io::write_document(&io::unless_complete(path, !stopped), &document(&found))?;
+        io::write_document(
+            &io::unless_complete(path, !stopped),
+            &synthesis_document(&found),
+        )?;
     }
     if let Some(path) = &args.csv
         && let Some(scene) = scenes.first()
     {
-        io::write_text(scene, &io::unless_complete(path, !stopped), &rows(&found))?;
+        io::write_text(
+            scene,
+            &io::unless_complete(path, !stopped),
+            &found_rows(&found),
+        )?;
     }
-    let mut report: String = found.iter().map(text).collect();
+    let mut report: String = found.iter().map(synthesis_text).collect();
     if found.len() > 1 {
-        report.push_str(&ladder(&found));
+        report.push_str(&restart_ladder(&found));
     }
     io::print_beside(term, args.json.as_deref(), &report)?;
     if stopped {
         let kept = "the best so far was reported and written as asked";
         return Err(Failure::Stopped(kept.to_owned()));
     }
-    Ok(if found.iter().all(Found::holds) {
+    Ok(if found.iter().all(FoundMechanism::holds) {
         Outcome::Done
     } else {
         Outcome::CheckFailed
@@ -89,7 +98,7 @@ fn scene_args(args: &SynthesiseArgs, scene: &OsStr) -> SceneArgs {
 }
 
 /// Where the found scenes go: the file itself for one, files of a folder for several.
-fn targets(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
+fn target_files(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
     let Some(out) = &args.out else {
         return Ok(Vec::new());
     };
@@ -110,13 +119,13 @@ fn targets(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
     Ok(names.collect())
 }
 
-fn one<'a>(
+fn synthesise_one<'a>(
     args: &SynthesiseArgs,
     opened: &'a Opened,
     name: &str,
     term: &Term,
-) -> Result<Found<'a>, Failure> {
-    let plan = Plan {
+) -> Result<FoundMechanism<'a>, Failure> {
+    let plan = SearchPlan {
         starts: args.starts,
         seed: args.seed,
         iterations: args.iterations,
@@ -126,7 +135,7 @@ fn one<'a>(
             StartsFrom::Scene => From::Scene,
             StartsFrom::Random => From::Random,
         },
-        threads: args.threads.unwrap_or_else(cores),
+        threads: args.threads.unwrap_or_else(core_count),
     };
     let parameters = |x: &[f64]| opened.parameters(x);
     let touching = Touching {
@@ -140,7 +149,10 @@ fn one<'a>(
         .map_or(1.0, |m| opened.family.units(m.kind));
     let done = |index: usize, start: &Start| {
         let from = start.origin.words();
-        let (first, last) = (six(start.first * unit), six(start.value() * unit));
+        let (first, last) = (
+            six_digits(start.first * unit),
+            six_digits(start.value() * unit),
+        );
         term.note(&format!("  start {}, {from}: {first} to {last}", index + 1));
     };
     let own = own_measures(opened)?;
@@ -149,13 +161,13 @@ fn one<'a>(
         done: &done,
         goes_on: &goes_on,
     };
-    let synthesis = match synthesise(&opened.family, touching, plan, &listener) {
+    let synthesis = match synthesise_path(&opened.family, touching, plan, &listener) {
         Err(_) if is_interrupted() => return Err(Failure::Interrupted),
         found => found?,
     };
-    let (overrides, scene) = written(opened, &synthesis)?;
-    let proof = proved(&opened.source, &overrides);
-    Ok(Found {
+    let (overrides, scene) = write_found(opened, &synthesis)?;
+    let proof = prove_scene(&opened.source, &overrides);
+    Ok(FoundMechanism {
         name: name.to_owned(),
         family: &opened.family,
         seed: args.seed,
@@ -167,18 +179,18 @@ fn one<'a>(
 }
 
 /// The proof, unless Ctrl-C comes before it is there.
-fn proved(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
+fn prove_scene(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     let (text, values) = (source.clone(), overrides.clone());
     let unproved = || {
         Err(FamilyError::Lacks(
             "interrupted before the proof".to_owned(),
         ))
     };
-    unless_interrupted(move || prove(&text, &values)).unwrap_or_else(unproved)
+    unless_interrupted(move || prove_found(&text, &values)).unwrap_or_else(unproved)
 }
 
 /// The found values as changes of the scene, and as the text of a scene of its own.
-fn written(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String), Failure> {
+fn write_found(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String), Failure> {
     let parameters = opened.parameters(&synthesis.best);
     let unknowns = &opened.family.mechanism().unknowns;
     let guess: Vec<(String, String)> = match &synthesis.unknowns {

@@ -1,19 +1,21 @@
 //! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
 use crate::analysis::study::{Evaluator, Gradients};
-use crate::analysis::tolerance::{Batch, Distribution, Linear, Pieces, linear, pieces};
+use crate::analysis::tolerance::{
+    Distribution, Linear, Pieces, SampleBatch, linear_tolerance, sample_pieces,
+};
 use crate::cli::args::study::{DistributionArg, ToleranceArgs};
 use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
-use crate::cli::open::study::{Opened, open};
+use crate::cli::open::study::{Opened, open_study};
 use crate::cli::pictures::tolerance_cloud as tolerance_picture;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::export::{ExportError, Output, Target};
-use crate::jobs::cores;
+use crate::jobs::core_count;
 use crate::model::measure::Measure;
-use crate::report::cells::{aligned, quoted, six};
+use crate::report::cells::{aligned_rows, quoted_cell, six_digits};
 use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::time::Instant;
@@ -25,8 +27,8 @@ const SCHEMA: u32 = 1;
 const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 
 /// Runs the verb.
-pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
-    tolerance_picture::refuse(args)?;
+pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
+    tolerance_picture::refuse_cloud(args)?;
     if args.first.checked_add(args.samples).is_none() {
         let message = "--first and --samples together are more numbers than there are";
         return Err(Failure::usage(message, Vec::new()));
@@ -38,19 +40,19 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
         ("--plot", args.plot.as_deref()),
     ];
     io::refuse_clashes(&[&args.scene], &reports)?;
-    let opened = open(&args.scene, &args.vary, true, term)?;
+    let opened = open_study(&args.scene, &args.vary, true, term)?;
     let family = &opened.family;
-    let tolerances = tolerances(&opened, args.tolerance)?;
+    let tolerances = dimension_tolerances(&opened, args.tolerance)?;
     let distribution = match args.distribution {
         DistributionArg::Uniform => Distribution::Uniform,
         DistributionArg::Normal => Distribution::Normal,
     };
-    let batch = Batch {
+    let batch = SampleBatch {
         samples: args.samples,
         first: args.first,
         seed: args.seed,
         distribution,
-        threads: args.threads.unwrap_or_else(cores),
+        threads: args.threads.unwrap_or_else(core_count),
     };
     let start = Instant::now();
     let mut evaluator = Evaluator::new(family);
@@ -62,19 +64,19 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     let watch = |done| progress.show(done, args.samples);
     // The pieces made so far are worth waiting for.
     crate::cli::interrupt::save_results();
-    let made = pieces(family, &nominal, &tolerances, batch, &CANCEL, &watch);
+    let made = sample_pieces(family, &nominal, &tolerances, batch, &CANCEL, &watch);
     progress.end();
     if made.made == 0 {
         return Err(Failure::Interrupted);
     }
     let is_whole = made.made == args.samples;
     if is_whole {
-        tolerance_picture::write(args, &opened, &nominal, &tolerances, batch)?;
+        tolerance_picture::write_cloud(args, &opened, &nominal, &tolerances, batch)?;
     }
-    let result = Report {
+    let result = ToleranceReport {
         opened: &opened,
         args,
-        linear: linear(&gradients, &tolerances, distribution),
+        linear: linear_tolerance(&gradients, &tolerances, distribution),
         gradients,
         pieces: made,
         seconds: start.elapsed().as_secs_f64(),
@@ -100,7 +102,7 @@ pub fn run(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
 }
 
 /// Tolerance of every variable: the study's, else the one of the command line.
-fn tolerances(opened: &Opened, general: Option<f64>) -> Result<Vec<f64>, Failure> {
+fn dimension_tolerances(opened: &Opened, general: Option<f64>) -> Result<Vec<f64>, Failure> {
     let variables = &opened.family.study.variables;
     let of = |v: &crate::model::study::Variable| {
         v.tolerance
@@ -126,7 +128,7 @@ fn tolerances(opened: &Opened, general: Option<f64>) -> Result<Vec<f64>, Failure
     Ok(list.into_iter().flatten().collect())
 }
 
-struct Report<'a> {
+struct ToleranceReport<'a> {
     opened: &'a Opened,
     args: &'a ToleranceArgs,
     gradients: Gradients,
@@ -135,7 +137,7 @@ struct Report<'a> {
     seconds: f64,
 }
 
-impl Report<'_> {
+impl ToleranceReport<'_> {
     fn text(&self) -> String {
         let study = &self.opened.family.study;
         let heads = [
@@ -172,7 +174,7 @@ impl Report<'_> {
                 deviation,
             ];
             let numbers = numbers.iter().chain(&scatter.quantiles);
-            row.extend(numbers.map(|v| six(v * unit)));
+            row.extend(numbers.map(|v| six_digits(v * unit)));
             rows.push(row);
         }
         let samples = self.pieces.made;
@@ -182,7 +184,7 @@ impl Report<'_> {
             study.variables.len(),
             self.pieces.failed,
         );
-        text.push_str(&aligned(&rows));
+        text.push_str(&aligned_rows(&rows));
         text.push_str(
             "\nRSS and worst case: linear, of the tolerances. Deviation: of the pieces, and what the linear rule expects.\n",
         );
@@ -242,7 +244,7 @@ impl Report<'_> {
 
     fn csv(&self, target: &mut Target) -> std::io::Result<()> {
         let measures = &self.opened.family.measures.list;
-        let names: Vec<String> = measures.iter().map(|m| quoted(&m.name)).collect();
+        let names: Vec<String> = measures.iter().map(|m| quoted_cell(&m.name)).collect();
         writeln!(target, "piece,{}", names.join(","))?;
         for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {
             write!(target, "{}", self.args.first + item)?;

@@ -1,7 +1,7 @@
 //! Mistakes of a scene beside the lines they stand in: lines are cut around what is pointed at, and what would act on a
 //! terminal is spelt out.
 
-use crate::diag::{Diagnostic, Severity, Span, shortened, shown_char, shown_text};
+use crate::diag::{Diagnostic, Severity, Span, shorten_text, shown_char, shown_text};
 use codespan_reporting::diagnostic::{Diagnostic as Excerpt, Label};
 use codespan_reporting::files::{Error, Files};
 use std::ops::Range;
@@ -16,13 +16,13 @@ const MOST_POINTED_AT: usize = 120;
 const CUT: char = '…';
 
 /// A text and where its lines start.
-pub struct Lines<'s> {
+pub struct ExcerptLines<'s> {
     name: String,
     text: &'s str,
     starts: Vec<usize>,
 }
 
-impl<'s> Lines<'s> {
+impl<'s> ExcerptLines<'s> {
     /// The lines of a text; `name` is shown as it can be.
     pub fn new(name: &str, text: &'s str) -> Self {
         let breaks = text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
@@ -34,7 +34,7 @@ impl<'s> Lines<'s> {
     }
 
     /// The message with its lines.
-    pub fn excerpt(&self, diagnostic: &Diagnostic) -> (Shown, Excerpt<()>) {
+    pub fn excerpt(&self, diagnostic: &Diagnostic) -> (ExcerptLine, Excerpt<()>) {
         let own = diagnostic.span.iter().map(|s| (s, &diagnostic.label, true));
         let related = diagnostic.related.iter().map(|(s, t)| (s, t, false));
         let inside = |s: &Span| {
@@ -43,7 +43,7 @@ impl<'s> Lines<'s> {
         };
         let mut places: Vec<_> = own.chain(related).filter(|(s, ..)| inside(s)).collect();
         places.sort_by_key(|(span, ..)| span.start);
-        let mut shown = Shown::new(self.name.clone());
+        let mut shown = ExcerptLine::new(self.name.clone());
         let mut labels = Vec::new();
         let mut rest = &places[..];
         while let Some((first, ..)) = rest.first() {
@@ -65,7 +65,7 @@ impl<'s> Lines<'s> {
                     true => Label::primary((), range),
                     false => Label::secondary((), range),
                 };
-                labels.push(label.with_message(said(text)));
+                labels.push(label.with_message(said_text(text)));
             }
             rest = later;
         }
@@ -75,9 +75,13 @@ impl<'s> Lines<'s> {
         };
         let hints = diagnostic.hints.iter();
         let excerpt = base
-            .with_message(said(&diagnostic.message))
+            .with_message(said_text(&diagnostic.message))
             .with_labels(labels)
-            .with_notes(hints.map(|hint| format!("hint: {}", said(hint))).collect());
+            .with_notes(
+                hints
+                    .map(|hint| format!("hint: {}", said_text(hint)))
+                    .collect(),
+            );
         (shown, excerpt)
     }
 
@@ -102,7 +106,7 @@ impl<'s> Lines<'s> {
             .take(AROUND)
             .last()
             .map_or(span.start, |(k, _)| line.start + k);
-        let pointed = pointed(self.text, span, line.end);
+        let pointed = pointed_width(self.text, span, line.end);
         let mut behind = self.text[pointed..line.end].char_indices();
         let end = behind.nth(AROUND).map_or(line.end, |(k, _)| pointed + k);
         start..end
@@ -110,7 +114,7 @@ impl<'s> Lines<'s> {
 }
 
 /// Where what is pointed at ends on its first line.
-fn pointed(text: &str, span: &Span, line_end: usize) -> usize {
+fn pointed_width(text: &str, span: &Span, line_end: usize) -> usize {
     let end = span.end.min(line_end).max(span.start);
     let mut characters = text[span.start..end].char_indices();
     characters
@@ -118,8 +122,8 @@ fn pointed(text: &str, span: &Span, line_end: usize) -> usize {
         .map_or(end, |(k, _)| span.start + k)
 }
 
-fn said(text: &str) -> String {
-    shown_text(&shortened(text)).into_owned()
+fn said_text(text: &str) -> String {
+    shown_text(&shorten_text(text)).into_owned()
 }
 
 /// One line as it is shown.
@@ -133,7 +137,7 @@ struct ShownLine {
 }
 
 /// The lines of one message, as codespan asks for them.
-pub struct Shown {
+pub struct ExcerptLine {
     name: String,
     text: String,
     lines: Vec<ShownLine>,
@@ -141,7 +145,7 @@ pub struct Shown {
     columns: Vec<(usize, usize)>,
 }
 
-impl Shown {
+impl ExcerptLine {
     fn new(name: String) -> Self {
         Self {
             name,
@@ -152,7 +156,13 @@ impl Shown {
     }
 
     /// Adds a line; where lines are left out, codespan is told so by one that it leaves out.
-    fn push(&mut self, file: &Lines, line: usize, window: &Range<usize>, whole: Range<usize>) {
+    fn push(
+        &mut self,
+        file: &ExcerptLines,
+        line: usize,
+        window: &Range<usize>,
+        whole: Range<usize>,
+    ) {
         if let Some(last) = self.lines.last().map(|l| l.number)
             && last < line
         {
@@ -190,7 +200,7 @@ impl Shown {
         }
         let length = |part: &str| part.chars().map(|c| shown_in_line(c).len()).sum::<usize>();
         let start = line.window + length(&text[window.start..span.start]);
-        let end = start + length(&text[span.start..pointed(text, span, window.end)]);
+        let end = start + length(&text[span.start..pointed_width(text, span, window.end)]);
         let column = line.column + text[window.start..span.start].chars().count();
         self.columns.push((start, column));
         Some(start..end)
@@ -205,7 +215,7 @@ fn shown_in_line(character: char) -> String {
     }
 }
 
-impl<'a> Files<'a> for Shown {
+impl<'a> Files<'a> for ExcerptLine {
     type FileId = ();
     type Name = &'a str;
     type Source = &'a str;

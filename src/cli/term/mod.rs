@@ -6,15 +6,15 @@ pub mod outcome;
 pub mod progress;
 
 use super::args::values::ColourChoice;
-use crate::diag::{Diagnostic, Diagnostics, Severity, Source, shortened, shown_text};
+use crate::diag::{Diagnostic, Diagnostics, Severity, Source, shorten_text, shown_text};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
-use crate::limits::{Resource, limits};
+use crate::limits::{Resource, current_limits};
 use codespan_reporting::term::termcolor::{
     BufferWriter, BufferedStandardStream, Color, ColorChoice, ColorSpec, WriteColor,
 };
 use codespan_reporting::term::{self, Config};
-use excerpt::Lines;
+use excerpt::ExcerptLines;
 use outcome::Failure;
 use std::collections::HashSet;
 use std::io::{IsTerminal, Write};
@@ -55,7 +55,7 @@ impl Term {
     /// A line of information.
     pub fn note(&self, text: &str) {
         if !self.quiet {
-            let _ = writeln!(self.stream(), "{}", shown_text(&shortened(text)));
+            let _ = writeln!(self.stream(), "{}", shown_text(&shorten_text(text)));
         }
     }
 
@@ -96,12 +96,12 @@ impl Term {
 
     /// The diagnostics of a scene, the first of them in full (warnings only unless quiet).
     pub fn diagnostics(&self, source: &Source, diagnostics: &Diagnostics) {
-        let lines = Lines::new(&source.name, &source.text);
+        let lines = ExcerptLines::new(&source.name, &source.text);
         let config = Config::default();
         // Written at once: a system call a character takes minutes for a scene full of mistakes.
         let writer = BufferWriter::stderr(self.colour);
         let mut all = writer.buffer();
-        let most = limits().most(Resource::Message);
+        let most = current_limits().most(Resource::Message);
         let (mut shown, mut left): ([usize; 2], [Vec<&Diagnostic>; 2]) = Default::default();
         for diagnostic in diagnostics.sorted() {
             let kind = usize::from(diagnostic.severity == Severity::Warning);
@@ -146,7 +146,7 @@ impl Term {
         let _ = stream.set_color(ColorSpec::new().set_fg(Some(colour)).set_bold(true));
         let _ = write!(stream, "{head}");
         let _ = stream.reset();
-        let _ = writeln!(stream, ": {}", shown_text(&shortened(text)));
+        let _ = writeln!(stream, ": {}", shown_text(&shorten_text(text)));
     }
 
     /// Written when it is dropped.

@@ -16,7 +16,7 @@ const WIDTH: usize = 28;
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Does some work, and says so on a terminal if it takes long: what, and for how many seconds by now.
-pub fn announced<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
+pub fn announce_work<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
     if quiet || !std::io::stderr().is_terminal() {
         return work();
     }

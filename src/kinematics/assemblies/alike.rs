@@ -17,7 +17,7 @@ pub const SAME: f64 = 1e-6;
 
 /// Where everything is at a pose.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct PlacedPoint {
     /// Links, and unknowns that move none: what makes a mode.
     pub links: Vec<f64>,
     /// Bodies: what makes a placement. Without bodies the links that have no idle spin.
@@ -38,7 +38,8 @@ impl<'s> Alike<'s> {
     pub fn new(system: &'s System) -> Self {
         let mechanism = system.mechanism();
         let moves = |body: &usize| {
-            let mut coordinates = coordinates(mechanism, &mechanism.bodies[*body].world_from_body);
+            let mut coordinates =
+                chain_coordinates(mechanism, &mechanism.bodies[*body].world_from_body);
             coordinates.any(|slot| slot < mechanism.unknowns.len())
         };
         Self {
@@ -55,7 +56,7 @@ impl<'s> Alike<'s> {
     }
 
     /// Where everything is at a closed pose.
-    pub fn place(&self, coordinates: &[f64]) -> Place {
+    pub fn place(&self, coordinates: &[f64]) -> PlacedPoint {
         let mechanism = self.mechanism;
         let arguments = mechanism.argument_values(coordinates);
         let lines = self.spins.lines(mechanism, coordinates);
@@ -63,16 +64,16 @@ impl<'s> Alike<'s> {
         let mut still = Vec::new();
         for (link, line) in mechanism.joints.links.iter().zip(&lines).skip(1) {
             let pose = link.world_from_link.pose(&arguments);
-            note(&mut links, &pose, line.as_ref(), mechanism.size);
+            note_pose(&mut links, &pose, line.as_ref(), mechanism.size);
             if line.is_none() {
-                note(&mut still, &pose, None, mechanism.size);
+                note_pose(&mut still, &pose, None, mechanism.size);
             }
         }
         let mut bodies = Vec::new();
         let poses = body_poses(mechanism, coordinates);
         for body in &self.bodies {
             let line = lines[mechanism.joints.of_body[*body]].as_ref();
-            note(&mut bodies, &poses[*body], line, mechanism.size);
+            note_pose(&mut bodies, &poses[*body], line, mechanism.size);
         }
         let outside = self.outside(coordinates);
         links.extend(&bodies);
@@ -81,7 +82,7 @@ impl<'s> Alike<'s> {
             still.extend(&outside);
             bodies = still;
         }
-        Place { links, bodies }
+        PlacedPoint { links, bodies }
     }
 
     /// Unknowns that stand in formulas only.
@@ -101,7 +102,7 @@ impl<'s> Alike<'s> {
 
 /// Adds the numbers of a pose; of one that spins about a line those of the mean over a turn, and how far its origin is
 /// from the line. The line's sense does not enter.
-fn note(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64) {
+fn note_pose(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64) {
     let origin = pose.translation / size;
     let Some((direction, moment)) = line else {
         numbers.extend(pose.rotation.to_cols_array());
@@ -118,7 +119,10 @@ fn note(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64) {
     numbers.push(origin.distance(mean));
 }
 
-fn coordinates<'m>(mechanism: &'m Mechanism, chain: &'m Chain) -> impl Iterator<Item = usize> + 'm {
+fn chain_coordinates<'m>(
+    mechanism: &'m Mechanism,
+    chain: &'m Chain,
+) -> impl Iterator<Item = usize> + 'm {
     let arguments = chain.arguments();
     arguments
         .into_iter()
@@ -128,7 +132,10 @@ fn coordinates<'m>(mechanism: &'m Mechanism, chain: &'m Chain) -> impl Iterator<
 /// Unknowns that stand in formulas only.
 fn outside_chains(mechanism: &Mechanism) -> Vec<usize> {
     let mut used = vec![false; mechanism.coordinate_count()];
-    for slot in mechanism.chains().flat_map(|c| coordinates(mechanism, c)) {
+    for slot in mechanism
+        .chains()
+        .flat_map(|c| chain_coordinates(mechanism, c))
+    {
         used[slot] = true;
     }
     (0..mechanism.unknowns.len())
@@ -137,13 +144,13 @@ fn outside_chains(mechanism: &Mechanism) -> Vec<usize> {
 }
 
 /// Whether two lists of numbers agree.
-pub fn same(a: &[f64], b: &[f64]) -> bool {
+pub fn same_numbers(a: &[f64], b: &[f64]) -> bool {
     // Lists differ in length where a link is idle in one of them only.
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
 }
 
 /// Largest difference of two lists.
-pub fn apart(a: &[f64], b: &[f64]) -> f64 {
+pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }

@@ -2,7 +2,7 @@
 
 use super::alike::SAME;
 use super::sets::SINGULAR;
-use crate::kinematics::ball::chart::Chart;
+use crate::kinematics::ball::chart::BallChart;
 use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::assembly::turns_matter;
@@ -139,7 +139,7 @@ impl Modes {
 }
 
 /// A pose that was met.
-pub struct Group {
+pub struct ModeGroup {
     /// Unknowns, then inputs.
     pub coordinates: Vec<f64>,
     /// Starts that led to it.
@@ -152,11 +152,11 @@ pub struct Group {
     pub dimension: usize,
 }
 
-impl Group {
+impl ModeGroup {
     /// Another closure of the same mode: its coordinates are kept if its angles are smaller.
     pub fn meet(&mut self, mechanism: &Mechanism, coordinates: Vec<f64>) {
         self.met += 1;
-        if angles(mechanism, &coordinates) < angles(mechanism, &self.coordinates) - EQUAL {
+        if angle_sum(mechanism, &coordinates) < angle_sum(mechanism, &self.coordinates) - EQUAL {
             self.coordinates = coordinates;
         }
     }
@@ -173,22 +173,22 @@ impl Group {
         for (index, ball) in balls.iter().enumerate() {
             let mut other = self.coordinates.clone();
             ball.rename(&mut other);
-            wrap(mechanism, &mut other);
+            wrap_angles(mechanism, &mut other);
             if closure_error(mechanism, &other) > CLOSED || !alike(&other, &self.coordinates) {
                 continue;
             }
             renamed.push(index);
-            if angles(mechanism, &other) < angles(mechanism, &self.coordinates) - EQUAL {
+            if angle_sum(mechanism, &other) < angle_sum(mechanism, &self.coordinates) - EQUAL {
                 self.coordinates = other;
             }
         }
-        wrap(mechanism, &mut self.coordinates);
+        wrap_angles(mechanism, &mut self.coordinates);
         renamed
     }
 }
 
 /// Sum of the angles' magnitudes: of several names for a pose the one with the smallest sum is shown.
-fn angles(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
+fn angle_sum(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     let pairs = mechanism.unknowns.iter().zip(coordinates);
     pairs
         .filter(|(unknown, _)| unknown.kind == Kind::Angle)
@@ -197,7 +197,7 @@ fn angles(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
 }
 
 /// Brings angles whose turns do not matter to -π (exclusive) … π.
-fn wrap(mechanism: &Mechanism, coordinates: &mut [f64]) {
+fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
     for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
         let value = coordinates[slot];
         let outside = value > PI + EQUAL || value <= -PI + EQUAL;
@@ -209,15 +209,15 @@ fn wrap(mechanism: &Mechanism, coordinates: &mut [f64]) {
 }
 
 /// Best names, signatures and singular values, and the order of the table.
-pub fn described(
+pub fn describe_mode(
     system: &System,
-    groups: Vec<Group>,
+    groups: Vec<ModeGroup>,
     alike: impl Fn(&[f64], &[f64]) -> bool,
 ) -> Vec<Mode> {
     let mechanism = system.mechanism();
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(system);
-    let chart = Chart::new(system);
+    let chart = BallChart::new(system);
     let mut list: Vec<Mode> = Vec::new();
     for mut group in groups {
         let renamed_balls = group.rename(mechanism, system.balls(), &alike);
@@ -249,11 +249,11 @@ pub fn described(
             coordinates: group.coordinates,
         });
     }
-    ordered(mechanism, list)
+    order_modes(mechanism, list)
 }
 
 /// By signature and coordinates; modes of one placement stand together, and placements are numbered as they come.
-fn ordered(mechanism: &Mechanism, mut list: Vec<Mode>) -> Vec<Mode> {
+fn order_modes(mechanism: &Mechanism, mut list: Vec<Mode>) -> Vec<Mode> {
     // Rounded, so that coordinates that differ by rounding only do not decide.
     let key = |mode: &Mode| -> Vec<i64> {
         let unknowns = 0..mechanism.unknowns.len();

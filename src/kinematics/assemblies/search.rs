@@ -1,12 +1,12 @@
 //! The search: rounds of starts of several kinds, until an estimate says that nothing is left.
 
-use super::alike::{Alike, Place, same};
-use super::names::{Group, Modes, StartKind, Tally, described};
-use super::sets::{Continuum, lost};
-use super::walk::{WIDEST, neighbours};
-use crate::jobs::{cores, share};
+use super::alike::{Alike, PlacedPoint, same_numbers};
+use super::names::{ModeGroup, Modes, StartKind, Tally, describe_mode};
+use super::sets::{Continuum, lost_rank};
+use super::walk::{WIDEST, branch_neighbours};
+use crate::jobs::{core_count, share_work};
 use crate::kinematics::loops::forward::closure_error;
-use crate::kinematics::solve::assembly::assemble;
+use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::random_starts::{CLOSED, start_values};
 use crate::kinematics::structure::system::System;
@@ -74,7 +74,7 @@ pub fn find_modes(
     limit: usize,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Modes {
-    let mut search = Search::new(system);
+    let mut search = ModeSearch::new(system);
     let mut jobs = vec![Job::Scene];
     let (mut left, mut random) = (limit, 0);
     loop {
@@ -99,11 +99,11 @@ pub fn find_modes(
 }
 
 /// What has been found so far.
-struct Search<'s> {
+struct ModeSearch<'s> {
     system: &'s System,
     alike: Alike<'s>,
-    groups: Vec<Group>,
-    places: Vec<Place>,
+    groups: Vec<ModeGroup>,
+    places: Vec<PlacedPoint>,
     /// Of every placement where its bodies stand (nothing if it is a continuous set), and the random starts that met it.
     placements: Vec<(Vec<f64>, usize)>,
     sets: Vec<(Continuum, usize)>,
@@ -112,7 +112,7 @@ struct Search<'s> {
     derived: VecDeque<Job>,
 }
 
-impl<'s> Search<'s> {
+impl<'s> ModeSearch<'s> {
     fn new(system: &'s System) -> Self {
         let kinds = [
             StartKind::Scene,
@@ -137,9 +137,9 @@ impl<'s> Search<'s> {
         let system = self.system;
         let work = |(): &mut (), index: usize| {
             let is_on = !cancelled();
-            is_on.then(|| closures(system, first, &jobs[index], cancelled))
+            is_on.then(|| search_closures(system, first, &jobs[index], cancelled))
         };
-        let found = share(jobs.len(), cores(), || (), work);
+        let found = share_work(jobs.len(), core_count(), || (), work);
         for (index, closures) in found {
             let kind = jobs[index].kind();
             let tally = self.tally(kind);
@@ -159,7 +159,7 @@ impl<'s> Search<'s> {
     fn sort(&mut self, pose: Vec<f64>, kind: StartKind) {
         let place = self.alike.place(&pose);
         let mut known = self.places.iter();
-        let known = known.position(|other| same(&other.links, &place.links));
+        let known = known.position(|other| same_numbers(&other.links, &place.links));
         let group = known.or_else(|| self.set_of(&pose, &place));
         let placement = match group {
             Some(group) => {
@@ -179,11 +179,11 @@ impl<'s> Search<'s> {
     }
 
     /// The group of the known continuous set on which a pose lies.
-    fn set_of(&self, pose: &[f64], place: &Place) -> Option<usize> {
+    fn set_of(&self, pose: &[f64], place: &PlacedPoint) -> Option<usize> {
         if self.sets.is_empty() {
             return None;
         }
-        let dimension = lost(self.system, pose);
+        let dimension = lost_rank(self.system, pose);
         let mut sets = self.sets.iter();
         let own =
             |(set, _): &&(Continuum, usize)| dimension > 0 && set.holds(&place.links, dimension);
@@ -191,12 +191,12 @@ impl<'s> Search<'s> {
     }
 
     /// A new group; its placement.
-    fn add(&mut self, pose: Vec<f64>, place: Place, kind: StartKind) -> usize {
+    fn add(&mut self, pose: Vec<f64>, place: PlacedPoint, kind: StartKind) -> usize {
         let set = Continuum::new(self.system, &self.alike, &pose);
         let mut placements = self.placements.iter();
         let known = match set {
             Some(_) => None,
-            None => placements.position(|(bodies, _)| same(bodies, &place.bodies)),
+            None => placements.position(|(bodies, _)| same_numbers(bodies, &place.bodies)),
         };
         let placement = known.unwrap_or(self.placements.len());
         if known.is_none() {
@@ -213,7 +213,7 @@ impl<'s> Search<'s> {
         }
         let dimension = set.as_ref().map_or(0, |set| set.dimension);
         self.sets.extend(set.map(|set| (set, self.groups.len())));
-        self.groups.push(Group {
+        self.groups.push(ModeGroup {
             coordinates: pose,
             met: 1,
             is_scene: kind == StartKind::Scene,
@@ -275,7 +275,7 @@ impl<'s> Search<'s> {
         };
         let alike = |a: &[f64], b: &[f64]| {
             let [a, b] = [a, b].map(|pose| self.alike.place(pose).links);
-            same(&a, &b)
+            same_numbers(&a, &b)
         };
         Modes {
             unlikely: self.placements.iter().filter(|(_, met)| *met == 0).count(),
@@ -284,13 +284,13 @@ impl<'s> Search<'s> {
             is_exhausted,
             is_hopeless: self.is_hopeless(),
             bodies: self.alike.bodies().to_vec(),
-            list: described(self.system, self.groups, alike),
+            list: describe_mode(self.system, self.groups, alike),
         }
     }
 }
 
 /// The closed poses to which a start leads.
-fn closures(
+fn search_closures(
     system: &System,
     first: &[f64],
     job: &Job,
@@ -302,7 +302,7 @@ fn closures(
         Job::Random(number) => vec![start_values(mechanism, first, *number)],
         Job::Mirrored(values) => vec![values.clone()],
         Job::Continued { pose, block, key } => {
-            neighbours(mechanism, &system.blocks()[*block], pose, *key, cancelled)
+            branch_neighbours(mechanism, &system.blocks()[*block], pose, *key, cancelled)
         }
     };
     let closed = starts.into_iter().filter_map(|mut values| {
@@ -311,7 +311,7 @@ fn closures(
         }
         // Buffers of its own: what another start has left in them must not show in the last digits.
         let mut corrector = Corrector::new(system);
-        let pose = assemble(system, &mut corrector, &values, false).ok()?;
+        let pose = assemble_pose(system, &mut corrector, &values, false).ok()?;
         Some(pose.coordinates)
     });
     closed

@@ -3,13 +3,13 @@
 //! A curve is followed both ways, once, and all other closures that lie on it are the same set. Sets of more dimensions are
 //! told apart by their number of dimensions only.
 
-use super::alike::{Alike, apart};
-use super::walk::Path;
+use super::alike::{Alike, largest_difference};
+use super::walk::BranchPath;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::newton::{Corrector, Pace};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::linalg::svd::{conditioning, null_space};
+use crate::linalg::svd::{jacobian_conditioning, null_space};
 
 /// Below this smallest singular value a mode is called singular: a double solution is met to half its digits only.
 pub const SINGULAR: f64 = 1e-6;
@@ -45,38 +45,38 @@ impl Continuum {
     pub fn new(system: &System, alike: &Alike<'_>, pose: &[f64]) -> Option<Self> {
         let mut blocks = system.blocks().iter().enumerate();
         blocks.find_map(|(index, block)| {
-            let tangents = tangents(system, block, pose);
+            let tangents = null_tangents(system, block, pose);
             (!tangents.is_empty()).then_some(())?;
-            follow(system, alike, index, pose, &tangents)
+            follow_set(system, alike, index, pose, &tangents)
         })
     }
 
     /// Whether a pose whose links stand at `links` is one of its points; it is known to be singular in `dimension` ways.
     pub fn holds(&self, links: &[f64], dimension: usize) -> bool {
         let near = |point: &Vec<f64>| {
-            point.len() == links.len() && apart(point, links) <= BESIDE * self.spacing
+            point.len() == links.len() && largest_difference(point, links) <= BESIDE * self.spacing
         };
         self.dimension > 1 && dimension == self.dimension || self.points.iter().any(near)
     }
 }
 
 /// In how many ways all blocks together are singular at a closed pose.
-pub fn lost(system: &System, pose: &[f64]) -> usize {
+pub fn lost_rank(system: &System, pose: &[f64]) -> usize {
     let blocks = system.blocks().iter();
     blocks
-        .map(|block| tangents(system, block, pose).len())
+        .map(|block| null_tangents(system, block, pose).len())
         .sum()
 }
 
 /// Directions of the scaled unknowns that open no loop to first order.
-fn tangents(system: &System, block: &Block, pose: &[f64]) -> Vec<Vec<f64>> {
+fn null_tangents(system: &System, block: &Block, pose: &[f64]) -> Vec<Vec<f64>> {
     let (rows, columns) = (block.rows(), block.unknowns.len());
     if columns == 0 {
         return Vec::new();
     }
     let mut workspace = BlockWorkspace::default();
     workspace.evaluate(system.mechanism(), block, pose, Want::Jacobian);
-    let conditioning = conditioning(&workspace.jacobian, rows, columns);
+    let conditioning = jacobian_conditioning(&workspace.jacobian, rows, columns);
     if conditioning.sigma_min >= SINGULAR {
         return Vec::new();
     }
@@ -85,7 +85,7 @@ fn tangents(system: &System, block: &Block, pose: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// Follows the solutions of a block both ways along the first tangent; later blocks go along.
-fn follow(
+fn follow_set(
     system: &System,
     alike: &Alike<'_>,
     index: usize,
@@ -100,7 +100,7 @@ fn follow(
         let turned = tangents
             .iter()
             .map(|t| t.iter().map(|x| sense * x).collect());
-        let mut path = Path::of_solutions(mechanism, block, pose, turned.collect());
+        let mut path = BranchPath::of_solutions(mechanism, block, pose, turned.collect());
         let mut last = first.clone();
         let most = if tangents.len() > 1 {
             FIRST_STEPS
@@ -108,17 +108,17 @@ fn follow(
             MOST_STEPS
         };
         for step in 1..=most {
-            if !path.step(STEP) || !closes(system, &mut corrector, &mut path.coordinates) {
+            if !path.step(STEP) || !closes_again(system, &mut corrector, &mut path.coordinates) {
                 break;
             }
             let links = alike.place(&path.coordinates).links;
-            let gap = apart(&links, &last);
+            let gap = largest_difference(&links, &last);
             if links.len() != last.len() || gap < SEEN * STEP {
                 break;
             }
             spacing = spacing.max(gap);
             longest = longest.max(step);
-            let is_back = step > FIRST_STEPS && apart(&links, &first) <= spacing;
+            let is_back = step > FIRST_STEPS && largest_difference(&links, &first) <= spacing;
             last.clone_from(&links);
             points.push(links);
             if is_back {
@@ -134,7 +134,7 @@ fn follow(
 }
 
 /// Closes all blocks beside a pose that is closed in the followed one.
-fn closes(system: &System, corrector: &mut Corrector, coordinates: &mut [f64]) -> bool {
+fn closes_again(system: &System, corrector: &mut Corrector, coordinates: &mut [f64]) -> bool {
     // Singular blocks converge as far as their rank goes, and stay where they are.
     corrector
         .correct(system, coordinates, Pace::Patient)

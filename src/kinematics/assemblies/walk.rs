@@ -5,7 +5,7 @@
 //! exists only where the solutions themselves are one.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::solve::random_starts::random;
+use crate::kinematics::solve::random_starts::random_unit;
 use crate::kinematics::structure::block::Block;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -43,7 +43,7 @@ pub const WIDEST: usize = 64;
 const DEPENDENT: f64 = 1e-9;
 
 /// A point of a curve with what leads on from it.
-pub struct Path<'a> {
+pub struct BranchPath<'a> {
     mechanism: &'a Mechanism,
     block: &'a Block,
     /// Unknowns, then inputs.
@@ -60,7 +60,7 @@ pub struct Path<'a> {
     solution: Vec<f64>,
 }
 
-impl<'a> Path<'a> {
+impl<'a> BranchPath<'a> {
     /// A path of solutions from a pose along the first of `tangents` (scaled unknowns), which span all directions in
     /// which the solutions go on.
     pub fn of_solutions(
@@ -94,7 +94,7 @@ impl<'a> Path<'a> {
     ) -> Option<Self> {
         let rows = block.rows() as u64;
         let mut path = Self::of_solutions(mechanism, block, pose, Vec::new());
-        path.released = (0..rows).map(|row| random(key, row)).collect();
+        path.released = (0..rows).map(|row| random_unit(key, row)).collect();
         let mut along = vec![0.0; block.unknowns.len() + 1];
         along[block.unknowns.len()] = sense;
         path.tangents.push(along);
@@ -227,7 +227,7 @@ impl<'a> Path<'a> {
                 let share = amount / (amount - self.amount);
                 let between = before.iter().zip(&self.coordinates);
                 let zero: Vec<f64> = between.map(|(a, b)| a + share * (b - a)).collect();
-                if distance(self.mechanism, self.block, &zero, start) < BACK {
+                if block_distance(self.mechanism, self.block, &zero, start) < BACK {
                     return (zeros, true);
                 }
                 zeros.push(zero);
@@ -238,7 +238,7 @@ impl<'a> Path<'a> {
 }
 
 /// Distance of two poses in scaled unknowns, whole turns aside.
-fn distance(mechanism: &Mechanism, block: &Block, a: &[f64], b: &[f64]) -> f64 {
+fn block_distance(mechanism: &Mechanism, block: &Block, a: &[f64], b: &[f64]) -> f64 {
     let squares = block.unknowns.iter().map(|unknown| {
         let off = (a[*unknown] - b[*unknown]) / mechanism.scale_of(*unknown);
         let turns = match mechanism.unknowns[*unknown].kind {
@@ -251,7 +251,7 @@ fn distance(mechanism: &Mechanism, block: &Block, a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Starts near other solutions of a block, met on a walk from a regular closed pose; which one depends on `key`.
-pub fn neighbours(
+pub fn branch_neighbours(
     mechanism: &Mechanism,
     block: &Block,
     pose: &[f64],
@@ -260,7 +260,7 @@ pub fn neighbours(
 ) -> Vec<Vec<f64>> {
     let mut starts = Vec::new();
     for sense in [1.0, -1.0] {
-        let Some(mut path) = Path::released(mechanism, block, pose, key, sense) else {
+        let Some(mut path) = BranchPath::released(mechanism, block, pose, key, sense) else {
             break;
         };
         let (zeros, is_closed) = path.zeros(pose, cancelled);

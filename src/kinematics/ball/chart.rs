@@ -5,10 +5,10 @@
 //! be proved. What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
 
 use super::joint::Ball;
-use crate::kinematics::structure::block::block;
+use crate::kinematics::structure::block::block_of;
 use crate::kinematics::structure::system::System;
 use crate::math::Pose;
-use crate::model::chain::{Argument, Chain, Motion, Step};
+use crate::model::chain::{Argument, Chain, ChainStep, ElementaryMotion};
 use crate::model::expression::Affine;
 use crate::model::joints::{Joints, Passage};
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// The mechanism of a system with its ball joints described from a pose on.
 #[derive(Clone, Copy, Debug)]
-pub struct Chart<'s> {
+pub struct BallChart<'s> {
     /// Loops and coordinates only; the unknowns of ball joints are small rotations about x, y, z, and after the scene's
     /// inputs stand those angles of every ball joint that the chart is based on.
     pub system: &'s System,
@@ -29,7 +29,7 @@ pub struct Chart<'s> {
 }
 
 /// The system that a chart solves: the scene's order of solution for loops in which `balls` are small rotations.
-pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
+pub(crate) fn chart_system(system: &System, balls: &[Ball]) -> System {
     let mechanism = system.mechanism();
     let mut charted = Mechanism {
         bodies: Vec::new(),
@@ -47,7 +47,7 @@ pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
                 name: mechanism.unknowns[slot].name.clone(),
                 kind: Kind::Angle,
             });
-            rebase(&mut charted.arguments[argument], base);
+            rebase_argument(&mut charted.arguments[argument], base);
         }
         let first = charted.arguments.len();
         charted.arguments.extend(ball.slots.map(|slot| {
@@ -59,17 +59,17 @@ pub(crate) fn charted(system: &System, balls: &[Ball]) -> System {
         small.push(first);
     }
     for (item, passages) in charted.loops.iter_mut().zip(&mechanism.joints.along_loops) {
-        rewrite(&mut item.chain, passages, balls, &small);
+        rewrite_chain(&mut item.chain, passages, balls, &small);
     }
     let mut structure = system.structure().clone();
     for item in &mut structure.blocks {
         let (loops, equations) = (item.loops.clone(), item.equations.clone());
-        *item = block(&charted, loops, equations, item.unknowns.clone());
+        *item = block_of(&charted, loops, equations, item.unknowns.clone());
     }
     System::bare(Arc::new(charted), structure)
 }
 
-impl<'s> Chart<'s> {
+impl<'s> BallChart<'s> {
     /// `None` if there is no ball joint.
     pub fn new(system: &'s System) -> Option<Self> {
         Some(Self {
@@ -144,7 +144,7 @@ impl<'s> Chart<'s> {
 }
 
 /// Has a joint's value made of coordinate `slot` in place of its own one.
-fn rebase(argument: &mut Argument, slot: usize) {
+fn rebase_argument(argument: &mut Argument, slot: usize) {
     if let Argument::Affine(affine) = argument {
         affine.terms.iter_mut().for_each(|term| term.0 = slot);
     }
@@ -152,7 +152,7 @@ fn rebase(argument: &mut Argument, slot: usize) {
 
 /// Puts small rotations behind every ball joint of a chain (before it, where it stands inverted), about the point in
 /// which its axes meet. Their arguments begin at `small`, for every ball.
-fn rewrite(chain: &mut Chain, passages: &[Passage], balls: &[Ball], small: &[usize]) {
+fn rewrite_chain(chain: &mut Chain, passages: &[Passage], balls: &[Ball], small: &[usize]) {
     // From the last to the first, so that the steps before keep their numbers.
     for passage in passages.iter().rev() {
         let mut pairs = balls.iter().zip(small);
@@ -161,7 +161,7 @@ fn rewrite(chain: &mut Chain, passages: &[Passage], balls: &[Ball], small: &[usi
         };
         let turns = turns_about(ball.centre, *first);
         if ball.is_inverse(passage) {
-            let turns = turns.iter().rev().map(Step::inverse);
+            let turns = turns.iter().rev().map(ChainStep::inverse);
             let at = passage.steps.start;
             chain.steps.splice(at..at, turns.collect::<Vec<_>>());
         } else {
@@ -172,16 +172,17 @@ fn rewrite(chain: &mut Chain, passages: &[Passage], balls: &[Ball], small: &[usi
 }
 
 /// Rotations about x, y and z in a point, with the arguments from `first` on.
-fn turns_about(centre: DVec3, first: usize) -> Vec<Step> {
-    let turn = |axis: usize| Step::Joint {
-        motion: Motion::Rotation,
+fn turns_about(centre: DVec3, first: usize) -> Vec<ChainStep> {
+    let turn = |axis: usize| ChainStep::Joint {
+        motion: ElementaryMotion::Rotation,
         axis,
         argument: first + axis,
         sign: 1.0,
     };
-    let mut steps: Vec<Step> = [0, 1, 2].map(turn).to_vec();
+    let mut steps: Vec<ChainStep> = [0, 1, 2].map(turn).to_vec();
     if centre != DVec3::ZERO {
-        let shift = |translation: DVec3| Step::Fixed(Pose::from_translation(translation).into());
+        let shift =
+            |translation: DVec3| ChainStep::Fixed(Pose::from_translation(translation).into());
         steps.insert(0, shift(centre));
         steps.push(shift(-centre));
     }

@@ -15,7 +15,7 @@
 //! Which rotations are a spherical joint is said by the [table of joints](crate::model::joints); a ball is one of them
 //! whose three angles are unknowns of their own, solved in one block.
 
-use super::run::{Run, axes_of, centre};
+use super::run::{RotationRun, axes_of, ball_centre};
 use crate::kinematics::structure::block::Structure;
 use crate::math::{Pose, sin_cos};
 use crate::model::chain::Argument;
@@ -42,7 +42,7 @@ pub struct Ball {
     pub(crate) joint: usize,
     /// The table has it the other way round.
     is_reversed: bool,
-    run: Run,
+    run: RotationRun,
     /// Radians by unknown.
     factors: [f64; 3],
     /// Added before they are angles.
@@ -192,7 +192,7 @@ impl Ball {
 }
 
 /// All ball joints of the loops, in the order in which loops pass them.
-pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
+pub fn ball_joints(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
     let mut list: Vec<Ball> = Vec::new();
     let passages = mechanism.joints.along_loops.iter();
     for (item, passages) in mechanism.loops.iter().zip(passages) {
@@ -201,7 +201,7 @@ pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
             if kind != JointKind::Spherical || list.iter().any(|b| b.joint == passage.joint) {
                 continue;
             }
-            let run = Run::of(&item.chain.steps[passage.steps.clone()]);
+            let run = RotationRun::of(&item.chain.steps[passage.steps.clone()]);
             list.extend(run.and_then(|run| ball_of(mechanism, structure, run, passage, item.size)));
         }
     }
@@ -212,7 +212,7 @@ pub fn balls(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
 fn ball_of(
     mechanism: &Mechanism,
     structure: &Structure,
-    run: Run,
+    run: RotationRun,
     passage: &Passage,
     size: f64,
 ) -> Option<Ball> {
@@ -244,7 +244,7 @@ fn ball_of(
         frame: axes.frame,
         constant: run.between[0].rotation * run.between[1].rotation,
         mu: axes.mu,
-        centre: centre(&run, size)?,
+        centre: ball_centre(&run, size)?,
         run,
     };
     (is_whole && is_spelled_alike(mechanism, &ball, size)).then_some(ball)
@@ -259,7 +259,7 @@ fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball, size: f64) -> bool {
         own.map(|p| (p, &item.chain.steps[p.steps.clone()]))
     });
     own.all(|(passage, steps)| {
-        Run::of(steps).is_some_and(|run| {
+        RotationRun::of(steps).is_some_and(|run| {
             let run = match ball.is_inverse(passage) {
                 true => run.inverse(),
                 false => run,
@@ -273,25 +273,25 @@ fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball, size: f64) -> bool {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::model::chain::{Motion, Step};
+    use crate::model::chain::{ChainStep, ElementaryMotion};
     use std::f64::consts::FRAC_PI_2;
 
     /// A joint with constants between its rotations, which may be the identity.
     fn ball(axes: [usize; 3], signs: [f64; 3], between: [Pose; 2]) -> Ball {
-        let turn = |k: usize| Step::Joint {
-            motion: Motion::Rotation,
+        let turn = |k: usize| ChainStep::Joint {
+            motion: ElementaryMotion::Rotation,
             axis: axes[k],
             argument: k,
             sign: signs[k],
         };
         let steps = [
             turn(0),
-            Step::Fixed(between[0].into()),
+            ChainStep::Fixed(between[0].into()),
             turn(1),
-            Step::Fixed(between[1].into()),
+            ChainStep::Fixed(between[1].into()),
             turn(2),
         ];
-        let run = Run::of(&steps).unwrap();
+        let run = RotationRun::of(&steps).unwrap();
         let found = axes_of(&run).unwrap();
         Ball {
             slots: [0, 1, 2],
@@ -303,7 +303,7 @@ mod tests {
             frame: found.frame,
             constant: between[0].rotation * between[1].rotation,
             mu: found.mu,
-            centre: centre(&run, 1.0).unwrap(),
+            centre: ball_centre(&run, 1.0).unwrap(),
             run,
         }
     }

@@ -1,37 +1,37 @@
 //! Three rotations in a row with constants between them: their axes, and the point in which these meet.
 
 use crate::math::Pose;
-use crate::model::chain::{Motion, Step};
+use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::joints::EXACT;
 use glam::{DMat3, DVec3};
 
 /// Three rotations in a row with the constant poses between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Run {
+pub(super) struct RotationRun {
     /// Axis, argument and sign.
     pub turns: [(usize, usize, f64); 3],
     pub between: [Pose; 2],
 }
 
-impl Run {
+impl RotationRun {
     /// The run that these steps are, from its first rotation to its last.
-    pub fn of(steps: &[Step]) -> Option<Self> {
+    pub fn of(steps: &[ChainStep]) -> Option<Self> {
         let mut turns = Vec::with_capacity(3);
         let mut between = [Pose::IDENTITY; 2];
         for step in steps {
             match *step {
-                Step::Joint {
-                    motion: Motion::Rotation,
+                ChainStep::Joint {
+                    motion: ElementaryMotion::Rotation,
                     axis,
                     argument,
                     sign,
                 } => turns.push((axis, argument, sign)),
-                Step::Fixed(pose) => {
+                ChainStep::Fixed(pose) => {
                     let gap = turns.len().checked_sub(1)?;
                     let before = between.get_mut(gap)?;
                     *before = *before * pose;
                 }
-                Step::Joint { .. } => return None,
+                ChainStep::Joint { .. } => return None,
             }
         }
         let turns = turns.try_into().ok()?;
@@ -66,13 +66,13 @@ impl Run {
 }
 
 /// C and mu of a run, as [`joint`](super::joint) has them.
-pub(super) struct Axes {
+pub(super) struct BallAxes {
     pub frame: DMat3,
     pub mu: f64,
 }
 
 /// `None` unless each axis is at right angles to the next.
-pub(super) fn axes_of(run: &Run) -> Option<Axes> {
+pub(super) fn axes_of(run: &RotationRun) -> Option<BallAxes> {
     let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
     let [first, second] = run.between.map(|pose| pose.rotation);
     let (u1, u2, u3) = (own[0], first * own[1], first * second * own[2]);
@@ -80,7 +80,7 @@ pub(super) fn axes_of(run: &Run) -> Option<Axes> {
         return None;
     }
     let third = u1.cross(u2);
-    Some(Axes {
+    Some(BallAxes {
         frame: DMat3::from_cols(u1, u2, third),
         mu: u3.dot(u1).atan2(u3.dot(third)),
     })
@@ -89,7 +89,7 @@ pub(super) fn axes_of(run: &Run) -> Option<Axes> {
 /// The point in which the three axes meet, from the frame behind the last; `None` if they do not.
 ///
 /// What a constant shifts along the axis before it or behind it moves no axis off the point.
-pub(super) fn centre(run: &Run, size: f64) -> Option<DVec3> {
+pub(super) fn ball_centre(run: &RotationRun, size: f64) -> Option<DVec3> {
     let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
     let [first, second] = run.between;
     let second_axis = first.rotation * own[1];
@@ -116,7 +116,7 @@ mod tests {
     fn axes_that_miss_each_other_or_a_right_angle_are_no_ball() {
         let shift = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z));
         let turn = |axis, angle| Pose::from_axis_rotation(axis, angle);
-        let run = |between: [Pose; 2]| Run {
+        let run = |between: [Pose; 2]| RotationRun {
             turns: [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)],
             between,
         };

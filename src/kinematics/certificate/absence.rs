@@ -8,10 +8,10 @@
 use crate::kinematics::solve::assembly::turns_matter;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::{ArgumentValue, Motion, Step};
+use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
-use crate::model::outputs::arguments;
-use crate::model::walk::{Frame, Vector};
+use crate::model::outputs::output_arguments;
+use crate::model::walk::{Triple, WalkFrame};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use std::f64::consts::PI;
@@ -43,15 +43,15 @@ pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
 }
 
 /// Rigid parts of a loop between the joints that turn freely.
-struct Side {
-    frame: Frame<Interval>,
-    slides: Vec<Vector<Interval>>,
+struct PolygonSide {
+    frame: WalkFrame<Interval>,
+    slides: Vec<Triple<Interval>>,
 }
 
-impl Side {
+impl PolygonSide {
     fn new() -> Self {
         Self {
-            frame: Frame::identity(),
+            frame: WalkFrame::identity(),
             slides: Vec::new(),
         }
     }
@@ -60,18 +60,18 @@ impl Side {
     fn length(&self) -> Interval {
         let origin = self.frame.origin;
         match self.slides[..] {
-            [] => norm(origin),
-            [along] => Interval::new(norm(cross(origin, along)).lo, f64::INFINITY),
+            [] => vector_norm(origin),
+            [along] => Interval::new(vector_norm(cross_product(origin, along)).lo, f64::INFINITY),
             _ => Interval::new(0.0, f64::INFINITY),
         }
     }
 }
 
 fn has_too_long_a_side(mechanism: &Mechanism, item: &Loop, coordinates: &[Interval]) -> bool {
-    let arguments = arguments(mechanism, &item.chain.arguments(), coordinates);
-    let lengths: Vec<Interval> = sides(mechanism, item, &arguments)
+    let arguments = output_arguments(mechanism, &item.chain.arguments(), coordinates);
+    let lengths: Vec<Interval> = polygon_sides(mechanism, item, &arguments)
         .iter()
-        .map(Side::length)
+        .map(PolygonSide::length)
         .collect();
     let together = |skipped: usize| {
         let others = lengths.iter().enumerate().filter(|(k, _)| *k != skipped);
@@ -81,30 +81,34 @@ fn has_too_long_a_side(mechanism: &Mechanism, item: &Loop, coordinates: &[Interv
 }
 
 /// A closed frame has no first side: what stands before its first free turn goes on with what stands behind the last.
-fn sides(mechanism: &Mechanism, item: &Loop, arguments: &[ArgumentValue<Interval>]) -> Vec<Side> {
+fn polygon_sides(
+    mechanism: &Mechanism,
+    item: &Loop,
+    arguments: &[ArgumentValue<Interval>],
+) -> Vec<PolygonSide> {
     let unknowns = mechanism.unknowns.len();
     let is_free = |argument: usize| {
         let slots = mechanism.arguments[argument].coordinates();
         slots.iter().any(|slot| *slot < unknowns)
     };
-    let turns_freely = |step: &Step| matches!(step, Step::Joint { motion: Motion::Rotation, argument, .. } if is_free(*argument));
+    let turns_freely = |step: &ChainStep| matches!(step, ChainStep::Joint { motion: ElementaryMotion::Rotation, argument, .. } if is_free(*argument));
     let steps = &item.chain.steps;
     let first = match item.closes {
         Closes::Frame => steps.iter().position(turns_freely).unwrap_or(0),
         Closes::Point => 0,
     };
-    let mut sides = vec![Side::new()];
+    let mut sides = vec![PolygonSide::new()];
     for step in steps[first..].iter().chain(&steps[..first]) {
         if turns_freely(step) {
-            sides.push(Side::new());
+            sides.push(PolygonSide::new());
             continue;
         }
         let Some(side) = sides.last_mut() else {
             continue;
         };
         match *step {
-            Step::Joint {
-                motion: Motion::Translation,
+            ChainStep::Joint {
+                motion: ElementaryMotion::Translation,
                 axis,
                 argument,
                 ..
@@ -115,14 +119,14 @@ fn sides(mechanism: &Mechanism, item: &Loop, arguments: &[ArgumentValue<Interval
     sides
 }
 
-fn cross(a: Vector<Interval>, b: Vector<Interval>) -> Vector<Interval> {
+fn cross_product(a: Triple<Interval>, b: Triple<Interval>) -> Triple<Interval> {
     [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         a[i] * b[j] - a[j] * b[i]
     })
 }
 
-fn norm(v: Vector<Interval>) -> Interval {
+fn vector_norm(v: Triple<Interval>) -> Interval {
     let [x, y, z] = v.map(Scalar::square);
     (x + y + z).sqrt()
 }
@@ -189,9 +193,9 @@ impl<'m> Halving<'m> {
 
     /// Some equation has no zero here.
     fn is_excluded(&self, piece: &[Interval]) -> bool {
-        let arguments = arguments(self.mechanism, &self.block.arguments, piece);
+        let arguments = output_arguments(self.mechanism, &self.block.arguments, piece);
         let is_open = |item: &Loop| {
-            let end = Frame::at_end_of(&item.chain.steps, &arguments);
+            let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
             let is_turned = (0..3).any(|i| {
                 (0..3).any(|j| {
                     let wanted = if i == j {

@@ -61,7 +61,7 @@ impl<'m> Certifier<'m> {
         Self {
             system,
             prover: PoseProver::new(system),
-            has_redundant_rows: rows::redundant(system) > 0,
+            has_redundant_rows: rows::redundant_rows(system) > 0,
             standing: None,
         }
     }

@@ -3,11 +3,11 @@
 //! The exact pose is within the error bound of the unknowns: every one of them is a number of 31 digits with a radius, and so
 //! is what is computed from them, by one walk of the chains and formulas.
 
-use crate::kinematics::loops::observed::observed;
+use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::rounding;
+use crate::model::printed::printing_unit;
 use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{DECIMAL, GROW};
@@ -16,18 +16,18 @@ use crate::numbers::rounding::{DECIMAL, GROW};
 /// where nothing was proved of the angles, or a formula has no value in reach.
 pub fn printed_bounds(mechanism: &Mechanism, sample: &Sample) -> Vec<Option<f64>> {
     let count = 3 * mechanism.traces.len() + mechanism.outputs.len();
-    let Some((pose, error)) = sample.pose.as_ref().and_then(proved) else {
+    let Some((pose, error)) = sample.pose.as_ref().and_then(proved_pose) else {
         return vec![None; count];
     };
-    let coordinates = enclosed(mechanism, sample, pose, error);
-    let enclosures = observed(mechanism, &coordinates);
+    let coordinates = enclose_observed(mechanism, sample, pose, error);
+    let enclosures = observed_values(mechanism, &coordinates);
     let traced = pose.traces.iter().flat_map(|p| p.to_array());
     let traced = traced.map(|value| (value, Kind::Length));
     let outputs = mechanism.outputs.iter().zip(&pose.outputs);
     let shown = traced.chain(outputs.map(|(output, value)| (*value, output.kind)));
     let bound = |((value, kind), exact): ((f64, Kind), &Constant)| {
         let off = (exact.value() - DoubleDouble::from(value)).hi.abs();
-        let apart = off + exact.error() + rounding(value, mechanism.unit_of(kind));
+        let apart = off + exact.error() + printing_unit(value, mechanism.unit_of(kind));
         (value.is_finite() && apart.is_finite()).then_some(apart * GROW)
     };
     let enclosures = enclosures.iter().skip(mechanism.unknowns.len());
@@ -35,7 +35,7 @@ pub fn printed_bounds(mechanism: &Mechanism, sample: &Sample) -> Vec<Option<f64>
 }
 
 /// A pose whose unknowns are proved one by one, and its error bound; of locked angles only their rotation is.
-fn proved(pose: &ClosedPose) -> Option<(&ClosedPose, f64)> {
+fn proved_pose(pose: &ClosedPose) -> Option<(&ClosedPose, f64)> {
     match pose.certificate {
         Certificate::Certified { error_bound, .. }
         | Certificate::Consistent { error_bound, .. } => Some((pose, error_bound)),
@@ -44,7 +44,7 @@ fn proved(pose: &ClosedPose) -> Option<(&ClosedPose, f64)> {
 }
 
 /// The coordinates of the exact pose; inputs are the decimals that are printed.
-fn enclosed(
+fn enclose_observed(
     mechanism: &Mechanism,
     sample: &Sample,
     pose: &ClosedPose,

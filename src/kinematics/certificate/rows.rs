@@ -7,7 +7,7 @@
 use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::{Chain, Motion, Step};
+use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 
@@ -69,13 +69,18 @@ fn angles_cancel(mechanism: &Mechanism, chain: &Chain, component: usize) -> bool
     };
     for step in &chain.steps {
         let turns = match step {
-            Step::Fixed(pose) => !pose.pattern.turns_nothing(),
-            Step::Joint { motion, axis, .. } => *motion == Motion::Rotation && *axis != component,
+            ChainStep::Fixed(pose) => !pose.pattern.turns_nothing(),
+            ChainStep::Joint { motion, axis, .. } => {
+                *motion == ElementaryMotion::Rotation && *axis != component
+            }
         };
         if turns {
             return false;
         }
-        if let Some(joint) = step.joint().filter(|j| j.motion == Motion::Rotation) {
+        if let Some(joint) = step
+            .joint()
+            .filter(|j| j.motion == ElementaryMotion::Rotation)
+        {
             let Some(form) = mechanism.arguments[joint.argument].affine() else {
                 return false;
             };
@@ -104,7 +109,7 @@ fn is_zero_sum(mut list: Vec<Constant>) -> bool {
 }
 
 /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
-pub fn redundant(system: &System) -> usize {
+pub fn redundant_rows(system: &System) -> usize {
     let beyond = |block: &Block| {
         let rows = ProofRows::new(system, block).count;
         rows.saturating_sub(block.unknowns.len())

@@ -86,7 +86,7 @@ struct Mapped<const N: usize> {
 
 /// Encloses the block's unknowns in `region`, where what the block depends on is enclosed already. The rows of `basis` are
 /// as many as the unknowns.
-pub fn enclose<const N: usize>(
+pub fn enclose_block<const N: usize>(
     mechanism: &Mechanism,
     layout: &Layout,
     basis: &[usize],
@@ -112,7 +112,7 @@ pub fn enclose<const N: usize>(
         if !inside && passed.is_some() {
             break;
         }
-        let share = ratio(&image, &box_of);
+        let share = image_ratio(&image, &box_of);
         if !inside {
             let wider = image.iter().zip(&box_of);
             box_of = wider.map(|(y, w)| WIDENED * y.max(*w)).collect();
@@ -136,7 +136,7 @@ pub fn enclose<const N: usize>(
 }
 
 /// Largest share of the box that its image takes.
-fn ratio(image: &[f64], box_of: &[f64]) -> f64 {
+fn image_ratio(image: &[f64], box_of: &[f64]) -> f64 {
     let pairs = image.iter().zip(box_of);
     pairs.map(|(y, w)| y / w).fold(0.0, f64::max)
 }
@@ -302,7 +302,7 @@ impl Centre {
                 };
             }
             region.open[*slot] = open[i];
-            let bend = super::region::bend(region.rates_of(*slot)) + open[i];
+            let bend = super::region::bend_bound(region.rates_of(*slot)) + open[i];
             let form = &mut region.slots[*slot];
             form.slopes[..m].copy_from_slice(&self.rates[i * m..][..m]);
             form.error = (bend * GROW).min(narrowed[i]);
@@ -327,8 +327,8 @@ impl<const N: usize> Mapped<N> {
 
     /// A bound of all y ≥ 0 with y ≤ from + |A| y, where the box is mapped into itself.
     fn solved(&self, from: &[f64], box_of: &[f64]) -> Vec<f64> {
-        let contraction = ratio(&self.times(box_of), box_of);
-        let share = ratio(from, box_of) / (1.0 - contraction) * GROW;
+        let contraction = image_ratio(&self.times(box_of), box_of);
+        let share = image_ratio(from, box_of) / (1.0 - contraction) * GROW;
         let first: Vec<f64> = box_of.iter().map(|w| share * w * GROW).collect();
         (0..SWEEPS).fold(first, |y, _| {
             let moved = self.times(&y);

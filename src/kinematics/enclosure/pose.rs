@@ -1,15 +1,15 @@
 //! A pose for all dimensions in their intervals: unknowns, traced points, outputs, and any formula of them.
 
-use super::block::{Unbounded, enclose};
+use super::block::{Unbounded, enclose_block};
 use super::quadratic::Quadratic;
 use super::region::{Region, Tolerance};
-use super::rows::{Layout, Rates, gradient};
+use super::rows::{Layout, Rates, expression_gradient};
 use super::twists::Twists;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::structure::system::System;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Mechanism, OutputSource};
-use crate::model::outputs::arguments;
+use crate::model::outputs::output_arguments;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 
@@ -53,14 +53,16 @@ impl<'s> Encloser<'s> {
         let mechanism = self.system.mechanism();
         let mut region = Region::new(pose, mechanism.unknowns.len(), input_open, tolerances);
         for (layout, basis) in self.layouts.iter().zip(bases) {
-            enclose(mechanism, layout, basis, &mut region)?;
+            enclose_block(mechanism, layout, basis, &mut region)?;
         }
         let coordinates = region.slots.len();
         let centre = observed_slots(mechanism, &region.centre());
         show_traces(mechanism, &mut region, &centre);
         for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
             let rates = match &output.source {
-                OutputSource::Formula(formula) => region.chain(&gradient(formula, &region.slots)),
+                OutputSource::Formula(formula) => {
+                    region.chain(&expression_gradient(formula, &region.slots))
+                }
                 // Nothing bounds a distance here: its own value is unbounded.
                 OutputSource::Distance(_) => region.chain(&[]),
             };
@@ -81,7 +83,7 @@ fn show_traces<const N: usize>(mechanism: &Mechanism, region: &mut Region<N>, ce
         let used = chain.arguments();
         let known = &region.slots[..coordinates];
         let (values, rates) = (
-            arguments(mechanism, &used, known),
+            output_arguments(mechanism, &used, known),
             Rates::new(mechanism, &used, known),
         );
         let twists = Twists::new(&chain.steps, &values);
@@ -133,7 +135,7 @@ impl<const N: usize> PoseEnclosure<N> {
     /// A formula of the slots as a function of the dimensions, to the first order.
     pub fn formula(&self, expression: &Expression) -> AffineForm<N> {
         let mut region = self.region.clone();
-        let rates = region.chain(&gradient(expression, &region.slots));
+        let rates = region.chain(&expression_gradient(expression, &region.slots));
         let place = region.slots.len();
         region.push(expression.value(&region.centre()), rates);
         region.slots[place]

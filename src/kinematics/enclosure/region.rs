@@ -79,7 +79,7 @@ impl<const N: usize> Region<N> {
     pub fn push(&mut self, centre: Interval, rates: Vec<AffineForm<N>>) {
         let value = centre.middle();
         let open = centre.distance(value);
-        let mut form = AffineForm::within(value, open + bend(&rates));
+        let mut form = AffineForm::within(value, open + bend_bound(&rates));
         for (slope, rate) in form.slopes.iter_mut().zip(&rates) {
             *slope = rate.value;
         }
@@ -93,7 +93,7 @@ impl<const N: usize> Region<N> {
 }
 
 /// What a function departs from its tangent by, where its derivatives are `rates`: ∫ of them along the way.
-pub fn bend<const N: usize>(rates: &[AffineForm<N>]) -> f64 {
+pub fn bend_bound<const N: usize>(rates: &[AffineForm<N>]) -> f64 {
     let parts = rates.iter().map(|rate| 0.5 * rate.radius() + rate.error);
     parts.sum::<f64>() * GROW
 }

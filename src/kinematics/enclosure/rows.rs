@@ -5,7 +5,7 @@ use crate::kinematics::structure::block::Block;
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
-use crate::model::outputs::arguments;
+use crate::model::outputs::output_arguments;
 use crate::numbers::scalar::Scalar;
 
 /// A block laid out: which coordinates it depends on.
@@ -65,7 +65,7 @@ impl<'m> Layout<'m> {
             residual: Vec::with_capacity(count),
             jacobian: vec![zero; count * columns],
         };
-        let values = arguments(self.mechanism, &self.block.arguments, coordinates);
+        let values = output_arguments(self.mechanism, &self.block.arguments, coordinates);
         let rates = Rates::new(self.mechanism, &self.block.arguments, coordinates);
         for part in &self.block.loops {
             let item = &self.mechanism.loops[part.index];
@@ -92,7 +92,7 @@ impl<'m> Layout<'m> {
             let row = rows.residual.len();
             rows.residual
                 .push(expression.value(coordinates).scale(weight));
-            for (slot, rate) in gradient(expression, coordinates) {
+            for (slot, rate) in expression_gradient(expression, coordinates) {
                 if let Some(column) = self.column_of[slot] {
                     rows.jacobian[row * columns + column] = rate.scale(weight);
                 }
@@ -120,7 +120,7 @@ impl<S: Scalar> Rates<S> {
                         .map(|(slot, c)| (*slot, S::from_constant(*c)))
                         .collect()
                 }
-                Argument::Formula(expression) => gradient(expression, coordinates),
+                Argument::Formula(expression) => expression_gradient(expression, coordinates),
             };
         }
         Self { of_argument }
@@ -133,7 +133,7 @@ impl<S: Scalar> Rates<S> {
 }
 
 /// The derivatives of a formula by the slots that it depends on.
-pub fn gradient<S: Scalar>(expression: &Expression, slots: &[S]) -> Vec<(usize, S)> {
+pub fn expression_gradient<S: Scalar>(expression: &Expression, slots: &[S]) -> Vec<(usize, S)> {
     let all = expression.gradient(slots);
     let used = expression.slots().into_iter();
     used.map(|slot| (slot, all[slot])).collect()

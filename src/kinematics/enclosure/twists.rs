@@ -1,22 +1,22 @@
 //! The derivatives of a chain's product by its joints, in any arithmetic: every joint's axis and origin are noted on the way.
 
-use crate::model::chain::{ArgumentValue, Joint, Motion, Step};
-use crate::model::walk::{Frame, Vector, walk};
+use crate::model::chain::{ArgumentValue, ChainJoint, ChainStep, ElementaryMotion};
+use crate::model::walk::{Triple, WalkFrame, walk_chain};
 use crate::numbers::scalar::Scalar;
 
 /// A joint on the way along a chain.
 #[derive(Clone, Copy, Debug)]
 struct Noted<S> {
-    joint: Joint,
-    axis: Vector<S>,
-    origin: Vector<S>,
+    joint: ChainJoint,
+    axis: Triple<S>,
+    origin: Triple<S>,
 }
 
 /// A chain at a pose: where it ends and what its joints do there.
 #[derive(Clone, Debug)]
 pub struct Twists<S> {
     /// The frame at the end.
-    pub end: Frame<S>,
+    pub end: WalkFrame<S>,
     joints: Vec<Noted<S>>,
     /// Trace of the rotation.
     trace: S,
@@ -24,10 +24,10 @@ pub struct Twists<S> {
 
 impl<S: Scalar> Twists<S> {
     /// Walks along a chain; arguments are those of the whole mechanism.
-    pub fn new(steps: &[Step], arguments: &[ArgumentValue<S>]) -> Self {
-        let mut end = Frame::identity();
+    pub fn new(steps: &[ChainStep], arguments: &[ArgumentValue<S>]) -> Self {
+        let mut end = WalkFrame::identity();
         let mut joints = Vec::with_capacity(steps.len());
-        walk(steps, &mut end, arguments, |frame: &Frame<S>, joint| {
+        walk_chain(steps, &mut end, arguments, |frame: &WalkFrame<S>, joint| {
             joints.push(Noted {
                 joint,
                 axis: frame.axes[joint.axis].map(|c| c.scale(joint.sign)),
@@ -57,10 +57,10 @@ impl<S: Scalar> Twists<S> {
         } in &self.joints
         {
             let [turn, shift] = match joint.motion {
-                Motion::Translation => [[zero; 3], axis.map(|c| c.scale(per_size))],
-                Motion::Rotation => {
-                    let arm = difference(self.end.origin, *origin);
-                    let shift = cross(*axis, arm).map(|c| c.scale(per_size));
+                ElementaryMotion::Translation => [[zero; 3], axis.map(|c| c.scale(per_size))],
+                ElementaryMotion::Rotation => {
+                    let arm = vector_difference(self.end.origin, *origin);
+                    let shift = cross_product(*axis, arm).map(|c| c.scale(per_size));
                     [self.skew_rate(*axis), shift]
                 }
             };
@@ -71,18 +71,20 @@ impl<S: Scalar> Twists<S> {
     }
 
     /// Calls `take` with the argument of every joint and the velocity of a point, which the chain's end carries.
-    pub fn velocities(&self, point: Vector<S>, mut take: impl FnMut(usize, Vector<S>)) {
+    pub fn velocities(&self, point: Triple<S>, mut take: impl FnMut(usize, Triple<S>)) {
         for noted in &self.joints {
             let velocity = match noted.joint.motion {
-                Motion::Translation => noted.axis,
-                Motion::Rotation => cross(noted.axis, difference(point, noted.origin)),
+                ElementaryMotion::Translation => noted.axis,
+                ElementaryMotion::Rotation => {
+                    cross_product(noted.axis, vector_difference(point, noted.origin))
+                }
             };
             take(noted.joint.argument, velocity);
         }
     }
 
     /// Rate of the skew part ½ Σ eⱼ × (a × rⱼ) = ½ (tr R a - R a) of a rotation R with columns r that turns about a.
-    fn skew_rate(&self, a: Vector<S>) -> Vector<S> {
+    fn skew_rate(&self, a: Triple<S>) -> Triple<S> {
         let axes = &self.end.axes;
         [0, 1, 2].map(|k| {
             let turned = axes[0][k] * a[0] + axes[1][k] * a[1] + axes[2][k] * a[2];
@@ -91,13 +93,13 @@ impl<S: Scalar> Twists<S> {
     }
 }
 
-fn cross<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+fn cross_product<S: Scalar>(a: Triple<S>, b: Triple<S>) -> Triple<S> {
     [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         a[i] * b[j] - a[j] * b[i]
     })
 }
 
-fn difference<S: Scalar>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+fn vector_difference<S: Scalar>(a: Triple<S>, b: Triple<S>) -> Triple<S> {
     [0, 1, 2].map(|k| a[k] - b[k])
 }

@@ -6,11 +6,13 @@
 
 use super::generic_rank::{EMPTY, Ranks, closed_poses, poses_around, random_poses};
 use super::passive;
-use crate::kinematics::ball::chart::charted;
+use crate::kinematics::ball::chart::chart_system;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::solve::assembly::assemble;
+use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::newton::Corrector;
-use crate::kinematics::structure::block::{Block, Held, Structure, StructureError, block, names};
+use crate::kinematics::structure::block::{
+    Block, Held, Structure, StructureError, block_of, slot_names,
+};
 use crate::kinematics::structure::loop_part::{LoopPart, component_name, components_of};
 use crate::kinematics::structure::ordering::{Incidence, Member, of_group, unknowns_of};
 use crate::kinematics::structure::system::System;
@@ -28,11 +30,14 @@ impl System {
     /// # Errors
     /// A loop that closes nowhere, unknowns that nothing determines.
     pub fn new(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<Self, StructureError> {
-        Ok(analyse(mechanism, actuation)?.with_ball_joints(charted))
+        Ok(analyse_system(mechanism, actuation)?.with_ball_joints(chart_system))
     }
 }
 
-fn analyse(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<System, StructureError> {
+fn analyse_system(
+    mechanism: Arc<Mechanism>,
+    actuation: &Actuation,
+) -> Result<System, StructureError> {
     let probes = random_poses(&mechanism);
     let (parts, empty_equations) = live_equations(&mechanism, &probes)?;
     let incidence = Incidence::new(&mechanism, parts);
@@ -76,7 +81,7 @@ fn analyse(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<System, S
     }
     let closed = Ranks::new(&mechanism, &poses);
     let system = trial(closed.blocks(&incidence, incidence.groups(&[])), Vec::new());
-    let held = passive::find(&system, &closed)?;
+    let held = passive::find_passive(&system, &closed)?;
     if held.is_empty() {
         return Ok(system);
     }
@@ -94,7 +99,7 @@ fn starts_singular(system: &System, actuation: &Actuation) -> bool {
         return false;
     }
     let mut corrector = Corrector::new(system);
-    let Ok(found) = assemble(system, &mut corrector, &start, false) else {
+    let Ok(found) = assemble_pose(system, &mut corrector, &start, false) else {
         return false;
     };
     let poses = [found.coordinates];
@@ -124,7 +129,7 @@ fn refuse_unheld(
     if unheld.is_empty() {
         return Ok(());
     }
-    let names = names(mechanism, unheld.into_iter());
+    let names = slot_names(mechanism, unheld.into_iter());
     Err(StructureError::Unheld { names })
 }
 
@@ -143,7 +148,7 @@ fn live_equations(
             components: (0..6).collect(),
         };
         let unknowns = unknowns_of(mechanism, &Member::Loop(whole.clone()));
-        let all = block(mechanism, vec![whole], Vec::new(), unknowns);
+        let all = block_of(mechanism, vec![whole], Vec::new(), unknowns);
         let mut live = [false; 6];
         let mut constant = [0.0_f64; 6];
         for probe in probes {

@@ -8,10 +8,10 @@
 
 use super::generic_rank::{RANK, random_poses, rank_of_rows};
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Motion};
+use crate::model::chain::{ArgumentValue, ElementaryMotion};
 use crate::model::joints::{Joint, Joints};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
-use crate::model::walk::walk;
+use crate::model::walk::walk_chain;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -48,14 +48,14 @@ impl JointCount {
     /// Counts a mechanism's joints.
     pub fn new(mechanism: &Mechanism) -> Self {
         let poses = random_poses(mechanism);
-        let counted = counted(mechanism);
+        let counted = counted_joints(mechanism);
         let list = &mechanism.joints.list;
         let freedoms: usize = counted.iter().map(|j| list[*j].kind.freedoms()).sum();
         let arguments = counted.iter().flat_map(|j| list[*j].arguments());
         let independent = poses.first().map_or(0, |pose| {
-            independent(mechanism, &arguments.collect::<Vec<_>>(), pose)
+            independent_arguments(mechanism, &arguments.collect::<Vec<_>>(), pose)
         });
-        let spaces = spaces(mechanism, &poses);
+        let spaces = loop_spaces(mechanism, &poses);
         let by_themselves: usize = spaces.iter().map(|s| s.joints - s.coordinates).sum();
         let shared = (freedoms - independent).checked_sub(by_themselves);
         let is_by_coordinates = shared.is_none();
@@ -105,7 +105,7 @@ impl JointCount {
 
 /// Joints that loops pass, and of the others those that bring a coordinate of their own: what follows another
 /// joint (a piece of a rope, a stage of a telescope) is placed, not jointed.
-fn counted(mechanism: &Mechanism) -> Vec<usize> {
+fn counted_joints(mechanism: &Mechanism) -> Vec<usize> {
     let Joints {
         list, along_loops, ..
     } = &mechanism.joints;
@@ -114,17 +114,18 @@ fn counted(mechanism: &Mechanism) -> Vec<usize> {
     counted.dedup();
     // Everything else is judged by what its arguments add: sums and differences of coordinates that are known one by
     // one add nothing, those of coordinates that only stand in other sums do.
-    let mut span = Span::default();
+    let mut span = TwistSpan::default();
     let poses = random_poses(mechanism);
     let Some(pose) = poses.first() else {
         return counted;
     };
     for joint in &counted {
-        adds(mechanism, &mut span, &list[*joint], pose);
+        adds_freedom(mechanism, &mut span, &list[*joint], pose);
     }
     let in_loops = counted.len();
     for (index, joint) in list.iter().enumerate() {
-        if !counted[..in_loops].contains(&index) && adds(mechanism, &mut span, joint, pose) {
+        if !counted[..in_loops].contains(&index) && adds_freedom(mechanism, &mut span, joint, pose)
+        {
             counted.push(index);
         }
     }
@@ -132,7 +133,7 @@ fn counted(mechanism: &Mechanism) -> Vec<usize> {
 }
 
 /// Whether the motions of a joint change something that those in `span` do not; they are in it from then on.
-fn adds(mechanism: &Mechanism, span: &mut Span, joint: &Joint, pose: &[f64]) -> bool {
+fn adds_freedom(mechanism: &Mechanism, span: &mut TwistSpan, joint: &Joint, pose: &[f64]) -> bool {
     let arguments = joint.arguments();
     let added = arguments.filter(|a| span.add(&gradient_of(mechanism, *a, pose)));
     added.count() > 0
@@ -154,11 +155,11 @@ fn gradient_of(mechanism: &Mechanism, argument: usize, pose: &[f64]) -> Vec<(usi
 
 /// A space of rows with few entries, each row with a pivot of its own.
 #[derive(Default)]
-struct Span {
+struct TwistSpan {
     rows: BTreeMap<usize, BTreeMap<usize, f64>>,
 }
 
-impl Span {
+impl TwistSpan {
     /// Takes a row in; whether it is independent of those before it.
     fn add(&mut self, row: &[(usize, f64)]) -> bool {
         let mut row: BTreeMap<usize, f64> = row.iter().copied().filter(|e| e.1 != 0.0).collect();
@@ -200,8 +201,8 @@ fn in_equations_only(mechanism: &Mechanism, counted: &[usize]) -> usize {
 }
 
 /// How many of the arguments change independently of each other.
-fn independent(mechanism: &Mechanism, arguments: &[usize], pose: &[f64]) -> usize {
-    let mut span = Span::default();
+fn independent_arguments(mechanism: &Mechanism, arguments: &[usize], pose: &[f64]) -> usize {
+    let mut span = TwistSpan::default();
     let rows = arguments.iter().map(|a| gradient_of(mechanism, *a, pose));
     rows.filter(|row| span.add(row)).count()
 }
@@ -216,7 +217,7 @@ struct Space {
 }
 
 /// Spans of the loops' twists over random poses, closed or not: the groups that the joints generate.
-fn spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
+fn loop_spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
     let loops = mechanism.loops.iter().zip(&mechanism.joints.closes);
     let of_loop = |(item, closes): (&Loop, &bool)| {
         let (mut joints, mut turns, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
@@ -259,11 +260,11 @@ fn each_twist(
 ) {
     let size = item.size;
     let mut end = Pose::IDENTITY;
-    walk(&item.chain.steps, &mut end, arguments, |here, joint| {
+    walk_chain(&item.chain.steps, &mut end, arguments, |here, joint| {
         let axis = here.rotation.col(joint.axis) * joint.sign;
         let (unit, turn, speed) = match joint.motion {
-            Motion::Rotation => (1.0, axis, here.translation.cross(axis) / size),
-            Motion::Translation => (size, DVec3::ZERO, axis),
+            ElementaryMotion::Rotation => (1.0, axis, here.translation.cross(axis) / size),
+            ElementaryMotion::Translation => (size, DVec3::ZERO, axis),
         };
         let twist = [turn.x, turn.y, turn.z, speed.x, speed.y, speed.z];
         each(joint.argument, unit, twist);

@@ -1,11 +1,11 @@
 //! Poses at which a mechanism is probed, random ones and closed ones, and ranks of blocks there.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::solve::assembly::{assemble, shake};
+use crate::kinematics::solve::assembly::{assemble_pose, shake_start};
 use crate::kinematics::solve::newton::{Corrector, Pace};
 use crate::kinematics::solve::wishes::assemble_as_meant;
-use crate::kinematics::structure::block::{Block, StructureError, names};
-use crate::kinematics::structure::ordering::{Group, Incidence, of_group};
+use crate::kinematics::structure::block::{Block, StructureError, slot_names};
+use crate::kinematics::structure::ordering::{BlockGroup, Incidence, of_group};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
@@ -88,9 +88,9 @@ pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
                 let found = assemble_as_meant(system, &mut corrector, &start, &actuation.named);
                 found.ok().map(|found| found.coordinates)
             }
-            Some(first) if is_large => towards(system, &mut corrector, first, &start),
+            Some(first) if is_large => step_towards(system, &mut corrector, first, &start),
             _ => {
-                let found = assemble(system, &mut corrector, &start, false);
+                let found = assemble_pose(system, &mut corrector, &start, false);
                 found.ok().map(|found| found.coordinates)
             }
         };
@@ -109,15 +109,15 @@ pub fn poses_around(system: &System, pose: &[f64]) -> Vec<Vec<f64>> {
     let (count, far) = AROUND;
     let closed = (1..=count).filter_map(|attempt| {
         let mut start = pose.to_vec();
-        shake(system.mechanism(), attempt, far, &mut start);
-        let found = assemble(system, &mut corrector, &start, false);
+        shake_start(system.mechanism(), attempt, far, &mut start);
+        let found = assemble_pose(system, &mut corrector, &start, false);
         Some(found.ok()?.coordinates)
     });
     closed.collect()
 }
 
 /// The closed pose as far as Newton's method leads at once from a closed one to other inputs.
-fn towards(
+fn step_towards(
     system: &System,
     corrector: &mut Corrector,
     first: &[f64],
@@ -211,7 +211,7 @@ impl<'a> Ranks<'a> {
     }
 
     /// Blocks of the groups. A group that is square by counting but not by rank needs the equations of others.
-    pub fn blocks(&self, incidence: &Incidence, mut groups: Vec<Group>) -> Vec<Block> {
+    pub fn blocks(&self, incidence: &Incidence, mut groups: Vec<BlockGroup>) -> Vec<Block> {
         let mut k = 0;
         while k < groups.len() {
             let joined = self
@@ -237,7 +237,7 @@ impl<'a> Ranks<'a> {
         let slots = free.iter().map(|column| block.unknowns[*column]);
         StructureError::UnderDetermined {
             freedoms: columns - rank,
-            names: names(self.mechanism, slots),
+            names: slot_names(self.mechanism, slots),
         }
     }
 }

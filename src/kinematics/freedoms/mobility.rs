@@ -10,7 +10,7 @@ use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::wishes::assemble_as_meant;
-use crate::kinematics::structure::block::{Block, Held, block};
+use crate::kinematics::structure::block::{Block, Held, block_of};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -61,7 +61,7 @@ impl Mobility {
             count: JointCount::new(mechanism),
             coordinates: whole.block.unknowns.len(),
             inputs: used.filter(|u| **u >= mechanism.unknowns.len()).count(),
-            at_start: start(system, actuation).map(|pose| whole.numeric(&pose)),
+            at_start: start_pose(system, actuation).map(|pose| whole.numeric(&pose)),
             generic: numeric.into_iter().min_by_key(|n| n.mobility),
             redundant: Vec::new(),
             conditions: Vec::new(),
@@ -116,7 +116,7 @@ impl Mobility {
 }
 
 /// Where the drive starts.
-fn start(system: &System, actuation: &Actuation) -> Option<Vec<f64>> {
+fn start_pose(system: &System, actuation: &Actuation) -> Option<Vec<f64>> {
     let start = actuation.start_at(0.0);
     let finite = start.iter().all(|v| v.is_finite());
     let mut corrector = Corrector::new(system);
@@ -171,7 +171,7 @@ impl Whole {
         };
         let unknowns = (0..lifted.unknowns.len()).filter(used).collect();
         let equations = (0..lifted.equations.len()).collect();
-        let block = block(&lifted, loops, equations, unknowns);
+        let block = block_of(&lifted, loops, equations, unknowns);
         Self {
             mechanism: lifted,
             block,

@@ -9,10 +9,10 @@
 //! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
 
 use super::generic_rank::{RANK, Ranks};
-use super::twists::{Line, STILL, Twist, Walk, line_of, same_line, with};
-use crate::kinematics::loops::observed::observed;
+use super::twists::{Line, STILL, Twist, Walk, common_axis, line_of, same_line};
+use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::structure::block::{Block, Held, StructureError, block, names};
+use crate::kinematics::structure::block::{Block, Held, StructureError, block_of, slot_names};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::null_space;
@@ -23,7 +23,7 @@ use crate::numbers::series::TaylorSeries;
 const IMPURE: f64 = 0.05;
 
 /// The idle freedoms of all blocks; the mechanism is refused if some freedom is not idle.
-pub fn find(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
+pub fn find_passive(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
     let mechanism = system.mechanism();
     let structure = system.structure();
     let mut list = Vec::new();
@@ -36,7 +36,7 @@ pub fn find(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError
 
 /// A block at a pose.
 #[derive(Clone, Copy)]
-struct Site<'a> {
+struct FreedomSite<'a> {
     mechanism: &'a Mechanism,
     block: &'a Block,
     pose: &'a [f64],
@@ -50,7 +50,7 @@ struct FreeMotion<'a> {
     rates: &'a [f64],
 }
 
-impl<'a> Site<'a> {
+impl<'a> FreedomSite<'a> {
     fn with(self, rates: &'a [f64]) -> FreeMotion<'a> {
         FreeMotion {
             mechanism: self.mechanism,
@@ -62,7 +62,7 @@ impl<'a> Site<'a> {
 }
 
 /// The line about which links turn, for every loop of a block in which some do, in the frame where the loop begins.
-type Lines = Vec<Option<Line>>;
+type AxisLines = Vec<Option<Line>>;
 
 fn of_block(
     mechanism: &Mechanism,
@@ -74,16 +74,16 @@ fn of_block(
     let poses = closed.regular(block);
     let pose = poses[0];
     let mut null = null_vectors(mechanism, block, pose, freedoms);
-    eliminate(&mut null, |_| 1.0);
-    let site = Site {
+    eliminate_vectors(&mut null, |_| 1.0);
+    let site = FreedomSite {
         mechanism,
         block,
         pose,
     };
-    let lines: Vec<Option<Lines>> = null.iter().map(|r| site.with(r).idle_lines()).collect();
+    let lines: Vec<Option<AxisLines>> = null.iter().map(|r| site.with(r).idle_lines()).collect();
     let driven = lines.iter().zip(&null).filter(|(lines, _)| lines.is_none());
-    refuse(mechanism, block, driven.map(|(_, rates)| rates.as_slice()))?;
-    let lines: Vec<Lines> = lines.into_iter().flatten().collect();
+    refuse_freedom(mechanism, block, driven.map(|(_, rates)| rates.as_slice()))?;
+    let lines: Vec<AxisLines> = lines.into_iter().flatten().collect();
     let is_pure = |column: usize| {
         let mut rates = vec![0.0; columns];
         rates[column] = 1.0;
@@ -95,12 +95,12 @@ fn of_block(
         let last = 1.0 + 1e-3 * (j as f64 / columns as f64);
         if pure[j] { last } else { IMPURE * last }
     };
-    let pivots = eliminate(&mut null, weight);
+    let pivots = eliminate_vectors(&mut null, weight);
     for pose in poses.into_iter().skip(1) {
-        let others: Vec<Vec<f64>> = released(mechanism, block, pose, &pivots);
-        let site = Site { pose, ..site };
+        let others: Vec<Vec<f64>> = released_slots(mechanism, block, pose, &pivots);
+        let site = FreedomSite { pose, ..site };
         let moves = |rates: &&Vec<f64>| site.with(rates).idle_lines().is_none();
-        refuse(
+        refuse_freedom(
             mechanism,
             block,
             others.iter().filter(moves).map(Vec::as_slice),
@@ -111,7 +111,7 @@ fn of_block(
         let turning = lines.iter().position(Option::is_some);
         Held {
             unknown: block.unknowns[*pivot],
-            moving: moving(block, rates),
+            moving: moving_slots(block, rates),
             turning: turning.map(|k| block.loops[k].index),
         }
     });
@@ -119,7 +119,7 @@ fn of_block(
 }
 
 /// An error if there are motions that are not idle.
-fn refuse<'a>(
+fn refuse_freedom<'a>(
     mechanism: &Mechanism,
     block: &Block,
     motions: impl Iterator<Item = &'a [f64]>,
@@ -127,19 +127,19 @@ fn refuse<'a>(
     let (mut freedoms, mut slots) = (0, Vec::new());
     for rates in motions {
         freedoms += 1;
-        slots.extend(moving(block, rates));
+        slots.extend(moving_slots(block, rates));
     }
     if freedoms == 0 {
         return Ok(());
     }
     slots.sort_unstable();
     slots.dedup();
-    let names = names(mechanism, slots.into_iter());
+    let names = slot_names(mechanism, slots.into_iter());
     Err(StructureError::UnderDetermined { freedoms, names })
 }
 
 /// Unknowns that take part.
-fn moving(block: &Block, rates: &[f64]) -> Vec<usize> {
+fn moving_slots(block: &Block, rates: &[f64]) -> Vec<usize> {
     let pairs = block.unknowns.iter().zip(rates);
     pairs
         .filter(|(_, r)| r.abs() > STILL)
@@ -161,7 +161,7 @@ fn null_vectors(
 
 /// Makes each vector one at a pivot of its own and zero at those of the others; entries are weighed for the choice.
 /// Returns the pivots.
-fn eliminate(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) -> Vec<usize> {
+fn eliminate_vectors(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) -> Vec<usize> {
     let mut pivots: Vec<usize> = Vec::new();
     for k in 0..vectors.len() {
         let (mut best, mut pivot, mut row) = (0.0, 0, k);
@@ -192,7 +192,12 @@ fn eliminate(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) -> Vec<usi
 }
 
 /// The motions at a pose when one of the held columns `pivots` after the other is released.
-fn released(mechanism: &Mechanism, block: &Block, pose: &[f64], pivots: &[usize]) -> Vec<Vec<f64>> {
+fn released_slots(
+    mechanism: &Mechanism,
+    block: &Block,
+    pose: &[f64],
+    pivots: &[usize],
+) -> Vec<Vec<f64>> {
     let mut workspace = BlockWorkspace::default();
     workspace.evaluate(mechanism, block, pose, Want::Jacobian);
     let (rows, columns) = (block.rows(), block.unknowns.len());
@@ -230,7 +235,7 @@ impl Spins {
             let unknowns: Vec<usize> = whole.unknowns.iter().copied().chain(own).collect();
             let columns = whole.unknowns.len()..unknowns.len();
             let (loops, equations) = (whole.loops.clone(), whole.equations.clone());
-            let block = block(mechanism, loops, equations, unknowns);
+            let block = block_of(mechanism, loops, equations, unknowns);
             (!columns.is_empty()).then(|| (block, columns.collect()))
         };
         Self {
@@ -243,12 +248,12 @@ impl Spins {
         let links = &mechanism.joints.links;
         let mut lines = vec![None; links.len()];
         for (block, columns) in &self.blocks {
-            let site = Site {
+            let site = FreedomSite {
                 mechanism,
                 block,
                 pose,
             };
-            for rates in released(mechanism, block, pose, columns) {
+            for rates in released_slots(mechanism, block, pose, columns) {
                 let physical = site.with(&rates).physical();
                 let walk = Walk::new(mechanism, pose, &physical, mechanism.size);
                 for (line, link) in lines.iter_mut().zip(links) {
@@ -263,13 +268,13 @@ impl Spins {
 
 impl FreeMotion<'_> {
     /// `None` if it is not idle, else the lines about which links turn.
-    fn idle_lines(&self) -> Option<Lines> {
+    fn idle_lines(&self) -> Option<AxisLines> {
         let walk = Walk::new(self.mechanism, self.pose, &self.physical(), self.size());
         let common = |twists: Vec<Twist>| -> Option<Option<Line>> {
-            twists.into_iter().try_fold(None, with)
+            twists.into_iter().try_fold(None, common_axis)
         };
         let parts = self.block.loops.iter();
-        let lines: Option<Lines> = parts
+        let lines: Option<AxisLines> = parts
             .map(|part| common(walk.links(self.mechanism, part.index)))
             .collect();
         let lines = lines?;
@@ -286,7 +291,7 @@ impl FreeMotion<'_> {
         let pairs = self.pose.iter().zip(&rates);
         let series = pairs.map(|(q, r)| TaylorSeries::linear(*q, *r, 1));
         let series: Vec<_> = series.collect();
-        let seen = &observed(self.mechanism, &series)[self.mechanism.unknowns.len()..];
+        let seen = &observed_values(self.mechanism, &series)[self.mechanism.unknowns.len()..];
         let lengths = 3 * self.mechanism.traces.len();
         seen.iter().enumerate().all(|(k, series)| {
             let output = k.checked_sub(lengths).map(|k| &self.mechanism.outputs[k]);
@@ -316,7 +321,7 @@ impl FreeMotion<'_> {
     }
 
     /// Whether every joint that takes part turns about a line of one of the motions.
-    fn turns_about(&self, motions: &[Lines]) -> bool {
+    fn turns_about(&self, motions: &[AxisLines]) -> bool {
         let walk = Walk::new(self.mechanism, self.pose, &self.physical(), self.size());
         let mut some = false;
         for (k, part) in self.block.loops.iter().enumerate() {

@@ -1,9 +1,9 @@
 //! How links move along chains for given rates of the coordinates: twists, and the lines of pure rotations.
 
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion};
+use crate::model::chain::{Argument, ArgumentValue, Chain, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
-use crate::model::walk::walk;
+use crate::model::walk::walk_chain;
 use glam::DVec3;
 
 /// Below this share of the fastest coordinate (radians, sizes) a rate counts as none. Null vectors at closed poses
@@ -17,7 +17,7 @@ pub type Line = (DVec3, DVec3);
 pub type Twist = (DVec3, DVec3);
 
 /// Adds a link's twist to the line found so far: `None` if it fits neither rest nor that line.
-pub fn with(found: Option<Line>, twist: Twist) -> Option<Option<Line>> {
+pub fn common_axis(found: Option<Line>, twist: Twist) -> Option<Option<Line>> {
     if twist.0.length() <= STILL && twist.1.length() <= STILL {
         return Some(found);
     }
@@ -64,11 +64,11 @@ impl Walk {
     fn twists(&self, chain: &Chain) -> Vec<Twist> {
         let mut twists = Vec::new();
         let mut end = Pose::IDENTITY;
-        walk(&chain.steps, &mut end, &self.arguments, |here, joint| {
+        walk_chain(&chain.steps, &mut end, &self.arguments, |here, joint| {
             let axis = here.rotation.col(joint.axis) * (joint.sign * self.rates[joint.argument]);
             twists.push(match joint.motion {
-                Motion::Rotation => (axis, here.translation.cross(axis) / self.size),
-                Motion::Translation => (DVec3::ZERO, axis / self.size),
+                ElementaryMotion::Rotation => (axis, here.translation.cross(axis) / self.size),
+                ElementaryMotion::Translation => (DVec3::ZERO, axis / self.size),
             });
         });
         twists

@@ -60,7 +60,7 @@ pub fn trace_points(mechanism: &Mechanism, poses: &[Pose]) -> Vec<DVec3> {
 }
 
 /// Values of the outputs, angles in radians.
-pub fn outputs(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> Vec<f64> {
+pub fn trace_positions(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> Vec<f64> {
     let mut slots = coordinates.to_vec();
     slots.extend(traces.iter().flat_map(|p| p.to_array()));
     let mut values = Vec::new();

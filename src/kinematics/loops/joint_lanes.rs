@@ -2,10 +2,10 @@
 //!
 //! Lane by lane plain f64 arithmetic in a fixed order. Holds no layout of loops (`plan`) and no residual (`closure`).
 
-use crate::kinematics::structure::layout::{PlannedGroup, PlannedJoint};
-use crate::linalg::lanes::{Lanes, total};
+use crate::kinematics::structure::layout::{LayoutJoint, PlannedGroup};
+use crate::linalg::lanes::{Lanes, lane_sum};
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Motion};
+use crate::model::chain::{ArgumentValue, ElementaryMotion};
 use glam::{DMat3, DVec3};
 use std::ops::{Add, AddAssign, Mul, Sub};
 use wide::f64x4;
@@ -57,7 +57,7 @@ impl Vectors {
     /// The sum of the four vectors.
     #[inline]
     pub fn total(&self) -> DVec3 {
-        let [x, y, z] = self.0.map(|v| total(v.to_array()));
+        let [x, y, z] = self.0.map(|v| lane_sum(v.to_array()));
         DVec3::new(x, y, z)
     }
 }
@@ -197,9 +197,9 @@ const OTHERS: [(usize, usize); 4] = [(1, 2), (2, 0), (0, 1), (3, 3)];
 
 /// Three columns of a rotation, then the origin; the fourth lane is not used.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame([Lanes; 4]);
+pub struct LaneFrame([Lanes; 4]);
 
-impl Frame {
+impl LaneFrame {
     /// Where every walk begins.
     pub const IDENTITY: Self = Self([
         [1.0, 0.0, 0.0, 0.0],
@@ -215,7 +215,7 @@ impl Frame {
 
     /// Takes the fixed pose before a joint; returns the joint's axis, with its sign, and its place.
     #[inline(always)]
-    pub fn reach(&mut self, joint: &PlannedJoint) -> (Lanes, Lanes) {
+    pub fn reach(&mut self, joint: &LayoutJoint) -> (Lanes, Lanes) {
         if let Some(shift) = joint.shift {
             self.shift(shift);
         }
@@ -228,13 +228,13 @@ impl Frame {
 
     /// Makes the joint's own motion.
     #[inline(always)]
-    pub fn pass(&mut self, joint: &PlannedJoint, value: &ArgumentValue) {
+    pub fn pass(&mut self, joint: &LayoutJoint, value: &ArgumentValue) {
         match joint.motion {
-            Motion::Translation => {
+            ElementaryMotion::Translation => {
                 let way = self.get(joint.axis) * f64x4::splat(joint.sign * value.value);
                 self.0[3] = (self.get(3) + way).to_array();
             }
-            Motion::Rotation => {
+            ElementaryMotion::Rotation => {
                 let (sin, cos) = (
                     f64x4::splat(joint.sign * value.sin),
                     f64x4::splat(value.cos),

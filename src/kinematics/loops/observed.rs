@@ -1,12 +1,12 @@
 //! What a table shows of a pose, in any arithmetic: unknowns, traced points, outputs.
 
 use crate::model::mechanism::Mechanism;
-use crate::model::outputs::arguments;
-use crate::model::walk::Frame;
+use crate::model::outputs::output_arguments;
+use crate::model::walk::WalkFrame;
 use crate::numbers::scalar::Scalar;
 
 /// Everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
-pub fn observed<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Vec<S> {
+pub fn observed_values<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Vec<S> {
     let mut slots = observed_slots(mechanism, coordinates);
     let after = slots.split_off(mechanism.coordinate_count());
     slots.truncate(mechanism.unknowns.len());
@@ -19,8 +19,8 @@ pub fn observed_slots<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Ve
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
         let path = &mechanism.bodies[trace.body].world_from_body;
-        let arguments = arguments(mechanism, &path.arguments(), coordinates);
-        let end = Frame::at_end_of(&path.steps, &arguments);
+        let arguments = output_arguments(mechanism, &path.arguments(), coordinates);
+        let end = WalkFrame::at_end_of(&path.steps, &arguments);
         slots.extend(end.point(trace.point.to_array()));
     }
     let mut scratch = Vec::new();

@@ -5,10 +5,10 @@
 //! joints' twists: a rotation about axis a through o changes the translation t by a × (t - o) and turns the
 //! frame by a; the inverse left Jacobian of SO(3) maps the turn to the rate of the rotation vector.
 
-use super::joint_lanes::{Frame, JointGroup};
+use super::joint_lanes::{JointGroup, LaneFrame};
 use crate::kinematics::structure::block::Block;
-use crate::kinematics::structure::layout::{BlockPlan, Entry, PlannedEquation, PlannedLoop};
-use crate::linalg::lanes::{Lanes, combine, groups};
+use crate::kinematics::structure::layout::{BlockPlan, LayoutEntry, PlannedEquation, PlannedLoop};
+use crate::linalg::lanes::{Lanes, combine_rows, lane_groups};
 use crate::math::Pose;
 use crate::math::{left_jacobian_inverse, rotation_log};
 use crate::model::chain::{Argument, ArgumentValue};
@@ -52,7 +52,7 @@ pub enum Want<'a> {
 
 /// The mechanism, the block's layout and the coordinates of one evaluation.
 #[derive(Clone, Copy)]
-struct Site<'a> {
+struct UnknownSite<'a> {
     mechanism: &'a Mechanism,
     plan: &'a BlockPlan,
     coordinates: &'a [f64],
@@ -87,7 +87,7 @@ impl BlockWorkspace {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let with_columns = !matches!(want, Want::Residual);
         let plan = &block.plan;
-        let site = Site {
+        let site = UnknownSite {
             mechanism,
             plan,
             coordinates,
@@ -99,7 +99,8 @@ impl BlockWorkspace {
             self.jacobian.clear();
             self.jacobian.resize(rows * columns, 0.0);
             self.outer.clear();
-            self.outer.resize(groups(rows) * plan.outer.len(), [0.0; 4]);
+            self.outer
+                .resize(lane_groups(rows) * plan.outer.len(), [0.0; 4]);
         }
         self.evaluate_arguments(site);
         self.joints.resize(plan.groups.len(), JointGroup::default());
@@ -119,11 +120,12 @@ impl BlockWorkspace {
         self.outer_rates.clear();
         self.outer_rates
             .extend(plan.outer.iter().map(|slot| rates[*slot]));
-        self.drift.resize(groups(self.residual.len()), [0.0; 4]);
-        combine(&mut self.drift, &self.outer_rates, &self.outer);
+        self.drift
+            .resize(lane_groups(self.residual.len()), [0.0; 4]);
+        combine_rows(&mut self.drift, &self.outer_rates, &self.outer);
     }
 
-    fn evaluate_arguments(&mut self, site: Site) {
+    fn evaluate_arguments(&mut self, site: UnknownSite) {
         self.arguments.clear();
         for argument in &site.plan.arguments {
             let value = if argument.is_formula {
@@ -138,7 +140,7 @@ impl BlockWorkspace {
         }
     }
 
-    fn evaluate_loop(&mut self, site: Site, item: &PlannedLoop, with_columns: bool) {
+    fn evaluate_loop(&mut self, site: UnknownSite, item: &PlannedLoop, with_columns: bool) {
         let product = self.walk(site.plan, item);
         let turn = rotation_log(&product.rotation);
         let six = residual_of(turn, product.translation, item.size);
@@ -152,7 +154,7 @@ impl BlockWorkspace {
 
     /// Multiplies the loop's steps, noting every joint's axis and origin.
     fn walk(&mut self, plan: &BlockPlan, item: &PlannedLoop) -> Pose {
-        let mut frame = Frame::IDENTITY;
+        let mut frame = LaneFrame::IDENTITY;
         let fours = plan.joints[item.joints.clone()].chunks(4);
         let noted = &mut self.joints[item.groups.clone()];
         for (joints, group) in fours.zip(noted) {
@@ -169,7 +171,13 @@ impl BlockWorkspace {
     }
 
     /// Distributes the joints' columns over the coordinates of their arguments.
-    fn add_columns(&mut self, site: Site, item: &PlannedLoop, turn: DVec3, translation: DVec3) {
+    fn add_columns(
+        &mut self,
+        site: UnknownSite,
+        item: &PlannedLoop,
+        turn: DVec3,
+        translation: DVec3,
+    ) {
         let log_from_spin = left_jacobian_inverse(turn);
         let per_size = 1.0 / item.size;
         let planned = &site.plan.groups[item.groups.clone()];
@@ -196,7 +204,7 @@ impl BlockWorkspace {
     }
 
     /// Adds the column of a joint whose argument is a formula, times the formula's rates.
-    fn add_formula(&mut self, site: Site, item: &PlannedLoop, joint: usize) {
+    fn add_formula(&mut self, site: UnknownSite, item: &PlannedLoop, joint: usize) {
         let argument = site.plan.joints[item.joints.start + joint].argument;
         let planned = &site.plan.arguments[argument];
         let Argument::Formula(expression) = &site.mechanism.arguments[planned.index] else {
@@ -215,7 +223,12 @@ impl BlockWorkspace {
         }
     }
 
-    fn evaluate_equation(&mut self, site: Site, planned: &PlannedEquation, with_columns: bool) {
+    fn evaluate_equation(
+        &mut self,
+        site: UnknownSite,
+        planned: &PlannedEquation,
+        with_columns: bool,
+    ) {
         let equation = &site.mechanism.equations[planned.index];
         let row = planned.row;
         if !with_columns {
@@ -244,7 +257,7 @@ impl BlockWorkspace {
 }
 
 /// Adds multiples of joints' columns to a column-major matrix, all six rows of each.
-fn add_whole(matrix: &mut [f64], entries: &[Entry], columns: &[[Lanes; 6]]) {
+fn add_whole(matrix: &mut [f64], entries: &[LayoutEntry], columns: &[[Lanes; 6]]) {
     for entry in entries {
         let column = &columns[entry.joint / 4];
         let target = matrix[entry.start..].first_chunk_mut::<6>();
@@ -255,7 +268,7 @@ fn add_whole(matrix: &mut [f64], entries: &[Entry], columns: &[[Lanes; 6]]) {
 }
 
 /// The same where only some of the six rows are kept.
-fn add_parts(matrix: &mut [f64], entries: &[Entry], columns: &[[Lanes; 6]], parts: &[usize]) {
+fn add_parts(matrix: &mut [f64], entries: &[LayoutEntry], columns: &[[Lanes; 6]], parts: &[usize]) {
     for entry in entries {
         let column = &columns[entry.joint / 4];
         for (t, part) in matrix[entry.start..].iter_mut().zip(parts) {
@@ -277,8 +290,8 @@ fn column_at<'a>(
         None => &mut jacobian[start..start + rows],
         // Columns of no rows are nowhere read.
         Some(after) => {
-            let start = after / rows.max(1) * groups(rows);
-            &mut outer[start..start + groups(rows)].as_flattened_mut()[..rows]
+            let start = after / rows.max(1) * lane_groups(rows);
+            &mut outer[start..start + lane_groups(rows)].as_flattened_mut()[..rows]
         }
     }
 }

@@ -3,30 +3,30 @@
 pub mod reduce;
 
 use super::loops::observed::observed_slots;
-use super::motion::continuation::solve;
-use super::rates::higher_order::rates;
+use super::motion::continuation::solve_motion;
+use super::rates::higher_order::higher_rates;
 use super::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
-use crate::model::measure::{MeasureSource, Measures, Track};
+use crate::model::measure::{MeasureSource, MeasuredTrack, Measures};
 use crate::numbers::series::TaylorSeries;
-use reduce::reduce;
+use reduce::reduce_values;
 use std::collections::HashMap;
 
 /// Values of all measures in internal units, in the order of the list; `None` where a pose is missing on the way
 /// or a formula has no value. `trajectory` is the motion along `actuation`.
-pub fn measure(
+pub fn measure_motion(
     system: &System,
     actuation: &Actuation,
     measures: &Measures,
     trajectory: &Trajectory,
 ) -> Vec<Option<f64>> {
-    let mut over = over(system, measures, None, &trajectory.samples);
+    let mut over = measure_over(system, measures, None, &trajectory.samples);
     for (k, track) in measures.tracks.iter().enumerate() {
         // The poses of one track at a time: together they would fill the memory.
-        over.extend(self::over(
+        over.extend(self::measure_over(
             system,
             measures,
             Some(k),
@@ -56,7 +56,7 @@ pub fn formula_value(formula: &Expression, slots: &[f64]) -> Option<f64> {
 }
 
 /// The values of the measures that look along one track, or along the drive, by their index.
-fn over(
+fn measure_over(
     system: &System,
     measures: &Measures,
     wanted: Option<usize>,
@@ -76,7 +76,7 @@ fn over(
                 samples.iter().map(one).collect()
             };
             let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
-            let reduced = reduce(*taking, *power, &rows?)?;
+            let reduced = reduce_values(*taking, *power, &rows?)?;
             Some((index, reduced.value))
         }
         _ => None,
@@ -93,15 +93,15 @@ fn value_at(
 ) -> Option<f64> {
     let pose = sample.pose.as_ref()?;
     let Some(input) = per else {
-        return Some(formula.value(&slots(pose, &sample.inputs)));
+        return Some(formula.value(&pose_slots(pose, &sample.inputs)));
     };
     let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-    let series = along(system, &coordinates, &[input], 1)?;
+    let series = values_along(system, &coordinates, &[input], 1)?;
     Some(formula.value(&series).coefficients()[1])
 }
 
 /// What formulas of a pose may use: coordinates, x, y, z of the traces, outputs.
-fn slots(pose: &ClosedPose, inputs: &[f64]) -> Vec<f64> {
+fn pose_slots(pose: &ClosedPose, inputs: &[f64]) -> Vec<f64> {
     let mut slots = [pose.unknowns.as_slice(), inputs].concat();
     slots.extend(pose.traces.iter().flat_map(|p| p.to_array()));
     slots.extend(&pose.outputs);
@@ -110,7 +110,7 @@ fn slots(pose: &ClosedPose, inputs: &[f64]) -> Vec<f64> {
 
 /// Series of coordinates, traces and outputs at a closed pose when the inputs `moving` change at unit rate (an input
 /// named twice, at twice that); `None` at a singular pose.
-pub fn along(
+pub fn values_along(
     system: &System,
     coordinates: &[f64],
     moving: &[usize],
@@ -124,22 +124,22 @@ pub fn along(
             TaylorSeries::linear(coordinates[n + k], rate, order)
         })
         .collect();
-    let all = rates(system, coordinates, &inputs, order)?;
+    let all = higher_rates(system, coordinates, &inputs, order)?;
     Some(observed_slots(mechanism, &all))
 }
 
 /// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples that it
 /// does not lead to have no pose.
-pub fn poses_of(system: &System, actuation: &Actuation, track: &Track) -> Vec<Sample> {
+pub fn poses_of(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Vec<Sample> {
     let (moved, times) = driven_along(actuation, track);
-    let mut samples = solve(system, &moved, &times).of_one_motion();
+    let mut samples = solve_motion(system, &moved, &times).of_one_motion();
     samples.remove(0);
     samples
 }
 
 /// Drives that lead from where those of `actuation` begin to the start of a track and along it, and the times: that of the
 /// beginning, then those of the track's samples.
-pub fn driven_along(actuation: &Actuation, track: &Track) -> (Actuation, Vec<f64>) {
+pub fn driven_along(actuation: &Actuation, track: &MeasuredTrack) -> (Actuation, Vec<f64>) {
     let start = actuation.inputs_at(0.0);
     let count = track.samples;
     let times: Vec<f64> = (0..=count).map(|k| k as f64).collect();

@@ -11,7 +11,7 @@ pub struct Reduced {
 }
 
 /// Takes one number of `values[formula][pose]`; `None` without poses. `power` is that of a norm.
-pub fn reduce(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced> {
+pub fn reduce_values(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced> {
     let first = values.first()?;
     let last = first.len().checked_sub(1)?;
     let second = values.get(1).unwrap_or(first);
@@ -23,7 +23,10 @@ pub fn reduce(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced
             weights: vec![weights],
         }
     };
-    let (least, most) = (extreme(first, |a, b| a < b), extreme(first, |a, b| a > b));
+    let (least, most) = (
+        extreme_index(first, |a, b| a < b),
+        extreme_index(first, |a, b| a > b),
+    );
     Some(match taking {
         Taking::First => sum_of(&[(0, 1.0)]),
         Taking::Last => sum_of(&[(last, 1.0)]),
@@ -32,20 +35,20 @@ pub fn reduce(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced
         Taking::Max => sum_of(&[(most, 1.0)]),
         Taking::Range => sum_of(&[(most, 1.0), (least, -1.0)]),
         Taking::Largest => {
-            let k = extreme(first, |a, b| a.abs() > b.abs());
+            let k = extreme_index(first, |a, b| a.abs() > b.abs());
             sum_of(&[(k, if first[k] < 0.0 { -1.0 } else { 1.0 })])
         }
-        Taking::Sum => weighted(first, 1.0),
-        Taking::Mean => weighted(first, 1.0 / first.len() as f64),
-        Taking::Norm => norm(first, power),
-        Taking::Positive => positive(first),
-        Taking::Chord => chord(first, second),
-        Taking::Bow => bow(first, second),
+        Taking::Sum => weighted_mean(first, 1.0),
+        Taking::Mean => weighted_mean(first, 1.0 / first.len() as f64),
+        Taking::Norm => power_norm(first, power),
+        Taking::Positive => positive_part(first),
+        Taking::Chord => chord_deviation(first, second),
+        Taking::Bow => bow_height(first, second),
     })
 }
 
 /// Index of the extreme value; NaN counts as the most extreme.
-fn extreme(values: &[f64], beats: impl Fn(f64, f64) -> bool) -> usize {
+fn extreme_index(values: &[f64], beats: impl Fn(f64, f64) -> bool) -> usize {
     let mut best = 0;
     for (index, value) in values.iter().enumerate() {
         if value.is_nan() || beats(*value, values[best]) {
@@ -58,7 +61,7 @@ fn extreme(values: &[f64], beats: impl Fn(f64, f64) -> bool) -> usize {
     best
 }
 
-fn weighted(values: &[f64], weight: f64) -> Reduced {
+fn weighted_mean(values: &[f64], weight: f64) -> Reduced {
     Reduced {
         value: values.iter().sum::<f64>() * weight,
         weights: vec![vec![weight; values.len()]],
@@ -66,7 +69,7 @@ fn weighted(values: &[f64], weight: f64) -> Reduced {
 }
 
 /// (Σ |v|ᵖ)^(1/p), scaled by the largest value so that high powers neither overflow nor vanish.
-fn norm(values: &[f64], power: f64) -> Reduced {
+fn power_norm(values: &[f64], power: f64) -> Reduced {
     let largest = values.iter().fold(
         0.0,
         |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
@@ -88,7 +91,7 @@ fn norm(values: &[f64], power: f64) -> Reduced {
 }
 
 /// The share of the polyline through the values that is above zero.
-fn positive(values: &[f64]) -> Reduced {
+fn positive_part(values: &[f64]) -> Reduced {
     let mut weights = vec![0.0; values.len()];
     let share = 1.0 / (values.len().max(2) - 1) as f64;
     let mut value = 0.0;
@@ -112,7 +115,7 @@ fn positive(values: &[f64]) -> Reduced {
 }
 
 /// Distance from the first to the last point of a path.
-fn chord(x: &[f64], y: &[f64]) -> Reduced {
+fn chord_deviation(x: &[f64], y: &[f64]) -> Reduced {
     let last = x.len() - 1;
     let (a, b) = (x[last] - x[0], y[last] - y[0]);
     let length = a.hypot(b);
@@ -129,14 +132,14 @@ fn chord(x: &[f64], y: &[f64]) -> Reduced {
 }
 
 /// The distance from the chord that is largest, signed: [(y-y₀)(x₁-x₀) - (x-x₀)(y₁-y₀)] / |chord|.
-fn bow(x: &[f64], y: &[f64]) -> Reduced {
+fn bow_height(x: &[f64], y: &[f64]) -> Reduced {
     let count = x.len();
     let last = count - 1;
     let (a, b) = (x[last] - x[0], y[last] - y[0]);
     let chord = a.hypot(b);
     let distance = |k: usize| ((y[k] - y[0]) * a - (x[k] - x[0]) * b) / chord;
     let distances: Vec<f64> = (0..count).map(distance).collect();
-    let k = extreme(&distances, |p, q| p.abs() > q.abs());
+    let k = extreme_index(&distances, |p, q| p.abs() > q.abs());
     let value = distances[k];
     let (mut by_x, mut by_y) = (vec![0.0; count], vec![0.0; count]);
     let (u, v) = (x[k] - x[0], y[k] - y[0]);
@@ -165,7 +168,7 @@ mod tests {
     use super::*;
 
     fn value(taking: Taking, power: f64, values: &[Vec<f64>]) -> f64 {
-        reduce(taking, power, values).unwrap().value
+        reduce_values(taking, power, values).unwrap().value
     }
 
     #[test]
@@ -175,7 +178,7 @@ mod tests {
         for (name, taking) in Taking::NAMES {
             for power in [4.0, 64.0] {
                 let values = &[x.clone(), y.clone()][..taking.width()];
-                let reduced = reduce(taking, power, values).unwrap();
+                let reduced = reduce_values(taking, power, values).unwrap();
                 for formula in 0..taking.width() {
                     for pose in 0..x.len() {
                         let moved = |h: f64| {

@@ -4,7 +4,7 @@
 //! at the start of the drive. The ends are located like the ends of any motion; stretches narrower than the steps of
 //! the sweep can be missed, and so can assemblies that the start values do not lead to.
 
-use super::continuation::solve;
+use super::continuation::solve_motion;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -42,7 +42,7 @@ pub fn feasible_inputs(system: &System, actuation: &Actuation) -> Vec<Feasible> 
         // A value far out says nothing about where the mechanism is: then around zero.
         let middles = [given[input], 0.0];
         let found = middles.iter().find_map(|middle| {
-            let stretches = sweep(system, actuation, input, *middle);
+            let stretches = sweep_input(system, actuation, input, *middle);
             (!stretches.is_empty()).then_some(stretches)
         });
         found.map(|stretches| Feasible { input, stretches })
@@ -50,12 +50,12 @@ pub fn feasible_inputs(system: &System, actuation: &Actuation) -> Vec<Feasible> 
     inputs.collect()
 }
 
-fn steps(mechanism: &Mechanism) -> usize {
+fn sweep_steps(mechanism: &Mechanism) -> usize {
     let work = mechanism.unknowns.len() * mechanism.inputs.len();
     (STEPS * SMALL / work.max(SMALL)).max(FEWEST_STEPS)
 }
 
-fn sweep(system: &System, actuation: &Actuation, input: usize, middle: f64) -> Vec<[f64; 2]> {
+fn sweep_input(system: &System, actuation: &Actuation, input: usize, middle: f64) -> Vec<[f64; 2]> {
     let mechanism = system.mechanism();
     let reach = match mechanism.inputs[input].kind {
         Kind::Angle => PI,
@@ -66,13 +66,13 @@ fn sweep(system: &System, actuation: &Actuation, input: usize, middle: f64) -> V
     let mut to = from.clone();
     (from[input], to[input]) = (middle - reach, middle + reach);
     let swept = Actuation::straight(&from, &to, actuation.guess.clone());
-    let steps = steps(mechanism);
+    let steps = sweep_steps(mechanism);
     let times: Vec<f64> = (0..=steps).map(|k| k as f64 / steps as f64).collect();
-    stretches(&solve(system, &swept, &times), input)
+    feasible_stretches(&solve_motion(system, &swept, &times), input)
 }
 
 /// What the gaps of a motion leave.
-fn stretches(trajectory: &Trajectory, input: usize) -> Vec<[f64; 2]> {
+fn feasible_stretches(trajectory: &Trajectory, input: usize) -> Vec<[f64; 2]> {
     let Some((first, last)) = trajectory.samples.first().zip(trajectory.samples.last()) else {
         return Vec::new();
     };
@@ -85,11 +85,11 @@ fn stretches(trajectory: &Trajectory, input: usize) -> Vec<[f64; 2]> {
         begin = gap.until.as_ref().map(|at| at.inputs[input]);
     }
     list.extend(begin.map(|begin| [begin, last.inputs[input]]));
-    merged(list)
+    merge_stretches(list)
 }
 
 /// Stretches that touch are one; single values beside stretches are where the sweep came in.
-fn merged(list: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+fn merge_stretches(list: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let reach = list.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
     let mut joined: Vec<[f64; 2]> = Vec::new();
     for [from, to] in list {

@@ -4,7 +4,7 @@
 //! Where the drive itself turns back or rests, everything does; that is no limit position. Two reversals of one
 //! quantity within one refined interval are missed.
 
-use super::continuation::solve;
+use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward;
 use crate::kinematics::rates::higher_order::{By, RateColumns};
@@ -41,9 +41,9 @@ const FIRST: RateColumns = RateColumns {
 
 /// Adds an event for every limit position of an unknown or output to those of a solved motion.
 pub fn add_limits(system: &System, actuation: &Actuation, trajectory: &mut Trajectory) {
-    let times = refined(system.mechanism(), actuation, &trajectory.samples);
-    let fine = solve(system, actuation, &times);
-    let mut search = Search::new(system, actuation, &fine.samples);
+    let times = refine_limit(system.mechanism(), actuation, &trajectory.samples);
+    let fine = solve_motion(system, actuation, &times);
+    let mut search = LimitSearch::new(system, actuation, &fine.samples);
     for quantity in 0..search.names.len() {
         search.run(quantity);
     }
@@ -52,7 +52,7 @@ pub fn add_limits(system: &System, actuation: &Actuation, trajectory: &mut Traje
 }
 
 /// The samples' times and as many between them as it takes. The last sample of a cyclic drive is one before its end.
-fn refined(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]) -> Vec<f64> {
+fn refine_limit(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]) -> Vec<f64> {
     let mut ends: Vec<f64> = samples.iter().map(|s| s.time).collect();
     if let [.., before, last] = ends[..]
         && is_cyclic(mechanism, actuation)
@@ -69,7 +69,7 @@ fn refined(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]) -> 
     between.chain(ends.last().copied()).collect()
 }
 
-struct Search<'m> {
+struct LimitSearch<'m> {
     system: &'m System,
     actuation: &'m Actuation,
     solver: PoseSolver<'m>,
@@ -83,7 +83,7 @@ struct Search<'m> {
     events: Vec<Event>,
 }
 
-impl<'m> Search<'m> {
+impl<'m> LimitSearch<'m> {
     fn new(system: &'m System, actuation: &'m Actuation, samples: &'m [Sample]) -> Self {
         let mechanism = system.mechanism();
         let rates: Vec<Option<Vec<f64>>> = samples
@@ -223,7 +223,7 @@ impl<'m> Search<'m> {
             Some(output) => {
                 let bodies = forward::body_poses(mechanism, coordinates);
                 let traces = forward::trace_points(mechanism, &bodies);
-                let values = forward::outputs(mechanism, coordinates, &traces);
+                let values = forward::trace_positions(mechanism, coordinates, &traces);
                 (values[output], mechanism.outputs[output].kind)
             }
         };

@@ -1,7 +1,7 @@
 //! At which times a drive is sampled. Times are computed from their index, never summed up.
 
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
-use crate::limits::{LimitExceeded, Resource, allow_memory, limits};
+use crate::limits::{LimitExceeded, Resource, allow_memory, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -17,14 +17,14 @@ const NUMBERS_OF_SAMPLE: usize = 60;
 const NUMBERS_OF_BODY: usize = 12;
 
 /// Refuses a motion of so many samples where it would take more than the run may use.
-pub fn allow(mechanism: &Mechanism, count: usize) -> Result<(), LimitExceeded> {
+pub fn allow_samples(mechanism: &Mechanism, count: usize) -> Result<(), LimitExceeded> {
     let coordinates = 2 * mechanism.unknowns.len() + mechanism.inputs.len();
     let observed = NUMBERS_OF_BODY * mechanism.bodies.len()
         + 3 * mechanism.traces.len()
         + mechanism.outputs.len();
     let numbers = count as f64 * (coordinates + observed) as f64;
     let who = format!("a motion of {count} samples");
-    limits().allow(Resource::Samples, numbers, &who)?;
+    current_limits().allow(Resource::Samples, numbers, &who)?;
     let kept = numbers + (count * NUMBERS_OF_SAMPLE) as f64;
     allow_memory(kept * std::mem::size_of::<f64>() as f64, &who)
 }
@@ -83,7 +83,7 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
 
 /// The given times with both ends of the drive and every time where an input has a key, a kink or a jump, ascending: what has
 /// to be solved for a statement about the whole motion.
-pub fn knots(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
+pub fn knot_times(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
     let last = actuation.duration;
     let breaks = |drive: &Drive| drive.breaks(0.0, last);
     let own = actuation.drives.iter().flat_map(breaks);
@@ -102,7 +102,7 @@ pub fn knots(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
 }
 
 /// The samples of a trajectory at the given times, ascending: what was solved beside them left out again.
-pub fn only(actuation: &Actuation, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
+pub fn only_times(actuation: &Actuation, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
     let slack = SAME_TIME * actuation.duration;
     let is_given = |sample: &&Sample| {
         let next = times.partition_point(|t| *t < sample.time - slack);

@@ -5,7 +5,7 @@
 //! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
 
 use super::residual_part;
-use crate::kinematics::loops::observed::observed;
+use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::Block;
@@ -13,8 +13,8 @@ use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
-use crate::model::outputs::arguments;
-use crate::model::walk::Frame;
+use crate::model::outputs::output_arguments;
+use crate::model::walk::WalkFrame;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::TaylorSeries;
 
@@ -26,7 +26,7 @@ const FOLD_TOLERANCE: f64 = 6e-8;
 ///
 /// `coordinates` are the pose's; the constant coefficients of `inputs`, which go up to `order` too, are its inputs. `None` at a singular
 /// pose, where the unknowns have no such series, or where a formula has no value.
-pub fn rates(
+pub fn higher_rates(
     system: &System,
     coordinates: &[f64],
     inputs: &[TaylorSeries],
@@ -74,10 +74,10 @@ fn residual_coefficient(
 ) -> Vec<f64> {
     let mut residual = Vec::with_capacity(block.rows());
     let series: Vec<TaylorSeries> = series.iter().map(|s| s.truncated(k)).collect();
-    let arguments = arguments(mechanism, &block.arguments, &series);
+    let arguments = output_arguments(mechanism, &block.arguments, &series);
     for part in &block.loops {
         let item = &mechanism.loops[part.index];
-        let end = Frame::at_end_of(&item.chain.steps, &arguments);
+        let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
         let six = residual_part(end.map(|c| c.coefficients()[k]), item.size);
         residual.extend(part.components.iter().map(|c| six[*c]));
     }
@@ -199,8 +199,8 @@ impl RateColumns {
         let mechanism = system.mechanism();
         let given = &coordinates[mechanism.unknowns.len()..];
         let inputs = self.by.inputs(actuation, given, time, self.order);
-        let series = rates(system, coordinates, &inputs, self.order)?;
-        let all = observed(mechanism, &series);
+        let series = higher_rates(system, coordinates, &inputs, self.order)?;
+        let all = observed_values(mechanism, &series);
         let derivatives = all
             .iter()
             .flat_map(|s| (1..=self.order).map(|k| s.derivative(k)));

@@ -4,11 +4,11 @@ pub mod higher_order;
 pub mod variation;
 
 use crate::kinematics::loops::residual::residual_of;
-use crate::model::walk::Frame;
+use crate::model::walk::WalkFrame;
 
 /// A derivative of a loop's residual, from that of its product: where all lower ones vanish it is skew, and its three
 /// entries are the derivative of the rotation vector.
-fn residual_part(end: Frame<f64>, size: f64) -> [f64; 6] {
+fn residual_part(end: WalkFrame<f64>, size: f64) -> [f64; 6] {
     let [x, y, z] = end.axes;
     let turn = [y[2] - z[1], z[0] - x[2], x[1] - y[0]].map(|v| 0.5 * v);
     residual_of(turn.into(), end.origin.into(), size)

@@ -8,9 +8,9 @@ use super::residual_part;
 use crate::kinematics::solve::newton::{Corrector, REFINEMENTS};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::linalg::lanes::groups;
+use crate::linalg::lanes::lane_groups;
 use crate::model::chain::ArgumentValue;
-use crate::model::walk::Frame;
+use crate::model::walk::WalkFrame;
 use crate::numbers::hyper_dual::HyperDual;
 
 /// Derivatives at closed poses of a mechanism; one for each thread.
@@ -104,7 +104,7 @@ impl<'m> Variation<'m> {
         let buffers = &mut self.corrector.blocks[index];
         let drift = &mut buffers.workspace.drift;
         drift.clear();
-        drift.resize(groups(self.bend.len()), [0.0; 4]);
+        drift.resize(lane_groups(self.bend.len()), [0.0; 4]);
         drift.as_flattened_mut()[..self.bend.len()].copy_from_slice(&self.bend);
         buffers.solve_drift();
         buffers.refine(REFINEMENTS);
@@ -122,7 +122,7 @@ impl<'m> Variation<'m> {
         bend.clear();
         for part in &block.loops {
             let item = &mechanism.loops[part.index];
-            let end = Frame::at_end_of(&item.chain.steps, &self.turns);
+            let end = WalkFrame::at_end_of(&item.chain.steps, &self.turns);
             let six = residual_part(end.map(|c| c.mixed), item.size);
             bend.extend(part.components.iter().map(|c| six[*c]));
         }
@@ -229,7 +229,7 @@ impl<'m> Variation<'m> {
         for trace in &self.system.mechanism().traces {
             let path = &self.system.mechanism().bodies[trace.body].world_from_body;
             self.fill_turns(&path.arguments());
-            let end = Frame::at_end_of(&path.steps, &self.turns);
+            let end = WalkFrame::at_end_of(&path.steps, &self.turns);
             self.slots.extend(end.point(trace.point.to_array()));
         }
     }
@@ -239,11 +239,11 @@ impl<'m> Variation<'m> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::kinematics::measures::along;
-    use crate::kinematics::motion::continuation::solve;
+    use crate::kinematics::measures::values_along;
+    use crate::kinematics::motion::continuation::solve_motion;
     use crate::kinematics::solve::newton::Pace;
     use crate::numbers::series::TaylorSeries;
-    use crate::scene::{Overrides, Scene, builtin, load};
+    use crate::scene::{Overrides, Scene, builtin, load_scene};
 
     /// Built-in scenes with loops of frames, loops of points and equations, with these parameters as inputs.
     fn varied(name: &str, vary: &[&str]) -> Scene {
@@ -251,7 +251,7 @@ mod tests {
             vary: vary.iter().map(|v| (*v).to_owned()).collect(),
             ..Overrides::default()
         };
-        load(&builtin::find(name).unwrap(), &overrides).unwrap()
+        load_scene(&builtin::find_builtin(name).unwrap(), &overrides).unwrap()
     }
 
     fn each_pose(mut test: impl FnMut(&System, &[f64])) {
@@ -265,7 +265,7 @@ mod tests {
             let scene = varied(name, vary);
             let system = System::new(scene.mechanism, &scene.actuation).unwrap();
             let times = [0.13, 0.48, 0.77].map(|share| share * scene.actuation.duration);
-            for sample in solve(&system, &scene.actuation, &times).samples {
+            for sample in solve_motion(&system, &scene.actuation, &times).samples {
                 let pose = sample.pose.unwrap();
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
                 test(&system, &coordinates);
@@ -286,7 +286,7 @@ mod tests {
                 variation.tangent(pose, 0, &mut first);
                 variation.tangent(pose, t, &mut second);
                 let slots = variation.slots(pose, &first, &second, all).to_vec();
-                let series = |moving: &[usize]| along(system, pose, moving, 2).unwrap();
+                let series = |moving: &[usize]| values_along(system, pose, moving, 2).unwrap();
                 let (s, alone, both) = (series(&[0]), series(&[t]), series(&[0, t]));
                 for (k, slot) in slots.iter().enumerate() {
                     let part = |s: &[TaylorSeries], order: usize| s[k].coefficients()[order];

@@ -5,7 +5,7 @@ use super::descent::Descent;
 use super::newton::{Corrector, Pace};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::{Argument, Motion, Step};
+use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
 
@@ -60,7 +60,7 @@ pub struct Assembled {
 }
 
 /// Closes all loops from the unknowns in `start` (unknowns, then inputs), trying perturbed starts if `persist`.
-pub fn assemble(
+pub fn assemble_pose(
     system: &System,
     corrector: &mut Corrector,
     start: &[f64],
@@ -72,12 +72,12 @@ pub fn assemble(
     let most = EXTRA_STARTS.min(COST_OF_STARTS / system.step_cost());
     for attempt in 0..=if persist { most } else { 0 } {
         let mut coordinates = start.to_vec();
-        perturb(mechanism, attempt, &mut coordinates);
+        perturb_start(mechanism, attempt, &mut coordinates);
         // What is held is held at its start value, wherever the others start.
         for held in &system.structure().held {
             coordinates[held.unknown] = start[held.unknown];
         }
-        match close(system, corrector, &mut coordinates, &mut iterations) {
+        match close_block(system, corrector, &mut coordinates, &mut iterations) {
             Ok(()) => {
                 return Ok(Assembled {
                     coordinates,
@@ -117,23 +117,23 @@ pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
             left = descent.minimise(mechanism, block, &mut coordinates).1;
         }
         if left > CLOSURE_TOLERANCE {
-            return gap(mechanism, block, &coordinates);
+            return closure_gap(mechanism, block, &coordinates);
         }
     }
     best
 }
 
 /// Moves the unknowns of start number `attempt` by a repeatable random amount; start 0 stays.
-fn perturb(mechanism: &Mechanism, attempt: usize, coordinates: &mut [f64]) {
+fn perturb_start(mechanism: &Mechanism, attempt: usize, coordinates: &mut [f64]) {
     if attempt == 0 {
         return;
     }
     let amplitude = 0.3 + 2.8 * attempt as f64 / EXTRA_STARTS as f64;
-    shake(mechanism, attempt, amplitude, coordinates);
+    shake_start(mechanism, attempt, amplitude, coordinates);
 }
 
 /// Moves every unknown by a random amount up to `amplitude` in scaled unknowns; the same for the same `attempt`.
-pub fn shake(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordinates: &mut [f64]) {
+pub fn shake_start(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordinates: &mut [f64]) {
     let mut state = 0x2545_f491_4f6c_dd1d_u64.wrapping_mul(attempt as u64 + 1);
     for (index, value) in coordinates[..mechanism.unknowns.len()]
         .iter_mut()
@@ -151,7 +151,7 @@ pub fn shake(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordinates:
 ///
 /// # Errors
 /// What the first block that does not close lacks.
-pub fn close(
+pub fn close_block(
     system: &System,
     corrector: &mut Corrector,
     coordinates: &mut [f64],
@@ -175,7 +175,7 @@ pub fn close(
         }
         if !is_closed {
             coordinates.copy_from_slice(&before);
-            return Err(gap(mechanism, block, coordinates));
+            return Err(closure_gap(mechanism, block, coordinates));
         }
     }
     Ok(())
@@ -206,8 +206,8 @@ fn wrap_angles(system: &System, coordinates: &mut [f64]) -> bool {
 pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
     let mut steps = mechanism.chains().flat_map(|c| &c.steps);
     let translated = steps.any(|step| match step {
-        Step::Joint {
-            motion: Motion::Translation,
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
             argument,
             ..
         } => mechanism.arguments[*argument].coordinates().contains(&slot),
@@ -229,7 +229,7 @@ pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
 }
 
 /// The loop or equation of `block` that is farthest from closing.
-fn gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
+fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
     let values = mechanism.argument_values(coordinates);
     let mut worst = NotClosed {
         name: String::new(),

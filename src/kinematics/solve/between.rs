@@ -7,7 +7,9 @@
 
 use super::newton::Corrector;
 use crate::kinematics::structure::system::System;
-use crate::linalg::lanes::{LaneMatrix, Lanes, combine, dot, groups, square_of_difference};
+use crate::linalg::lanes::{
+    LaneMatrix, Lanes, combine_rows, dot_lanes, lane_groups, square_of_difference,
+};
 
 /// Largest change of a Jacobian, as a share of the sum of the smallest singular values: what is left bounds how far the
 /// Jacobians between two poses may lie from the line.
@@ -77,17 +79,17 @@ impl KeptJacobians {
         if columns >= LARGE {
             return iterated(inverse, before, rows, columns) <= MOST_CHANGE;
         }
-        let stride = groups(columns);
+        let stride = lane_groups(columns);
         change_into(&mut self.change, inverse, before, rows);
         for power in 0..=SQUARINGS {
-            let size = dot(&self.change, &self.change).sqrt();
+            let size = dot_lanes(&self.change, &self.change).sqrt();
             if size <= MOST_CHANGE.powi(1 << power) {
                 return true;
             }
             self.square.resize(self.change.len(), [0.0; 4]);
             let targets = self.square.chunks_exact_mut(stride.max(1));
             for (target, column) in targets.zip(self.change.chunks_exact(stride.max(1))) {
-                combine(target, &column.as_flattened()[..columns], &self.change);
+                combine_rows(target, &column.as_flattened()[..columns], &self.change);
             }
             std::mem::swap(&mut self.square, &mut self.change);
         }
@@ -127,7 +129,7 @@ fn change_into(change: &mut Vec<Lanes>, inverse: &LaneMatrix, before: &[f64], ro
     change.resize(columns.len() * stride, [0.0; 4]);
     let targets = change.chunks_exact_mut(stride.max(1));
     for (index, (target, column)) in targets.zip(columns).enumerate() {
-        combine(target, column, inverse.groups());
+        combine_rows(target, column, inverse.groups());
         subtract_from_unit(target, index);
     }
 }
@@ -150,7 +152,7 @@ fn iterated(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -
                 *sum += factor * entry;
             }
         }
-        combine(&mut image, &product, inverse.groups());
+        combine_rows(&mut image, &product, inverse.groups());
         let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let next: Vec<f64> = vector
             .iter()

@@ -103,7 +103,8 @@ impl BranchWatch {
                 } else if rows == columns {
                     square_sign
                 } else {
-                    turned[index] * sign(jacobian, rows, columns, &rows_of[index], square, qr)
+                    turned[index]
+                        * branch_sign(jacobian, rows, columns, &rows_of[index], square, qr)
                 });
                 state.sigma_min = state.sigma_min.min(c.sigma_min);
                 state.condition = state.condition.max(if columns == 0 {
@@ -140,12 +141,12 @@ impl BranchWatch {
                 if rows == columns || columns == 0 || rows_of.len() <= index {
                     return;
                 }
-                let old = sign(jacobian, rows, columns, &rows_of[index], square, qr);
+                let old = branch_sign(jacobian, rows, columns, &rows_of[index], square, qr);
                 if old == 0 || qr.smallest_pivot() >= WORN * c.sigma_min {
                     return;
                 }
                 let basis = row_basis(jacobian, rows, columns, qr);
-                let new = sign(jacobian, rows, columns, &basis, square, qr);
+                let new = branch_sign(jacobian, rows, columns, &basis, square, qr);
                 if new != 0 {
                     turned[index] *= old * new;
                     rows_of[index] = basis;
@@ -184,7 +185,7 @@ fn row_basis(jacobian: &[f64], rows: usize, columns: usize, qr: &mut PivotedQr) 
 }
 
 /// Sign of the determinant of the rows `basis`.
-fn sign(
+fn branch_sign(
     jacobian: &[f64],
     rows: usize,
     columns: usize,

@@ -3,7 +3,7 @@
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
 use crate::linalg::gauss_jordan::Elimination;
-use crate::linalg::lanes::{LaneMatrix, dot};
+use crate::linalg::lanes::{LaneMatrix, dot_lanes};
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::model::mechanism::Mechanism;
@@ -162,7 +162,11 @@ impl Descent {
         {
             return false;
         }
-        let square: f64 = self.inverse.rows().map(|column| dot(column, column)).sum();
+        let square: f64 = self
+            .inverse
+            .rows()
+            .map(|column| dot_lanes(column, column))
+            .sum();
         if damping * square > NEGLIGIBLE {
             return false;
         }

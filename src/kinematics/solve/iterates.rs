@@ -45,14 +45,14 @@ pub struct OpenLoop {
 }
 
 /// The iterates as a row of open poses, one a second, for pictures: nothing is proved of them but the last.
-pub fn film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
+pub fn iterate_film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
     let frame = |(second, iterate): (usize, &Iterate)| {
         let coordinates = [iterate.unknowns.as_slice(), inputs].concat();
         let bodies = forward::body_poses(mechanism, &coordinates);
         let traces = forward::trace_points(mechanism, &bodies);
         let pose = ClosedPose {
             unknowns: iterate.unknowns.clone(),
-            outputs: forward::outputs(mechanism, &coordinates, &traces),
+            outputs: forward::trace_positions(mechanism, &coordinates, &traces),
             bodies,
             traces,
             rates: vec![0.0; iterate.unknowns.len()],
@@ -83,7 +83,7 @@ pub fn film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajecto
 
 /// The iterates from `start` (unknowns, then inputs), and whether they end at a closed pose. The last iterate of every
 /// block is the one whose correction is below rounding.
-pub fn iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
+pub fn record_iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
     let mechanism = system.mechanism();
     let structure = system.structure();
     let mut coordinates = start.to_vec();
@@ -102,7 +102,7 @@ pub fn iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
             for (unknown, step) in block.unknowns.iter().zip(&step) {
                 corrections[*unknown] = mechanism.scale_of(*unknown) * step;
             }
-            list.push(observed(
+            list.push(observed_iterate(
                 mechanism,
                 &coordinates,
                 block_index,
@@ -130,7 +130,7 @@ pub fn iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
     (list, true)
 }
 
-fn observed(
+fn observed_iterate(
     mechanism: &Mechanism,
     coordinates: &[f64],
     block: usize,

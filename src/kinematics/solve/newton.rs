@@ -9,12 +9,12 @@ use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::gauss_jordan::{Elimination, Pivots};
 use crate::linalg::lanes::{
-    LaneMatrix, Lanes, add_scaled, combine, dot, groups, square_of_difference,
+    LaneMatrix, Lanes, add_scaled, combine_rows, dot_lanes, lane_groups, square_of_difference,
 };
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::singular_values::Extremes;
 use crate::linalg::sparse_lu::SparseLu;
-use crate::linalg::svd::{Conditioning, RANK_TOLERANCE, conditioning};
+use crate::linalg::svd::{Conditioning, RANK_TOLERANCE, jacobian_conditioning};
 use crate::model::mechanism::Mechanism;
 
 /// Most iterations of one correction. From a predicted pose three suffice; a slow one means a bad prediction.
@@ -60,7 +60,7 @@ pub struct Corrector {
 
 /// How far the linearisation of a block has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
+enum NewtonStage {
     /// Nothing, or at another pose.
     #[default]
     Stale,
@@ -77,7 +77,7 @@ pub(crate) struct BlockBuffers {
     qr: PivotedQr,
     elimination: Elimination,
     sparse: SparseLu,
-    stage: Stage,
+    stage: NewtonStage,
     /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.
     at: Vec<f64>,
     /// Inverse (of a tall matrix the pseudo-inverse) with one row an equation, so that a solution is a sum of rows.
@@ -199,7 +199,7 @@ impl Corrector {
             if !size.is_finite() || !shrinking {
                 return Correction::failed(iterations, first_step);
             }
-            buffers.stage = Stage::Stale;
+            buffers.stage = NewtonStage::Stale;
             for (unknown, change) in buffers.changes(block) {
                 coordinates[unknown] += change;
             }
@@ -245,7 +245,7 @@ impl Corrector {
     /// The inverse of a block's Jacobian at the last linearisation, or right beside it, if it has one; a row an equation.
     pub fn inverse(&self, block: usize) -> Option<&LaneMatrix> {
         let buffers = self.blocks.get(block)?;
-        (buffers.stage == Stage::Factored && buffers.has_inverse).then_some(&buffers.inverse)
+        (buffers.stage == NewtonStage::Factored && buffers.has_inverse).then_some(&buffers.inverse)
     }
 
     /// Jacobian (column-major), singular values and sign of the determinant (zero unless square) of every block at a
@@ -282,21 +282,22 @@ impl BlockBuffers {
     pub(crate) fn evaluate(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         let values = block.unknowns.iter().chain(&block.plan.outer);
         let values = values.map(|slot| coordinates[*slot]);
-        let known = self.stage >= Stage::Evaluated && self.at.iter().copied().eq(values.clone());
+        let known =
+            self.stage >= NewtonStage::Evaluated && self.at.iter().copied().eq(values.clone());
         if !known {
             self.at.clear();
             self.at.extend(values);
             self.workspace
                 .evaluate(mechanism, block, coordinates, Want::Jacobian);
-            self.stage = Stage::Evaluated;
+            self.stage = NewtonStage::Evaluated;
         }
     }
 
     /// Evaluates and factors at `coordinates`, unless that is done or the factors serve from a pose right beside it.
     pub(crate) fn linearise(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         self.evaluate(mechanism, block, coordinates);
-        if self.stage < Stage::Factored && self.inverse_serves() {
-            self.stage = Stage::Factored;
+        if self.stage < NewtonStage::Factored && self.inverse_serves() {
+            self.stage = NewtonStage::Factored;
             self.beside = true;
         }
         self.factor(block);
@@ -309,13 +310,13 @@ impl BlockBuffers {
             return false;
         }
         let change = square_of_difference(jacobian, &self.factored);
-        let size = dot(self.inverse.groups(), self.inverse.groups());
+        let size = dot_lanes(self.inverse.groups(), self.inverse.groups());
         change * size <= SAME_INVERSE * SAME_INVERSE
     }
 
     /// Factors the Jacobian in the workspace, unless that is done.
     fn factor(&mut self, block: &Block) {
-        if self.stage == Stage::Factored {
+        if self.stage == NewtonStage::Factored {
             return;
         }
         let (rows, columns) = (block.rows(), block.unknowns.len());
@@ -346,7 +347,7 @@ impl BlockBuffers {
             }
             (self.sign, self.pivot) = (self.qr.determinant_sign(), self.qr.smallest_pivot());
         }
-        self.stage = Stage::Factored;
+        self.stage = NewtonStage::Factored;
     }
 
     /// Singular values at the linearisation: iterated where that is reliable, else decomposed.
@@ -365,7 +366,7 @@ impl BlockBuffers {
                 };
             }
         }
-        conditioning(jacobian, rows, columns)
+        jacobian_conditioning(jacobian, rows, columns)
     }
 
     /// Solves for the step that cancels the residual; returns its largest entry in scaled unknowns and the smallest
@@ -430,7 +431,7 @@ impl BlockBuffers {
     fn solve(&mut self, by_inverse: bool) {
         if by_inverse {
             self.step.resize(self.inverse.stride(), [0.0; 4]);
-            combine(&mut self.step, &self.right_side, self.inverse.groups());
+            combine_rows(&mut self.step, &self.right_side, self.inverse.groups());
             for group in &mut self.step {
                 *group = group.map(|v| -v);
             }
@@ -441,7 +442,7 @@ impl BlockBuffers {
         self.solution.resize(columns, 0.0);
         self.qr.solve(&mut self.right_side, &mut self.solution);
         self.step.clear();
-        self.step.resize(groups(columns), [0.0; 4]);
+        self.step.resize(lane_groups(columns), [0.0; 4]);
         for (s, value) in self.step.as_flattened_mut().iter_mut().zip(&self.solution) {
             *s = *value;
         }

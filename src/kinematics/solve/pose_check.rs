@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 /// What a loop's product is at the offered pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
+pub enum LoopVerdict {
     /// The identity within the asked tolerance.
     Closed,
     /// Ends meet, but turned by π: what three off-diagonal entries, or the skew part alone, take for closed.
@@ -23,7 +23,7 @@ pub struct Offered {
     /// What is left.
     pub gap: OfferedGap,
     /// The judgement.
-    pub verdict: Verdict,
+    pub verdict: LoopVerdict,
 }
 
 /// What is left open at the offered pose.
@@ -45,17 +45,17 @@ const PRINTED_DIGITS: f64 = 5e-3;
 
 /// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
 /// loop's size.
-pub fn judge(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<Offered> {
+pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<Offered> {
     let arguments = mechanism.argument_values(coordinates);
     let loops = mechanism.loops.iter().map(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
         let relative = distance / item.size;
         let verdict = if angle <= tolerance && relative <= tolerance {
-            Verdict::Closed
+            LoopVerdict::Closed
         } else if (PI - angle).abs() <= PRINTED_DIGITS && relative <= PRINTED_DIGITS {
-            Verdict::HalfTurn
+            LoopVerdict::HalfTurn
         } else {
-            Verdict::Open
+            LoopVerdict::Open
         };
         Offered {
             name: item.name.clone(),
@@ -71,8 +71,8 @@ pub fn judge(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<
             name: item.name.clone(),
             gap: OfferedGap::Equation(value),
             verdict: match is_closed {
-                true => Verdict::Closed,
-                false => Verdict::Open,
+                true => LoopVerdict::Closed,
+                false => LoopVerdict::Open,
             },
         }
     });

@@ -5,13 +5,13 @@
 //! read from the result.
 
 use super::along_drive::AlongDrive;
-use super::assembly::{Assembled, NotClosed, assemble};
+use super::assembly::{Assembled, NotClosed, assemble_pose};
 use super::between::KeptJacobians;
 use super::branch::{BranchState, BranchWatch, best_rows};
 use super::newton::{Correction, Corrector, Pace};
 use super::predictor::{HIGHEST_ORDER, Prediction, Predictor};
 use super::wishes::assemble_as_meant;
-use crate::kinematics::ball::chart::Chart;
+use crate::kinematics::ball::chart::BallChart;
 use crate::kinematics::structure::system::System;
 
 /// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
@@ -32,7 +32,7 @@ const SHORTEST_PART: f64 = 1.0 / 1024.0;
 pub struct PoseSolver<'s> {
     system: &'s System,
     /// `None` without ball joints.
-    chart: Option<Chart<'s>>,
+    chart: Option<BallChart<'s>>,
     corrector: Corrector,
     predictor: Predictor,
     watch: BranchWatch,
@@ -45,7 +45,7 @@ pub struct PoseSolver<'s> {
 
 /// Whether a corrected prediction lies where the tangent of the path says: the correction and what the prediction departs
 /// from the tangent by are small against the step.
-pub fn follows(correction: &Correction, prediction: &Prediction) -> bool {
+pub fn follows_prediction(correction: &Correction, prediction: &Prediction) -> bool {
     let allowed = (CORRECTION_OF_STEP * prediction.length + CORRECTION_FLOOR).min(MAX_CORRECTION);
     correction.converged && correction.first_step + prediction.bend <= allowed
 }
@@ -55,7 +55,7 @@ impl<'s> PoseSolver<'s> {
     pub fn new(system: &'s System) -> Self {
         Self {
             system,
-            chart: Chart::new(system),
+            chart: BallChart::new(system),
             corrector: Corrector::new(system),
             predictor: Predictor::default(),
             watch: BranchWatch::default(),
@@ -71,12 +71,12 @@ impl<'s> PoseSolver<'s> {
     }
 
     /// The other description of its ball joints; `None` if it has none.
-    pub fn chart(&self) -> Option<Chart<'s>> {
+    pub fn chart(&self) -> Option<BallChart<'s>> {
         self.chart
     }
 
     /// The chart, where the scene's angles are bad coordinates.
-    fn chart_at(&self, coordinates: &[f64]) -> Option<Chart<'s>> {
+    fn chart_at(&self, coordinates: &[f64]) -> Option<BallChart<'s>> {
         self.chart.filter(|c| c.is_needed(coordinates))
     }
 
@@ -92,7 +92,7 @@ impl<'s> PoseSolver<'s> {
     ) -> Result<Assembled, NotClosed> {
         let found = match named {
             Some(named) => assemble_as_meant(self.system, &mut self.corrector, start, named),
-            None => assemble(self.system, &mut self.corrector, start, false),
+            None => assemble_pose(self.system, &mut self.corrector, start, false),
         };
         let Some(chart) = self.chart else {
             return found;
@@ -102,7 +102,7 @@ impl<'s> PoseSolver<'s> {
             Err(gap) => {
                 let own = chart.base(start);
                 let mut corrector = Corrector::new(chart.system);
-                let again = assemble(chart.system, &mut corrector, &own, named.is_some());
+                let again = assemble_pose(chart.system, &mut corrector, &own, named.is_some());
                 let again = again.map_err(|_| gap)?;
                 let coordinates = chart.scene(&again.coordinates, start);
                 Assembled {
@@ -158,7 +158,7 @@ impl<'s> PoseSolver<'s> {
     pub fn step(&mut self, from: &[f64], inputs: &[f64], order: usize) -> Option<Vec<f64>> {
         let (mut coordinates, prediction) = self.predict(from, inputs, order);
         let correction = self.correct(&mut coordinates, Pace::Brisk);
-        follows(&correction, &prediction).then_some(coordinates)
+        follows_prediction(&correction, &prediction).then_some(coordinates)
     }
 
     /// The closed pose at `inputs` that is corrected from the straight line between two others, at `share` of the way.
@@ -329,8 +329,10 @@ impl<'s> PoseSolver<'s> {
         self.corrector
             .conditions(system, coordinates, |index, jacobian, _, _| {
                 if index == block {
-                    sigma =
-                        Some(crate::linalg::svd::conditioning(jacobian, rows, columns).sigma_min);
+                    sigma = Some(
+                        crate::linalg::svd::jacobian_conditioning(jacobian, rows, columns)
+                            .sigma_min,
+                    );
                 }
             });
         sigma
@@ -346,7 +348,7 @@ impl<'s> PoseSolver<'s> {
 }
 
 /// The tangent in the chart: new coordinates and the length of the step.
-fn predict_in(chart: Chart, from: &[f64], inputs: &[f64]) -> (Vec<f64>, Prediction) {
+fn predict_in(chart: BallChart, from: &[f64], inputs: &[f64]) -> (Vec<f64>, Prediction) {
     let mechanism = chart.system.mechanism();
     let n = mechanism.unknowns.len();
     let own = chart.base(from);

@@ -86,8 +86,8 @@ impl Predictor {
             for (slot, scale) in block.unknowns.iter().zip(&block.plan.scales) {
                 let tangent = first[*slot];
                 let bend: f64 = higher.chunks_exact(count).map(|c| c[*slot]).sum();
-                prediction.length = largest(prediction.length, tangent / scale);
-                prediction.bend = largest(prediction.bend, bend / scale);
+                prediction.length = larger_or_nan(prediction.length, tangent / scale);
+                prediction.bend = larger_or_nan(prediction.bend, bend / scale);
                 coordinates[*slot] += tangent + bend;
             }
         }
@@ -195,7 +195,7 @@ fn take_rates(rates: &mut Vec<f64>, plan: &BlockPlan, coefficients: &[f64], orde
 }
 
 /// The larger magnitude; what is no number wins.
-fn largest(known: f64, value: f64) -> f64 {
+fn larger_or_nan(known: f64, value: f64) -> f64 {
     let value = value.abs();
     if value.is_nan() || value > known {
         value

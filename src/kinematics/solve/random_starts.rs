@@ -17,7 +17,7 @@ pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f
     }
     let unknowns = mechanism.unknowns.iter().enumerate();
     let shaken = unknowns.map(|(slot, unknown)| {
-        let random = random(start as u64, slot as u64);
+        let random = random_unit(start as u64, slot as u64);
         match unknown.kind {
             Kind::Angle => PI * random,
             Kind::Length => REACH * mechanism.scale_of(slot) * random,
@@ -29,7 +29,7 @@ pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f
 }
 
 /// A number in -1..1 from a key and a counter: the finaliser of SplitMix64 (Steele, Lea, Flood 2014), twice.
-pub(crate) fn random(key: u64, counter: u64) -> f64 {
+pub(crate) fn random_unit(key: u64, counter: u64) -> f64 {
     let mix = |mut z: u64| {
         z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -6,12 +6,12 @@
 //! well as they can, from where they are and from anywhere; then all are let go. Of what is found the assembly
 //! nearest to the named values is taken.
 
-use super::assembly::{Assembled, NotClosed, assemble, close, turns_matter};
+use super::assembly::{Assembled, NotClosed, assemble_pose, close_block, turns_matter};
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
 use super::random_starts::{CLOSED, start_values};
 use crate::kinematics::loops::forward::closure_error;
-use crate::kinematics::structure::block::{Block, block};
+use crate::kinematics::structure::block::{Block, block_of};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
@@ -31,11 +31,11 @@ const NEARER: f64 = 1e-6;
 
 /// The start values that a scene names.
 pub struct Wishes {
-    list: Vec<Wish>,
+    list: Vec<StartWish>,
 }
 
 /// One of them.
-struct Wish {
+struct StartWish {
     unknown: usize,
     value: f64,
     /// How far is far.
@@ -49,7 +49,7 @@ impl Wishes {
     pub fn new(mechanism: &Mechanism, start: &[f64], named: &[bool]) -> Self {
         let wish = |unknown: usize| {
             let is_turn = mechanism.unknowns[unknown].kind == Kind::Angle;
-            Wish {
+            StartWish {
                 unknown,
                 value: start[unknown],
                 far: match is_turn {
@@ -115,7 +115,7 @@ pub fn assemble_as_meant(
     start: &[f64],
     named: &[bool],
 ) -> Result<Assembled, NotClosed> {
-    let mut best = assemble(system, corrector, start, true)?;
+    let mut best = assemble_pose(system, corrector, start, true)?;
     let wishes = Wishes::new(system.mechanism(), start, named);
     if !wishes.are_missed(&best.coordinates) {
         return Ok(best);
@@ -129,7 +129,7 @@ pub fn assemble_as_meant(
         let Some(found) = let_go(system, &held, start) else {
             continue;
         };
-        for names in spelled(system, found) {
+        for names in spelled_poses(system, found) {
             let distance = wishes.distance(&names);
             if distance < least - NEARER {
                 (best.coordinates, best.start, least) = (names, 0, distance);
@@ -150,7 +150,7 @@ fn with_wishes_held(system: &System, wishes: &Wishes) -> Vec<Block> {
         let unknowns = whole.unknowns.iter().copied();
         let free = unknowns.filter(|unknown| !wishes.is_named(*unknown));
         let (loops, equations) = (whole.loops.clone(), whole.equations.clone());
-        block(system.mechanism(), loops, equations, free.collect())
+        block_of(system.mechanism(), loops, equations, free.collect())
     };
     system.blocks().iter().map(free).collect()
 }
@@ -175,12 +175,12 @@ fn let_go(system: &System, held: &[Block], mut values: Vec<f64>) -> Option<Vec<f
     }
     // Buffers of its own: what another start has left in them must not show in the last digits.
     let mut corrector = Corrector::new(system);
-    close(system, &mut corrector, &mut values, &mut 0).ok()?;
+    close_block(system, &mut corrector, &mut values, &mut 0).ok()?;
     Some(values)
 }
 
 /// The pose, and the same with the other angles of a ball joint where nothing else depends on them.
-fn spelled(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
+fn spelled_poses(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
     let mut all = vec![pose];
     for ball in system.balls() {
         let mut other = all[0].clone();

@@ -113,12 +113,12 @@ impl Structure {
 }
 
 /// Names of the given unknowns.
-pub fn names(mechanism: &Mechanism, slots: impl Iterator<Item = usize>) -> Vec<String> {
+pub fn slot_names(mechanism: &Mechanism, slots: impl Iterator<Item = usize>) -> Vec<String> {
     slots.map(|u| mechanism.unknowns[u].name.clone()).collect()
 }
 
 /// The block of the given loops, equations and unknowns.
-pub fn block(
+pub fn block_of(
     mechanism: &Mechanism,
     loops: Vec<LoopPart>,
     equations: Vec<usize>,

@@ -2,13 +2,13 @@
 //! argument the columns that its rate goes into. Made once with the block; holds no values of a pose.
 
 use crate::math::Pose;
-use crate::model::chain::{Argument, Motion, Step};
+use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
 use super::loop_part::LoopPart;
-use crate::linalg::lanes::{Lanes, groups};
+use crate::linalg::lanes::{Lanes, lane_groups};
 
 /// Where a part of a rate goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,13 +39,13 @@ pub struct PlannedArgument {
 
 /// A joint and the fixed pose before it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlannedJoint {
+pub struct LayoutJoint {
     /// Fixed translation before the joint, then the rotation, if there is one.
     pub shift: Option<DVec3>,
     /// Fixed rotation before the joint.
     pub turn: Option<DMat3>,
     /// Kind of motion.
-    pub motion: Motion,
+    pub motion: ElementaryMotion,
     /// 0 x, 1 y, 2 z.
     pub axis: usize,
     /// Place in [`BlockPlan::arguments`].
@@ -67,7 +67,7 @@ pub struct PlannedGroup {
 
 /// A coordinate's part of an affine argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
+pub struct LayoutTerm {
     /// Place in [`BlockPlan::arguments`].
     pub argument: usize,
     /// The coordinate.
@@ -78,7 +78,7 @@ pub struct Term {
 
 /// Where a multiple of a joint's column is added.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entry {
+pub struct LayoutEntry {
     /// The joint's place among those of its loop.
     pub joint: usize,
     /// Index of the first row in the column-major Jacobian, or in the padded derivative by coordinates from outside.
@@ -95,9 +95,9 @@ pub struct PlannedLoop {
     /// Its entries of [`BlockPlan::groups`].
     pub groups: Range<usize>,
     /// Its affine entries of the Jacobian.
-    pub own: Vec<Entry>,
+    pub own: Vec<LayoutEntry>,
     /// Its affine entries of the derivative by coordinates from outside.
-    pub outside: Vec<Entry>,
+    pub outside: Vec<LayoutEntry>,
     /// Places of the joints whose arguments are formulas.
     pub formulas: Vec<usize>,
     /// Fixed pose after the last joint.
@@ -131,11 +131,11 @@ pub struct BlockPlan {
     /// Shares of arguments and equations.
     pub shares: Vec<Share>,
     /// Terms of all affine arguments.
-    pub terms: Vec<Term>,
+    pub terms: Vec<LayoutTerm>,
     /// Scales of the block's unknowns.
     pub scales: Vec<f64>,
     /// Joints of all loops.
-    pub joints: Vec<PlannedJoint>,
+    pub joints: Vec<LayoutJoint>,
     /// The same joints, four at a time.
     pub groups: Vec<PlannedGroup>,
     /// Loops in the order of the rows.
@@ -223,7 +223,7 @@ impl BlockPlan {
         if !is_formula {
             let argument = self.arguments.len();
             self.terms
-                .extend(terms.iter().map(|&(slot, coefficient)| Term {
+                .extend(terms.iter().map(|&(slot, coefficient)| LayoutTerm {
                     argument,
                     slot,
                     coefficient,
@@ -274,15 +274,15 @@ impl BlockPlan {
         let mut fixed = Pose::IDENTITY;
         for step in &mechanism.loops[part.index].chain.steps {
             match *step {
-                Step::Fixed(pose) => fixed = fixed * pose,
-                Step::Joint {
+                ChainStep::Fixed(pose) => fixed = fixed * pose,
+                ChainStep::Joint {
                     motion,
                     axis,
                     argument,
                     sign,
                 } => {
                     let (shift, turn) = parts_of(&fixed);
-                    self.joints.push(PlannedJoint {
+                    self.joints.push(LayoutJoint {
                         shift,
                         turn,
                         motion,
@@ -324,9 +324,9 @@ impl BlockPlan {
             for share in &self.shares[argument.shares.clone()] {
                 let (list, start) = match share.column.checked_sub(columns) {
                     None => (&mut item.own, share.column * rows),
-                    Some(column) => (&mut item.outside, column * 4 * groups(rows)),
+                    Some(column) => (&mut item.outside, column * 4 * lane_groups(rows)),
                 };
-                list.push(Entry {
+                list.push(LayoutEntry {
                     joint,
                     start: start + item.row,
                     factor: share.coefficient * share.scale,
@@ -337,12 +337,12 @@ impl BlockPlan {
 }
 
 impl PlannedGroup {
-    fn new(joints: &[PlannedJoint]) -> Self {
+    fn new(joints: &[LayoutJoint]) -> Self {
         let mut group = Self::default();
         for (lane, joint) in joints.iter().enumerate() {
             match joint.motion {
-                Motion::Rotation => group.turns[lane] = 1.0,
-                Motion::Translation => group.slides[lane] = 1.0,
+                ElementaryMotion::Rotation => group.turns[lane] = 1.0,
+                ElementaryMotion::Translation => group.slides[lane] = 1.0,
             }
             group.arguments[lane] = joint.argument;
         }

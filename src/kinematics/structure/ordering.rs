@@ -4,7 +4,7 @@
 //! with a free equation, and loops that need each other's unknowns are one group: strongly connected components.
 //! The work grows with the number of places where unknowns stand, not with its square.
 
-use super::block::{Block, block};
+use super::block::{Block, block_of};
 use super::loop_part::LoopPart;
 use crate::model::mechanism::Mechanism;
 use std::collections::{BTreeSet, VecDeque};
@@ -32,7 +32,7 @@ pub struct Incidence {
 
 /// Members that are solved together, and the unknowns that they determine.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Group {
+pub struct BlockGroup {
     /// Ascending.
     pub members: Vec<usize>,
     /// Ascending.
@@ -66,7 +66,7 @@ impl Incidence {
     }
 
     /// Groups in the order of their solution. Unknowns in `held` are taken as known.
-    pub fn groups(&self, held: &[usize]) -> Vec<Group> {
+    pub fn groups(&self, held: &[usize]) -> Vec<BlockGroup> {
         let mut known = vec![false; self.users.len()];
         held.iter().for_each(|u| known[*u] = true);
         let mut done = vec![false; self.members.len()];
@@ -81,13 +81,13 @@ impl Incidence {
     }
 
     /// Joins group `index` with all groups that use its unknowns. `None` if there are no such groups.
-    pub fn joined(&self, groups: &[Group], index: usize) -> Option<Vec<Group>> {
+    pub fn joined(&self, groups: &[BlockGroup], index: usize) -> Option<Vec<BlockGroup>> {
         let owned = &groups[index].unknowns;
-        let uses = |group: &Group| {
+        let uses = |group: &BlockGroup| {
             let mut all = group.members.iter().flat_map(|m| &self.uses[*m]);
             all.any(|u| owned.binary_search(u).is_ok())
         };
-        let mut one = Group::default();
+        let mut one = BlockGroup::default();
         let mut others = Vec::new();
         for (k, group) in groups.iter().enumerate() {
             if k == index || uses(group) {
@@ -107,7 +107,7 @@ impl Incidence {
     }
 
     /// Everything in as few groups as there are connected parts.
-    pub fn merged(&self, held: &[usize]) -> Vec<Group> {
+    pub fn merged(&self, held: &[usize]) -> Vec<BlockGroup> {
         let mut known = vec![false; self.users.len()];
         held.iter().for_each(|u| known[*u] = true);
         let done = vec![false; self.members.len()];
@@ -116,7 +116,7 @@ impl Incidence {
     }
 
     /// Members one by one whose unknowns are known but for as many as they have equations.
-    fn peel(&self, known: &mut [bool], done: &mut [bool]) -> Vec<Group> {
+    fn peel(&self, known: &mut [bool], done: &mut [bool]) -> Vec<BlockGroup> {
         let mut open: Vec<usize> = self
             .uses
             .iter()
@@ -143,14 +143,14 @@ impl Incidence {
     }
 
     /// One group of the given members with all their unknowns that are not known; where `known` ends, none is.
-    pub fn whole(&self, mut members: Vec<usize>, known: &[bool]) -> Group {
+    pub fn whole(&self, mut members: Vec<usize>, known: &[bool]) -> BlockGroup {
         members.sort_unstable();
         let all = members.iter().flat_map(|m| self.uses[*m].iter().copied());
         let is_known = |u: &usize| known.get(*u).copied().unwrap_or(false);
         let mut unknowns: Vec<usize> = all.filter(|u| !is_known(u)).collect();
         unknowns.sort_unstable();
         unknowns.dedup();
-        Group { members, unknowns }
+        BlockGroup { members, unknowns }
     }
 
     /// Members that are not done, parted into those that share open unknowns.
@@ -180,7 +180,7 @@ impl Incidence {
     }
 
     /// Gives every open unknown of `rest` to a member with a free equation, if that is possible: one group a member.
-    fn matched(&self, rest: &[usize], known: &[bool]) -> Option<Vec<Group>> {
+    fn matched(&self, rest: &[usize], known: &[bool]) -> Option<Vec<BlockGroup>> {
         let whole = self.whole(rest.to_vec(), known);
         let mut owned = vec![Vec::new(); self.members.len()];
         for unknown in whole.unknowns {
@@ -189,7 +189,7 @@ impl Incidence {
         let group = |member: &usize| {
             let mut unknowns = std::mem::take(&mut owned[*member]);
             unknowns.sort_unstable();
-            Group {
+            BlockGroup {
                 members: vec![*member],
                 unknowns,
             }
@@ -242,7 +242,7 @@ impl Incidence {
 
     /// Joins groups that need each other's unknowns, and puts the rest in an order in which each needs earlier ones
     /// only: Tarjan's strongly connected components (SIAM J. Comput. 1, 1972), without recursion.
-    fn sorted(&self, nodes: Vec<Group>) -> Vec<Group> {
+    fn sorted(&self, nodes: Vec<BlockGroup>) -> Vec<BlockGroup> {
         let mut owner = vec![usize::MAX; self.users.len()];
         for (k, node) in nodes.iter().enumerate() {
             node.unknowns.iter().for_each(|u| owner[*u] = k);
@@ -260,7 +260,7 @@ impl Incidence {
             })
             .collect();
         let join = |component: Vec<usize>| {
-            let mut group = Group::default();
+            let mut group = BlockGroup::default();
             for k in component {
                 group.members.extend(&nodes[k].members);
                 group.unknowns.extend(&nodes[k].unknowns);
@@ -269,12 +269,12 @@ impl Incidence {
             group.unknowns.sort_unstable();
             group
         };
-        components(&needs).into_iter().map(join).collect()
+        strong_components(&needs).into_iter().map(join).collect()
     }
 }
 
 /// Strongly connected components of a graph, those that are needed before those that need them.
-fn components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
+fn strong_components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
     const UNSEEN: usize = usize::MAX;
     let mut index = vec![UNSEEN; needs.len()];
     let mut low = vec![0; needs.len()];
@@ -334,7 +334,7 @@ pub fn unknowns_of(mechanism: &Mechanism, member: &Member) -> Vec<usize> {
 }
 
 /// The block of a group.
-pub fn of_group(mechanism: &Mechanism, incidence: &Incidence, group: &Group) -> Block {
+pub fn of_group(mechanism: &Mechanism, incidence: &Incidence, group: &BlockGroup) -> Block {
     let (mut loops, mut equations) = (Vec::new(), Vec::new());
     for member in &group.members {
         match &incidence.members[*member] {
@@ -342,7 +342,7 @@ pub fn of_group(mechanism: &Mechanism, incidence: &Incidence, group: &Group) -> 
             Member::Equation(index) => equations.push(*index),
         }
     }
-    block(mechanism, loops, equations, group.unknowns.clone())
+    block_of(mechanism, loops, equations, group.unknowns.clone())
 }
 
 #[cfg(test)]
@@ -352,7 +352,7 @@ mod tests {
     #[test]
     fn components_come_in_the_order_of_need() {
         // 0 needs 1, 1 and 2 need each other, 2 needs 3; 4 stands alone.
-        let found = components(&[vec![1], vec![2], vec![1, 3], vec![], vec![]]);
+        let found = strong_components(&[vec![1], vec![2], vec![1, 3], vec![], vec![]]);
         assert_eq!(found, vec![vec![3], vec![1, 2], vec![0], vec![4]]);
         // A long chain needs no deep stack.
         let chain: Vec<Vec<usize>> = (0..200_000)

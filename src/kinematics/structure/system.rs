@@ -2,7 +2,7 @@
 //! changed, and passed as one thing to everything that solves, proves or counts.
 
 use super::block::{Block, Structure};
-use crate::kinematics::ball::joint::{Ball, balls};
+use crate::kinematics::ball::joint::{Ball, ball_joints};
 use crate::model::mechanism::Mechanism;
 use std::sync::Arc;
 
@@ -41,7 +41,7 @@ impl System {
 
     /// The same with its ball joints, and with the system that `describe` makes of it where there are any.
     pub(crate) fn with_ball_joints(self, describe: impl Fn(&Self, &[Ball]) -> Self) -> Self {
-        let balls = balls(&self.mechanism, &self.structure);
+        let balls = ball_joints(&self.mechanism, &self.structure);
         let chart = (!balls.is_empty()).then(|| Box::new(describe(&self, &balls)));
         Self {
             balls,

@@ -1,6 +1,6 @@
 //! Why a formula has no value: the first operation that makes none of numbers that are some.
 
-use super::{Expression, Op, apply};
+use super::{Expression, Op, apply_op};
 
 impl Expression {
     /// The first operation without a finite value, in words with its operands (`sqrt of -2`); `None` if the formula has
@@ -8,9 +8,9 @@ impl Expression {
     pub fn fault(&self, slots: &[f64]) -> Option<String> {
         let mut values = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
-            let value = apply(*op, &values, slots);
+            let value = apply_op(*op, &values, slots);
             if !value.is_finite() {
-                return Some(words(*op, &values));
+                return Some(fault_words(*op, &values));
             }
             values.push(value);
         }
@@ -18,8 +18,8 @@ impl Expression {
     }
 }
 
-fn words(op: Op, values: &[f64]) -> String {
-    let v = |k: usize| short(values[k]);
+fn fault_words(op: Op, values: &[f64]) -> String {
+    let v = |k: usize| short_number(values[k]);
     match op {
         Op::Constant(_) | Op::Slot(_) => "what it is made of has none".to_owned(),
         Op::Negate(a) => format!("- {}", v(a)),
@@ -35,7 +35,7 @@ fn words(op: Op, values: &[f64]) -> String {
     }
 }
 
-fn short(value: f64) -> String {
+fn short_number(value: f64) -> String {
     let text = format!("{value:.6}");
     match value.abs() {
         size if size >= 1e6 || (size > 0.0 && size < 1e-3) => format!("{value:.5e}"),

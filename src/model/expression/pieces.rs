@@ -4,7 +4,7 @@
 //! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
 //! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
 
-use super::{Expression, Function, Op, apply};
+use super::{Expression, Function, Op, apply_op};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 use crate::numbers::series::Series;
@@ -24,7 +24,7 @@ const MOST_PARTS: usize = 10_000;
 
 /// What a function is on a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Side {
+enum KinkSide {
     /// As it is written.
     Plain,
     /// One of its operands, negated or not, and some number of an interval.
@@ -35,8 +35,8 @@ enum Side {
 
 /// A formula of time over a stretch without jumps inside.
 #[derive(Clone, Debug)]
-pub struct Piece {
-    sides: Vec<Side>,
+pub struct TimePiece {
+    sides: Vec<KinkSide>,
     /// It jumps at the start, at the end.
     pub jumps: [bool; 2],
 }
@@ -49,7 +49,7 @@ struct Ranges {
 }
 
 /// The times about one, seconds, at which a jump may be that is looked for there.
-pub fn about(time: f64) -> Interval {
+pub fn around_instant(time: f64) -> Interval {
     let by = SLIVER * time.abs().max(1.0);
     Interval::new(time - by, time + by)
 }
@@ -61,8 +61,8 @@ impl Expression {
     }
 
     /// The formula of time over `all`, as what it is between two `ends`, seconds.
-    pub fn piece(&self, all: Interval, ends: [f64; 2]) -> Piece {
-        let abouts = ends.map(about);
+    pub fn piece(&self, all: Interval, ends: [f64; 2]) -> TimePiece {
+        let abouts = ends.map(around_instant);
         let core = match abouts[0].hi <= abouts[1].lo {
             true => Interval::new(abouts[0].hi, abouts[1].lo),
             false => Interval::point(0.5 * ends[0] + 0.5 * ends[1]),
@@ -78,7 +78,7 @@ impl Expression {
         let mut jumps: [Option<Op>; 2] = [None; 2];
         let mut sides = Vec::with_capacity(self.ops().len());
         for (k, op) in self.ops().iter().enumerate() {
-            let mut side = kink(*op, |a| range(&r.all, a));
+            let mut side = kink_side(*op, |a| value_range(&r.all, a));
             if let Some((whole, here)) = r.whole(*op) {
                 let own = canonical[k];
                 // Of two jumps about the same time it is not known which one comes first.
@@ -86,7 +86,7 @@ impl Expression {
                     !here || jump.is_none_or(|other| other == own)
                 };
                 if jumps.iter().zip(here).all(is_alone) {
-                    side = Side::Whole(whole);
+                    side = KinkSide::Whole(whole);
                     for (jump, _) in jumps.iter_mut().zip(here).filter(|(_, here)| *here) {
                         *jump = Some(own);
                     }
@@ -96,7 +96,7 @@ impl Expression {
             r.core.push(on_side(*op, side, &r.core, clocks[1]));
             // What kinks there has no rate.
             let plain = match side {
-                Side::Operand(..) => Side::Plain,
+                KinkSide::Operand(..) => KinkSide::Plain,
                 other => other,
             };
             for (values, clock) in r.ends.iter_mut().zip(end_clocks) {
@@ -105,7 +105,7 @@ impl Expression {
             }
             sides.push(side);
         }
-        Piece {
+        TimePiece {
             sides,
             jumps: jumps.map(|jump| jump.is_some()),
         }
@@ -114,7 +114,7 @@ impl Expression {
     /// The formula on a piece of it.
     pub fn on_piece<const N: usize>(
         &self,
-        piece: &Piece,
+        piece: &TimePiece,
         time: Series<Interval, N>,
     ) -> Series<Interval, N> {
         let mut values = Vec::with_capacity(self.ops().len());
@@ -145,7 +145,7 @@ impl Expression {
             };
             parts = parts.into_iter().flat_map(halves).collect();
         }
-        let places = joined(&parts).into_iter().flat_map(|[a, b]| {
+        let places = join_intervals(&parts).into_iter().flat_map(|[a, b]| {
             let is_one = b - a <= MOST_NARROW * narrowest;
             if is_one {
                 vec![self.change(a, b)]
@@ -160,11 +160,14 @@ impl Expression {
     fn is_open(&self, time: Interval) -> bool {
         let mut values: Vec<Series<Interval, 1>> = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
-            let side = match (steps(*op, &values), kink(*op, |a| range(&values, a))) {
-                (Some(x), _) if x.lo.floor() == x.hi.floor() => Side::Whole(x.lo.floor()),
+            let side = match (
+                step_argument(*op, &values),
+                kink_side(*op, |a| value_range(&values, a)),
+            ) {
+                (Some(x), _) if x.lo.floor() == x.hi.floor() => KinkSide::Whole(x.lo.floor()),
                 (Some(_), _) => return true,
-                (None, Side::Operand(_, _, off)) if off != Interval::ZERO => return true,
-                (None, Side::Plain) if is_broken(*op) => return true,
+                (None, KinkSide::Operand(_, _, off)) if off != Interval::ZERO => return true,
+                (None, KinkSide::Plain) if is_broken(*op) => return true,
                 (None, side) => side,
             };
             values.push(on_side(*op, side, &values, Series::constant(time)));
@@ -206,7 +209,7 @@ impl Expression {
                     _ => {}
                 }
             }
-            values.push(apply(*op, &values, &[time]));
+            values.push(apply_op(*op, &values, &[time]));
         }
         state
     }
@@ -229,7 +232,7 @@ impl Ranges {
     /// The whole number that a jumping function gives between the ends, and at which of them it jumps; `None` for other
     /// functions, and where that is open.
     fn whole(&self, op: Op) -> Option<(f64, [bool; 2])> {
-        let core = steps(op, &self.core)?;
+        let core = step_argument(op, &self.core)?;
         let whole = core.lo.floor();
         if core.hi.floor() != whole {
             return None;
@@ -263,64 +266,64 @@ fn is_broken(op: Op) -> bool {
 }
 
 /// What a jumping function takes the floor of.
-fn steps(op: Op, values: &[Series<Interval, 1>]) -> Option<Interval> {
+fn step_argument(op: Op, values: &[Series<Interval, 1>]) -> Option<Interval> {
     match op {
-        Op::Call(Function::Floor, a, _) => Some(range(values, a)),
-        Op::Call(Function::Mod, a, b) => Some(range(values, a) / range(values, b)),
+        Op::Call(Function::Floor, a, _) => Some(value_range(values, a)),
+        Op::Call(Function::Mod, a, b) => Some(value_range(values, a) / value_range(values, b)),
         _ => None,
     }
 }
 
-fn range(values: &[Series<Interval, 1>], k: usize) -> Interval {
+fn value_range(values: &[Series<Interval, 1>], k: usize) -> Interval {
     values[k].coefficients()[0]
 }
 
 /// The side of a function with a kink that the values of its operands are on, mostly.
-fn kink(op: Op, range: impl Fn(usize) -> Interval) -> Side {
+fn kink_side(op: Op, range: impl Fn(usize) -> Interval) -> KinkSide {
     let Op::Call(function, a, b) = op else {
-        return Side::Plain;
+        return KinkSide::Plain;
     };
     let x = match function {
         Function::Abs => range(a),
         Function::Min | Function::Max => range(a) - range(b),
-        _ => return Side::Plain,
+        _ => return KinkSide::Plain,
     };
     if !x.is_finite() {
-        return Side::Plain;
+        return KinkSide::Plain;
     }
     let (below, above) = ((-x.lo).max(0.0), x.hi.max(0.0));
     let is_above = above >= below;
     let off = above.min(below);
     match function {
-        Function::Abs => Side::Operand(a, !is_above, Interval::new(0.0, 2.0 * off)),
-        Function::Min => Side::Operand(
+        Function::Abs => KinkSide::Operand(a, !is_above, Interval::new(0.0, 2.0 * off)),
+        Function::Min => KinkSide::Operand(
             if is_above { b } else { a },
             false,
             Interval::new(-off, 0.0),
         ),
-        _ => Side::Operand(if is_above { a } else { b }, false, Interval::new(0.0, off)),
+        _ => KinkSide::Operand(if is_above { a } else { b }, false, Interval::new(0.0, off)),
     }
 }
 
 fn on_side<const N: usize>(
     op: Op,
-    side: Side,
+    side: KinkSide,
     values: &[Series<Interval, N>],
     time: Series<Interval, N>,
 ) -> Series<Interval, N> {
     match (op, side) {
-        (_, Side::Operand(k, is_negated, off)) => {
+        (_, KinkSide::Operand(k, is_negated, off)) => {
             let value = if is_negated { -values[k] } else { values[k] };
             value + Series::constant(off)
         }
-        (Op::Call(Function::Mod, a, b), Side::Whole(n)) => values[a] - values[b].scale(n),
-        (_, Side::Whole(n)) => Series::number(n),
-        _ => apply(op, values, &[time]),
+        (Op::Call(Function::Mod, a, b), KinkSide::Whole(n)) => values[a] - values[b].scale(n),
+        (_, KinkSide::Whole(n)) => Series::number(n),
+        _ => apply_op(op, values, &[time]),
     }
 }
 
 /// Parts side by side as one.
-fn joined(parts: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn join_intervals(parts: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut list: Vec<[f64; 2]> = Vec::new();
     for part in parts {
         match list.last_mut() {

@@ -2,11 +2,11 @@
 
 use super::joint::LinkFrame;
 use super::links::{LinkGraph, Stride};
-use crate::model::chain::Step;
+use crate::model::chain::ChainStep;
 use crate::model::mechanism::{Closes, Loop};
 
 /// A loop's step, and the position it starts from.
-struct Anchor {
+struct JointAnchor {
     step: usize,
     here: LinkFrame,
 }
@@ -38,12 +38,12 @@ impl LinkGraph {
             true => self.anchor(item),
             false => None,
         };
-        let anchor = known.unwrap_or(Anchor {
+        let anchor = known.unwrap_or(JointAnchor {
             step: 0,
             here: base,
         });
         let (ahead, behind) = steps.split_at(anchor.step);
-        let back: Vec<Step> = ahead.iter().rev().map(Step::inverse).collect();
+        let back: Vec<ChainStep> = ahead.iter().rev().map(ChainStep::inverse).collect();
         let (start, path_back) = self.follow(anchor.here, &back);
         let (end, path_on) = self.follow(anchor.here, behind);
         let reversed = path_back.into_iter().rev().map(|stride| {
@@ -67,9 +67,9 @@ impl LinkGraph {
     }
 
     /// Where a loop meets the most of what is known; `None` if it meets nothing.
-    fn anchor(&self, item: &Loop) -> Option<Anchor> {
+    fn anchor(&self, item: &Loop) -> Option<JointAnchor> {
         let steps = &item.chain.steps;
-        let world = Anchor {
+        let world = JointAnchor {
             step: 0,
             here: LinkFrame::WORLD,
         };
@@ -88,7 +88,7 @@ impl LinkGraph {
                 for is_inverse in [met.is_reversed, !met.is_reversed] {
                     let [from, _] = self.ends(edge, is_inverse);
                     let here = from.moved(met.to_axis.inverse());
-                    let anchor = Anchor { step, here };
+                    let anchor = JointAnchor { step, here };
                     let known = self.known_steps(item, &anchor);
                     if known > best.0 {
                         best = (known, anchor);
@@ -100,7 +100,7 @@ impl LinkGraph {
     }
 
     /// How many motions of a loop are known if it lies at an anchor: in a row to both sides of it.
-    fn known_steps(&self, item: &Loop, anchor: &Anchor) -> usize {
+    fn known_steps(&self, item: &Loop, anchor: &JointAnchor) -> usize {
         let (before, behind) = item.chain.steps.split_at(anchor.step);
         let is_closed = item.closes == Closes::Frame;
         let on = behind.iter().chain(before.iter().filter(|_| is_closed));
@@ -112,11 +112,18 @@ impl LinkGraph {
             .iter()
             .rev()
             .chain(behind.iter().rev().filter(|_| is_closed));
-        ahead + self.known_in_a_row(anchor.here, back.map(Step::inverse)).0
+        ahead
+            + self
+                .known_in_a_row(anchor.here, back.map(ChainStep::inverse))
+                .0
     }
 
     /// How many motions are known from a position on, and whether all are.
-    fn known_in_a_row(&self, here: LinkFrame, steps: impl Iterator<Item = Step>) -> (usize, bool) {
+    fn known_in_a_row(
+        &self,
+        here: LinkFrame,
+        steps: impl Iterator<Item = ChainStep>,
+    ) -> (usize, bool) {
         let (mut here, mut count) = (here, 0);
         for step in steps {
             match self.motions.met(&step) {

@@ -1,7 +1,7 @@
 //! Joints, links and where chains pass them, as values.
 
 use crate::math::Pose;
-use crate::model::chain::{Chain, Step};
+use crate::model::chain::{Chain, ChainStep};
 use std::ops::Range;
 
 /// Axes meet, or are parallel, or frames agree, if they miss it by no more than this (radians, sizes): the rounding of
@@ -59,7 +59,7 @@ pub struct Joint {
     pub kind: JointKind,
     /// From the frame before it to the frame behind it: its motions with their axes and arguments, and the constant
     /// poses between them, as the first chain that passes it spells them.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ChainStep>,
     /// Coordinates that move it, ascending.
     pub coordinates: Vec<usize>,
     /// Where its steps begin.
@@ -72,8 +72,8 @@ impl Joint {
     /// Arguments of its motions, in their order.
     pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
         self.steps.iter().filter_map(|step| match step {
-            Step::Joint { argument, .. } => Some(*argument),
-            Step::Fixed(_) => None,
+            ChainStep::Joint { argument, .. } => Some(*argument),
+            ChainStep::Fixed(_) => None,
         })
     }
 
@@ -135,7 +135,9 @@ impl Joints {
     pub fn world_from(&self, frame: &LinkFrame) -> Chain {
         let mut chain = self.links[frame.link].world_from_link.clone();
         if frame.link_from_here != Pose::IDENTITY {
-            chain.steps.push(Step::Fixed(frame.link_from_here.into()));
+            chain
+                .steps
+                .push(ChainStep::Fixed(frame.link_from_here.into()));
         }
         chain
     }

@@ -12,7 +12,7 @@
 use super::joint::{EXACT, LinkFrame};
 use super::motions::{FLIP, Met, Motions};
 use crate::math::Pose;
-use crate::model::chain::{Chain, Motion, Step};
+use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 
@@ -32,8 +32,8 @@ impl LinkFrame {
 
 /// An elementary motion between two links.
 #[derive(Clone, Debug)]
-pub struct Edge {
-    pub motion: Motion,
+pub struct LinkEdge {
+    pub motion: ElementaryMotion,
     /// Which combination of coordinates moves it.
     pub label: usize,
     /// One of the arguments that are this combination, with its coordinates.
@@ -44,12 +44,12 @@ pub struct Edge {
 
 /// An edge as a path passes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
+pub struct LoopCrossing {
     pub edge: usize,
     pub is_inverse: bool,
 }
 
-impl Crossing {
+impl LoopCrossing {
     /// The same the other way.
     pub fn inverse(self) -> Self {
         Self {
@@ -62,22 +62,22 @@ impl Crossing {
 /// A motion of a chain as a step of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct Stride {
-    pub crossing: Crossing,
+    pub crossing: LoopCrossing,
     /// The chain's frame before and behind the step.
     pub from: LinkFrame,
     pub to: LinkFrame,
 }
 
 /// A chain's steps; constant poses cross nothing.
-pub type Path = Vec<Option<Stride>>;
+pub type LinkPath = Vec<Option<Stride>>;
 
 /// The chains as paths.
 #[derive(Default)]
 pub struct Paths {
-    pub bodies: Vec<Path>,
+    pub bodies: Vec<LinkPath>,
     /// From the world to the loops that are carried around.
-    pub bases: Vec<Path>,
-    pub loops: Vec<Path>,
+    pub bases: Vec<LinkPath>,
+    pub loops: Vec<LinkPath>,
 }
 
 /// The graph while it grows.
@@ -86,12 +86,12 @@ pub struct LinkGraph {
     pub(super) size: f64,
     pub(super) motions: Motions,
     /// Steps from the world to every link.
-    routes: Vec<Vec<Step>>,
+    routes: Vec<Vec<ChainStep>>,
     /// Where a link went that was found to be part of another.
     merged_links: Vec<Option<LinkFrame>>,
-    pub(super) edges: Vec<Edge>,
+    pub(super) edges: Vec<LinkEdge>,
     /// The edge that an edge was found to be.
-    pub(super) merged_edges: Vec<Option<Crossing>>,
+    pub(super) merged_edges: Vec<Option<LoopCrossing>>,
     /// Edges at every link.
     at: Vec<Vec<usize>>,
     pub(super) paths: Paths,
@@ -104,12 +104,12 @@ pub struct LinkGraph {
 /// The graph when all is folded: links that were merged have no edges.
 pub struct Finished {
     /// All edges; those that were merged into others are `None`.
-    pub edges: Vec<Option<Edge>>,
+    pub edges: Vec<Option<LinkEdge>>,
     /// Edges at every link.
     pub at: Vec<Vec<usize>>,
     pub paths: Paths,
     /// Steps from the world to every link.
-    pub routes: Vec<Vec<Step>>,
+    pub routes: Vec<Vec<ChainStep>>,
     /// Link of every body.
     pub of_body: Vec<usize>,
     /// Links on which loops begin or end.
@@ -148,18 +148,18 @@ impl LinkGraph {
         let edges = self.edges.iter().zip(&self.merged_edges);
         let edges = edges.map(|(edge, merged)| {
             let ends = edge.ends.map(|end| self.resolved(end));
-            merged.is_none().then(|| Edge {
+            merged.is_none().then(|| LinkEdge {
                 ends,
                 ..edge.clone()
             })
         });
-        let resolve = |list: &[Path]| -> Vec<Path> {
+        let resolve = |list: &[LinkPath]| -> Vec<LinkPath> {
             let stride = |stride: Stride| Stride {
                 crossing: self.resolved_edge(stride.crossing),
                 from: self.resolved(stride.from),
                 to: self.resolved(stride.to),
             };
-            let path = |path: &Path| path.iter().map(|s| s.map(stride)).collect();
+            let path = |path: &LinkPath| path.iter().map(|s| s.map(stride)).collect();
             list.iter().map(path).collect()
         };
         let links = |list: &[LinkFrame]| list.iter().map(|p| self.resolved(*p).link).collect();
@@ -193,9 +193,9 @@ impl LinkGraph {
         position
     }
 
-    fn resolved_edge(&self, mut crossing: Crossing) -> Crossing {
+    fn resolved_edge(&self, mut crossing: LoopCrossing) -> LoopCrossing {
         while let Some(into) = self.merged_edges[crossing.edge] {
-            crossing = Crossing {
+            crossing = LoopCrossing {
                 edge: into.edge,
                 is_inverse: into.is_inverse != crossing.is_inverse,
             };
@@ -204,7 +204,11 @@ impl LinkGraph {
     }
 
     /// Walks along steps from a position, on known edges where there are some.
-    pub(super) fn follow(&mut self, start: LinkFrame, steps: &[Step]) -> (LinkFrame, Path) {
+    pub(super) fn follow(
+        &mut self,
+        start: LinkFrame,
+        steps: &[ChainStep],
+    ) -> (LinkFrame, LinkPath) {
         let mut here = start;
         let mut path = Vec::with_capacity(steps.len());
         for step in steps {
@@ -229,7 +233,7 @@ impl LinkGraph {
     }
 
     /// A known edge that the motion is, and where it leads.
-    pub(super) fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, Crossing)> {
+    pub(super) fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, LoopCrossing)> {
         let here = self.resolved(here);
         let axis = here.link_from_here * met.to_axis;
         self.at[here.link].iter().find_map(|index| {
@@ -241,7 +245,7 @@ impl LinkGraph {
                 let [from, to] = self.ends(edge, is_inverse);
                 let apart = from.link_from_here.inverse() * axis;
                 let is_it = from.link == here.link && self.commutes(met.motion, &apart);
-                let crossing = Crossing {
+                let crossing = LoopCrossing {
                     edge: *index,
                     is_inverse,
                 };
@@ -251,7 +255,7 @@ impl LinkGraph {
     }
 
     /// Frames of an edge as passed forwards or backwards: both flipped, the motion is along z again.
-    pub(super) fn ends(&self, edge: &Edge, is_inverse: bool) -> [LinkFrame; 2] {
+    pub(super) fn ends(&self, edge: &LinkEdge, is_inverse: bool) -> [LinkFrame; 2] {
         let [before, after] = edge.ends.map(|end| self.resolved(end));
         if is_inverse {
             [after.moved(FLIP), before.moved(FLIP)]
@@ -261,7 +265,7 @@ impl LinkGraph {
     }
 
     /// A new edge to a new link, whose frame is the one behind the step.
-    fn grow(&mut self, here: LinkFrame, met: &Met, step: &Step) -> (LinkFrame, Crossing) {
+    fn grow(&mut self, here: LinkFrame, met: &Met, step: &ChainStep) -> (LinkFrame, LoopCrossing) {
         let here = self.resolved(here);
         let (link, edge) = (self.at.len(), self.edges.len());
         let behind = LinkFrame {
@@ -270,11 +274,11 @@ impl LinkGraph {
         };
         let mut route = self.routes[here.link].clone();
         if here.link_from_here != Pose::IDENTITY {
-            route.push(Step::Fixed(here.link_from_here.into()));
+            route.push(ChainStep::Fixed(here.link_from_here.into()));
         }
         route.push(*step);
         self.routes.push(route);
-        self.edges.push(Edge {
+        self.edges.push(LinkEdge {
             motion: met.motion,
             label: met.label,
             argument: met.argument,
@@ -287,7 +291,7 @@ impl LinkGraph {
         self.merged_links.push(None);
         self.at.push(vec![edge]);
         self.at[here.link].push(edge);
-        let crossing = Crossing {
+        let crossing = LoopCrossing {
             edge,
             is_inverse: false,
         };
@@ -295,11 +299,11 @@ impl LinkGraph {
     }
 
     /// Whether a pose between two frames of an axis along z leaves the motion as it is.
-    fn commutes(&self, motion: Motion, apart: &Pose) -> bool {
+    fn commutes(&self, motion: ElementaryMotion, apart: &Pose) -> bool {
         let tilted = (apart.rotation.z_axis - DVec3::Z).length();
         let aside = match motion {
-            Motion::Rotation => apart.translation.truncate().length() / self.size,
-            Motion::Translation => 0.0,
+            ElementaryMotion::Rotation => apart.translation.truncate().length() / self.size,
+            ElementaryMotion::Translation => 0.0,
         };
         tilted <= EXACT && aside <= EXACT
     }
@@ -353,7 +357,12 @@ impl LinkGraph {
 
     /// Edge `other` as a passage of edge `known`, if it is the same motion from the link, and two positions that
     /// are the same frame behind it.
-    fn twin(&self, link: usize, known: usize, other: usize) -> Option<(Crossing, [LinkFrame; 2])> {
+    fn twin(
+        &self,
+        link: usize,
+        known: usize,
+        other: usize,
+    ) -> Option<(LoopCrossing, [LinkFrame; 2])> {
         let (one, two) = (&self.edges[known], &self.edges[other]);
         if one.label != two.label || one.motion != two.motion {
             return None;
@@ -374,7 +383,7 @@ impl LinkGraph {
             if behind.link == to_other.link && !self.is_identity(&gap) {
                 return None;
             }
-            let crossing = Crossing {
+            let crossing = LoopCrossing {
                 edge: known,
                 is_inverse: first != second,
             };

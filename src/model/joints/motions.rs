@@ -1,7 +1,7 @@
 //! The motions of chains in a form in which equal ones are seen to be equal: along z, by a combination of coordinates.
 
 use crate::math::Pose;
-use crate::model::chain::{Argument, Motion, Step};
+use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use glam::{DMat3, DVec3};
 
 /// Half a turn about x: reverses a motion along z, and undoes itself.
@@ -12,7 +12,7 @@ pub const FLIP: Pose = Pose {
 
 /// An argument as a multiple ±1 of its label, and a constant.
 #[derive(Clone, Copy)]
-struct Value {
+struct ArgumentKind {
     /// `None` if it never changes.
     label: Option<usize>,
     sign: f64,
@@ -20,11 +20,11 @@ struct Value {
 }
 
 /// What the arguments of a mechanism are.
-pub struct Motions(Vec<Value>);
+pub struct Motions(Vec<ArgumentKind>);
 
 /// A motion as met in a chain: how it is numbered, and where its axis is.
 pub struct Met {
-    pub motion: Motion,
+    pub motion: ElementaryMotion,
     /// Which combination of coordinates moves it.
     pub label: usize,
     pub argument: usize,
@@ -38,14 +38,14 @@ pub struct Met {
 impl Motions {
     /// Equal combinations of coordinates, their sign aside, get the same label.
     pub fn new(arguments: &[Argument]) -> Self {
-        Self(values(arguments))
+        Self(argument_values(arguments))
     }
 
     /// How a step moves; the pose instead if it never changes.
-    pub fn met(&self, step: &Step) -> Result<Met, Pose> {
+    pub fn met(&self, step: &ChainStep) -> Result<Met, Pose> {
         let (motion, axis, argument, sign) = match *step {
-            Step::Fixed(fixed) => return Err(fixed.pose),
-            Step::Joint {
+            ChainStep::Fixed(fixed) => return Err(fixed.pose),
+            ChainStep::Joint {
                 motion,
                 axis,
                 argument,
@@ -72,12 +72,12 @@ impl Motions {
 }
 
 /// What every argument is: equal combinations of coordinates, their sign aside, get the same label.
-fn values(arguments: &[Argument]) -> Vec<Value> {
+fn argument_values(arguments: &[Argument]) -> Vec<ArgumentKind> {
     let mut labels: Vec<Vec<(usize, f64)>> = Vec::new();
     let constants = arguments.iter().enumerate().map(|(index, argument)| {
         let Argument::Affine(affine) = argument else {
             // A formula is itself only.
-            return Value {
+            return ArgumentKind {
                 label: Some(usize::MAX - index),
                 sign: 1.0,
                 constant: 0.0,
@@ -93,7 +93,7 @@ fn values(arguments: &[Argument]) -> Vec<Value> {
             labels.push(terms);
             labels.len() - 1
         });
-        Value {
+        ArgumentKind {
             label: (!affine.terms.is_empty()).then_some(label),
             sign,
             constant: affine.constant.number(),
@@ -115,9 +115,9 @@ fn axis_as_z(axis: usize) -> Pose {
     }
 }
 
-fn along_z(motion: Motion, value: f64) -> Pose {
+fn along_z(motion: ElementaryMotion, value: f64) -> Pose {
     match motion {
-        Motion::Rotation => Pose::from_axis_rotation(2, value),
-        Motion::Translation => Pose::from_translation(DVec3::Z * value),
+        ElementaryMotion::Rotation => Pose::from_axis_rotation(2, value),
+        ElementaryMotion::Translation => Pose::from_translation(DVec3::Z * value),
     }
 }

@@ -1,8 +1,8 @@
 //! From elementary motions between links to joints: which motions in a row are one joint.
 
 use super::joint::{EXACT, JointKind, LinkFrame};
-use super::links::{Crossing, Edge, Finished};
-use crate::model::chain::{Argument, Motion};
+use super::links::{Finished, LinkEdge, LoopCrossing};
+use crate::model::chain::{Argument, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
@@ -10,14 +10,14 @@ use glam::DVec3;
 const PARALLEL: f64 = 1e-6;
 
 /// Motions in a row that are one joint.
-pub struct Run {
+pub struct MotionRun {
     pub kind: JointKind,
     /// Passed in this direction.
-    pub crossings: Vec<Crossing>,
+    pub crossings: Vec<LoopCrossing>,
 }
 
 /// What decides whether motions are one joint.
-pub struct Rows<'a> {
+pub struct PairRows<'a> {
     graph: &'a Finished,
     /// What lengths at every edge are measured in: the largest of its loops' units.
     sizes: Vec<f64>,
@@ -34,7 +34,7 @@ pub struct Rows<'a> {
 }
 
 /// For every edge the largest unit of the loops that pass it; the mechanism's where none does.
-fn sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
+fn link_sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
     let mut sizes = vec![0.0_f64; graph.edges.len()];
     for (item, path) in mechanism.loops.iter().zip(&graph.paths.loops) {
         for stride in path.iter().flatten() {
@@ -48,13 +48,13 @@ fn sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
         .collect()
 }
 
-impl<'a> Rows<'a> {
+impl<'a> PairRows<'a> {
     pub fn new(mechanism: &Mechanism, graph: &'a Finished) -> Self {
-        let of_edge = |edge: &Option<Edge>| {
+        let of_edge = |edge: &Option<LinkEdge>| {
             let argument = edge.as_ref().map(|e| &mechanism.arguments[e.argument]);
             argument.map_or_else(Vec::new, |argument| argument.coordinates())
         };
-        let is_affine = |edge: &Option<Edge>| {
+        let is_affine = |edge: &Option<LinkEdge>| {
             let argument = edge.as_ref().map(|e| &mechanism.arguments[e.argument]);
             matches!(argument, Some(Argument::Affine(_)))
         };
@@ -69,7 +69,7 @@ impl<'a> Rows<'a> {
         seen.for_each(|link| is_inner[*link] = false);
         Self {
             graph,
-            sizes: sizes(mechanism, graph),
+            sizes: link_sizes(mechanism, graph),
             is_inner,
             is_affine: graph.edges.iter().map(is_affine).collect(),
             coordinates,
@@ -79,7 +79,7 @@ impl<'a> Rows<'a> {
     }
 
     /// All joints, in the order of their first motions.
-    pub fn runs(&self) -> Vec<Run> {
+    pub fn runs(&self) -> Vec<MotionRun> {
         let mut taken = vec![false; self.graph.edges.len()];
         let mut runs = Vec::new();
         for (index, edge) in self.graph.edges.iter().enumerate() {
@@ -95,12 +95,12 @@ impl<'a> Rows<'a> {
     }
 
     /// All motions in a row with this one, with inner links between them.
-    fn row(&self, edge: usize) -> Vec<Crossing> {
-        let forward = Crossing {
+    fn row(&self, edge: usize) -> Vec<LoopCrossing> {
+        let forward = LoopCrossing {
             edge,
             is_inverse: false,
         };
-        let mut row: Vec<Crossing> = self.onward(forward.inverse(), edge);
+        let mut row: Vec<LoopCrossing> = self.onward(forward.inverse(), edge);
         row.iter_mut().for_each(|c| *c = c.inverse());
         row.reverse();
         let met: Vec<usize> = row.iter().map(|c| c.edge).collect();
@@ -111,7 +111,7 @@ impl<'a> Rows<'a> {
     }
 
     /// What follows a motion over inner links, up to where it began.
-    fn onward(&self, mut last: Crossing, first: usize) -> Vec<Crossing> {
+    fn onward(&self, mut last: LoopCrossing, first: usize) -> Vec<LoopCrossing> {
         let mut list = Vec::new();
         while let Some(next) = self.next(last).filter(|next| next.edge != first) {
             list.push(next);
@@ -121,7 +121,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The one motion behind the inner link that a motion leads to.
-    fn next(&self, last: Crossing) -> Option<Crossing> {
+    fn next(&self, last: LoopCrossing) -> Option<LoopCrossing> {
         let link = self.ends(last)?[1].link;
         if !self.is_inner[link] {
             return None;
@@ -131,10 +131,10 @@ impl<'a> Rows<'a> {
             .find(|edge| **edge != last.edge)?;
         let ends = &self.graph.edges[edge].as_ref()?.ends;
         let is_inverse = ends[0].link != link;
-        Some(Crossing { edge, is_inverse })
+        Some(LoopCrossing { edge, is_inverse })
     }
 
-    fn ends(&self, crossing: Crossing) -> Option<[LinkFrame; 2]> {
+    fn ends(&self, crossing: LoopCrossing) -> Option<[LinkFrame; 2]> {
         let [before, after] = self.graph.edges[crossing.edge].as_ref()?.ends;
         Some(if crossing.is_inverse {
             [after, before]
@@ -144,7 +144,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Links within joints.
-    pub fn within(&self, runs: &[Run]) -> Vec<bool> {
+    pub fn within(&self, runs: &[MotionRun]) -> Vec<bool> {
         let mut is_within = vec![false; self.graph.at.len()];
         for run in runs {
             let ends = run.crossings.iter().filter_map(|c| self.ends(*c));
@@ -159,14 +159,14 @@ impl<'a> Rows<'a> {
 
     /// Parts a row into joints: three unknown angles about axes at right angles first (they reach every rotation), then
     /// any three motions, two, one.
-    fn parted(&self, row: &[Crossing]) -> Vec<Run> {
-        let is_full = |part: &[Crossing]| {
+    fn parted(&self, row: &[LoopCrossing]) -> Vec<MotionRun> {
+        let is_full = |part: &[LoopCrossing]| {
             let mut slots = part.iter().flat_map(|c| &self.coordinates[c.edge]);
             let mut corners = part.windows(2).map(|c| self.corner(c));
             slots.all(|slot| *slot < self.first_input)
                 && corners.all(|corner| corner.is_some_and(|c| c.is_right()))
         };
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<MotionRun> = Vec::new();
         let mut free = vec![true; row.len()];
         for (length, full_only) in [(3, true), (3, false), (2, false), (1, false)] {
             let mut first = 0;
@@ -178,7 +178,7 @@ impl<'a> Rows<'a> {
                 match fits.then(|| self.kind(crossings)).flatten() {
                     Some(kind) => {
                         let crossings = crossings.to_vec();
-                        runs.push(Run { kind, crossings });
+                        runs.push(MotionRun { kind, crossings });
                         free[part.clone()].iter_mut().for_each(|free| *free = false);
                         first = part.end;
                     }
@@ -190,9 +190,9 @@ impl<'a> Rows<'a> {
     }
 
     /// What motions in a row are; `None` if they are no joint.
-    fn kind(&self, crossings: &[Crossing]) -> Option<JointKind> {
-        use Motion::{Rotation, Translation};
-        let motions: Vec<Motion> = crossings
+    fn kind(&self, crossings: &[LoopCrossing]) -> Option<JointKind> {
+        use ElementaryMotion::{Rotation, Translation};
+        let motions: Vec<ElementaryMotion> = crossings
             .iter()
             .filter_map(|c| Some(self.graph.edges[c.edge].as_ref()?.motion))
             .collect();
@@ -209,7 +209,8 @@ impl<'a> Rows<'a> {
         if !self.are_alone(crossings, is_coupled) {
             return None;
         }
-        let corners: Option<Vec<Corner>> = crossings.windows(2).map(|c| self.corner(c)).collect();
+        let corners: Option<Vec<PairCorner>> =
+            crossings.windows(2).map(|c| self.corner(c)).collect();
         match (&motions[..], &corners?[..]) {
             ([Rotation, Rotation], [corner]) if !is_coupled && corner.meets() => {
                 Some(JointKind::Universal)
@@ -239,13 +240,13 @@ impl<'a> Rows<'a> {
 
     /// Whether the coordinates of motions in a row stand nowhere else, and each in one of the motions only (all in all of
     /// them if they are coupled).
-    fn are_alone(&self, crossings: &[Crossing], is_coupled: bool) -> bool {
+    fn are_alone(&self, crossings: &[LoopCrossing], is_coupled: bool) -> bool {
         let own = if is_coupled { crossings.len() } else { 1 };
         let mut slots = crossings.iter().flat_map(|c| &self.coordinates[c.edge]);
         (!is_coupled || crossings.len() == 2) && slots.all(|slot| self.uses[*slot] == own)
     }
 
-    pub fn coordinates_of(&self, crossings: &[Crossing]) -> Vec<usize> {
+    pub fn coordinates_of(&self, crossings: &[LoopCrossing]) -> Vec<usize> {
         let slots = crossings.iter().flat_map(|c| &self.coordinates[c.edge]);
         let mut slots: Vec<usize> = slots.copied().collect();
         slots.sort_unstable();
@@ -254,7 +255,7 @@ impl<'a> Rows<'a> {
     }
 
     /// How the axes of two motions lie to each other on the link between them.
-    fn corner(&self, pair: &[Crossing]) -> Option<Corner> {
+    fn corner(&self, pair: &[LoopCrossing]) -> Option<PairCorner> {
         let before = self.ends(*pair.first()?)?[1].link_from_here;
         let behind = self.ends(*pair.last()?)?[0].link_from_here;
         let (u, v) = (before.rotation.z_axis, behind.rotation.z_axis);
@@ -265,7 +266,7 @@ impl<'a> Rows<'a> {
         let square = sine * sine;
         let along = |axis: DVec3| way.cross(axis).dot(normal) / square;
         let size = pair.iter().fold(0.0_f64, |m, c| m.max(self.sizes[c.edge]));
-        Some(Corner {
+        Some(PairCorner {
             size,
             sine,
             cosine: u.dot(v),
@@ -279,7 +280,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Two axes on a link.
-struct Corner {
+struct PairCorner {
     /// What lengths here are measured in.
     size: f64,
     sine: f64,
@@ -294,7 +295,7 @@ struct Corner {
     second: DVec3,
 }
 
-impl Corner {
+impl PairCorner {
     fn meets(&self) -> bool {
         self.sine > PARALLEL && self.apart <= EXACT
     }
@@ -309,8 +310,8 @@ impl Corner {
 }
 
 /// Whether motions are two translations and a rotation about the normal of their plane.
-fn is_planar(motions: [Motion; 3], [one, other]: [&Corner; 2]) -> bool {
-    use Motion::{Rotation, Translation};
+fn is_planar(motions: [ElementaryMotion; 3], [one, other]: [&PairCorner; 2]) -> bool {
+    use ElementaryMotion::{Rotation, Translation};
     // A translation in the middle turns nothing: the outer axes keep their angle.
     let outer_are_right = one.first.dot(other.second).abs() <= EXACT;
     match motions {

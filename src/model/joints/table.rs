@@ -1,9 +1,9 @@
 //! The table of joints from the folded graph and the runs of motions that are one joint.
 
 use super::joint::{Joint, Joints, Link, LinkFrame, Passage};
-use super::links::{Finished, LinkGraph, Path, Paths};
-use super::pairs::{Rows, Run};
-use crate::model::chain::{Chain, Step};
+use super::links::{Finished, LinkGraph, LinkPath, Paths};
+use super::pairs::{MotionRun, PairRows};
+use crate::model::chain::{Chain, ChainStep};
 use crate::model::mechanism::Mechanism;
 
 impl Joints {
@@ -14,13 +14,13 @@ impl Joints {
             graph.add_body(&body.world_from_body);
         }
         graph.add_loops(&mechanism.loops);
-        table(mechanism, &graph.finished())
+        joint_table(mechanism, &graph.finished())
     }
 }
 
 /// The table of a finished graph.
-fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
-    let rows = Rows::new(mechanism, graph);
+fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
+    let rows = PairRows::new(mechanism, graph);
     let runs = rows.runs();
     let mut joint_of = vec![None; graph.edges.len()];
     for (index, run) in runs.iter().enumerate() {
@@ -28,11 +28,11 @@ fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
             joint_of[crossing.edge] = Some((index, crossing.is_inverse));
         }
     }
-    let along = |paths: &[Path]| -> Vec<Vec<Passage>> {
-        let passages = paths.iter().map(|path| passages(path, &joint_of));
+    let along = |paths: &[LinkPath]| -> Vec<Vec<Passage>> {
+        let passages = paths.iter().map(|path| path_passages(path, &joint_of));
         passages.collect()
     };
-    let numbers = Numbers::new(graph, &rows.within(&runs));
+    let numbers = JointNumbers::new(graph, &rows.within(&runs));
     let mut links = vec![Link::default(); numbers.count];
     for (route, number) in graph.routes.iter().zip(&numbers.of) {
         if let Some(number) = number {
@@ -51,7 +51,7 @@ fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     let along_loops = along(&graph.paths.loops);
     let passages = [&along_bodies, &along_bases, &along_loops].map(Vec::as_slice);
     let chains = Chains::new(mechanism, graph, passages);
-    let joint = |(index, run): (usize, &Run)| {
+    let joint = |(index, run): (usize, &MotionRun)| {
         let (steps, ends) = chains.spelled(index)?;
         let [before, after] = ends.map(|frame| LinkFrame {
             link: numbers.get(frame.link),
@@ -76,12 +76,12 @@ fn table(mechanism: &Mechanism, graph: &Finished) -> Joints {
 }
 
 /// The links that joints connect, numbered anew: those within a joint are none.
-struct Numbers {
+struct JointNumbers {
     of: Vec<Option<usize>>,
     count: usize,
 }
 
-impl Numbers {
+impl JointNumbers {
     fn new(graph: &Finished, is_within: &[bool]) -> Self {
         // The frame is there even if nothing is joined to it.
         let (mut of, mut count) = (vec![Some(0)], 1);
@@ -99,7 +99,7 @@ impl Numbers {
 }
 
 /// The joints along a path.
-fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
+fn path_passages(path: &LinkPath, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
     let mut list: Vec<Passage> = Vec::new();
     let mut edges: Vec<usize> = Vec::new();
     for (step, stride) in path.iter().enumerate() {
@@ -130,7 +130,7 @@ fn passages(path: &Path, joint_of: &[Option<(usize, bool)>]) -> Vec<Passage> {
 }
 
 /// All chains, those of bodies first, then those that carry loops, with their paths and the joints along them.
-struct Chains<'a>(Vec<(&'a Chain, &'a Path, &'a [Passage])>);
+struct Chains<'a>(Vec<(&'a Chain, &'a LinkPath, &'a [Passage])>);
 
 impl<'a> Chains<'a> {
     fn new(mechanism: &'a Mechanism, graph: &'a Finished, along: [&'a [Vec<Passage>]; 3]) -> Self {
@@ -149,14 +149,14 @@ impl<'a> Chains<'a> {
 
     /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
     /// behind them.
-    fn spelled(&self, joint: usize) -> Option<(Vec<Step>, [LinkFrame; 2])> {
+    fn spelled(&self, joint: usize) -> Option<(Vec<ChainStep>, [LinkFrame; 2])> {
         self.0.iter().find_map(|(chain, path, passages)| {
             let passage = passages.iter().find(|p| p.joint == joint)?;
             let steps = &chain.steps[passage.steps.clone()];
             let from = path[passage.steps.start]?.from;
             let to = path[passage.steps.end - 1]?.to;
             Some(if passage.is_inverse {
-                let steps = steps.iter().rev().map(Step::inverse);
+                let steps = steps.iter().rev().map(ChainStep::inverse);
                 (steps.collect(), [to, from])
             } else {
                 (steps.to_vec(), [from, to])

@@ -4,14 +4,14 @@
 use super::JointKind::*;
 use super::{JointKind, Joints};
 use crate::diag::Source;
-use crate::scene::{Overrides, builtin, load};
+use crate::scene::{Overrides, builtin, load_scene};
 
 fn read(text: &str) -> Joints {
     let source = Source {
         name: "joints".to_owned(),
         text: text.to_owned(),
     };
-    let scene = load(&source, &Overrides::default());
+    let scene = load_scene(&source, &Overrides::default());
     let scene = scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     scene.mechanism.joints.clone()
 }
@@ -61,7 +61,7 @@ fn joints_and_links_of_built_in_scenes() {
         ),
     ];
     for (name, links, wanted) in table {
-        let joints = read(&builtin::find(name).unwrap().text);
+        let joints = read(&builtin::find_builtin(name).unwrap().text);
         let found = kinds(&joints);
         for (kind, count) in wanted {
             let found = found.iter().filter(|k| *k == kind).count();

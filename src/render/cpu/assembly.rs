@@ -1,12 +1,12 @@
 //! From instances to the triangles that each tile has to draw: transform, cull, clip, sort into tiles.
 
-use super::clip::{Corner, clip};
-use super::lens::{Lens, OUTSIDE, Vertex};
-use super::samples::Pattern;
-use super::solid::Solid;
+use super::clip::{ClipCorner, clip_triangle};
+use super::lens::{Lens, LensVertex, OUTSIDE};
+use super::samples::SamplePattern;
+use super::solid::SolidPixels;
 use super::window::TILE;
 use crate::math::narrow_pose;
-use crate::render::colour::Curve;
+use crate::render::colour::ToneCurve;
 use crate::render::look::Rgb;
 use crate::render::{Frame, Instance};
 
@@ -44,7 +44,7 @@ pub(super) struct Paint {
 
 /// Facets of one tile, as indices into [`Assembly::facets`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bin {
+pub(super) struct TileBin {
     pub(super) opaque: Vec<u32>,
     /// In drawing order, farthest instance first, its back faces before its front faces.
     pub(super) translucent: Vec<u32>,
@@ -52,11 +52,11 @@ pub(super) struct Bin {
 
 /// Everything of one frame between the scene and its tiles. Kept between frames for its memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Assembly {
-    pub(super) vertices: Vec<Vertex>,
+pub(super) struct TriangleAssembly {
+    pub(super) vertices: Vec<LensVertex>,
     pub(super) facets: Vec<Facet>,
     pub(super) paints: Vec<Paint>,
-    pub(super) bins: Vec<Bin>,
+    pub(super) bins: Vec<TileBin>,
     columns: usize,
     size: [i32; 2],
     first_vertex: Vec<u32>,
@@ -65,18 +65,18 @@ pub(super) struct Assembly {
 
 /// Which faces of an instance a sweep takes.
 #[derive(Clone, Copy, PartialEq)]
-enum Faces {
+enum FacesDrawn {
     Front,
     Back,
     Both,
 }
 
-impl Assembly {
+impl TriangleAssembly {
     pub(super) fn new(size: [u32; 2]) -> Self {
         let columns = size[0].div_ceil(TILE as u32) as usize;
         let rows = size[1].div_ceil(TILE as u32) as usize;
         Self {
-            bins: vec![Bin::default(); columns * rows],
+            bins: vec![TileBin::default(); columns * rows],
             columns,
             size: size.map(|n| n as i32),
             ..Self::default()
@@ -85,7 +85,7 @@ impl Assembly {
 
     /// The vertices of a facet.
     #[inline(always)]
-    pub(super) fn corners(&self, [a, b, c]: &[u32; 3]) -> [&Vertex; 3] {
+    pub(super) fn corners(&self, [a, b, c]: &[u32; 3]) -> [&LensVertex; 3] {
         [
             &self.vertices[*a as usize],
             &self.vertices[*b as usize],
@@ -102,9 +102,9 @@ impl Assembly {
     pub(super) fn assemble<const G: usize>(
         &mut self,
         frame: &Frame,
-        solids: &[Solid],
+        solids: &[SolidPixels],
         lens: &Lens,
-        pattern: &Pattern<G>,
+        pattern: &SamplePattern<G>,
     ) {
         self.clear();
         for instance in &frame.instances {
@@ -119,9 +119,9 @@ impl Assembly {
                 let whole = instance.triangles.start == 0
                     && instance.triangles.end as usize >= solid.triangles.len();
                 let faces = if solid.closed && whole {
-                    Faces::Front
+                    FacesDrawn::Front
                 } else {
-                    Faces::Both
+                    FacesDrawn::Both
                 };
                 self.sweep(index, instance, solid, lens, pattern, faces);
             } else if instance.opacity > 0.0 {
@@ -140,8 +140,8 @@ impl Assembly {
             let index = self.order[k].1;
             let instance = &frame.instances[index];
             let solid = &solids[instance.mesh];
-            self.sweep(index, instance, solid, lens, pattern, Faces::Back);
-            self.sweep(index, instance, solid, lens, pattern, Faces::Front);
+            self.sweep(index, instance, solid, lens, pattern, FacesDrawn::Back);
+            self.sweep(index, instance, solid, lens, pattern, FacesDrawn::Front);
         }
     }
 
@@ -158,8 +158,8 @@ impl Assembly {
     }
 
     /// Puts an instance's vertices on the screen.
-    fn place(&mut self, instance: &Instance, solid: Option<&Solid>, lens: &Lens) {
-        let curve = Curve::shared();
+    fn place(&mut self, instance: &Instance, solid: Option<&SolidPixels>, lens: &Lens) {
+        let curve = ToneCurve::shared();
         self.first_vertex.push(self.vertices.len() as u32);
         self.paints.push(Paint {
             albedo: curve.decode_rgb(instance.colour),
@@ -182,10 +182,10 @@ impl Assembly {
         &mut self,
         index: usize,
         instance: &Instance,
-        solid: &Solid,
+        solid: &SolidPixels,
         lens: &Lens,
-        pattern: &Pattern<G>,
-        faces: Faces,
+        pattern: &SamplePattern<G>,
+        faces: FacesDrawn,
     ) {
         let base = self.first_vertex[index];
         let count = solid.triangles.len();
@@ -211,13 +211,16 @@ impl Assembly {
         [i, j, k]: [u32; 3],
         [a, b, c]: [[i32; 2]; 3],
         index: usize,
-        pattern: &Pattern<G>,
-        faces: Faces,
+        pattern: &SamplePattern<G>,
+        faces: FacesDrawn,
     ) {
         let product = |p: i32, q: i32| i64::from(p) * i64::from(q);
         let area = product(c[0] - a[0], b[1] - a[1]) - product(b[0] - a[0], c[1] - a[1]);
         let front = area > 0;
-        if area == 0 || (faces == Faces::Front && !front) || (faces == Faces::Back && front) {
+        if area == 0
+            || (faces == FacesDrawn::Front && !front)
+            || (faces == FacesDrawn::Back && front)
+        {
             return;
         }
         let [left, right] = [a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0])];
@@ -258,22 +261,22 @@ impl Assembly {
         &mut self,
         index: usize,
         instance: &Instance,
-        solid: &Solid,
+        solid: &SolidPixels,
         lens: &Lens,
-        pattern: &Pattern<G>,
-        faces: Faces,
+        pattern: &SamplePattern<G>,
+        faces: FacesDrawn,
         triangle: usize,
     ) {
         let [x, y, z] = narrow_pose(&(lens.camera_from_world * instance.world_from_mesh));
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let corners = solid.triangles[triangle].map(|i| {
             let (p, n) = (solid.positions[i as usize], solid.normals[i as usize]);
-            Corner {
+            ClipCorner {
                 position: [row(x, p) + x[3], row(y, p) + y[3], row(z, p) + z[3]],
                 normal: [row(x, n), row(y, n), row(z, n)],
             }
         });
-        let polygon = clip(corners, &lens.planes());
+        let polygon = clip_triangle(corners, &lens.planes());
         let polygon = polygon.corners();
         let first = self.vertices.len() as u32;
         for corner in polygon {

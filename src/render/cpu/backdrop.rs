@@ -3,7 +3,7 @@
 //! All but the shadow is the same in every frame and made once.
 
 use super::window::TILE;
-use crate::render::colour::Curve;
+use crate::render::colour::ToneCurve;
 use crate::render::contact_shadow::{ContactShadow, TexelPlace};
 use crate::render::ground::GroundView;
 use crate::render::look::{self, Rgb};
@@ -11,7 +11,7 @@ use crate::render::{Camera, Stage};
 
 /// The ground in one pixel.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spot {
+struct ShadowSpot {
     /// Factor on the background without shadow.
     factor: f32,
     /// How much the darkest shadow would take away; 0 where there is no ground.
@@ -29,7 +29,7 @@ pub(super) struct Backdrop {
     bare: [u8; 4],
     /// Codes without shadow, row by row.
     codes: Vec<[u8; 4]>,
-    spots: Vec<Spot>,
+    spots: Vec<ShadowSpot>,
     /// Range of the ground's coordinates in each tile, `None` where it shows no ground.
     reach: Vec<Option<[[f32; 2]; 2]>>,
     pub(super) view: Option<GroundView>,
@@ -37,7 +37,7 @@ pub(super) struct Backdrop {
 
 impl Backdrop {
     pub(super) fn new(stage: &Stage) -> Self {
-        let curve = Curve::shared();
+        let curve = ToneCurve::shared();
         let size = stage.size.map(|n| n as usize);
         let background = curve.decode_rgb(stage.background);
         let [r, g, b] = stage.background;
@@ -64,15 +64,15 @@ impl Backdrop {
         let ground = stage.ground.as_ref();
         self.view = ground.and_then(|ground| GroundView::new(ground, camera, stage.size));
         if let (Some(view), Some(ground)) = (self.view, ground) {
-            self.lay_ground(&view, ground.shade, Curve::shared());
+            self.lay_ground(&view, ground.shade, ToneCurve::shared());
         }
     }
 
-    fn lay_ground(&mut self, view: &GroundView, shade: [f32; 2], curve: &Curve) {
+    fn lay_ground(&mut self, view: &GroundView, shade: [f32; 2], curve: &ToneCurve) {
         let [width, height] = self.size;
-        let none = Spot {
+        let none = ShadowSpot {
             factor: 1.0,
-            ..Spot::default()
+            ..ShadowSpot::default()
         };
         self.spots.resize(width * height, none);
         let columns = width.div_ceil(TILE);
@@ -84,7 +84,7 @@ impl Backdrop {
                 };
                 let factor = look::ground_factor(point.fade, point.lines, 0.0, shade);
                 let [u, v] = point.at;
-                self.spots[y * width + x] = Spot {
+                self.spots[y * width + x] = ShadowSpot {
                     factor,
                     shadow: point.fade * look::SHADOW_DARKNESS,
                     place: TexelPlace::new(u, v),

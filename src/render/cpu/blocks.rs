@@ -2,9 +2,9 @@
 //!
 //! Exact as the rest: what an edge leaves out is decided in 64 bits.
 
-use super::lens::Vertex;
-use super::raster::{Cells, Edges, Plane, Side, Visit, scan};
-use super::samples::{LANES, Pattern, SUBPIXEL_BITS, SUBPIXELS};
+use super::lens::LensVertex;
+use super::raster::{EdgeSide, Edges, Plane, RasterCells, Visit, scan_triangle};
+use super::samples::{LANES, SUBPIXEL_BITS, SUBPIXELS, SamplePattern};
 use super::window::{TILE, Window};
 use wide::{f32x4, i32x4};
 
@@ -18,18 +18,18 @@ const RANGE_GUARD: f32 = 0.01;
 /// A triangle of any size: blocks that an edge leaves out are skipped, and only edges that cross a block
 /// are looked at in it.
 pub(super) fn by_blocks<const G: usize>(
-    corners: [&Vertex; 3],
+    corners: [&LensVertex; 3],
     window: &Window,
     area: &Window,
-    pattern: &Pattern<G>,
+    pattern: &SamplePattern<G>,
     mut visit: impl Visit,
 ) {
     let first = [window.x[0] << SUBPIXEL_BITS, window.y[0] << SUBPIXEL_BITS];
-    let side = |from: &Vertex, to: &Vertex| {
+    let side = |from: &LensVertex, to: &LensVertex| {
         let (x, y) = (i64::from(to.y - from.y), i64::from(from.x - to.x));
         let belongs = (x > 0) | ((x == 0) & (y > 0));
         let start = x * i64::from(first[0] - from.x) + y * i64::from(first[1] - from.y);
-        Side {
+        EdgeSide {
             x,
             y,
             start: start - i64::from(!belongs),
@@ -38,7 +38,7 @@ pub(super) fn by_blocks<const G: usize>(
     let [a, b, c] = corners;
     let sides = [side(a, b), side(b, c), side(c, a)];
     let double = sides[0].x * i64::from(c.x - a.x) + sides[0].y * i64::from(c.y - a.y);
-    let slope = |s: &Side<i64>| [s.x as f32, s.y as f32];
+    let slope = |s: &EdgeSide<i64>| [s.x as f32, s.y as f32];
     let plane = Plane::new(corners, slope(&sides[0]), slope(&sides[2]), double as f32);
     let steepest = sides
         .iter()
@@ -58,11 +58,11 @@ pub(super) fn by_blocks<const G: usize>(
                 y: [corner[1], area.y[1].min(corner[1] + size - 1)],
             };
             let span = i64::from(size * SUBPIXELS);
-            let moved = sides.map(|s| Side {
+            let moved = sides.map(|s| EdgeSide {
                 start: s.start + (s.x * i64::from(column) + s.y * i64::from(row)) * span,
                 ..s
             });
-            let cells = Cells::new(&part, window, pattern);
+            let cells = RasterCells::new(&part, window, pattern);
             in_block(&moved, span, &cells, &plane, corner, pattern, &mut visit);
         }
     }
@@ -70,15 +70,15 @@ pub(super) fn by_blocks<const G: usize>(
 
 /// The part of a triangle in one block of `span` screen units.
 fn in_block<const G: usize>(
-    sides: &[Side<i64>; 3],
+    sides: &[EdgeSide<i64>; 3],
     span: i64,
-    cells: &Cells,
+    cells: &RasterCells,
     plane: &Plane,
     corner: [i32; 2],
-    pattern: &Pattern<G>,
+    pattern: &SamplePattern<G>,
     visit: &mut impl Visit,
 ) {
-    let mut crossing = [Side {
+    let mut crossing = [EdgeSide {
         x: 0,
         y: 0,
         start: 0,
@@ -95,7 +95,7 @@ fn in_block<const G: usize>(
             in_vast_block(sides, cells, plane, corner, pattern, visit);
             return;
         }
-        *own = Side {
+        *own = EdgeSide {
             x: side.x as i32,
             y: side.y as i32,
             start: side.start as i32,
@@ -138,7 +138,7 @@ fn in_block<const G: usize>(
             step_x: step.map(i32x4::splat),
             step_y: [i32x4::splat(0); 3],
         };
-        let part = Cells {
+        let part = RasterCells {
             x: [cells.x[0] + from, cells.x[0] + to],
             y: [row, row],
         };
@@ -146,7 +146,7 @@ fn in_block<const G: usize>(
             corner[0] + (from << pattern.cell_bits),
             corner[1] + row - cells.y[0],
         ];
-        scan(edges, &part, plane, origin, pattern, visit);
+        scan_triangle(edges, &part, plane, origin, pattern, visit);
     }
 }
 
@@ -154,11 +154,11 @@ fn in_block<const G: usize>(
 #[allow(clippy::needless_range_loop)]
 #[cold]
 fn in_vast_block<const G: usize>(
-    sides: &[Side<i64>; 3],
-    cells: &Cells,
+    sides: &[EdgeSide<i64>; 3],
+    cells: &RasterCells,
     plane: &Plane,
     corner: [i32; 2],
-    pattern: &Pattern<G>,
+    pattern: &SamplePattern<G>,
     visit: &mut impl Visit,
 ) {
     let columns = TILE as i32 >> pattern.cell_bits;

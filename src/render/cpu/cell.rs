@@ -7,12 +7,12 @@ pub(super) const NOTHING: i32 = -1;
 
 /// The samples of one cell, `G` vectors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell<const G: usize> {
+pub(super) struct PixelCell<const G: usize> {
     pub(super) depth: [[f32; LANES]; G],
     pub(super) facet: [[i32; LANES]; G],
 }
 
-impl<const G: usize> Cell<G> {
+impl<const G: usize> PixelCell<G> {
     pub(super) const BARE: Self = Self {
         depth: [[f32::NEG_INFINITY; LANES]; G],
         facet: [[NOTHING; LANES]; G],
@@ -22,7 +22,7 @@ impl<const G: usize> Cell<G> {
 /// Facets of the `S` samples of a pixel of a tile.
 #[inline(always)]
 pub(super) fn facets_of<const S: usize, const G: usize>(
-    cells: &[Cell<G>],
+    cells: &[PixelCell<G>],
     pixel: usize,
 ) -> [i32; S] {
     let lane = pixel * S;

@@ -2,7 +2,7 @@
 
 /// A corner in camera space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Corner {
+pub(super) struct ClipCorner {
     pub(super) position: [f32; 3],
     pub(super) normal: [f32; 3],
 }
@@ -13,16 +13,16 @@ const CORNERS: usize = 8;
 /// A convex polygon.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Polygon {
-    corners: [Corner; CORNERS],
+    corners: [ClipCorner; CORNERS],
     count: usize,
 }
 
 impl Polygon {
-    pub(super) fn corners(&self) -> &[Corner] {
+    pub(super) fn corners(&self) -> &[ClipCorner] {
         &self.corners[..self.count]
     }
 
-    fn push(&mut self, corner: Corner) {
+    fn push(&mut self, corner: ClipCorner) {
         if self.count < CORNERS {
             self.corners[self.count] = corner;
             self.count += 1;
@@ -32,20 +32,20 @@ impl Polygon {
 
 /// The part of a triangle on the inner side of all planes, `n·p + d ≥ 0`. Empty for corners that are not
 /// finite.
-pub(super) fn clip(triangle: [Corner; 3], planes: &[[f32; 4]]) -> Polygon {
+pub(super) fn clip_triangle(triangle: [ClipCorner; 3], planes: &[[f32; 4]]) -> Polygon {
     let mut polygon = Polygon::default();
     let finite = triangle.iter().flat_map(|c| c.position).all(f32::is_finite);
     if finite {
         triangle.into_iter().for_each(|c| polygon.push(c));
     }
     for plane in planes {
-        polygon = cut(&polygon, plane);
+        polygon = cut_polygon(&polygon, plane);
     }
     polygon
 }
 
-fn cut(polygon: &Polygon, plane: &[f32; 4]) -> Polygon {
-    let height = |c: &Corner| {
+fn cut_polygon(polygon: &Polygon, plane: &[f32; 4]) -> Polygon {
+    let height = |c: &ClipCorner| {
         let p = c.position;
         plane[0] * p[0] + plane[1] * p[1] + plane[2] * p[2] + plane[3]
     };
@@ -66,7 +66,7 @@ fn cut(polygon: &Polygon, plane: &[f32; 4]) -> Polygon {
             };
             let between =
                 |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share);
-            kept.push(Corner {
+            kept.push(ClipCorner {
                 position: between(inner.position, outer.position),
                 normal: between(inner.normal, outer.normal),
             });
@@ -79,8 +79,8 @@ fn cut(polygon: &Polygon, plane: &[f32; 4]) -> Polygon {
 mod tests {
     use super::*;
 
-    fn corner(x: f32, y: f32, z: f32) -> Corner {
-        Corner {
+    fn corner(x: f32, y: f32, z: f32) -> ClipCorner {
+        ClipCorner {
             position: [x, y, z],
             normal: [0.0, 0.0, 1.0],
         }
@@ -94,7 +94,7 @@ mod tests {
             corner(0.0, 1.0, 2.0),
         ];
         let near = [0.0, 0.0, -1.0, -1.0];
-        let part = clip(triangle, &[near]);
+        let part = clip_triangle(triangle, &[near]);
         assert_eq!(part.corners().len(), 4);
         assert!(part.corners().iter().all(|c| c.position[2] <= -1.0));
         assert_eq!(part.corners()[2].position, [0.75, 0.25, -1.0]);

@@ -14,7 +14,7 @@ pub(super) const OUTSIDE: i32 = i32::MIN;
 
 /// A vertex on the screen.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Vertex {
+pub(super) struct LensVertex {
     /// Screen units to the right of the picture's left edge, or [`OUTSIDE`].
     pub(super) x: i32,
     /// Screen units below the picture's top edge.
@@ -53,7 +53,7 @@ impl Lens {
 
     /// Screen place of a point of camera space with its normal; `x` is [`OUTSIDE`] where it must be clipped first.
     #[inline(always)]
-    pub(super) fn project(&self, point: [f32; 3], normal: [f32; 3]) -> Vertex {
+    pub(super) fn project(&self, point: [f32; 3], normal: [f32; 3]) -> LensVertex {
         let distance = -point[2];
         let inverse = 1.0 / distance;
         let (scale, depth) = if self.perspective {
@@ -66,7 +66,7 @@ impl Lens {
         // Not a number fails every comparison.
         let inside = distance >= self.near && x > -GUARD && x < GUARD && y > -GUARD && y < GUARD;
         let round = |v: f32| (v + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32;
-        Vertex {
+        LensVertex {
             x: if inside { round(x) } else { OUTSIDE },
             y: round(y),
             depth,

@@ -24,14 +24,14 @@ mod window;
 use super::contact_shadow::{ContactShadow, ShadowCaster};
 use super::look::Surroundings;
 use super::{Camera, Frame, RenderError, Renderer, Stage, colour};
-use assembly::Assembly;
+use assembly::TriangleAssembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
 use lens::Lens;
-use solid::Solid;
+use solid::SolidPixels;
 use std::sync::Arc;
 use tile::Tile;
-use view::View;
+use view::RasterView;
 use window::{TILE, Window};
 
 /// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits.
@@ -42,12 +42,12 @@ pub const MAX_SIDE: u32 = 8192;
 pub struct CpuRenderer {
     stage: Arc<Stage>,
     /// Shared by the renderers of all workers.
-    solids: Arc<[Solid]>,
+    solids: Arc<[SolidPixels]>,
     /// The camera that the next three are made for.
     camera: Camera,
     lens: Lens,
     backdrop: Backdrop,
-    assembly: Assembly,
+    assembly: TriangleAssembly,
     tile: AnyTile,
     caster: Option<ShadowCaster>,
     /// What lights are relative to.
@@ -68,7 +68,7 @@ impl CpuRenderer {
     /// Errors: a picture with no pixels or a side above [`MAX_SIDE`]; a number of samples other than 1, 2,
     /// 4, 8 and 16.
     pub fn new(stage: Arc<Stage>) -> Result<Self, RenderError> {
-        samples::check(stage.samples)?;
+        samples::check_samples(stage.samples)?;
         let [width, height] = stage.size;
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
             return Err(RenderError::Size(format!(
@@ -83,12 +83,12 @@ impl CpuRenderer {
             fewer => AnyTile::One(Tile::new(fewer)),
         };
         Ok(Self {
-            solids: stage.meshes.iter().map(Solid::new).collect(),
+            solids: stage.meshes.iter().map(SolidPixels::new).collect(),
             camera: stage.camera,
-            around: surroundings(&lens, &stage),
+            around: lens_surroundings(&lens, &stage),
             lens,
             backdrop,
-            assembly: Assembly::new(stage.size),
+            assembly: TriangleAssembly::new(stage.size),
             tile,
             caster: ShadowCaster::new(&stage),
             stage,
@@ -101,7 +101,7 @@ impl CpuRenderer {
             self.camera = camera;
             self.lens = Lens::new(&camera, self.stage.size);
             self.backdrop.see(&self.stage, &camera);
-            self.around = surroundings(&self.lens, &self.stage);
+            self.around = lens_surroundings(&self.lens, &self.stage);
         }
     }
 
@@ -124,13 +124,13 @@ impl CpuRenderer {
 }
 
 /// Up is the ground's normal, or the picture's own without a ground.
-fn surroundings(lens: &Lens, stage: &Stage) -> Surroundings {
+fn lens_surroundings(lens: &Lens, stage: &Stage) -> Surroundings {
     let up = match &stage.ground {
         Some(ground) => lens.camera_from_world.transform_vector(ground.normal),
         None => glam::DVec3::Y,
     };
     Surroundings {
-        up: crate::math::narrow(up),
+        up: crate::math::narrow_vector(up),
         rim: stage.rim,
     }
 }
@@ -154,7 +154,7 @@ impl Renderer for CpuRenderer {
         let seen = self.backdrop.view.is_some();
         let caster = self.caster.as_mut().filter(|_| seen);
         let shadow = caster.map(|caster| caster.cast(frame));
-        let scene = Scene {
+        let scene = DrawnScene {
             frame,
             solids: &self.solids,
             lens: &self.lens,
@@ -178,9 +178,9 @@ impl Renderer for CpuRenderer {
 }
 
 /// One frame with all it is drawn from.
-struct Scene<'a> {
+struct DrawnScene<'a> {
     frame: &'a Frame,
-    solids: &'a [Solid],
+    solids: &'a [SolidPixels],
     lens: &'a Lens,
     backdrop: &'a Backdrop,
     shadow: Option<&'a ContactShadow>,
@@ -189,15 +189,15 @@ struct Scene<'a> {
     size: [u32; 2],
 }
 
-impl Scene<'_> {
+impl DrawnScene<'_> {
     fn draw<const G: usize>(
         &self,
-        assembly: &mut Assembly,
+        assembly: &mut TriangleAssembly,
         tile: &mut Tile<G>,
         image: &mut RgbaImage,
     ) {
         assembly.assemble(self.frame, self.solids, self.lens, &tile.pattern);
-        let view = View {
+        let view = RasterView {
             assembly,
             lens: self.lens,
             backdrop: self.backdrop,

@@ -2,8 +2,8 @@
 //!
 //! A sample on an edge that two triangles share belongs to exactly one of them. Holds no colours.
 
-use super::lens::Vertex;
-use super::samples::{Pattern, SUBPIXEL_BITS, SUBPIXELS};
+use super::lens::LensVertex;
+use super::samples::{SUBPIXEL_BITS, SUBPIXELS, SamplePattern};
 use super::window::{TILE, Window};
 use wide::{f32x4, i32x4};
 
@@ -24,7 +24,7 @@ pub(super) struct Plane {
 impl Plane {
     /// Through the corners; `ca` and `ab` are the steps of the edges opposite b and c.
     #[inline(always)]
-    pub(super) fn new([a, b, c]: [&Vertex; 3], ab: [f32; 2], ca: [f32; 2], area: f32) -> Self {
+    pub(super) fn new([a, b, c]: [&LensVertex; 3], ab: [f32; 2], ca: [f32; 2], area: f32) -> Self {
         let inverse = 1.0 / area;
         let (to_b, to_c) = ((b.depth - a.depth) * inverse, (c.depth - a.depth) * inverse);
         Self {
@@ -46,7 +46,7 @@ impl Plane {
     }
 
     #[inline(always)]
-    pub(super) fn offsets<const G: usize>(&self, pattern: &Pattern<G>) -> [f32x4; G] {
+    pub(super) fn offsets<const G: usize>(&self, pattern: &SamplePattern<G>) -> [f32x4; G] {
         std::array::from_fn(|g| {
             let (x, y) = (
                 pattern.x[g].map(|v| v as f32),
@@ -65,17 +65,17 @@ pub(super) struct Edges<const G: usize> {
 }
 
 /// Cells of a tile: first and last column, first and last row.
-pub(super) struct Cells {
+pub(super) struct RasterCells {
     pub(super) x: [i32; 2],
     pub(super) y: [i32; 2],
 }
 
-impl Cells {
+impl RasterCells {
     #[inline(always)]
     pub(super) fn new<const G: usize>(
         area: &Window,
         window: &Window,
-        pattern: &Pattern<G>,
+        pattern: &SamplePattern<G>,
     ) -> Self {
         let column = |x: i32| (x - window.x[0]) >> pattern.cell_bits;
         Self {
@@ -86,7 +86,7 @@ impl Cells {
 
     /// First pixel of the first cell.
     #[inline(always)]
-    fn origin<const G: usize>(&self, window: &Window, pattern: &Pattern<G>) -> [i32; 2] {
+    fn origin<const G: usize>(&self, window: &Window, pattern: &SamplePattern<G>) -> [i32; 2] {
         [
             window.x[0] + (self.x[0] << pattern.cell_bits),
             window.y[0] + self.y[0],
@@ -98,12 +98,12 @@ impl Cells {
 // One index through several arrays of vectors.
 #[allow(clippy::needless_range_loop)]
 #[inline(always)]
-pub(super) fn scan<const G: usize>(
+pub(super) fn scan_triangle<const G: usize>(
     mut edges: Edges<G>,
-    cells: &Cells,
+    cells: &RasterCells,
     plane: &Plane,
     origin: [i32; 2],
-    pattern: &Pattern<G>,
+    pattern: &SamplePattern<G>,
     visit: &mut impl Visit,
 ) {
     let offsets = plane.offsets(pattern);
@@ -138,7 +138,7 @@ pub(super) fn scan<const G: usize>(
 /// One edge: its value grows by `x` a screen unit to the right and by `y` a unit down, and is at least
 /// zero on the points that belong to the triangle.
 #[derive(Clone, Copy)]
-pub(super) struct Side<T> {
+pub(super) struct EdgeSide<T> {
     pub(super) x: T,
     pub(super) y: T,
     /// At the first cell's corner.
@@ -147,16 +147,16 @@ pub(super) struct Side<T> {
 
 /// A small triangle, all in 32 bits.
 #[inline(always)]
-pub(super) fn direct<const G: usize>(
-    corners: [&Vertex; 3],
+pub(super) fn shade_direct<const G: usize>(
+    corners: [&LensVertex; 3],
     window: &Window,
     area: &Window,
-    pattern: &Pattern<G>,
+    pattern: &SamplePattern<G>,
     mut visit: impl Visit,
 ) {
-    let cells = Cells::new(area, window, pattern);
+    let cells = RasterCells::new(area, window, pattern);
     let origin = cells.origin(window, pattern);
-    let side = |from: &Vertex, to: &Vertex| {
+    let side = |from: &LensVertex, to: &LensVertex| {
         let (x, y) = (to.y - from.y, from.x - to.x);
         // Without short cuts: a branch here would be a coin toss for the processor.
         let belongs = (x > 0) | ((x == 0) & (y > 0));
@@ -164,7 +164,7 @@ pub(super) fn direct<const G: usize>(
             (origin[0] << SUBPIXEL_BITS) - from.x,
             (origin[1] << SUBPIXEL_BITS) - from.y,
         );
-        Side {
+        EdgeSide {
             x,
             y,
             start: x * dx + y * dy - i32::from(!belongs),
@@ -173,10 +173,10 @@ pub(super) fn direct<const G: usize>(
     let [a, b, c] = corners;
     let sides = [side(a, b), side(b, c), side(c, a)];
     let double = sides[0].x * (c.x - a.x) + sides[0].y * (c.y - a.y);
-    let slope = |s: &Side<i32>| [s.x as f32, s.y as f32];
+    let slope = |s: &EdgeSide<i32>| [s.x as f32, s.y as f32];
     let plane = Plane::new(corners, slope(&sides[0]), slope(&sides[2]), double as f32);
     // A place times a step is below 2^24, where f32 is exact and its vector product is one instruction.
-    let lanes = |side: &Side<i32>| -> [i32x4; G] {
+    let lanes = |side: &EdgeSide<i32>| -> [i32x4; G] {
         std::array::from_fn(|g| {
             let offset = pattern.places_x[g] * f32x4::splat(side.x as f32)
                 + pattern.places_y[g] * f32x4::splat(side.y as f32);
@@ -189,5 +189,5 @@ pub(super) fn direct<const G: usize>(
         step_x: [0, 1, 2].map(|k| i32x4::splat(sides[k].x * cell)),
         step_y: [0, 1, 2].map(|k| i32x4::splat(sides[k].y * SUBPIXELS)),
     };
-    scan(edges, &cells, &plane, origin, pattern, &mut visit);
+    scan_triangle(edges, &cells, &plane, origin, pattern, &mut visit);
 }

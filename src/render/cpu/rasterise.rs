@@ -1,9 +1,9 @@
 //! Small triangles cell by cell, large ones block by block.
 
 use super::blocks::by_blocks;
-use super::lens::Vertex;
-use super::raster::{Visit, direct};
-use super::samples::Pattern;
+use super::lens::LensVertex;
+use super::raster::{Visit, shade_direct};
+use super::samples::SamplePattern;
 use super::window::Window;
 
 /// A triangle whose part in the tile has at most this many rows or columns is visited cell by cell; in
@@ -16,10 +16,10 @@ const DIRECT_REACH: i32 = 1 << 14;
 /// Calls `visit` for every vector of samples of which the triangle covers any. The corners are
 /// counter-clockwise on the screen.
 #[inline(always)]
-pub(super) fn rasterise<const G: usize>(
-    corners: [&Vertex; 3],
+pub(super) fn rasterise_block<const G: usize>(
+    corners: [&LensVertex; 3],
     window: &Window,
-    pattern: &Pattern<G>,
+    pattern: &SamplePattern<G>,
     visit: impl Visit,
 ) {
     let [a, b, c] = corners;
@@ -35,7 +35,7 @@ pub(super) fn rasterise<const G: usize>(
     }
     let small = area.x[1] - area.x[0] < DIRECT && area.y[1] - area.y[0] < DIRECT;
     if small && right - left < DIRECT_REACH && bottom - top < DIRECT_REACH {
-        direct(corners, window, &area, pattern, visit);
+        shade_direct(corners, window, &area, pattern, visit);
     } else {
         by_blocks(corners, window, &area, pattern, visit);
     }

@@ -50,7 +50,7 @@ pub(super) const LANES: usize = 4;
 ///
 /// With four samples or more a cell is one pixel; with two it is two and with one four pixels of a row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pattern<const G: usize> {
+pub(super) struct SamplePattern<const G: usize> {
     /// Samples of a pixel.
     pub(super) samples: usize,
     /// Places of the lanes from the cell's top left corner in screen units.
@@ -68,7 +68,7 @@ pub(super) struct Pattern<const G: usize> {
     pub(super) pitch_bits: u32,
 }
 
-impl<const G: usize> Pattern<G> {
+impl<const G: usize> SamplePattern<G> {
     /// The pattern of `samples` a pixel, which must fill `G` vectors or divide one.
     pub(super) fn new(samples: u32) -> Self {
         let places: &[[i32; 2]] = match samples {
@@ -119,7 +119,7 @@ impl<const G: usize> Pattern<G> {
 }
 
 /// Checks that a stage's sample count is one the renderer knows.
-pub(super) fn check(samples: u32) -> Result<(), RenderError> {
+pub(super) fn check_samples(samples: u32) -> Result<(), RenderError> {
     match samples {
         1 | 2 | 4 | 8 | 16 => Ok(()),
         other => Err(RenderError::Size(format!(
@@ -134,7 +134,7 @@ mod tests {
 
     /// Each pattern has one sample in each row and each column of its own fine grid.
     fn is_latin<const G: usize>(samples: usize) {
-        let pattern = Pattern::<G>::new(samples as u32);
+        let pattern = SamplePattern::<G>::new(samples as u32);
         assert_eq!(pattern.samples, samples);
         assert_eq!(samples << pattern.cell_bits, G * LANES);
         for places in [&pattern.x, &pattern.y] {
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn meets_finds_exactly_the_sample_columns() {
-        let pattern = Pattern::<1>::new(4);
+        let pattern = SamplePattern::<1>::new(4);
         for low in -300..300 {
             for high in low..low + 90 {
                 let truth = (low..=high).any(|x: i32| pattern.x[0].contains(&x.rem_euclid(256)));

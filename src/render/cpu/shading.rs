@@ -1,6 +1,6 @@
 //! Light on covered pixels, many at a time: one item for each facet that is seen in a pixel.
 
-use super::assembly::{Assembly, Facet};
+use super::assembly::{Facet, TriangleAssembly};
 use super::lens::Lens;
 use super::samples::SUBPIXELS;
 use crate::render::look::{self, Rgb, Surroundings};
@@ -10,7 +10,7 @@ pub(super) const BATCH: usize = 128;
 
 /// Items waiting for light, one array a quantity.
 #[derive(Clone, Debug)]
-pub(super) struct Batch {
+pub(super) struct ShadingBatch {
     count: usize,
     normal: [[f32; BATCH]; 3],
     to_viewer: [[f32; BATCH]; 3],
@@ -21,7 +21,7 @@ pub(super) struct Batch {
     pixel: [u32; BATCH],
 }
 
-impl Batch {
+impl ShadingBatch {
     pub(super) fn new() -> Self {
         Self {
             count: 0,
@@ -69,7 +69,7 @@ impl Batch {
         let mut colour = [[0.0; BATCH]; 3];
         for i in 0..BATCH {
             let at = |a: &[[f32; BATCH]; 3]| [a[0][i], a[1][i], a[2][i]];
-            let rgb = light(
+            let rgb = light_surface(
                 at(&self.normal),
                 at(&self.to_viewer),
                 around,
@@ -93,20 +93,26 @@ impl Batch {
 
 /// Light on one surface; neither direction need have length 1.
 #[inline(always)]
-pub(super) fn light(
+pub(super) fn light_surface(
     normal: [f32; 3],
     to_viewer: [f32; 3],
     around: &Surroundings,
     albedo: Rgb,
     flat: f32,
 ) -> Rgb {
-    look::shade(unit(normal), unit(to_viewer), around, albedo, flat)
+    look::shade_surface(
+        unit_vector(normal),
+        unit_vector(to_viewer),
+        around,
+        albedo,
+        flat,
+    )
 }
 
 /// The vector with length 1; a zero vector stays zero.
 #[inline(always)]
-pub(super) fn unit(v: [f32; 3]) -> [f32; 3] {
-    let scale = 1.0 / look::larger(look::dot(v, v), 1e-30).sqrt();
+pub(super) fn unit_vector(v: [f32; 3]) -> [f32; 3] {
+    let scale = 1.0 / look::larger_of(look::dot_product(v, v), 1e-30).sqrt();
     [v[0] * scale, v[1] * scale, v[2] * scale]
 }
 
@@ -115,7 +121,7 @@ pub(super) fn unit(v: [f32; 3]) -> [f32; 3] {
 /// Where the facet covers the pixel but not its middle, the nearest edge's normal is taken.
 #[inline(always)]
 pub(super) fn normal_at(
-    assembly: &Assembly,
+    assembly: &TriangleAssembly,
     facet: &Facet,
     lens: &Lens,
     x: i32,
@@ -123,12 +129,12 @@ pub(super) fn normal_at(
 ) -> [f32; 3] {
     let [a, b, c] = assembly.corners(&facet.corners);
     let (px, py) = (x * SUBPIXELS + SUBPIXELS / 2, y * SUBPIXELS + SUBPIXELS / 2);
-    let edge = |from: &super::lens::Vertex, to: &super::lens::Vertex| {
+    let edge = |from: &super::lens::LensVertex, to: &super::lens::LensVertex| {
         let value = (to.y - from.y) as f32 * (px - from.x) as f32
             + (from.x - to.x) as f32 * (py - from.y) as f32;
-        look::larger(value, 0.0)
+        look::larger_of(value, 0.0)
     };
-    let depth = |v: &super::lens::Vertex| if lens.perspective { v.depth } else { 1.0 };
+    let depth = |v: &super::lens::LensVertex| if lens.perspective { v.depth } else { 1.0 };
     let weights = [
         edge(b, c) * depth(a),
         edge(c, a) * depth(b),
@@ -136,7 +142,7 @@ pub(super) fn normal_at(
     ];
     let side = facet.side();
     // The weights' sum is of the size of the area; scaled to keep the squares within range.
-    let scale = side / look::larger(weights[0] + weights[1] + weights[2], 1e-30);
+    let scale = side / look::larger_of(weights[0] + weights[1] + weights[2], 1e-30);
     std::array::from_fn(|n| {
         (weights[0] * a.normal[n] + weights[1] * b.normal[n] + weights[2] * c.normal[n]) * scale
     })

@@ -1,12 +1,12 @@
 //! The stage's meshes in f32, checked once.
 
 use crate::geometry::Mesh;
-use crate::math::narrow;
+use crate::math::narrow_vector;
 use glam::DVec3;
 
 /// A mesh as the frame loop reads it.
 #[derive(Clone, Debug)]
-pub(super) struct Solid {
+pub(super) struct SolidPixels {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) normals: Vec<[f32; 3]>,
     /// Indices are within the vertices; a triangle that was not is all zeros and has no area.
@@ -17,7 +17,7 @@ pub(super) struct Solid {
     pub(super) bounds: [DVec3; 2],
 }
 
-impl Solid {
+impl SolidPixels {
     pub(super) fn new(mesh: &Mesh) -> Self {
         let count = mesh.positions.len().min(mesh.normals.len());
         let triangle = |t: &[u32; 3]| {
@@ -28,8 +28,14 @@ impl Solid {
             }
         };
         Self {
-            positions: mesh.positions[..count].iter().map(|p| narrow(*p)).collect(),
-            normals: mesh.normals[..count].iter().map(|n| narrow(*n)).collect(),
+            positions: mesh.positions[..count]
+                .iter()
+                .map(|p| narrow_vector(*p))
+                .collect(),
+            normals: mesh.normals[..count]
+                .iter()
+                .map(|n| narrow_vector(*n))
+                .collect(),
             triangles: if count > 0 {
                 mesh.triangles.iter().map(triangle).collect()
             } else {

@@ -5,7 +5,7 @@ use super::*;
 use crate::geometry::{Mesh, mesh_of};
 use crate::math::Pose;
 use crate::model::shape::Solid as Shape;
-use crate::render::colour::Curve;
+use crate::render::colour::ToneCurve;
 use crate::render::look::{Rim, Surroundings};
 use crate::render::{Camera, Ground, Instance, Projection, look};
 use glam::DVec3;
@@ -132,7 +132,7 @@ fn a_ball_covers_its_disc() {
                 flat_stage([64, 64], samples, vec![ball.clone()]),
                 vec![ball_there],
             );
-            let curve = Curve::shared();
+            let curve = ToneCurve::shared();
             let area: f64 = image
                 .pixels()
                 .map(|p| 1.0 - f64::from(curve.decode(p.0[0])))
@@ -174,7 +174,7 @@ fn the_nearer_surface_is_seen_in_any_order() {
 
 #[test]
 fn translucent_layers_blend_in_linear_light() {
-    let curve = Curve::shared();
+    let curve = ToneCurve::shared();
     let far = rectangle([-9.0, -9.0], [9.0, 9.0], -3.0);
     let near = rectangle([-9.0, -9.0], [9.0, 9.0], 2.0);
     let (first, second) = ([200, 40, 90], [20, 180, 250]);
@@ -209,7 +209,7 @@ fn translucent_layers_blend_in_linear_light() {
 
 #[test]
 fn shared_edges_have_no_cracks_and_no_overlap() {
-    let half = Curve::shared().encode(0.5);
+    let half = ToneCurve::shared().encode(0.5);
     let cases = [
         (sheet(60, 60.0, 1), [90, 70]),
         (sheet(7, 60.0, 2), [90, 70]),
@@ -248,7 +248,7 @@ fn a_plane_through_the_eye_is_cut_without_cracks() {
         ..instance(0, BLACK)
     };
     let image = draw(stage, vec![veil]);
-    let half = Curve::shared().encode(0.5);
+    let half = ToneCurve::shared().encode(0.5);
     for (_, y, pixel) in image.enumerate_pixels() {
         match y {
             0..=22 => assert_eq!(pixel.0[0], 255),
@@ -260,7 +260,7 @@ fn a_plane_through_the_eye_is_cut_without_cracks() {
 
 #[test]
 fn a_facing_surface_has_the_colour_of_the_look() {
-    let curve = Curve::shared();
+    let curve = ToneCurve::shared();
     let square = rectangle([-9.0, -9.0], [9.0, 9.0], 0.0);
     let colour = [194, 69, 45];
     let lit = Instance {
@@ -272,7 +272,7 @@ fn a_facing_surface_has_the_colour_of_the_look() {
         vec![lit.clone()],
     );
     let facing = [0.0, 0.0, 1.0];
-    let light = look::shade(
+    let light = look::shade_surface(
         facing,
         facing,
         &Surroundings {
@@ -329,7 +329,7 @@ fn workshop(samples: u32) -> (Stage, Frame) {
         meshes: solids.iter().map(|s| mesh_of(s, 0.002)).collect(),
         size: [161, 99],
         samples,
-        camera: crate::render::camera::fit(corners.into_iter(), &view, projection, 1.6, 0.1),
+        camera: crate::render::camera::fit_camera(corners.into_iter(), &view, projection, 1.6, 0.1),
         background: [245, 246, 248],
         rim: Rim::DARK,
         ground: Some(ground),

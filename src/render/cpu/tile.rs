@@ -1,14 +1,14 @@
 //! One tile of the picture: nearest facet of every sample, then light, then bytes.
 
-use super::assembly::{Assembly, Bin};
-use super::cell::{Cell, NOTHING, facets_of};
-use super::rasterise::rasterise;
-use super::samples::{LANES, Pattern, SUBPIXELS};
-use super::shading::{Batch, normal_at};
+use super::assembly::{TileBin, TriangleAssembly};
+use super::cell::{NOTHING, PixelCell, facets_of};
+use super::rasterise::rasterise_block;
+use super::samples::{LANES, SUBPIXELS, SamplePattern};
+use super::shading::{ShadingBatch, normal_at};
 use super::translucent::Layers;
-use super::view::View;
+use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_pixels};
-use crate::render::colour::Curve;
+use crate::render::colour::ToneCurve;
 use wide::{f32x4, i32x4};
 
 /// Marks the colour of a pixel in which no facet is seen.
@@ -19,11 +19,11 @@ const MOST_SAMPLES: usize = 16;
 /// The samples of one tile, reused for all, row by row.
 #[derive(Clone, Debug)]
 pub(super) struct Tile<const G: usize> {
-    pub(super) pattern: Pattern<G>,
-    cells: Vec<Cell<G>>,
+    pub(super) pattern: SamplePattern<G>,
+    cells: Vec<PixelCell<G>>,
     /// Linear colours of the pixels.
     colour: Vec<[f32; 3]>,
-    batch: Batch,
+    batch: ShadingBatch,
     layers: Layers,
 }
 
@@ -58,7 +58,7 @@ impl Seen {
     /// Makes facets of one smooth surface into one, the one with most samples: the light on either is the
     /// same but for the curvature within a pixel.
     #[inline(always)]
-    fn merge(&mut self, assembly: &Assembly) {
+    fn merge(&mut self, assembly: &TriangleAssembly) {
         let mut i = 0;
         while i + 1 < self.count {
             let (first, mut sum) = self.facets[i];
@@ -66,7 +66,7 @@ impl Seen {
             let mut j = i + 1;
             while j < self.count {
                 let other = self.facets[j];
-                if first != NOTHING && other.0 != NOTHING && smooth(assembly, first, other.0) {
+                if first != NOTHING && other.0 != NOTHING && is_smooth(assembly, first, other.0) {
                     sum += other.1;
                     if other.1 > most.1 {
                         most = other;
@@ -85,7 +85,7 @@ impl Seen {
 
 /// Whether two facets have a vertex, and so its normal, in common.
 #[inline(always)]
-fn smooth(assembly: &Assembly, first: i32, second: i32) -> bool {
+fn is_smooth(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
     let [a, b, c] = assembly.facets[first as usize].corners;
     let other = &assembly.facets[second as usize].corners;
     let shared = |v: u32| (v == other[0]) | (v == other[1]) | (v == other[2]);
@@ -94,23 +94,23 @@ fn smooth(assembly: &Assembly, first: i32, second: i32) -> bool {
 
 /// Whether all samples of a pixel show facets that are the first one or smooth with it.
 #[inline(always)]
-fn one_surface<const S: usize>(assembly: &Assembly, samples: &[i32; S]) -> bool {
+fn one_surface<const S: usize>(assembly: &TriangleAssembly, samples: &[i32; S]) -> bool {
     let first = samples[0];
     samples[1..].iter().all(|facet| {
         *facet == first
-            || (first != NOTHING && *facet != NOTHING && smooth(assembly, first, *facet))
+            || (first != NOTHING && *facet != NOTHING && is_smooth(assembly, first, *facet))
     })
 }
 
 impl<const G: usize> Tile<G> {
     pub(super) fn new(samples: u32) -> Self {
-        let pattern = Pattern::new(samples);
+        let pattern = SamplePattern::new(samples);
         let cells = AREA >> pattern.cell_bits;
         Self {
             pattern,
-            cells: vec![Cell::BARE; cells],
+            cells: vec![PixelCell::BARE; cells],
             colour: vec![[0.0; 3]; AREA],
-            batch: Batch::new(),
+            batch: ShadingBatch::new(),
             layers: Layers::default(),
         }
     }
@@ -119,7 +119,7 @@ impl<const G: usize> Tile<G> {
     /// tile's first row on, `stride` bytes a row.
     pub(super) fn draw(
         &mut self,
-        view: &View,
+        view: &RasterView,
         number: usize,
         window: Window,
         bytes: &mut [u8],
@@ -129,9 +129,9 @@ impl<const G: usize> Tile<G> {
         let shadow = view
             .shadow
             .filter(|_| view.backdrop.shaded(number, view.shadow));
-        let view = View { shadow, ..*view };
+        let view = RasterView { shadow, ..*view };
         if bin.opaque.is_empty() && bin.translucent.is_empty() {
-            bare(&view, window, bytes, stride);
+            fill_background(&view, window, bytes, stride);
             return;
         }
         self.clear(&view, window);
@@ -148,8 +148,8 @@ impl<const G: usize> Tile<G> {
         self.write(&view, window, bytes, stride);
     }
 
-    fn clear(&mut self, view: &View, window: Window) {
-        self.cells.fill(Cell::BARE);
+    fn clear(&mut self, view: &RasterView, window: Window) {
+        self.cells.fill(PixelCell::BARE);
         if !view.below_ground {
             return;
         }
@@ -169,7 +169,7 @@ impl<const G: usize> Tile<G> {
     }
 
     /// Hands the opaque facets on to be drawn over.
-    fn begin_layers(&mut self, view: &View, window: Window) {
+    fn begin_layers(&mut self, view: &RasterView, window: Window) {
         let (layers, cells) = (&mut self.layers, self.cells.as_slice());
         match self.pattern.samples {
             1 => layers.begin(view, window, |pixel| facets_of::<1, G>(cells, pixel)),
@@ -182,13 +182,13 @@ impl<const G: usize> Tile<G> {
 
     /// Finds the nearest opaque facet of every sample; of equally near ones the first.
     #[inline(never)]
-    fn cover(&mut self, view: &View, bin: &Bin, window: Window) {
+    fn cover(&mut self, view: &RasterView, bin: &TileBin, window: Window) {
         for number in &bin.opaque {
             let facet = &view.assembly.facets[*number as usize];
             let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
             let cells = self.cells.as_mut_slice();
-            rasterise(corners, &window, &self.pattern, |cell, g, covered, new| {
+            rasterise_block(corners, &window, &self.pattern, |cell, g, covered, new| {
                 let cell = &mut cells[cell];
                 let old = f32x4::from(cell.depth[g]);
                 let wins = new.simd_gt(old) & covered;
@@ -200,7 +200,7 @@ impl<const G: usize> Tile<G> {
     }
 
     /// Lights each smooth surface once in each pixel where it is seen, weighted by its samples.
-    fn light(&mut self, view: &View, window: Window) {
+    fn light(&mut self, view: &RasterView, window: Window) {
         match self.pattern.samples {
             1 => self.light_samples::<1>(view, window),
             2 => self.light_samples::<2>(view, window),
@@ -211,7 +211,7 @@ impl<const G: usize> Tile<G> {
     }
 
     #[inline(never)]
-    fn light_samples<const S: usize>(&mut self, view: &View, window: Window) {
+    fn light_samples<const S: usize>(&mut self, view: &RasterView, window: Window) {
         let cells = self.cells.as_slice();
         let colour = self.colour.as_mut_slice();
         for_pixels(window, |pixel, x, y| {
@@ -244,8 +244,8 @@ impl<const G: usize> Tile<G> {
     }
 
     #[inline(never)]
-    fn write(&self, view: &View, window: Window, bytes: &mut [u8], stride: usize) {
-        let curve = Curve::shared();
+    fn write(&self, view: &RasterView, window: Window, bytes: &mut [u8], stride: usize) {
+        let curve = ToneCurve::shared();
         for y in window.y[0]..=window.y[1] {
             let row = (y - window.y[0]) as usize;
             let first = window.x[0] as usize;
@@ -268,13 +268,13 @@ impl<const G: usize> Tile<G> {
     }
 }
 
-impl Batch {
+impl ShadingBatch {
     /// Adds a facet in a pixel, lighting the batch when it is full.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn add(
         &mut self,
-        view: &View,
+        view: &RasterView,
         number: i32,
         x: i32,
         y: i32,
@@ -301,11 +301,11 @@ impl Batch {
 }
 
 #[inline(always)]
-fn bare_pixel(view: &View, x: usize, y: usize) -> [u8; 4] {
+fn bare_pixel(view: &RasterView, x: usize, y: usize) -> [u8; 4] {
     if view.shadow.is_some() {
         let (rgb, changed) = view.backdrop.linear(x, y, view.shadow);
         if changed {
-            let curve = Curve::shared();
+            let curve = ToneCurve::shared();
             return [
                 curve.encode(rgb[0]),
                 curve.encode(rgb[1]),
@@ -318,7 +318,7 @@ fn bare_pixel(view: &View, x: usize, y: usize) -> [u8; 4] {
 }
 
 /// A tile that no facet touches.
-fn bare(view: &View, window: Window, bytes: &mut [u8], stride: usize) {
+fn fill_background(view: &RasterView, window: Window, bytes: &mut [u8], stride: usize) {
     for y in window.y[0]..=window.y[1] {
         let (first, count) = (
             window.x[0] as usize,

@@ -1,11 +1,11 @@
 //! Translucent facets over an opaque tile: a colour for every sample, blended far to near.
 
-use super::assembly::Bin;
-use super::cell::{Cell, NOTHING};
-use super::rasterise::rasterise;
-use super::samples::{LANES, Pattern};
-use super::shading::{light, normal_at, unit};
-use super::view::View;
+use super::assembly::TileBin;
+use super::cell::{NOTHING, PixelCell};
+use super::rasterise::rasterise_block;
+use super::samples::{LANES, SamplePattern};
+use super::shading::{light_surface, normal_at, unit_vector};
+use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_pixels};
 use crate::render::look::{self, Rgb};
 use wide::f32x4;
@@ -17,13 +17,16 @@ pub(super) struct Layers {
 }
 
 /// Light on a facet in a pixel, and the cosine between its normal and the line of sight.
-fn lit(view: &View, number: usize, x: i32, y: i32) -> (Rgb, f32) {
+fn lit_colour(view: &RasterView, number: usize, x: i32, y: i32) -> (Rgb, f32) {
     let facet = &view.assembly.facets[number];
     let paint = &view.assembly.paints[facet.instance()];
     let normal = normal_at(view.assembly, facet, view.lens, x, y);
     let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
-    let cosine = look::saturate(look::dot(unit(normal), unit(to_viewer)));
-    let rgb = light(normal, to_viewer, &view.around, paint.albedo, paint.flat);
+    let cosine = look::clamp_unit(look::dot_product(
+        unit_vector(normal),
+        unit_vector(to_viewer),
+    ));
+    let rgb = light_surface(normal, to_viewer, &view.around, paint.albedo, paint.flat);
     (rgb, cosine)
 }
 
@@ -31,7 +34,7 @@ impl Layers {
     /// Takes over the opaque facets of a tile, `S` for each pixel.
     pub(super) fn begin<const S: usize>(
         &mut self,
-        view: &View,
+        view: &RasterView,
         window: Window,
         facets: impl Fn(usize) -> [i32; S],
     ) {
@@ -45,7 +48,7 @@ impl Layers {
                     _ if *facet == NOTHING => {
                         view.backdrop.linear(x as usize, y as usize, view.shadow).0
                     }
-                    _ => lit(view, *facet as usize, x, y).0,
+                    _ => lit_colour(view, *facet as usize, x, y).0,
                 };
                 last = Some((*facet, rgb));
                 *colour = rgb;
@@ -56,17 +59,17 @@ impl Layers {
     /// Blends the translucent facets of a bin in its order; `cells` hold the depth of the opaque samples.
     pub(super) fn blend<const G: usize>(
         &mut self,
-        view: &View,
-        bin: &Bin,
+        view: &RasterView,
+        bin: &TileBin,
         window: Window,
-        pattern: &Pattern<G>,
-        cells: &[Cell<G>],
+        pattern: &SamplePattern<G>,
+        cells: &[PixelCell<G>],
     ) {
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
             let paint = view.assembly.paints[facet.instance()];
             let corners = view.assembly.corners(&facet.corners);
-            rasterise(corners, &window, pattern, |cell, g, covered, new| {
+            rasterise_block(corners, &window, pattern, |cell, g, covered, new| {
                 let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
                 let mut lanes = seen.to_bitmask();
                 while lanes != 0 {
@@ -76,9 +79,9 @@ impl Layers {
                     let last = (pixel + 1) * pattern.samples;
                     let x = window.x[0] + (pixel % TILE) as i32;
                     let y = window.y[0] + (pixel / TILE) as i32;
-                    let (rgb, cosine) = lit(view, *number as usize, x, y);
+                    let (rgb, cosine) = lit_colour(view, *number as usize, x, y);
                     let curved = look::edge_opacity(paint.opacity, cosine);
-                    let opacity = look::mix(curved, paint.opacity, paint.flat);
+                    let opacity = look::mix_values(curved, paint.opacity, paint.flat);
                     while lanes != 0 {
                         let bit = lanes.trailing_zeros();
                         let sample = (cell * G + g) * LANES + bit as usize;
@@ -87,7 +90,7 @@ impl Layers {
                         }
                         lanes &= lanes - 1;
                         let below = &mut self.colour[sample];
-                        *below = [0, 1, 2].map(|k| look::mix(below[k], rgb[k], opacity));
+                        *below = [0, 1, 2].map(|k| look::mix_values(below[k], rgb[k], opacity));
                     }
                 }
             });

@@ -1,6 +1,6 @@
 //! What all tiles of a frame are drawn from.
 
-use super::assembly::Assembly;
+use super::assembly::TriangleAssembly;
 use super::backdrop::Backdrop;
 use super::lens::Lens;
 use crate::render::contact_shadow::ContactShadow;
@@ -8,8 +8,8 @@ use crate::render::look::Surroundings;
 
 /// What is the same for all tiles of a frame.
 #[derive(Clone, Copy)]
-pub(super) struct View<'a> {
-    pub(super) assembly: &'a Assembly,
+pub(super) struct RasterView<'a> {
+    pub(super) assembly: &'a TriangleAssembly,
     pub(super) lens: &'a Lens,
     pub(super) backdrop: &'a Backdrop,
     pub(super) shadow: Option<&'a ContactShadow>,

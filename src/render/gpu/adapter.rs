@@ -5,23 +5,23 @@ use crate::render::adapter::{AdapterChoice, AdapterInfo, DeviceKind};
 use std::cmp::Ordering;
 
 /// The adapters of this machine, best first. Empty where no driver is installed.
-pub fn list() -> Vec<AdapterInfo> {
-    found().iter().map(describe).collect()
+pub fn list_adapters() -> Vec<AdapterInfo> {
+    found_adapters().iter().map(describe_adapter).collect()
 }
 
 /// The best adapter that `choice` accepts.
-pub fn choose(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo), RenderError> {
+pub fn choose_adapter(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo), RenderError> {
     let adapters = if *choice == AdapterChoice::Hardware && !may_have_hardware() {
         Vec::new()
     } else {
-        found()
+        found_adapters()
     };
-    let known: Vec<AdapterInfo> = adapters.iter().map(describe).collect();
+    let known: Vec<AdapterInfo> = adapters.iter().map(describe_adapter).collect();
     let best = adapters
         .into_iter()
         .zip(known.iter().cloned())
         .find(|(_, info)| choice.accepts(info));
-    best.ok_or_else(|| RenderError::NoAdapter(explain(choice, &known, &backends())))
+    best.ok_or_else(|| RenderError::NoAdapter(explain_choice(choice, &known, &backend_names())))
 }
 
 /// False only where a look at the device files tells that there is no graphics hardware, which spares the start of
@@ -45,16 +45,22 @@ fn may_have_hardware() -> bool {
         .any(|name| std::path::Path::new("/dev").join(name).exists())
 }
 
-fn found() -> Vec<wgpu::Adapter> {
+fn found_adapters() -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     // Stable: among equals the driver's own order stays.
-    adapters.sort_by(|a, b| preference(&describe(a), &describe(b), trusts_software_vulkan()));
+    adapters.sort_by(|a, b| {
+        adapter_preference(
+            &describe_adapter(a),
+            &describe_adapter(b),
+            trusts_software_vulkan(),
+        )
+    });
     adapters
 }
 
 /// Hardware before software; among the same kind Metal, DX12 and Vulkan before GL.
-fn preference(a: &AdapterInfo, b: &AdapterInfo, software_vulkan: bool) -> Ordering {
+fn adapter_preference(a: &AdapterInfo, b: &AdapterInfo, software_vulkan: bool) -> Ordering {
     let rank = |info: &AdapterInfo| {
         let is_gl = info.backend == "Gl";
         let gl_first = info.device_type == DeviceKind::Software && !software_vulkan;
@@ -72,7 +78,7 @@ fn trusts_software_vulkan() -> bool {
     return true;
 }
 
-fn describe(adapter: &wgpu::Adapter) -> AdapterInfo {
+fn describe_adapter(adapter: &wgpu::Adapter) -> AdapterInfo {
     let info = adapter.get_info();
     let driver = match (info.driver.is_empty(), info.driver_info.is_empty()) {
         (_, true) => info.driver,
@@ -95,7 +101,7 @@ fn describe(adapter: &wgpu::Adapter) -> AdapterInfo {
 }
 
 /// Names of the interfaces this build can try.
-fn backends() -> Vec<String> {
+fn backend_names() -> Vec<String> {
     let compiled = wgpu::Instance::enabled_backend_features();
     compiled
         .iter_names()
@@ -104,7 +110,7 @@ fn backends() -> Vec<String> {
 }
 
 /// What was tried, what was found, and what helps.
-fn explain(choice: &AdapterChoice, known: &[AdapterInfo], tried: &[String]) -> String {
+fn explain_choice(choice: &AdapterChoice, known: &[AdapterInfo], tried: &[String]) -> String {
     let found = if known.is_empty() {
         "none were found".to_owned()
     } else {
@@ -143,7 +149,7 @@ mod tests {
                 info(DeviceKind::Integrated, "Vulkan"),
                 info(DeviceKind::Discrete, "Vulkan"),
             ];
-            all.sort_by(|a, b| preference(a, b, software_vulkan));
+            all.sort_by(|a, b| adapter_preference(a, b, software_vulkan));
             all.into_iter()
                 .map(|i| format!("{} {}", i.device_type, i.backend))
                 .collect::<Vec<_>>()
@@ -157,7 +163,7 @@ mod tests {
     #[test]
     fn the_explanation_names_backends_findings_and_package() {
         let known = [info(DeviceKind::Software, "Gl")];
-        let text = explain(&AdapterChoice::Hardware, &known, &["VULKAN".to_owned()]);
+        let text = explain_choice(&AdapterChoice::Hardware, &known, &["VULKAN".to_owned()]);
         for part in [
             "hardware adapter",
             "VULKAN",

@@ -2,9 +2,9 @@
 
 use super::device::Device;
 use super::frame::MeshSpan;
-use super::layout::{InstanceData, Vertex};
+use super::layout::{GpuVertex, InstanceData};
 use crate::geometry::Mesh;
-use crate::math::narrow;
+use crate::math::narrow_vector;
 use crate::render::RenderError;
 use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -30,30 +30,30 @@ impl Meshes {
         for mesh in meshes {
             let base = vertices.len() as u32;
             let pairs = mesh.positions.iter().zip(&mesh.normals);
-            vertices.extend(pairs.map(|(position, normal)| Vertex {
-                position: narrow(*position),
-                normal: narrow(*normal),
+            vertices.extend(pairs.map(|(position, normal)| GpuVertex {
+                position: narrow_vector(*position),
+                normal: narrow_vector(*normal),
             }));
             let count = vertices.len() as u32 - base;
             spans.push(MeshSpan {
                 first_index: indices.len() as u32,
                 triangles: mesh.triangles.len() as u32,
                 closed: mesh.hides_its_inside(),
-                middle: middle(mesh),
+                middle: mesh_middle(mesh),
             });
             let sound = mesh.triangles.iter().map(|t| sound_corners(*t, count));
             indices.extend(sound.flatten().map(|corner| base + corner));
         }
         Ok(Self {
-            vertices: upload(device, "vertices", &vertices, wgpu::BufferUsages::VERTEX),
-            indices: upload(device, "indices", &indices, wgpu::BufferUsages::INDEX),
+            vertices: upload_buffer(device, "vertices", &vertices, wgpu::BufferUsages::VERTEX),
+            indices: upload_buffer(device, "indices", &indices, wgpu::BufferUsages::INDEX),
             spans,
         })
     }
 }
 
 /// A buffer of at least one element: empty ones cannot be bound.
-fn upload<T: bytemuck::Pod>(
+fn upload_buffer<T: bytemuck::Pod>(
     device: &Device,
     label: &str,
     data: &[T],
@@ -71,7 +71,7 @@ fn upload<T: bytemuck::Pod>(
 fn check_total(meshes: &[Mesh], largest: u64) -> Result<(), RenderError> {
     let vertices: usize = meshes.iter().map(|m| m.positions.len()).sum();
     let corners: usize = meshes.iter().map(|m| 3 * m.triangles.len()).sum();
-    let bytes = (vertices * size_of::<Vertex>()).max(corners * size_of::<u32>()) as u64;
+    let bytes = (vertices * size_of::<GpuVertex>()).max(corners * size_of::<u32>()) as u64;
     if bytes > largest || vertices > u32::MAX as usize || corners > u32::MAX as usize {
         return Err(RenderError::Size(format!(
             "the scene's meshes take {} MiB, more than the {} MiB this adapter holds in one buffer",
@@ -92,7 +92,7 @@ fn sound_corners(triangle: [u32; 3], vertices: u32) -> [u32; 3] {
 }
 
 /// Middle of the bounding box; the origin for an empty mesh.
-fn middle(mesh: &Mesh) -> DVec3 {
+fn mesh_middle(mesh: &Mesh) -> DVec3 {
     mesh.bounds()
         .map_or(DVec3::ZERO, |[low, high]| 0.5 * (low + high))
 }
@@ -106,7 +106,7 @@ impl InstanceBuffer {
     /// An empty buffer.
     pub fn new(device: &Device) -> Self {
         Self {
-            buffer: allocate(device, 64),
+            buffer: allocate_instances(device, 64),
         }
     }
 
@@ -114,14 +114,14 @@ impl InstanceBuffer {
     pub fn write(&mut self, device: &Device, instances: &[InstanceData]) -> &wgpu::Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(instances);
         if bytes.len() as u64 > self.buffer.size() {
-            self.buffer = allocate(device, instances.len().next_power_of_two());
+            self.buffer = allocate_instances(device, instances.len().next_power_of_two());
         }
         device.queue.write_buffer(&self.buffer, 0, bytes);
         &self.buffer
     }
 }
 
-fn allocate(device: &Device, instances: usize) -> wgpu::Buffer {
+fn allocate_instances(device: &Device, instances: usize) -> wgpu::Buffer {
     device.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("instances"),
         size: (instances * size_of::<InstanceData>()) as u64,

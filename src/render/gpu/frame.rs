@@ -35,7 +35,7 @@ pub struct Draw {
 
 /// What a frame draws.
 #[derive(Clone, Debug, Default)]
-pub struct Plan {
+pub struct DrawPlan {
     /// Opaque instances in the frame's order, then translucent ones from back to front.
     pub instances: Vec<InstanceData>,
     /// Opaque draws.
@@ -44,7 +44,7 @@ pub struct Plan {
     pub translucent: Vec<Draw>,
 }
 
-impl Plan {
+impl DrawPlan {
     /// Orders a frame's instances. Triangle ranges are cut to the mesh; instances of opacity 0 or less and empty
     /// ranges are left out, and so are instances of a mesh that the stage lacks.
     pub fn new(frame: &Frame, spans: &[MeshSpan], camera_from_world: &Pose) -> Self {
@@ -56,7 +56,7 @@ impl Plan {
             };
             if instance.opacity >= 1.0 {
                 let data = instance_data(instance, camera_from_world);
-                push(&mut plan.opaque, &mut plan.instances, &span, instance, data);
+                push_draw(&mut plan.opaque, &mut plan.instances, &span, instance, data);
             } else if instance.opacity > 0.0 {
                 let place = *camera_from_world * instance.world_from_mesh;
                 translucent.push((place.transform_point(span.middle).z, span, instance));
@@ -67,14 +67,14 @@ impl Plan {
         for (_, span, instance) in translucent {
             let data = instance_data(instance, camera_from_world);
             let draws = &mut plan.translucent;
-            push(draws, &mut plan.instances, &span, instance, data);
+            push_draw(draws, &mut plan.instances, &span, instance, data);
         }
         plan
     }
 }
 
 /// Appends an instance, to the last draw if that draws the same triangles.
-fn push(
+fn push_draw(
     draws: &mut Vec<Draw>,
     instances: &mut Vec<InstanceData>,
     span: &MeshSpan,
@@ -138,12 +138,12 @@ mod tests {
         }
     }
 
-    fn plan(instances: Vec<Instance>) -> Plan {
+    fn plan(instances: Vec<Instance>) -> DrawPlan {
         let frame = Frame {
             instances,
             ..Frame::default()
         };
-        Plan::new(&frame, &SPANS, &Pose::IDENTITY)
+        DrawPlan::new(&frame, &SPANS, &Pose::IDENTITY)
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Mirrors `Globals` of `shaders/scene.wgsl` and the vertex inputs of `shaders/body.wgsl`.
 
 use crate::math::{Pose, narrow_pose};
-use crate::render::colour::Curve;
+use crate::render::colour::ToneCurve;
 use crate::render::ground::{GroundView, ground_axes};
 use crate::render::{Camera, Instance, Projection, Stage};
 use bytemuck::{Pod, Zeroable};
@@ -12,7 +12,7 @@ use glam::DVec3;
 /// A mesh's vertex, in the mesh's frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Vertex {
+pub struct GpuVertex {
     /// Place, in the scene's unit.
     pub position: [f32; 3],
     /// Outward unit normal.
@@ -56,7 +56,7 @@ pub struct Globals {
 // WGSL lays these out without gaps: vec4s in the uniform, tightly packed vertex attributes.
 const _: () = assert!(size_of::<Globals>() == 8 * 16);
 const _: () = assert!(size_of::<InstanceData>() == 80);
-const _: () = assert!(size_of::<Vertex>() == 24);
+const _: () = assert!(size_of::<GpuVertex>() == 24);
 
 /// Depth as the buffer stores it: `(a d + b) / (c d + e)` of the distance d, 1 at the near plane and smaller
 /// behind (reversed, because floats are densest at 0).
@@ -89,7 +89,7 @@ impl Globals {
         let per_unit = camera.pixels_per_unit(stage.size);
         let depth = DepthMap::new(camera, ground_reach(stage, camera));
         let up = up_in_camera(stage, camera);
-        let [r, g, b] = Curve::shared().decode_rgb(stage.background);
+        let [r, g, b] = ToneCurve::shared().decode_rgb(stage.background);
         let perspective = if camera.is_perspective() { 1.0 } else { 0.0 };
         let mut globals = Self {
             scale: [
@@ -99,16 +99,16 @@ impl Globals {
                 stage.rim.loss,
             ],
             depth: depth.factors.map(|f| f as f32),
-            up: row(up.to_array(), perspective),
+            up: matrix_row(up.to_array(), perspective),
             background: [r, g, b, 1.0],
             ..Self::zeroed()
         };
         if let (Some(view), Some(ground)) = (ground, &stage.ground) {
-            globals.ground_u = row(view.u, f64::from(ground.shade[0]));
-            globals.ground_v = row(view.v, f64::from(ground.shade[1]));
-            globals.ground_w = row(view.w, 0.0);
+            globals.ground_u = matrix_row(view.u, f64::from(ground.shade[0]));
+            globals.ground_v = matrix_row(view.v, f64::from(ground.shade[1]));
+            globals.ground_w = matrix_row(view.w, 0.0);
             let pitch = (ground.grid / ground.radius).max(0.0);
-            globals.ground_depth = row(ground_depth(view, &depth, size), pitch);
+            globals.ground_depth = matrix_row(ground_depth(view, &depth, size), pitch);
         }
         globals
     }
@@ -136,7 +136,7 @@ fn up_in_camera(stage: &Stage, camera: &Camera) -> DVec3 {
 
 /// The instance as the shader takes it.
 pub fn instance_data(instance: &Instance, camera_from_world: &Pose) -> InstanceData {
-    let [r, g, b] = Curve::shared().decode_rgb(instance.colour);
+    let [r, g, b] = ToneCurve::shared().decode_rgb(instance.colour);
     let flatness = (instance.flat as f32).clamp(0.0, 1.0);
     InstanceData {
         camera_from_mesh: narrow_pose(&(*camera_from_world * instance.world_from_mesh)),
@@ -179,7 +179,7 @@ fn ground_depth(view: &GroundView, depth: &DepthMap, size: [f64; 2]) -> [f64; 3]
     ]
 }
 
-fn row(v: [f64; 3], last: f64) -> [f32; 4] {
+fn matrix_row(v: [f64; 3], last: f64) -> [f32; 4] {
     [v[0] as f32, v[1] as f32, v[2] as f32, last as f32]
 }
 
@@ -188,7 +188,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use crate::render::Ground;
-    use crate::render::camera::{ViewDirection, fit};
+    use crate::render::camera::{ViewDirection, fit_camera};
     use crate::render::look::Rim;
 
     fn stage(projection: Projection) -> Stage {
@@ -202,7 +202,7 @@ mod tests {
             meshes: Vec::new(),
             size: [320, 200],
             samples: 4,
-            camera: fit(corners.into_iter(), &view, projection, 1.6, 0.1),
+            camera: fit_camera(corners.into_iter(), &view, projection, 1.6, 0.1),
             background: [250, 250, 250],
             rim: Rim::DARK,
             ground: Some(Ground {

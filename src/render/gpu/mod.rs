@@ -22,13 +22,13 @@ use super::{Camera, Frame, RenderError, Renderer, Stage};
 use buffers::{InstanceBuffer, Meshes};
 use bytemuck::bytes_of;
 use device::{Device, nearest_sample_count};
-use frame::Plan;
+use frame::DrawPlan;
 use image::RgbaImage;
 use layout::Globals;
 use pipelines::Pipelines;
 use shadow::ShadowTexture;
 use std::sync::Arc;
-use target::Target;
+use target::DrawTarget;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// Draws one stage on one adapter.
@@ -37,7 +37,7 @@ pub struct GpuRenderer {
     info: AdapterInfo,
     device: Device,
     pipelines: Pipelines,
-    target: Target,
+    target: DrawTarget,
     meshes: Meshes,
     instances: InstanceBuffer,
     globals: Globals,
@@ -58,7 +58,7 @@ impl GpuRenderer {
     /// Every adapter draws 1 or 4 samples a pixel, many also 2, 8 or 16; another number is replaced by the nearest
     /// supported one. Errors: no such adapter; the device refuses; a picture or mesh beyond its limits.
     pub fn open(stage: Arc<Stage>, choice: AdapterChoice) -> Result<Self, RenderError> {
-        let (adapter, info) = adapter::choose(&choice)?;
+        let (adapter, info) = adapter::choose_adapter(&choice)?;
         let device = Device::open(&adapter)?;
         let samples = nearest_sample_count(stage.samples, &device.sample_counts);
         let pipelines = Pipelines::new(&device, samples);
@@ -84,16 +84,16 @@ impl GpuRenderer {
         info: AdapterInfo,
         (samples, pipelines, meshes): (u32, Pipelines, Meshes),
     ) -> Result<Self, RenderError> {
-        let target = Target::new(&device, stage.size, samples)?;
+        let target = DrawTarget::new(&device, stage.size, samples)?;
         let (globals, ground_seen) = globals_of(&stage, &stage.camera);
         let globals_buffer = device.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("globals"),
             contents: bytes_of(&globals),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
-        let sampler = shadow::sampler(&device);
+        let sampler = shadow::shadow_sampler(&device);
         let shadow = ShadowTexture::new(&device, 1);
-        let bindings = bind(
+        let bindings = bind_group(
             &device,
             &pipelines.bindings,
             &globals_buffer,
@@ -144,7 +144,7 @@ impl GpuRenderer {
         let shadow = caster.cast(frame);
         if !self.shadow.fits(shadow) {
             self.shadow = ShadowTexture::new(&self.device, shadow.size);
-            self.bindings = bind(
+            self.bindings = bind_group(
                 &self.device,
                 &self.pipelines.bindings,
                 &self.globals_buffer,
@@ -155,7 +155,7 @@ impl GpuRenderer {
         self.shadow.write(&self.device, shadow);
     }
 
-    fn record(&mut self, plan: &Plan) -> wgpu::CommandEncoder {
+    fn record(&mut self, plan: &DrawPlan) -> wgpu::CommandEncoder {
         let instances = self.instances.write(&self.device, &plan.instances);
         let mut encoder =
             self.device
@@ -174,15 +174,15 @@ impl GpuRenderer {
             } else {
                 &self.pipelines.open
             };
-            run(&mut pass, pipeline, draw);
+            run_pipeline(&mut pass, pipeline, draw);
         }
         if self.ground_seen {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..self.globals.ground_layers());
         }
         for draw in &plan.translucent {
-            run(&mut pass, &self.pipelines.translucent_back, draw);
-            run(&mut pass, &self.pipelines.translucent_front, draw);
+            run_pipeline(&mut pass, &self.pipelines.translucent_back, draw);
+            run_pipeline(&mut pass, &self.pipelines.translucent_front, draw);
         }
         drop(pass);
         encoder
@@ -199,7 +199,11 @@ fn globals_of(stage: &Stage, camera: &Camera) -> (Globals, bool) {
     )
 }
 
-fn run(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, draw: &frame::Draw) {
+fn run_pipeline(
+    pass: &mut wgpu::RenderPass<'_>,
+    pipeline: &wgpu::RenderPipeline,
+    draw: &frame::Draw,
+) {
     pass.set_pipeline(pipeline);
     pass.draw_indexed(
         draw.first_index..draw.first_index + draw.indices,
@@ -208,7 +212,7 @@ fn run(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, draw: &
     );
 }
 
-fn bind(
+fn bind_group(
     device: &Device,
     layout: &wgpu::BindGroupLayout,
     globals: &wgpu::Buffer,
@@ -242,7 +246,7 @@ impl Renderer for GpuRenderer {
         }
         self.look_through(frame.camera(&self.stage));
         let camera_from_world = self.camera.world_from_camera.inverse();
-        let plan = Plan::new(frame, &self.meshes.spans, &camera_from_world);
+        let plan = DrawPlan::new(frame, &self.meshes.spans, &camera_from_world);
         self.cast_shadow(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
@@ -258,7 +262,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use crate::render::Projection;
-    use crate::render::camera::{ViewDirection, fit};
+    use crate::render::camera::{ViewDirection, fit_camera};
     use crate::render::look::Rim;
     use glam::DVec3;
 
@@ -276,7 +280,7 @@ mod tests {
             meshes: Vec::new(),
             size: [64, 48],
             samples: 4,
-            camera: fit(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),
+            camera: fit_camera(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),
             background: [250, 250, 250],
             rim: Rim::DARK,
             ground: None,

@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT};
-use super::layout::{InstanceData, Vertex};
+use super::layout::{GpuVertex, InstanceData};
 use wgpu::Face;
 
 /// All pipelines of one number of samples; clones are the same ones.
@@ -45,9 +45,9 @@ impl Pipelines {
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("mechanim"),
-                source: wgpu::ShaderSource::Wgsl(super::shader::source().into()),
+                source: wgpu::ShaderSource::Wgsl(super::shader::shader_source().into()),
             });
-        let bindings = bindings(&device.device);
+        let bindings = bind_layout(&device.device);
         let layout = device
             .device
             .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -55,8 +55,9 @@ impl Pipelines {
                 bind_group_layouts: &[Some(&bindings)],
                 immediate_size: 0,
             });
-        let make =
-            |recipe: &Recipe| pipeline(&device.device, &layout, &module, sample_count, recipe);
+        let make = |recipe: &Recipe| {
+            render_pipeline(&device.device, &layout, &module, sample_count, recipe)
+        };
         let opaque = |label, cull| Recipe {
             label,
             vertex: "body_vertex",
@@ -86,7 +87,7 @@ impl Pipelines {
     }
 }
 
-fn bindings(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
         binding,
         visibility,
@@ -116,7 +117,7 @@ fn bindings(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
-fn pipeline(
+fn render_pipeline(
     device: &wgpu::Device,
     layout: &wgpu::PipelineLayout,
     module: &wgpu::ShaderModule,
@@ -125,7 +126,7 @@ fn pipeline(
 ) -> wgpu::RenderPipeline {
     let buffers = [
         Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<Vertex>() as u64,
+            array_stride: size_of::<GpuVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &VERTEX_ATTRIBUTES,
         }),

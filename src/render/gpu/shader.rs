@@ -4,8 +4,8 @@ use crate::render::look;
 use std::fmt::Write;
 
 /// The text of one module with every entry point.
-pub fn source() -> String {
-    let mut text = constants();
+pub fn shader_source() -> String {
+    let mut text = shader_constants();
     for part in [
         include_str!("../../../shaders/look.wgsl"),
         include_str!("../../../shaders/scene.wgsl"),
@@ -19,7 +19,7 @@ pub fn source() -> String {
 }
 
 /// WGSL constants with the names and values of `look`; digits are the shortest that read back the same f32.
-fn constants() -> String {
+fn shader_constants() -> String {
     let mut text = String::new();
     macro_rules! scalars {
         ($($name:ident),*) => {
@@ -53,7 +53,7 @@ mod tests {
     use wgpu::naga;
 
     fn module() -> naga::Module {
-        let text = source();
+        let text = shader_source();
         naga::front::wgsl::parse_str(&text)
             .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)))
     }
@@ -89,8 +89,8 @@ mod tests {
     /// Every constant of the look is known to the shaders, and read by them: none is forgotten.
     #[test]
     fn no_constant_of_the_look_is_missing() {
-        let constants = constants();
-        let shaders = source().split_off(constants.len());
+        let constants = shader_constants();
+        let shaders = shader_source().split_off(constants.len());
         let names = include_str!("../look.rs")
             .lines()
             .filter_map(|line| line.strip_prefix("pub const ")?.split(':').next());
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn digits_read_back_as_the_same_number() {
-        let text = constants();
+        let text = shader_constants();
         let line = text.lines().find(|line| line.contains("EXPOSURE")).unwrap();
         let digits = line.split("= ").nth(1).unwrap().trim_end_matches(';');
         assert_eq!(digits.parse::<f32>().unwrap(), look::EXPOSURE);

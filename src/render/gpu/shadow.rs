@@ -16,7 +16,7 @@ impl ShadowTexture {
     pub fn new(device: &Device, size: u32) -> Self {
         let texture = device.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("contact shadow"),
-            size: extent(size),
+            size: shadow_extent(size),
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -46,13 +46,13 @@ impl ShadowTexture {
                 bytes_per_row: Some(self.size),
                 rows_per_image: None,
             },
-            extent(self.size),
+            shadow_extent(self.size),
         );
     }
 }
 
 /// Linear between texel centres, clamped at the edges: what `ContactShadow::sample` does.
-pub fn sampler(device: &Device) -> wgpu::Sampler {
+pub fn shadow_sampler(device: &Device) -> wgpu::Sampler {
     device.device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("contact shadow"),
         mag_filter: wgpu::FilterMode::Linear,
@@ -61,7 +61,7 @@ pub fn sampler(device: &Device) -> wgpu::Sampler {
     })
 }
 
-fn extent(size: u32) -> wgpu::Extent3d {
+fn shadow_extent(size: u32) -> wgpu::Extent3d {
     wgpu::Extent3d {
         width: size,
         height: size,

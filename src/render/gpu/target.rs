@@ -9,7 +9,7 @@ use image::RgbaImage;
 const PIXEL: u32 = 4;
 
 /// Everything of one picture size.
-pub struct Target {
+pub struct DrawTarget {
     size: [u32; 2],
     sample_count: u32,
     /// Many samples a pixel; `None` when there is one.
@@ -20,14 +20,14 @@ pub struct Target {
     buffer: wgpu::Buffer,
 }
 
-impl Target {
+impl DrawTarget {
     /// Allocates for a picture; refuses one the device cannot hold before anything is allocated.
     pub fn new(device: &Device, size: [u32; 2], sample_count: u32) -> Result<Self, RenderError> {
         check_size(size, &device.device.limits())?;
         let texture = |label, format, sample_count, usage| {
             device.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: extent(size),
+                size: target_extent(size),
                 mip_level_count: 1,
                 sample_count,
                 dimension: wgpu::TextureDimension::D2,
@@ -117,7 +117,7 @@ impl Target {
                     rows_per_image: None,
                 },
             },
-            extent(self.size),
+            target_extent(self.size),
         );
         let submission = device.queue.submit([encoder.finish()]);
         device.read_back(&self.buffer, submission, |bytes| {
@@ -132,7 +132,7 @@ impl Target {
     }
 }
 
-fn extent(size: [u32; 2]) -> wgpu::Extent3d {
+fn target_extent(size: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d {
         width: size[0],
         height: size[1],

@@ -1,6 +1,6 @@
 //! The hatched border of a picture that shows no pose, so that nobody takes it for one.
 
-use super::paint::Painter;
+use super::paint::OverlayPainter;
 use image::RgbaImage;
 
 /// Width of the band in 480ths of the picture's shorter side, and its least width in pixels.
@@ -15,12 +15,12 @@ const AMBER: [u8; 3] = [0xf2, 0xa9, 0x1c];
 const DARK: [u8; 3] = [0x2e, 0x2c, 0x2a];
 
 /// Draws the band along the four edges.
-pub fn draw(image: &mut RgbaImage) {
+pub fn draw_border(image: &mut RgbaImage) {
     let (width, height) = image.dimensions();
     let band = (width.min(height) / 480 * BAND_PER_480
         + width.min(height) % 480 * BAND_PER_480 / 480)
         .max(BAND_LEAST);
-    let mut painter = Painter::new(image);
+    let mut painter = OverlayPainter::new(image);
     for y in 0..height {
         let in_rows = y < band || y >= height.saturating_sub(band);
         if in_rows {
@@ -36,7 +36,7 @@ pub fn draw(image: &mut RgbaImage) {
     }
 }
 
-fn paint_pixel(painter: &mut Painter<'_>, x: u32, y: u32, band: u32) {
+fn paint_pixel(painter: &mut OverlayPainter<'_>, x: u32, y: u32, band: u32) {
     painter.blend(x, y, DARK, 1.0);
     painter.blend(x, y, AMBER, stripe_coverage(x, y, band * PITCH_IN_BANDS));
 }

@@ -1,21 +1,21 @@
 //! Blending of coverage into a picture, in linear light and clipped to its edges.
 
-use crate::render::colour::Curve;
+use crate::render::colour::ToneCurve;
 use crate::render::text::Mask;
 use image::RgbaImage;
 
 /// Writes into one picture.
-pub struct Painter<'a> {
+pub struct OverlayPainter<'a> {
     image: &'a mut RgbaImage,
-    curve: &'static Curve,
+    curve: &'static ToneCurve,
 }
 
-impl<'a> Painter<'a> {
+impl<'a> OverlayPainter<'a> {
     /// A painter on `image`.
     pub fn new(image: &'a mut RgbaImage) -> Self {
         Self {
             image,
-            curve: Curve::shared(),
+            curve: ToneCurve::shared(),
         }
     }
 

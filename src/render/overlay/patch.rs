@@ -1,13 +1,13 @@
 //! Plain rectangles and the lines of labels that stand beside their point.
 
-use super::paint::Painter;
+use super::paint::OverlayPainter;
 use crate::render::Patch;
 
 /// Half the width of a leader in pixels.
 const LEADER_HALF_WIDTH: f64 = 0.6;
 
 /// Draws a rectangle with edges between pixels.
-pub fn draw(painter: &mut Painter<'_>, patch: &Patch, picture: [f64; 2]) {
+pub fn draw_patch(painter: &mut OverlayPainter<'_>, patch: &Patch, picture: [f64; 2]) {
     let low = [0, 1].map(|k| patch.corner[k] * picture[k]);
     let high = [0, 1].map(|k| low[k] + patch.size[k] * picture[k]);
     if !low.iter().chain(&high).all(|edge| edge.abs() < 1e9) {
@@ -32,14 +32,14 @@ pub fn draw(painter: &mut Painter<'_>, patch: &Patch, picture: [f64; 2]) {
 }
 
 /// Draws a thin line between two places in pixels.
-pub fn leader(painter: &mut Painter<'_>, [from, to]: [[f64; 2]; 2], colour: [u8; 3]) {
+pub fn draw_leader(painter: &mut OverlayPainter<'_>, [from, to]: [[f64; 2]; 2], colour: [u8; 3]) {
     let low = [0, 1].map(|k| from[k].min(to[k]) - 2.0);
     let high = [0, 1].map(|k| from[k].max(to[k]) + 2.0);
     let [x0, y0, x1, y1] =
         painter.clip(low[0] as i32, low[1] as i32, high[0] as i32, high[1] as i32);
     for y in y0..y1 {
         for x in x0..x1 {
-            let away = distance([f64::from(x) + 0.5, f64::from(y) + 0.5], from, to);
+            let away = segment_distance([f64::from(x) + 0.5, f64::from(y) + 0.5], from, to);
             let share = (LEADER_HALF_WIDTH + 0.5 - away).clamp(0.0, 1.0);
             painter.blend(x, y, colour, share as f32);
         }
@@ -47,7 +47,7 @@ pub fn leader(painter: &mut Painter<'_>, [from, to]: [[f64; 2]; 2], colour: [u8;
 }
 
 /// Distance of a point from a segment.
-fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+fn segment_distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     let along = [to[0] - from[0], to[1] - from[1]];
     let off = [point[0] - from[0], point[1] - from[1]];
     let squared = along[0] * along[0] + along[1] * along[1];

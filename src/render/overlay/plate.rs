@@ -1,6 +1,6 @@
 //! The translucent plate with round corners behind a label.
 
-use super::paint::Painter;
+use super::paint::OverlayPainter;
 use crate::render::text::Setting;
 
 /// Room around the text in heights of the capitals; covers the accents above and the tails below.
@@ -13,13 +13,18 @@ const CORNER: f64 = 0.45;
 const OPACITY: f32 = 0.82;
 
 /// Room in pixels between a plate's edge and the text of capitals `size` pixels high.
-pub fn padding(size: f64) -> f64 {
+pub fn plate_padding(size: f64) -> f64 {
     (PADDING * size).ceil()
 }
 
 /// Draws the plate of a text whose first pixel is `corner`.
-pub fn draw(painter: &mut Painter<'_>, setting: &Setting, corner: [i32; 2], colour: [u8; 3]) {
-    let pad = padding(setting.size);
+pub fn draw_plate(
+    painter: &mut OverlayPainter<'_>,
+    setting: &Setting,
+    corner: [i32; 2],
+    colour: [u8; 3],
+) {
+    let pad = plate_padding(setting.size);
     let half = [
         0.5 * setting.width.ceil() + pad,
         0.5 * setting.height.ceil() + pad,

@@ -1,6 +1,6 @@
 //! The embedded face: metrics, which characters it has, and a cache of rasterised glyphs.
 
-use super::mask::{Mask, missing_box, rasterise};
+use super::mask::{Mask, missing_box, rasterise_glyph};
 use ab_glyph::{Font, FontRef, GlyphId};
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ const CACHE_MASKS: usize = 4096;
 
 /// Which mask: glyph, height of capitals in bits, phase in x.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Key {
+struct GlyphKey {
     /// Glyph in the face; `None` is the box of a missing one.
     glyph: Option<GlyphId>,
     /// `f64::to_bits` of the height of the capitals.
@@ -36,14 +36,14 @@ struct Key {
 pub struct Face {
     /// `None` only if the embedded file were damaged: then every character is a box, which is seen at once.
     font: Option<FontRef<'static>>,
-    masks: HashMap<Key, Mask>,
+    masks: HashMap<GlyphKey, Mask>,
 }
 
 impl Face {
     /// Reads the embedded face.
     pub fn new() -> Self {
         Self {
-            font: embedded(),
+            font: embedded_font(),
             masks: HashMap::new(),
         }
     }
@@ -64,7 +64,7 @@ impl Face {
     /// The mask of a glyph for capitals `size` pixels high, its origin `phase` / `PHASES` right of a pixel's
     /// left edge.
     pub fn mask(&mut self, glyph: Option<GlyphId>, size: f64, phase: u32) -> &Mask {
-        let key = Key {
+        let key = GlyphKey {
             glyph,
             size: size.to_bits(),
             phase,
@@ -78,7 +78,7 @@ impl Face {
             match (font, glyph) {
                 (Some(font), Some(glyph)) => {
                     let em_height = pixels_per_unit(font, size) * f64::from(font.height_unscaled());
-                    rasterise(font, glyph, em_height, shift)
+                    rasterise_glyph(font, glyph, em_height, shift)
                 }
                 _ => missing_box(size, MISSING_ADVANCE * size, shift),
             }
@@ -96,7 +96,7 @@ impl Default for Face {
 ///
 /// Line breaks, tabs and carriage returns are layout and never missing.
 pub fn missing_glyphs(text: &str) -> Vec<char> {
-    let font = embedded();
+    let font = embedded_font();
     let mut missing = Vec::new();
     for character in text.chars().filter(|c| !is_layout(*c)) {
         let known = font.as_ref().and_then(|f| glyph_of(f, character)).is_some();
@@ -112,7 +112,7 @@ pub(super) fn is_layout(character: char) -> bool {
     matches!(character, '\n' | '\r' | '\t')
 }
 
-fn embedded() -> Option<FontRef<'static>> {
+fn embedded_font() -> Option<FontRef<'static>> {
     FontRef::try_from_slice(FACE_FILE).ok()
 }
 

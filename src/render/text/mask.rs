@@ -31,7 +31,12 @@ impl Mask {
 /// Rasterises a glyph whose face is `face_height` pixels from descent to ascent, `shift` pixels to the right.
 ///
 /// The rasteriser adds in f32 without fused operations, so the bytes are the same on every machine.
-pub fn rasterise(font: &FontRef<'static>, glyph: GlyphId, face_height: f64, shift: f64) -> Mask {
+pub fn rasterise_glyph(
+    font: &FontRef<'static>,
+    glyph: GlyphId,
+    face_height: f64,
+    shift: f64,
+) -> Mask {
     let placed = Glyph {
         id: glyph,
         scale: PxScale::from(face_height as f32),
@@ -77,9 +82,9 @@ pub fn missing_box(size: f64, advance: f64, shift: f64) -> Mask {
         let y = f64::from(mask.top) + f64::from(row);
         for column in 0..mask.width {
             let x = f64::from(mask.left) + f64::from(column);
-            let outer = overlap(x, left, right) * overlap(y, top, 0.0);
-            let inner =
-                overlap(x, left + stroke, right - stroke) * overlap(y, top + stroke, -stroke);
+            let outer = pixel_overlap(x, left, right) * pixel_overlap(y, top, 0.0);
+            let inner = pixel_overlap(x, left + stroke, right - stroke)
+                * pixel_overlap(y, top + stroke, -stroke);
             mask.coverage.push(((outer - inner) * 255.0 + 0.5) as u8);
         }
     }
@@ -87,6 +92,6 @@ pub fn missing_box(size: f64, advance: f64, shift: f64) -> Mask {
 }
 
 /// Length of the part of the pixel `start`..`start` + 1 that lies between `low` and `high`.
-fn overlap(start: f64, low: f64, high: f64) -> f64 {
+fn pixel_overlap(start: f64, low: f64, high: f64) -> f64 {
     (high.min(start + 1.0) - low.max(start)).clamp(0.0, 1.0)
 }

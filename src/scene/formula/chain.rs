@@ -1,9 +1,9 @@
 //! Products of transforms as typed: `Tx(p) Rx(phi) T45 inv(T51)`, and their expansion to elementary motions.
 
-use super::expression::{Node, Parser};
-use super::lexer::{TokenKind, tokenize};
+use super::expression::{FormulaNode, Parser};
+use super::lexer::{TokenKind, tokenize_text};
 use crate::diag::{Diagnostic, Span};
-use crate::model::chain::Motion;
+use crate::model::chain::ElementaryMotion;
 use crate::numbers::constant::Constant;
 
 /// One factor as typed.
@@ -14,7 +14,7 @@ pub enum Item {
         /// Which one.
         transform: Transform,
         /// As many as it takes.
-        arguments: Vec<Node>,
+        arguments: Vec<FormulaNode>,
         /// Where.
         span: Span,
     },
@@ -32,7 +32,7 @@ pub enum Item {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transform {
     /// `Tx` … `Rz`.
-    Elementary(Motion, usize),
+    Elementary(ElementaryMotion, usize),
     /// `T(x, y, z)`.
     Translation,
     /// `R(ux, uy, uz, angle)`: rotation about a constant axis.
@@ -43,12 +43,12 @@ pub enum Transform {
 
 impl Transform {
     const NAMES: [(&'static str, Self); 11] = [
-        ("Tx", Self::Elementary(Motion::Translation, 0)),
-        ("Ty", Self::Elementary(Motion::Translation, 1)),
-        ("Tz", Self::Elementary(Motion::Translation, 2)),
-        ("Rx", Self::Elementary(Motion::Rotation, 0)),
-        ("Ry", Self::Elementary(Motion::Rotation, 1)),
-        ("Rz", Self::Elementary(Motion::Rotation, 2)),
+        ("Tx", Self::Elementary(ElementaryMotion::Translation, 0)),
+        ("Ty", Self::Elementary(ElementaryMotion::Translation, 1)),
+        ("Tz", Self::Elementary(ElementaryMotion::Translation, 2)),
+        ("Rx", Self::Elementary(ElementaryMotion::Rotation, 0)),
+        ("Ry", Self::Elementary(ElementaryMotion::Rotation, 1)),
+        ("Rz", Self::Elementary(ElementaryMotion::Rotation, 2)),
         ("T", Self::Translation),
         ("R", Self::AxisRotation),
         ("Hx", Self::Screw(0)),
@@ -65,8 +65,8 @@ impl Transform {
 
     fn argument_names(self) -> &'static [&'static str] {
         match self {
-            Self::Elementary(Motion::Translation, _) => &["length"],
-            Self::Elementary(Motion::Rotation, _) => &["angle"],
+            Self::Elementary(ElementaryMotion::Translation, _) => &["length"],
+            Self::Elementary(ElementaryMotion::Rotation, _) => &["angle"],
             Self::Translation => &["x", "y", "z"],
             Self::AxisRotation => &["ux", "uy", "uz", "angle"],
             Self::Screw(_) => &["pitch", "angle"],
@@ -75,10 +75,10 @@ impl Transform {
 }
 
 /// Parses a chain that starts at byte `offset` of the file. Factors stand side by side or with `*` between.
-pub fn parse(text: &str, offset: usize) -> Result<Vec<Item>, Diagnostic> {
-    let tokens = tokenize(text, offset)?;
+pub fn parse_chain(text: &str, offset: usize) -> Result<Vec<Item>, Diagnostic> {
+    let tokens = tokenize_text(text, offset)?;
     let mut parser = Parser::new(&tokens);
-    let items = product(&mut parser, 0)?;
+    let items = parse_product(&mut parser, 0)?;
     parser.expect_end()?;
     if items.is_empty() {
         return Err(Diagnostic::error("empty chain")
@@ -91,7 +91,7 @@ pub fn parse(text: &str, offset: usize) -> Result<Vec<Item>, Diagnostic> {
 /// Deepest nesting of `inv(inv(...))`.
 const MAX_NESTING: usize = 50;
 
-fn product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnostic> {
+fn parse_product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnostic> {
     let mut items = Vec::new();
     if depth > MAX_NESTING {
         return Err(parser.unexpected("fewer nested inverses"));
@@ -101,12 +101,12 @@ fn product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnostic> {
         let called = parser.take_sign('(');
         items.push(match (name.as_str(), called) {
             ("inv", true) => {
-                let inner = product(parser, depth + 1)?;
+                let inner = parse_product(parser, depth + 1)?;
                 parser.expect_sign(')')?;
                 Item::Inverse(inner)
             }
             ("E", false) => Item::Identity,
-            (_, true) => transform(parser, name, span)?,
+            (_, true) => parse_transform(parser, name, span)?,
             (_, false) => Item::Reference(name.clone(), span),
         });
         if parser.take_sign('*') && !matches!(parser.peek().kind, TokenKind::Name(_)) {
@@ -116,7 +116,7 @@ fn product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnostic> {
     Ok(items)
 }
 
-fn transform(parser: &mut Parser, name: &str, span: Span) -> Result<Item, Diagnostic> {
+fn parse_transform(parser: &mut Parser, name: &str, span: Span) -> Result<Item, Diagnostic> {
     let Some(transform) = Transform::from_name(name) else {
         return Err(Diagnostic::error(format!("unknown transform `{name}`"))
             .at(span)
@@ -150,9 +150,9 @@ fn transform(parser: &mut Parser, name: &str, span: Span) -> Result<Item, Diagno
 #[derive(Clone, Debug, PartialEq)]
 pub enum Factor {
     /// About or along a coordinate axis.
-    Elementary(Motion, usize, Node),
+    Elementary(ElementaryMotion, usize, FormulaNode),
     /// Turns z to the constant direction (or back): the frame of a general axis.
-    Direction([Node; 3], bool),
+    Direction([FormulaNode; 3], bool),
 }
 
 impl Factor {
@@ -187,7 +187,7 @@ impl Factor {
 pub const MAX_FACTORS: usize = 20_000;
 
 /// Expands references and inverses. `find` gives the items of a named chain.
-pub fn expand<'a>(
+pub fn expand_chain<'a>(
     items: &'a [Item],
     find: &dyn Fn(&str) -> Option<&'a [Item]>,
     names: &[&str],
@@ -233,7 +233,7 @@ impl<'a> Expansion<'a, '_> {
                 arguments,
                 span,
             } => {
-                let mut factors = elementary(*transform, arguments);
+                let mut factors = elementary_factors(*transform, arguments);
                 if inverted {
                     factors = factors.into_iter().rev().map(Factor::inverse).collect();
                 }
@@ -287,45 +287,49 @@ impl Expansion<'_, '_> {
     }
 }
 
-fn elementary(transform: Transform, arguments: &[Node]) -> Vec<Factor> {
+fn elementary_factors(transform: Transform, arguments: &[FormulaNode]) -> Vec<Factor> {
     let arg = |i: usize| arguments[i].clone();
     match transform {
         Transform::Elementary(motion, axis) => vec![Factor::Elementary(motion, axis, arg(0))],
         Transform::Translation => (0..3)
-            .map(|axis| Factor::Elementary(Motion::Translation, axis, arg(axis)))
+            .map(|axis| Factor::Elementary(ElementaryMotion::Translation, axis, arg(axis)))
             .collect(),
         Transform::AxisRotation => {
             let direction = [arg(0), arg(1), arg(2)];
             vec![
                 Factor::Direction(direction.clone(), false),
-                Factor::Elementary(Motion::Rotation, 2, arg(3)),
+                Factor::Elementary(ElementaryMotion::Rotation, 2, arg(3)),
                 Factor::Direction(direction, true),
             ]
         }
         Transform::Screw(axis) => vec![
-            Factor::Elementary(Motion::Rotation, axis, arg(1)),
-            Factor::Elementary(Motion::Translation, axis, advance(arg(0), arg(1))),
+            Factor::Elementary(ElementaryMotion::Rotation, axis, arg(1)),
+            Factor::Elementary(
+                ElementaryMotion::Translation,
+                axis,
+                screw_advance(arg(0), arg(1)),
+            ),
         ],
     }
 }
 
 /// pitch·angle/2π.
-fn advance(pitch: Node, angle: Node) -> Node {
+fn screw_advance(pitch: FormulaNode, angle: FormulaNode) -> FormulaNode {
     use super::expression::NodeKind::{Angle, Binary, Radians};
     let span = pitch.span.start..angle.span.end;
-    let turn = Node {
+    let turn = FormulaNode {
         kind: Radians(Constant::PI * Constant::exact(2.0)),
         span: span.clone(),
     };
-    let angle = Node {
+    let angle = FormulaNode {
         kind: Angle(Box::new(angle)),
         span: span.clone(),
     };
-    let turns = Node {
+    let turns = FormulaNode {
         kind: Binary('/', Box::new(angle), Box::new(turn)),
         span: span.clone(),
     };
-    Node {
+    FormulaNode {
         kind: Binary('*', Box::new(pitch), Box::new(turns)),
         span,
     }
@@ -338,18 +342,18 @@ mod tests {
 
     fn expand_text(text: &str) -> Result<Vec<Factor>, Diagnostic> {
         let chains = [
-            ("A", parse("Tx(1) Rz(a)", 0).unwrap()),
-            ("B", parse("A Ty(2)", 0).unwrap()),
-            ("C", parse("C A", 0).unwrap()),
+            ("A", parse_chain("Tx(1) Rz(a)", 0).unwrap()),
+            ("B", parse_chain("A Ty(2)", 0).unwrap()),
+            ("C", parse_chain("C A", 0).unwrap()),
         ];
-        let items = parse(text, 0)?;
+        let items = parse_chain(text, 0)?;
         let find = |name: &str| {
             chains
                 .iter()
                 .find(|(n, _)| *n == name)
                 .map(|(_, i)| i.as_slice())
         };
-        expand(&items, &find, &["A", "B", "C"])
+        expand_chain(&items, &find, &["A", "B", "C"])
     }
 
     #[test]

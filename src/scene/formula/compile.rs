@@ -1,6 +1,6 @@
 //! Trees of names to operations over slots.
 
-use super::expression::{Node, NodeKind};
+use super::expression::{FormulaNode, NodeKind};
 use crate::diag::{Diagnostic, Span};
 use crate::model::expression::{Expression, Op};
 use crate::numbers::constant::Constant;
@@ -8,7 +8,7 @@ use crate::numbers::scalar::Scalar;
 
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum CompiledValue {
     /// A number known now.
     Constant(Constant),
     /// A slot of the expression.
@@ -21,37 +21,37 @@ pub enum Value {
 const ZERO: Op = Op::Constant(Constant::exact(0.0));
 
 /// Compiles `node`, asking `lookup` for every name.
-pub fn compile(
-    node: &Node,
-    lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
+pub fn compile_formula(
+    node: &FormulaNode,
+    lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,
 ) -> Result<Expression, Diagnostic> {
     let mut ops = Vec::new();
-    emit(node, lookup, &mut ops)?;
+    emit_node(node, lookup, &mut ops)?;
     Ok(Expression::new(ops))
 }
 
 /// Appends the operations of `node`; returns the index of its value.
-fn emit(
-    node: &Node,
-    lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
+fn emit_node(
+    node: &FormulaNode,
+    lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,
     ops: &mut Vec<Op>,
 ) -> Result<usize, Diagnostic> {
     let start = ops.len();
     let op = match &node.kind {
         NodeKind::Number(value) | NodeKind::Radians(value) => Op::Constant(*value),
         NodeKind::Name(name) => match lookup(name, &node.span)? {
-            Value::Constant(value) => Op::Constant(value),
-            Value::Slot(slot) => Op::Slot(slot),
-            Value::Formula(formula) => {
+            CompiledValue::Constant(value) => Op::Constant(value),
+            CompiledValue::Slot(slot) => Op::Slot(slot),
+            CompiledValue::Formula(formula) => {
                 let (last, before) = formula.ops().split_last().unwrap_or((&ZERO, &[]));
                 ops.extend(before.iter().map(|op| op.shifted(start)));
                 last.shifted(start)
             }
         },
-        NodeKind::Negate(inner) => Op::Negate(emit(inner, lookup, ops)?),
-        NodeKind::Angle(inner) => return emit(inner, lookup, ops),
+        NodeKind::Negate(inner) => Op::Negate(emit_node(inner, lookup, ops)?),
+        NodeKind::Angle(inner) => return emit_node(inner, lookup, ops),
         NodeKind::Binary(sign, a, b) => {
-            let (a, b) = (emit(a, lookup, ops)?, emit(b, lookup, ops)?);
+            let (a, b) = (emit_node(a, lookup, ops)?, emit_node(b, lookup, ops)?);
             match sign {
                 '+' => Op::Add(a, b),
                 '-' => Op::Subtract(a, b),
@@ -62,24 +62,29 @@ fn emit(
         }
         NodeKind::Call(function, args) => {
             // min and max of many are a row of calls of two.
-            let mut value = emit(&args[0], lookup, ops)?;
+            let mut value = emit_node(&args[0], lookup, ops)?;
             let mut last = Op::Call(*function, value, value);
             for (k, arg) in args.iter().enumerate().skip(1) {
-                let right = emit(arg, lookup, ops)?;
+                let right = emit_node(arg, lookup, ops)?;
                 last = Op::Call(*function, value, right);
                 if k + 1 < args.len() {
-                    value = append(last, start, node, ops)?;
+                    value = append_op(last, start, node, ops)?;
                 }
             }
             last
         }
     };
-    append(op, start, node, ops)
+    append_op(op, start, node, ops)
 }
 
 /// Appends the last operation of `node`, whose operations begin at `start`. Constants are computed now: an infinite
 /// one is refused wherever it stands, and the solver need not compute the others again.
-fn append(op: Op, start: usize, node: &Node, ops: &mut Vec<Op>) -> Result<usize, Diagnostic> {
+fn append_op(
+    op: Op,
+    start: usize,
+    node: &FormulaNode,
+    ops: &mut Vec<Op>,
+) -> Result<usize, Diagnostic> {
     let op = match constant_value(op, ops) {
         None => op,
         Some((value, _)) if value.is_finite() => {
@@ -130,16 +135,16 @@ fn constant_value(op: Op, ops: &[Op]) -> Option<(Constant, f64)> {
 
 /// The value of a constant expression with all digits; it is finite.
 pub fn exact_constant(
-    node: &Node,
-    lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
+    node: &FormulaNode,
+    lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,
 ) -> Result<Constant, Diagnostic> {
-    Ok(compile(node, lookup)?.value(&[]))
+    Ok(compile_formula(node, lookup)?.value(&[]))
 }
 
 /// The same as the nearest f64.
-pub fn constant(
-    node: &Node,
-    lookup: &dyn Fn(&str, &Span) -> Result<Value, Diagnostic>,
+pub fn constant_node(
+    node: &FormulaNode,
+    lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,
 ) -> Result<f64, Diagnostic> {
     exact_constant(node, lookup).map(Constant::number)
 }
@@ -147,14 +152,14 @@ pub fn constant(
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::expression::parse;
+    use super::super::expression::parse_expression;
     use super::*;
 
     fn compiled(text: &str) -> Result<Expression, Diagnostic> {
-        compile(&parse(text, 0)?, &|name, _| {
+        compile_formula(&parse_expression(text, 0)?, &|name, _| {
             Ok(match name {
-                "x" => Value::Slot(0),
-                _ => Value::Constant(Constant::exact(3.0)),
+                "x" => CompiledValue::Slot(0),
+                _ => CompiledValue::Constant(Constant::exact(3.0)),
             })
         })
     }

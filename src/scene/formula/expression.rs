@@ -1,6 +1,6 @@
 //! Expression trees as typed: numbers, names, operations, calls. No values and no kinds yet.
 
-use super::lexer::{Token, TokenKind, tokenize};
+use super::lexer::{Token, TokenKind, tokenize_text};
 use crate::diag::{Diagnostic, Span};
 use crate::model::expression::Function;
 use crate::model::mechanism::AngleUnit;
@@ -8,7 +8,7 @@ use crate::numbers::constant::Constant;
 
 /// A node and its place in the file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Node {
+pub struct FormulaNode {
     /// What it is.
     pub kind: NodeKind,
     /// Where it is.
@@ -23,18 +23,18 @@ pub enum NodeKind {
     /// A literal with an explicit angle unit, already in radians.
     Radians(Constant),
     /// A part that stands where an angle is wanted, whatever stands around it.
-    Angle(Box<Node>),
+    Angle(Box<FormulaNode>),
     /// A name, to be looked up.
     Name(String),
     /// Sign change.
-    Negate(Box<Node>),
+    Negate(Box<FormulaNode>),
     /// One of `+ - * / ^`.
-    Binary(char, Box<Node>, Box<Node>),
+    Binary(char, Box<FormulaNode>, Box<FormulaNode>),
     /// A function and its arguments.
-    Call(Function, Vec<Node>),
+    Call(Function, Vec<FormulaNode>),
 }
 
-impl Node {
+impl FormulaNode {
     /// A literal without a place of its own.
     pub fn number(value: Constant, span: Span) -> Self {
         Self {
@@ -97,8 +97,8 @@ impl Node {
 }
 
 /// Parses a whole expression that starts at byte `offset` of the file.
-pub fn parse(text: &str, offset: usize) -> Result<Node, Diagnostic> {
-    let tokens = tokenize(text, offset)?;
+pub fn parse_expression(text: &str, offset: usize) -> Result<FormulaNode, Diagnostic> {
+    let tokens = tokenize_text(text, offset)?;
     let mut parser = Parser::new(&tokens);
     let node = parser.expression()?;
     parser.expect_end()?;
@@ -203,29 +203,29 @@ impl<'a> Parser<'a> {
     }
 
     /// sum := term (('+'|'-') term)*
-    pub fn expression(&mut self) -> Result<Node, Diagnostic> {
+    pub fn expression(&mut self) -> Result<FormulaNode, Diagnostic> {
         self.descend()?;
         let mut left = self.term()?;
         while let TokenKind::Sign(sign @ ('+' | '-')) = self.peek().kind {
             self.take();
-            left = binary(sign, left, self.term()?);
+            left = binary_node(sign, left, self.term()?);
         }
         self.depth -= 1;
         Ok(left)
     }
 
     /// term := factor (('*'|'/') factor)*
-    fn term(&mut self) -> Result<Node, Diagnostic> {
+    fn term(&mut self) -> Result<FormulaNode, Diagnostic> {
         let mut left = self.factor()?;
         while let TokenKind::Sign(sign @ ('*' | '/')) = self.peek().kind {
             self.take();
-            left = binary(sign, left, self.factor()?);
+            left = binary_node(sign, left, self.factor()?);
         }
         Ok(left)
     }
 
     /// factor := ('-'|'+') factor | atom ('^' factor)?
-    fn factor(&mut self) -> Result<Node, Diagnostic> {
+    fn factor(&mut self) -> Result<FormulaNode, Diagnostic> {
         self.descend()?;
         let start = self.peek().span.start;
         let node = if self.take_sign('-') {
@@ -239,7 +239,7 @@ impl<'a> Parser<'a> {
         } else {
             let base = self.atom()?;
             if self.take_sign('^') {
-                binary('^', base, self.factor()?)
+                binary_node('^', base, self.factor()?)
             } else {
                 base
             }
@@ -248,7 +248,7 @@ impl<'a> Parser<'a> {
         Ok(node)
     }
 
-    fn atom(&mut self) -> Result<Node, Diagnostic> {
+    fn atom(&mut self) -> Result<FormulaNode, Diagnostic> {
         let token = self.peek();
         match &token.kind {
             TokenKind::Number(value) => {
@@ -260,7 +260,7 @@ impl<'a> Parser<'a> {
                 if self.take_sign('(') {
                     self.call(name, token)
                 } else {
-                    named(name, token)
+                    named_constant(name, token)
                 }
             }
             TokenKind::Sign('(') => {
@@ -274,7 +274,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `30deg` and `0.5rad`: the unit belongs to the number when it follows at once.
-    fn with_unit(&mut self, value: Constant, span: Span) -> Node {
+    fn with_unit(&mut self, value: Constant, span: Span) -> FormulaNode {
         let unit = self.peek();
         let factor = match &unit.kind {
             TokenKind::Name(name) if unit.span.start == span.end => AngleUnit::from_name(name),
@@ -283,16 +283,16 @@ impl<'a> Parser<'a> {
         match factor {
             Some(unit) => {
                 let end = self.take().span.end;
-                Node {
+                FormulaNode {
                     kind: NodeKind::Radians(value * unit.radians),
                     span: span.start..end,
                 }
             }
-            None => Node::number(value, span),
+            None => FormulaNode::number(value, span),
         }
     }
 
-    fn call(&mut self, name: &str, token: &Token) -> Result<Node, Diagnostic> {
+    fn call(&mut self, name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {
         let Some(function) = Function::from_name(name) else {
             return Err(Diagnostic::error(format!("unknown function `{name}`"))
                 .at(token.span.clone())
@@ -313,14 +313,14 @@ impl<'a> Parser<'a> {
             ))
             .at(span));
         }
-        Ok(Node {
+        Ok(FormulaNode {
             kind: NodeKind::Call(function, args),
             span,
         })
     }
 }
 
-fn named(name: &str, token: &Token) -> Result<Node, Diagnostic> {
+fn named_constant(name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {
     // TOML has these as numbers, so they reach a formula although nobody wrote one.
     if ["nan", "inf"].contains(&name) {
         let message = format!("`{name}` is not a finite number");
@@ -331,15 +331,15 @@ fn named(name: &str, token: &Token) -> Result<Node, Diagnostic> {
     } else {
         NodeKind::Name(name.to_owned())
     };
-    Ok(Node {
+    Ok(FormulaNode {
         kind,
         span: token.span.clone(),
     })
 }
 
-fn binary(sign: char, left: Node, right: Node) -> Node {
+fn binary_node(sign: char, left: FormulaNode, right: FormulaNode) -> FormulaNode {
     let span = left.span.start..right.span.end;
-    Node {
+    FormulaNode {
         kind: NodeKind::Binary(sign, Box::new(left), Box::new(right)),
         span,
     }

@@ -3,14 +3,18 @@
 //! Rule: a part of a formula that stands where an angle is wanted and holds no angle itself (`Ry(180)`,
 //! `beta + 30`) is in the file's angle unit. In a file in radians nothing is converted.
 
-use super::expression::{Node, NodeKind};
+use super::expression::{FormulaNode, NodeKind};
 use crate::diag::Span;
 use crate::model::expression::Function;
 use crate::model::mechanism::Kind;
 use crate::numbers::constant::Constant;
 
 /// Tells `note` the kind that each name below `node` must have, if the place wants `wanted`.
-pub fn infer(node: &Node, wanted: Option<Kind>, note: &mut dyn FnMut(&str, Kind, &Span)) {
+pub fn infer_kind(
+    node: &FormulaNode,
+    wanted: Option<Kind>,
+    note: &mut dyn FnMut(&str, Kind, &Span),
+) {
     match &node.kind {
         NodeKind::Number(_) | NodeKind::Radians(_) => {}
         NodeKind::Name(name) => {
@@ -18,22 +22,22 @@ pub fn infer(node: &Node, wanted: Option<Kind>, note: &mut dyn FnMut(&str, Kind,
                 note(name, kind, &node.span);
             }
         }
-        NodeKind::Negate(inner) => infer(inner, wanted, note),
-        NodeKind::Angle(inner) => infer(inner, Some(Kind::Angle), note),
+        NodeKind::Negate(inner) => infer_kind(inner, wanted, note),
+        NodeKind::Angle(inner) => infer_kind(inner, Some(Kind::Angle), note),
         NodeKind::Binary('+' | '-', a, b) => {
-            infer(a, wanted, note);
-            infer(b, wanted, note);
+            infer_kind(a, wanted, note);
+            infer_kind(b, wanted, note);
         }
         NodeKind::Binary(sign, a, b) => {
             // A literal factor keeps the kind of the other side; any other product tells nothing.
             let keeps_a = is_literal(b) && *sign != '^';
             let keeps_b = is_literal(a) && *sign == '*';
-            infer(a, wanted.filter(|_| keeps_a), note);
-            infer(b, wanted.filter(|_| keeps_b), note);
+            infer_kind(a, wanted.filter(|_| keeps_a), note);
+            infer_kind(b, wanted.filter(|_| keeps_b), note);
         }
         NodeKind::Call(function, args) => {
             let inner = argument_kind(*function, wanted);
-            args.iter().for_each(|arg| infer(arg, inner, note));
+            args.iter().for_each(|arg| infer_kind(arg, inner, note));
         }
     }
 }
@@ -47,7 +51,7 @@ fn argument_kind(function: Function, wanted: Option<Kind>) -> Option<Kind> {
     }
 }
 
-fn is_literal(node: &Node) -> bool {
+fn is_literal(node: &FormulaNode) -> bool {
     match &node.kind {
         NodeKind::Number(_) => true,
         NodeKind::Negate(inner) => is_literal(inner),
@@ -58,30 +62,32 @@ fn is_literal(node: &Node) -> bool {
 
 /// Replaces file-unit angles by radians: `radians` is the size of one file unit, `is_angle` knows the names.
 pub fn to_radians(
-    node: Node,
+    node: FormulaNode,
     wanted: Option<Kind>,
     radians: Constant,
     is_angle: &dyn Fn(&str) -> bool,
-) -> Node {
+) -> FormulaNode {
     if radians == Constant::exact(1.0) {
         return node;
     }
-    convert(node, wanted, radians, is_angle)
+    convert_kind(node, wanted, radians, is_angle)
 }
 
-fn convert(
-    node: Node,
+fn convert_kind(
+    node: FormulaNode,
     wanted: Option<Kind>,
     radians: Constant,
     is_angle: &dyn Fn(&str) -> bool,
-) -> Node {
-    let recurse = |n: Box<Node>, kind: Option<Kind>| Box::new(convert(*n, kind, radians, is_angle));
+) -> FormulaNode {
+    let recurse = |n: Box<FormulaNode>, kind: Option<Kind>| {
+        Box::new(convert_kind(*n, kind, radians, is_angle))
+    };
     let wants_angle = wanted == Some(Kind::Angle);
     if wants_angle && !is_sum(&node.kind) && !holds_angle(&node, is_angle) {
         let span = node.span.clone();
-        let factor = Box::new(Node::number(radians, span.clone()));
-        let inner = Box::new(convert(node, None, radians, is_angle));
-        return Node {
+        let factor = Box::new(FormulaNode::number(radians, span.clone()));
+        let inner = Box::new(convert_kind(node, None, radians, is_angle));
+        return FormulaNode {
             kind: NodeKind::Binary('*', inner, factor),
             span,
         };
@@ -99,13 +105,13 @@ fn convert(
             NodeKind::Call(
                 function,
                 args.into_iter()
-                    .map(|a| convert(a, inner, radians, is_angle))
+                    .map(|a| convert_kind(a, inner, radians, is_angle))
                     .collect(),
             )
         }
         leaf => leaf,
     };
-    Node { kind, span }
+    FormulaNode { kind, span }
 }
 
 /// Forms whose parts all have the kind of the whole.
@@ -119,7 +125,7 @@ fn is_sum(kind: &NodeKind) -> bool {
     }
 }
 
-fn holds_angle(node: &Node, is_angle: &dyn Fn(&str) -> bool) -> bool {
+fn holds_angle(node: &FormulaNode, is_angle: &dyn Fn(&str) -> bool) -> bool {
     match &node.kind {
         NodeKind::Number(_) => false,
         NodeKind::Radians(_) | NodeKind::Angle(_) => true,
@@ -137,26 +143,26 @@ fn holds_angle(node: &Node, is_angle: &dyn Fn(&str) -> bool) -> bool {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::compile::{Value, compile};
-    use super::super::expression::parse;
+    use super::super::compile::{CompiledValue, compile_formula};
+    use super::super::expression::parse_expression;
     use super::*;
 
     /// Value of `text` in an angle place of a file in degrees, where `a` is an angle of 1 rad and `n` is 3.
     fn in_degrees(text: &str) -> f64 {
         let node = to_radians(
-            parse(text, 0).unwrap(),
+            parse_expression(text, 0).unwrap(),
             Some(Kind::Angle),
             Constant::PI / Constant::exact(180.0),
             &|n| n == "a",
         );
         let lookup = |name: &str, _: &Span| {
-            Ok(Value::Constant(Constant::exact(if name == "a" {
+            Ok(CompiledValue::Constant(Constant::exact(if name == "a" {
                 1.0
             } else {
                 3.0
             })))
         };
-        compile(&node, &lookup).unwrap().value(&[])
+        compile_formula(&node, &lookup).unwrap().value(&[])
     }
 
     #[test]
@@ -184,8 +190,8 @@ mod tests {
     #[test]
     fn kinds_follow_from_places() {
         let mut seen = Vec::new();
-        infer(
-            &parse("a + 2*b - c*d + sin(e)", 0).unwrap(),
+        infer_kind(
+            &parse_expression("a + 2*b - c*d + sin(e)", 0).unwrap(),
             Some(Kind::Length),
             &mut |n, k, _| seen.push((n.to_owned(), k)),
         );

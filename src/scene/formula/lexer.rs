@@ -29,7 +29,7 @@ pub struct Token {
 const MAX_FORMULA_BYTES: usize = 100_000;
 
 /// Tokens of `text`, which starts at byte `offset` of the file; the last one is `End`.
-pub fn tokenize(text: &str, offset: usize) -> Result<Vec<Token>, Diagnostic> {
+pub fn tokenize_text(text: &str, offset: usize) -> Result<Vec<Token>, Diagnostic> {
     if text.len() > MAX_FORMULA_BYTES {
         return Err(
             Diagnostic::error(format!("formula is longer than {MAX_FORMULA_BYTES} bytes"))
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn numbers_names_and_signs_keep_their_places() {
-        let tokens = tokenize("Tx(-1.5e-3*R_1) M.x", 10).unwrap();
+        let tokens = tokenize_text("Tx(-1.5e-3*R_1) M.x", 10).unwrap();
         let kinds: Vec<_> = tokens.iter().map(|t| t.kind.clone()).collect();
         assert_eq!(kinds[0], TokenKind::Name("Tx".into()));
         assert_eq!(

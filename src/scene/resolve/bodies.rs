@@ -1,14 +1,14 @@
 //! Links, their solids and their traced points.
 
 use super::super::file::SceneFile;
-use super::super::formula::compile::constant;
+use super::super::formula::compile::constant_node;
 use super::super::shapes::{ShapeFile, SolidFile};
-use super::joints::Joints;
+use super::joints::FoldedJoints;
 use super::meshes::MeshFiles;
 use super::names::Names;
 use super::parsed::Parsed;
-use super::parsing::expression;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use super::parsing::parsed_expression;
+use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
@@ -18,16 +18,16 @@ use glam::DVec3;
 use std::collections::HashMap;
 
 /// Constant formulas of shapes and views, with their messages.
-pub struct Constants<'a> {
+pub struct BodyConstants<'a> {
     /// Parameters and their values.
     pub names: &'a Names,
 }
 
-impl Constants<'_> {
+impl BodyConstants<'_> {
     /// The value of a formula of parameters.
     pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let node = expression(text, diagnostics)?;
-        match constant(&node, &|n, s| self.names.constant(n, s)) {
+        let node = parsed_expression(text, diagnostics)?;
+        match constant_node(&node, &|n, s| self.names.constant(n, s)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);
@@ -65,23 +65,26 @@ impl Constants<'_> {
             return Some(value);
         }
         diagnostics.push(
-            Diagnostic::error(format!("{what} must be positive, found {}", shown(value)))
-                .at(text.span.clone()),
+            Diagnostic::error(format!(
+                "{what} must be positive, found {}",
+                shown_number(value)
+            ))
+            .at(text.span.clone()),
         );
         None
     }
 }
 
 /// Resolves all bodies.
-pub fn resolve(
+pub fn resolve_bodies(
     file: &SceneFile,
     parsed: &Parsed,
     names: &Names,
-    joints: &mut Joints,
+    joints: &mut FoldedJoints,
     meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Vec<Body> {
-    let constants = Constants { names };
+    let constants = BodyConstants { names };
     let mut bodies: Vec<Body> = Vec::new();
     let mut places: HashMap<&str, &Span> = HashMap::new();
     for (index, body) in file.bodies.iter().enumerate() {
@@ -103,11 +106,11 @@ pub fn resolve(
         let opacity = body
             .opacity
             .as_ref()
-            .map_or(Some(1.0), |o| opacity(o, &constants, diagnostics))
+            .map_or(Some(1.0), |o| body_opacity(o, &constants, diagnostics))
             .unwrap_or(1.0);
         let mut shapes = Vec::new();
         for shape in &body.shapes {
-            let inherited = Look { colour, opacity };
+            let inherited = BodyLook { colour, opacity };
             shapes.extend(resolve_shape(
                 shape,
                 inherited,
@@ -128,14 +131,14 @@ pub fn resolve(
 }
 
 #[derive(Clone, Copy)]
-struct Look {
+struct BodyLook {
     colour: [u8; 3],
     opacity: f64,
 }
 
-fn opacity(
+fn body_opacity(
     text: &FormulaText,
-    constants: &Constants,
+    constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let value = constants.value(text, diagnostics)?;
@@ -145,7 +148,7 @@ fn opacity(
     diagnostics.push(
         Diagnostic::error(format!(
             "opacity is between 0 and 1, found {}",
-            shown(value)
+            shown_number(value)
         ))
         .at(text.span.clone()),
     );
@@ -154,10 +157,10 @@ fn opacity(
 
 fn resolve_shape(
     shape: &ShapeFile,
-    inherited: Look,
+    inherited: BodyLook,
     parsed: &Parsed,
-    constants: &Constants,
-    joints: &mut Joints,
+    constants: &BodyConstants,
+    joints: &mut FoldedJoints,
     meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Option<Shape> {
@@ -170,7 +173,7 @@ fn resolve_shape(
         }
     };
     let opacity = shape.opacity.as_ref().map_or(Some(inherited.opacity), |o| {
-        opacity(o, constants, diagnostics)
+        body_opacity(o, constants, diagnostics)
     });
     Some(Shape {
         solid: solid?,
@@ -183,7 +186,7 @@ fn resolve_shape(
 fn resolve_solid(
     solid: &SolidFile,
     span: &Span,
-    constants: &Constants,
+    constants: &BodyConstants,
     meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Option<Solid> {
@@ -211,7 +214,7 @@ fn resolve_solid(
         SolidFile::Cylinder { from, to, radius } => {
             let (from, to) = (constants.vector(from, d), constants.vector(to, d));
             let radius = constants.positive("radius", radius, d);
-            let (from, to) = distinct(from?, to?, span, d)?;
+            let (from, to) = distinct_names(from?, to?, span, d)?;
             Some(Solid::Cylinder {
                 from,
                 to,
@@ -236,7 +239,7 @@ fn resolve_solid(
                 );
                 return None;
             }
-            let (from, to) = distinct(from?, to?, span, d)?;
+            let (from, to) = distinct_names(from?, to?, span, d)?;
             Some(Solid::Cone {
                 from,
                 to,
@@ -349,7 +352,7 @@ fn resolve_solid(
     }
 }
 
-fn distinct(
+fn distinct_names(
     from: DVec3,
     to: DVec3,
     span: &Span,
@@ -363,13 +366,13 @@ fn distinct(
 }
 
 /// Resolves the traces.
-pub fn traces(
+pub fn body_traces(
     file: &SceneFile,
     names: &Names,
     bodies: &[Body],
     diagnostics: &mut Diagnostics,
 ) -> Vec<Trace> {
-    let constants = Constants { names };
+    let constants = BodyConstants { names };
     let mut traces = Vec::new();
     for (index, trace) in file.traces.iter().enumerate() {
         let Some(body) = body_index(&trace.body.value, &trace.body.span, bodies, diagnostics)

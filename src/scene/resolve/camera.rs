@@ -1,8 +1,8 @@
 //! The keys of `[view]` that move the camera.
 
 use super::super::views::{CameraKeyFile, ViewFile};
-use super::bodies::Constants;
-use crate::diag::{Diagnostic, Diagnostics, shown};
+use super::bodies::BodyConstants;
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::{CameraKey, CameraPath};
 use crate::scene::values::FormulaText;
 
@@ -16,12 +16,12 @@ const MOST_AZIMUTH: f64 = 36_000.0;
 const ZOOMS: [f64; 2] = [0.01, 100.0];
 
 /// Resolves them; what is wrong is said and left as if it were absent.
-pub fn resolve(
+pub fn resolve_camera(
     view: &ViewFile,
-    constants: &Constants,
+    constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> CameraPath {
-    let orbit = within(
+    let orbit = within_range(
         "orbit",
         &view.orbit,
         [-MOST_ORBIT, MOST_ORBIT],
@@ -31,11 +31,11 @@ pub fn resolve(
     let mut keys: Vec<CameraKey> = Vec::new();
     let alone = view.camera_path.len() == 1;
     for file in &view.camera_path {
-        let Some(key) = key(file, alone, constants, diagnostics) else {
+        let Some(key) = camera_key(file, alone, constants, diagnostics) else {
             continue;
         };
         if let Some(last) = keys.last().filter(|last| last.time >= key.time) {
-            let [last, time] = [last.time, key.time].map(shown);
+            let [last, time] = [last.time, key.time].map(shown_number);
             let message = format!("camera keys must ascend in time: {time} comes after {last}");
             let place = file.t.as_ref().map_or(&file.span, |t| &t.span);
             diagnostics.push(Diagnostic::error(message).at(place.clone()));
@@ -49,29 +49,29 @@ pub fn resolve(
     }
 }
 
-fn key(
+fn camera_key(
     file: &CameraKeyFile,
     alone: bool,
-    constants: &Constants,
+    constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Option<CameraKey> {
     let all = [-f64::MAX, f64::MAX];
-    let time = within("t", &file.t, all, constants, diagnostics);
+    let time = within_range("t", &file.t, all, constants, diagnostics);
     if file.t.is_none() && !alone {
         let message = "a camera key needs `t`, its time in seconds";
         diagnostics.push(Diagnostic::error(message).at(file.span.clone()));
         return None;
     }
     let degrees = [-MOST_AZIMUTH, MOST_AZIMUTH];
-    let azimuth = within("azimuth", &file.azimuth, degrees, constants, diagnostics);
-    let elevation = within(
+    let azimuth = within_range("azimuth", &file.azimuth, degrees, constants, diagnostics);
+    let elevation = within_range(
         "elevation",
         &file.elevation,
         [-90.0, 90.0],
         constants,
         diagnostics,
     );
-    let zoom = within("zoom", &file.zoom, ZOOMS, constants, diagnostics);
+    let zoom = within_range("zoom", &file.zoom, ZOOMS, constants, diagnostics);
     let distance = file.distance.as_ref();
     if let (Some(_), Some(distance)) = (&file.zoom, distance) {
         let message = "a camera key has a `zoom` or a `distance`, not both";
@@ -91,11 +91,11 @@ fn key(
 }
 
 /// The number under `what`, if it is there and in its range.
-fn within(
+fn within_range(
     what: &str,
     text: &Option<FormulaText>,
     [low, high]: [f64; 2],
-    constants: &Constants,
+    constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let text = text.as_ref()?;
@@ -103,7 +103,7 @@ fn within(
     if (low..=high).contains(&value) {
         return Some(value);
     }
-    let value = shown(value);
+    let value = shown_number(value);
     let message = format!("{what} must be between {low} and {high}, found {value}");
     diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
     None

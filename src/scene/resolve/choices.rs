@@ -3,17 +3,17 @@
 use super::super::reader::Spanned;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::theme::Theme;
-use crate::model::view::{Axes, NamedView, Trails};
+use crate::model::view::{NamedView, ShownAxes, Trails};
 
 /// Most ghosts: more of them hide what they are to show.
 pub const MOST_GHOSTS: usize = 60;
 
 /// The words of `axes`; the first is the default, here as below.
-pub const AXES: [(&str, Axes); 4] = [
-    ("none", Axes::None),
-    ("world", Axes::World),
-    ("bodies", Axes::Bodies),
-    ("all", Axes::All),
+pub const AXES: [(&str, ShownAxes); 4] = [
+    ("none", ShownAxes::None),
+    ("world", ShownAxes::World),
+    ("bodies", ShownAxes::Bodies),
+    ("all", ShownAxes::All),
 ];
 
 /// The words of `trails`; how long a fading one is stands elsewhere.
@@ -36,7 +36,7 @@ pub const NAMED_VIEWS: [(&str, NamedView); 5] = [
 ];
 
 /// One of the named values; the first is the default.
-pub fn choice<T: Copy>(
+pub fn chosen_word<T: Copy>(
     word: &Option<Spanned<String>>,
     known: &[(&str, T)],
     what: &str,

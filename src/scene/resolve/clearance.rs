@@ -3,8 +3,8 @@
 use super::super::clearance::{ClearanceFile, DistanceFile, IgnoredFile, PairFile};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
-use super::bodies::{Constants, body_index};
-use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use super::bodies::{BodyConstants, body_index};
+use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::distance::solids::Rigid;
 use crate::model::clearance::{ClearanceRules, Ignored, PairMinimum};
 use crate::model::distance::{Distance, Gap};
@@ -12,20 +12,20 @@ use crate::model::mechanism::Body;
 use std::sync::Arc;
 
 /// Looks up the bodies and checks the distances.
-pub fn resolve(
+pub fn resolve_clearance(
     file: &ClearanceFile,
-    constants: &Constants,
+    constants: &BodyConstants,
     bodies: &[Body],
     diagnostics: &mut Diagnostics,
 ) -> ClearanceRules {
     let mut rules = ClearanceRules::default();
     if let Some(text) = &file.minimum {
-        rules.minimum = distance(text, constants, diagnostics).unwrap_or(0.0);
+        rules.minimum = minimum_distance(text, constants, diagnostics).unwrap_or(0.0);
     }
     let mut seen: Vec<([usize; 2], Span)> = Vec::new();
     for (pair, text) in &file.pairs {
-        let minimum = distance(text, constants, diagnostics);
-        let pairs = pairs(pair, bodies, &mut seen, diagnostics);
+        let minimum = minimum_distance(text, constants, diagnostics);
+        let pairs = resolve_pairs(pair, bodies, &mut seen, diagnostics);
         let Some(minimum) = minimum else { continue };
         rules
             .pairs
@@ -38,7 +38,7 @@ pub fn resolve(
     // What is asked of a pair by its names goes before what is asked of many.
     rules.pairs.sort_by_key(|p| p.is_one_of_many);
     for ignored in &file.ignored {
-        ignore(
+        resolve_ignored(
             ignored,
             constants,
             (bodies, &mut seen),
@@ -51,7 +51,7 @@ pub fn resolve(
     for pair in &file.touching {
         rules
             .touching
-            .extend(once(pair, bodies, &mut seen, diagnostics));
+            .extend(pairs_once(pair, bodies, &mut seen, diagnostics));
     }
     rules
 }
@@ -65,15 +65,19 @@ struct Pairs {
 }
 
 /// All pairs of a pattern, or the pair that is named, which must not stand twice.
-fn pairs(
+fn resolve_pairs(
     pair: &PairFile,
     bodies: &[Body],
     seen: &mut Vec<([usize; 2], Span)>,
     diagnostics: &mut Diagnostics,
 ) -> Pairs {
-    let many = all(pair, bodies, diagnostics);
+    let many = all_bodies(pair, bodies, diagnostics);
     let is_pattern = many.is_some();
-    let list = many.unwrap_or_else(|| once(pair, bodies, seen, diagnostics).into_iter().collect());
+    let list = many.unwrap_or_else(|| {
+        pairs_once(pair, bodies, seen, diagnostics)
+            .into_iter()
+            .collect()
+    });
     let is_first = |body: usize| {
         let name = pair.names.first().map_or("", |name| name.value.as_str());
         let own = bodies[body].name.as_str();
@@ -88,9 +92,9 @@ fn pairs(
 }
 
 /// An entry of `ignore`.
-fn ignore(
+fn resolve_ignored(
     file: &IgnoredFile,
-    constants: &Constants,
+    constants: &BodyConstants,
     (bodies, seen): (&[Body], &mut Vec<([usize; 2], Span)>),
     rules: &mut ClearanceRules,
     diagnostics: &mut Diagnostics,
@@ -106,12 +110,12 @@ fn ignore(
     let down_to = file
         .down_to
         .as_ref()
-        .and_then(|text| depth(text, constants, diagnostics));
-    let pairs = pairs(&file.pair, bodies, seen, diagnostics);
+        .and_then(|text| ignored_depth(text, constants, diagnostics));
+    let pairs = resolve_pairs(&file.pair, bodies, seen, diagnostics);
     for (pair, is_turned) in pairs.list.into_iter().zip(pairs.is_turned) {
         let named = if is_turned { [pair[1], pair[0]] } else { pair };
         let named = named.map(|k| &bodies[k]);
-        let shapes = shapes(file.shapes.as_ref(), named, constants, diagnostics);
+        let shapes = named_shapes(file.shapes.as_ref(), named, constants, diagnostics);
         let own = shapes
             .into_iter()
             .map(|[i, j]| if is_turned { [j, i] } else { [i, j] });
@@ -128,16 +132,16 @@ fn ignore(
 /// The distance that an output asks for; `None` with what is wrong.
 pub fn asked_distance(
     file: &DistanceFile,
-    constants: &Constants,
+    constants: &BodyConstants,
     bodies: &[Body],
     diagnostics: &mut Diagnostics,
 ) -> Option<Distance> {
-    let pairs = pairs(&file.pair, bodies, &mut Vec::new(), diagnostics);
+    let pairs = resolve_pairs(&file.pair, bodies, &mut Vec::new(), diagnostics);
     let mut gaps = Vec::new();
     for ([a, b], is_turned) in pairs.list.into_iter().zip(pairs.is_turned) {
         let order = if is_turned { [b, a] } else { [a, b] };
         let named = order.map(|k| &bodies[k]);
-        let only = shapes(file.shapes.as_ref(), named, constants, diagnostics);
+        let only = named_shapes(file.shapes.as_ref(), named, constants, diagnostics);
         match Rigid::new(named, &only) {
             Some(solids) => gaps.push(Gap {
                 bodies: order,
@@ -161,10 +165,10 @@ pub fn asked_distance(
 }
 
 /// Indices of the shapes that an entry names.
-fn shapes(
+fn named_shapes(
     rows: Option<&Spanned<Vec<[FormulaText; 2]>>>,
     bodies: [&Body; 2],
-    constants: &Constants,
+    constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Vec<[usize; 2]> {
     let mut list = Vec::new();
@@ -180,7 +184,7 @@ fn shapes(
                 let message = format!(
                     "`{}` has no shape {}: it has {count}",
                     bodies[k].name,
-                    shown(value)
+                    shown_number(value)
                 );
                 diagnostics.push(
                     Diagnostic::error(message)
@@ -200,12 +204,19 @@ fn shapes(
 }
 
 /// A depth as a distance: not above zero.
-fn depth(text: &FormulaText, constants: &Constants, diagnostics: &mut Diagnostics) -> Option<f64> {
+fn ignored_depth(
+    text: &FormulaText,
+    constants: &BodyConstants,
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
     let value = constants.value(text, diagnostics)?;
     if value <= 0.0 && value.is_finite() {
         return Some(value);
     }
-    let message = format!("`down_to` must not be positive, found {}", shown(value));
+    let message = format!(
+        "`down_to` must not be positive, found {}",
+        shown_number(value)
+    );
     diagnostics.push(
         Diagnostic::error(message)
             .at(text.span.clone())
@@ -214,16 +225,19 @@ fn depth(text: &FormulaText, constants: &Constants, diagnostics: &mut Diagnostic
     None
 }
 
-fn distance(
+fn minimum_distance(
     text: &FormulaText,
-    constants: &Constants,
+    constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let value = constants.value(text, diagnostics)?;
     if value >= 0.0 && value.is_finite() {
         return Some(value);
     }
-    let message = format!("a clearance must not be negative, found {}", shown(value));
+    let message = format!(
+        "a clearance must not be negative, found {}",
+        shown_number(value)
+    );
     diagnostics.push(
         Diagnostic::error(message).at(text.span.clone()).hint(
             "0 lets bodies touch but not overlap; bodies that may overlap belong into `ignore`",
@@ -233,7 +247,11 @@ fn distance(
 }
 
 /// All pairs of a pattern: a name that ends in `*` stands for all bodies that begin so. `None` if neither does.
-fn all(pair: &PairFile, bodies: &[Body], diagnostics: &mut Diagnostics) -> Option<Vec<[usize; 2]>> {
+fn all_bodies(
+    pair: &PairFile,
+    bodies: &[Body],
+    diagnostics: &mut Diagnostics,
+) -> Option<Vec<[usize; 2]>> {
     let [first, second] = pair.names.as_slice() else {
         return None;
     };
@@ -265,7 +283,7 @@ fn all(pair: &PairFile, bodies: &[Body], diagnostics: &mut Diagnostics) -> Optio
 }
 
 /// Ascending indices of a pair that stands in the section only once.
-fn once(
+fn pairs_once(
     pair: &PairFile,
     bodies: &[Body],
     seen: &mut Vec<([usize; 2], Span)>,

@@ -1,13 +1,13 @@
 //! Drives of the inputs, start values of the unknowns, and the duration of the motion.
 
 use super::super::file::{InputFile, SceneFile};
-use super::super::formula::compile::{Value, compile, constant};
-use super::super::formula::expression::Node;
+use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
+use super::super::formula::expression::FormulaNode;
 use super::super::formula::kinds::to_radians;
 use super::names::{Meaning, Names, TIME};
 use super::parsed::{Parsed, ParsedInput};
-use super::parsing::expression;
-use crate::diag::{Diagnostic, Diagnostics, shown};
+use super::parsing::parsed_expression;
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{AngleUnit, Kind};
 use std::collections::HashMap;
@@ -28,7 +28,7 @@ const MAX_DURATION: f64 = 3.2e7;
 const MIN_DURATION: f64 = 1e-100;
 
 /// Resolves inputs, guesses and duration.
-pub fn resolve(
+pub fn resolve_coordinates(
     file: &SceneFile,
     parsed: &Parsed,
     names: &Names,
@@ -46,15 +46,15 @@ pub fn resolve(
             continue;
         };
         let wanted = Some(coordinate.kind);
-        match drive(input, &file.inputs[index].1, names, unit, wanted) {
+        match resolve_drive(input, &file.inputs[index].1, names, unit, wanted) {
             Ok(drive) => drives.push(drive),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
     let is_whole = drives.len() == file.inputs.len();
-    let (guess, named) = guess(parsed, names, unit, diagnostics);
+    let (guess, named) = resolve_guess(parsed, names, unit, diagnostics);
     let known_drives = is_whole.then_some(drives.as_slice());
-    let duration = duration(file, names, known_drives, diagnostics)?;
+    let duration = resolve_duration(file, names, known_drives, diagnostics)?;
     Some(Coordinates {
         guess,
         named,
@@ -63,7 +63,7 @@ pub fn resolve(
     })
 }
 
-fn drive(
+fn resolve_drive(
     input: &ParsedInput,
     file: &InputFile,
     names: &Names,
@@ -71,7 +71,7 @@ fn drive(
     wanted: Option<Kind>,
 ) -> Result<Drive, Diagnostic> {
     let radians =
-        |node: &Node| to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
+        |node: &FormulaNode| to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
     match (input, file) {
         (ParsedInput::Keys(keys), InputFile::Keys { keys: place, ease }) => {
             let ease = match ease {
@@ -90,13 +90,15 @@ fn drive(
             };
             let (mut times, mut values) = (Vec::new(), Vec::new());
             for [time, value] in keys {
-                let at = constant(time, &|n, s| names.constant(n, s))?;
+                let at = constant_node(time, &|n, s| names.constant(n, s))?;
                 if times.last().is_some_and(|last| at <= *last) {
                     return Err(Diagnostic::error("the times of the keys must ascend")
                         .at(time.span.clone()));
                 }
                 times.push(at);
-                values.push(constant(&radians(value), &|n, s| names.constant(n, s))?);
+                values.push(constant_node(&radians(value), &|n, s| {
+                    names.constant(n, s)
+                })?);
             }
             if times.is_empty() {
                 return Err(
@@ -111,16 +113,16 @@ fn drive(
         }
         (ParsedInput::Formula(node), _) => {
             let lookup = |name: &str, span: &_| match name {
-                TIME => Ok(Value::Slot(0)),
+                TIME => Ok(CompiledValue::Slot(0)),
                 _ => names.constant(name, span),
             };
-            Ok(Drive::Formula(compile(&radians(node), &lookup)?))
+            Ok(Drive::Formula(compile_formula(&radians(node), &lookup)?))
         }
         (ParsedInput::Keys(_), _) => Err(Diagnostic::inherited()),
     }
 }
 
-fn guess(
+fn resolve_guess(
     parsed: &Parsed,
     names: &Names,
     unit: &AngleUnit,
@@ -154,7 +156,7 @@ fn guess(
         };
         let wanted = Some(names.unknowns[index].kind);
         let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
-        match constant(&node, &|n, s| names.constant(n, s)) {
+        match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => (guess[index], named[index]) = (value, true),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
@@ -163,7 +165,7 @@ fn guess(
 }
 
 /// The `duration` key, else the time of the last keyframe, else one second (nothing moves).
-fn duration(
+fn resolve_duration(
     file: &SceneFile,
     names: &Names,
     drives: Option<&[Drive]>,
@@ -186,11 +188,11 @@ fn duration(
         }
         return Some(if last > 0.0 { last } else { 1.0 });
     };
-    let node = expression(text, diagnostics)?;
-    match constant(&node, &|n, s| names.constant(n, s)) {
+    let node = parsed_expression(text, diagnostics)?;
+    match constant_node(&node, &|n, s| names.constant(n, s)) {
         Ok(value) if (MIN_DURATION..=MAX_DURATION).contains(&value) => Some(value),
         Ok(value) => {
-            let value = shown(value);
+            let value = shown_number(value);
             let message =
                 format!("duration must be between 0 and {MAX_DURATION:e} s, found {value}");
             diagnostics.push(Diagnostic::error(message).at(text.span.clone()));

@@ -1,36 +1,44 @@
 //! The keys of `[view]` that say what is shown beside the bodies.
 
 use super::super::views::ViewFile;
-use super::bodies::Constants;
-use super::choices::{AXES, MOST_GHOSTS, TRAILS, choice};
-use crate::diag::{Diagnostic, Diagnostics, shown};
+use super::bodies::BodyConstants;
+use super::choices::{AXES, MOST_GHOSTS, TRAILS, chosen_word};
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::view::{Decor, Ghosts, Trails};
 use crate::scene::values::FormulaText;
 
 /// Resolves them; what is wrong is said and left as if it were absent.
-pub fn resolve(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics) -> Decor {
+pub fn resolve_decor(
+    view: &ViewFile,
+    constants: &BodyConstants,
+    diagnostics: &mut Diagnostics,
+) -> Decor {
     let mut positive = |what: &str, text: &Option<FormulaText>| {
         let text = text.as_ref()?;
         constants.positive(what, text, diagnostics)
     };
     let length = positive("trail_length", &view.trail_length);
     let arrow_scale = positive("arrow_scale", &view.arrow_scale);
-    let trails = match choice(&view.trails, &TRAILS, "kind of trails", diagnostics) {
+    let trails = match chosen_word(&view.trails, &TRAILS, "kind of trails", diagnostics) {
         Trails::Fading(_) => Trails::Fading(length),
         other => other,
     };
     Decor {
-        ghosts: ghosts(view, constants, diagnostics),
+        ghosts: resolve_ghosts(view, constants, diagnostics),
         trails,
         arrows: view.arrows.unwrap_or(false),
         arrow_scale,
-        axes: choice(&view.axes, &AXES, "choice of axes", diagnostics),
+        axes: chosen_word(&view.axes, &AXES, "choice of axes", diagnostics),
         gauge: view.gauge.unwrap_or(false),
         joints: view.joints.unwrap_or(false),
     }
 }
 
-fn ghosts(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics) -> Ghosts {
+fn resolve_ghosts(
+    view: &ViewFile,
+    constants: &BodyConstants,
+    diagnostics: &mut Diagnostics,
+) -> Ghosts {
     if let Some(times) = &view.ghost_times {
         if times.value.len() > MOST_GHOSTS {
             let message = format!("at most {MOST_GHOSTS} ghosts");
@@ -53,7 +61,7 @@ fn ghosts(view: &ViewFile, constants: &Constants, diagnostics: &mut Diagnostics)
     if (0.0..=MOST_GHOSTS as f64).contains(&count) && count.fract() == 0.0 {
         return Ghosts::Count(count as usize);
     }
-    let count = shown(count);
+    let count = shown_number(count);
     let message = format!("ghosts must be a whole number from 0 to {MOST_GHOSTS}, found {count}");
     diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
     none

@@ -1,15 +1,15 @@
 //! Chains of factors to chains of steps: constants folded to poses, arguments shared.
 
 use super::super::formula::chain::Factor;
-use super::super::formula::compile::{compile, exact_constant};
-use super::super::formula::expression::{Node, NodeKind};
+use super::super::formula::compile::{compile_formula, exact_constant};
+use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::names::{Names, kind_of_motion};
 use super::parsed::Parsed;
 use super::parsing::Named;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown};
+use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, Chain, Motion, Step};
+use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::expression::{Affine, Function};
 use crate::model::fixed::FixedPose;
 use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
@@ -21,14 +21,14 @@ use glam::DVec3;
 const LARGEST: f64 = 1e60;
 
 /// Compiles chains and keeps the list of their arguments.
-pub struct Joints<'a> {
+pub struct FoldedJoints<'a> {
     names: &'a Names,
     unit: &'a AngleUnit,
     /// Every different argument once.
     pub arguments: Vec<Argument>,
 }
 
-impl<'a> Joints<'a> {
+impl<'a> FoldedJoints<'a> {
     /// Starts without arguments.
     pub fn new(names: &'a Names, unit: &'a AngleUnit) -> Self {
         Self {
@@ -58,7 +58,7 @@ impl<'a> Joints<'a> {
         let steps = self.steps(factors, diagnostics)?;
         let kept = without_pairs(factors);
         let around = match closes {
-            Closes::Frame => around(factors, &kept),
+            Closes::Frame => kept_around(factors, &kept),
             // P X P⁻¹ moves another point than X does.
             Closes::Point => 0,
         };
@@ -70,8 +70,8 @@ impl<'a> Joints<'a> {
         };
         Some(Loop {
             name: name.to_owned(),
-            base: folded(base.iter().map(|k| steps[*k])),
-            chain: folded(core.iter().map(|k| steps[*k])),
+            base: folded_chain(base.iter().map(|k| steps[*k])),
+            chain: folded_chain(core.iter().map(|k| steps[*k])),
             closes,
             size: 1.0,
         })
@@ -84,7 +84,7 @@ impl<'a> Joints<'a> {
             let node = to_radians(node.clone(), None, self.unit.radians, &|n| {
                 self.names.is_angle(n)
             });
-            match compile(&node, &|n, s| self.names.coordinate(n, s)) {
+            match compile_formula(&node, &|n, s| self.names.coordinate(n, s)) {
                 Ok(expression) => equations.push(Equation {
                     name: name.value.clone(),
                     expression,
@@ -98,7 +98,7 @@ impl<'a> Joints<'a> {
     }
 
     /// Power of length in the dimension of a formula, as far as the kinds of its names tell.
-    fn length_exponent(&self, node: &Node) -> f64 {
+    fn length_exponent(&self, node: &FormulaNode) -> f64 {
         match &node.kind {
             NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Angle(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
@@ -134,12 +134,16 @@ impl<'a> Joints<'a> {
     pub fn chain(&mut self, factors: &[Factor], diagnostics: &mut Diagnostics) -> Option<Chain> {
         let steps = self.steps(factors, diagnostics)?;
         let kept = without_pairs(factors).into_iter();
-        Some(folded(kept.map(|k| steps[k])))
+        Some(folded_chain(kept.map(|k| steps[k])))
     }
 
     /// A step for every factor.
-    fn steps(&mut self, factors: &[Factor], diagnostics: &mut Diagnostics) -> Option<Vec<Step>> {
-        let mut steps: Vec<Step> = Vec::new();
+    fn steps(
+        &mut self,
+        factors: &[Factor],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<ChainStep>> {
+        let mut steps: Vec<ChainStep> = Vec::new();
         for factor in factors {
             match self.step(factor) {
                 Ok(step) => steps.push(step),
@@ -182,14 +186,14 @@ impl<'a> Joints<'a> {
         Some(chain.pose(&values))
     }
 
-    fn step(&mut self, factor: &Factor) -> Result<Step, Diagnostic> {
+    fn step(&mut self, factor: &Factor) -> Result<ChainStep, Diagnostic> {
         match factor {
-            Factor::Direction(nodes, back) => self.direction(nodes, *back).map(Step::Fixed),
+            Factor::Direction(nodes, back) => self.direction(nodes, *back).map(ChainStep::Fixed),
             Factor::Elementary(motion, axis, node) => self.elementary(*motion, *axis, node),
         }
     }
 
-    fn direction(&self, nodes: &[Node; 3], back: bool) -> Result<FixedPose, Diagnostic> {
+    fn direction(&self, nodes: &[FormulaNode; 3], back: bool) -> Result<FixedPose, Diagnostic> {
         let mut direction = [Constant::default(); 3];
         for (k, node) in nodes.iter().enumerate() {
             direction[k] = exact_constant(node, &|n, s| self.names.constant(n, s))?;
@@ -205,31 +209,36 @@ impl<'a> Joints<'a> {
         Ok(if back { pose.inverse() } else { pose })
     }
 
-    fn elementary(&mut self, motion: Motion, axis: usize, node: &Node) -> Result<Step, Diagnostic> {
+    fn elementary(
+        &mut self,
+        motion: ElementaryMotion,
+        axis: usize,
+        node: &FormulaNode,
+    ) -> Result<ChainStep, Diagnostic> {
         let wanted = Some(kind_of_motion(motion));
         let converted = to_radians(node.clone(), wanted, self.unit.radians, &|n| {
             self.names.is_angle(n)
         });
-        let expression = compile(&converted, &|n, s| self.names.coordinate(n, s))?;
+        let expression = compile_formula(&converted, &|n, s| self.names.coordinate(n, s))?;
         match expression.affine() {
             Some(affine) if affine.terms.is_empty() => {
                 let value = affine.constant;
                 if value.number().abs() > LARGEST {
-                    let value = shown(value.number());
+                    let value = shown_number(value.number());
                     let message = format!("{value} is beyond what can be computed with");
                     return Err(Diagnostic::error(message)
                         .at(node.span.clone())
                         .hint(format!("at most {LARGEST:e}: choose a larger unit")));
                 }
-                Ok(Step::Fixed(match motion {
-                    Motion::Translation => FixedPose::translation(axis, value),
-                    Motion::Rotation => FixedPose::rotation(axis, value),
+                Ok(ChainStep::Fixed(match motion {
+                    ElementaryMotion::Translation => FixedPose::translation(axis, value),
+                    ElementaryMotion::Rotation => FixedPose::rotation(axis, value),
                 }))
             }
             Some(affine) => Ok(self.joint(motion, axis, affine)),
             None => {
                 let argument = self.share(Argument::Formula(expression));
-                Ok(Step::Joint {
+                Ok(ChainStep::Joint {
                     motion,
                     axis,
                     argument,
@@ -240,7 +249,7 @@ impl<'a> Joints<'a> {
     }
 
     /// Takes a leading minus out of the argument, so that a motion and its inverse share sine and cosine.
-    fn joint(&mut self, motion: Motion, axis: usize, mut affine: Affine) -> Step {
+    fn joint(&mut self, motion: ElementaryMotion, axis: usize, mut affine: Affine) -> ChainStep {
         let is_negative = affine.terms[0].1.number() < 0.0;
         let sign = if is_negative { -1.0 } else { 1.0 };
         if is_negative {
@@ -248,7 +257,7 @@ impl<'a> Joints<'a> {
             affine.terms.iter_mut().for_each(|(_, c)| *c = -*c);
         }
         let argument = self.share(Argument::Affine(affine));
-        Step::Joint {
+        ChainStep::Joint {
             motion,
             axis,
             argument,
@@ -280,7 +289,7 @@ fn without_pairs(factors: &[Factor]) -> Vec<usize> {
 }
 
 /// How many of the factors `kept` begin the product and are undone at its end.
-fn around(factors: &[Factor], kept: &[usize]) -> usize {
+fn kept_around(factors: &[Factor], kept: &[usize]) -> usize {
     let ends = kept.iter().zip(kept.iter().rev());
     let ends = ends.take(kept.len() / 2);
     let undone = |(first, last): &(&usize, &usize)| factors[**first].undoes(&factors[**last]);
@@ -288,11 +297,11 @@ fn around(factors: &[Factor], kept: &[usize]) -> usize {
 }
 
 /// A chain in which constant poses side by side are one.
-fn folded(steps: impl Iterator<Item = Step>) -> Chain {
+fn folded_chain(steps: impl Iterator<Item = ChainStep>) -> Chain {
     let mut chain = Chain::default();
     for step in steps {
         match (chain.steps.last_mut(), step) {
-            (Some(Step::Fixed(last)), Step::Fixed(pose)) => *last = *last * pose,
+            (Some(ChainStep::Fixed(last)), ChainStep::Fixed(pose)) => *last = *last * pose,
             _ => chain.steps.push(step),
         }
     }

@@ -3,14 +3,14 @@
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::math::Pose;
-use crate::model::chain::{Chain, Step};
+use crate::model::chain::{Chain, ChainStep};
 use crate::model::mechanism::Mechanism;
 
 /// Fixed poses that agree within this are the same; it is rounding of the folded constants, relative to the size.
 const SAME: f64 = 1e-12;
 
 /// Warns of loops that repeat another one, and of loops without unknowns.
-pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostics) {
+pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostics) {
     let place = |name: &str| -> Span {
         let mut loops = parsed.loops.iter();
         let found = loops.find(|(n, _)| n.value == name);
@@ -22,7 +22,7 @@ pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostic
         let earlier = &mechanism.loops[..k];
         let first = earlier
             .iter()
-            .find(|e| same(&e.chain) || same(&inverse(&e.chain)));
+            .find(|e| same(&e.chain) || same(&inverse_chain(&e.chain)));
         if let Some(first) = first {
             let message = format!(
                 "loop `{}` says the same as loop `{}`",
@@ -57,9 +57,9 @@ pub fn warn(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostic
 }
 
 /// The chain of the inverse product.
-fn inverse(chain: &Chain) -> Chain {
+fn inverse_chain(chain: &Chain) -> Chain {
     Chain {
-        steps: chain.steps.iter().rev().map(Step::inverse).collect(),
+        steps: chain.steps.iter().rev().map(ChainStep::inverse).collect(),
     }
 }
 
@@ -71,7 +71,7 @@ fn is_same(a: &Chain, b: &Chain, size: f64) -> bool {
     };
     a.steps.len() == b.steps.len()
         && a.steps.iter().zip(&b.steps).all(|pair| match pair {
-            (Step::Fixed(a), Step::Fixed(b)) => near(a, b),
+            (ChainStep::Fixed(a), ChainStep::Fixed(b)) => near(a, b),
             (a, b) => a == b,
         })
 }

@@ -1,15 +1,15 @@
 //! Tracks and measures: names to indices, formulas over poses and over earlier measures.
 
 use super::super::file::SceneFile;
-use super::super::formula::compile::{Value, compile, constant};
+use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
 use super::super::formula::kinds::to_radians;
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
-use super::bodies::Constants;
+use super::bodies::BodyConstants;
 use super::names::Names;
 use super::outputs::{Scope, kind_of};
-use super::parsing::expression;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown};
-use crate::model::measure::{Measure, MeasureSource, Taking, Track};
+use super::parsing::parsed_expression;
+use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use crate::model::measure::{Measure, MeasureSource, MeasuredTrack, Taking};
 use crate::model::mechanism::Kind;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
@@ -21,12 +21,12 @@ const MOST_SAMPLES: f64 = 10_000.0;
 const DEFAULT_POWER: f64 = 2.0;
 
 /// Resolves the tracks; `start` are the inputs at the start of the drive, which a track keeps where it says nothing.
-pub fn tracks(
+pub fn resolve_tracks(
     file: &SceneFile,
     scope: &Scope,
     start: &[f64],
     diagnostics: &mut Diagnostics,
-) -> Vec<Track> {
+) -> Vec<MeasuredTrack> {
     let tracks = file.tracks.iter();
     tracks
         .filter_map(|track| resolve_track(track, scope, start, diagnostics))
@@ -38,15 +38,15 @@ fn resolve_track(
     scope: &Scope,
     start: &[f64],
     diagnostics: &mut Diagnostics,
-) -> Option<Track> {
+) -> Option<MeasuredTrack> {
     let names = scope.names;
-    let constants = Constants { names };
+    let constants = BodyConstants { names };
     let text = track.samples.as_ref()?;
     let samples = constants.value(text, diagnostics)?;
     if samples.fract() != 0.0 || !(2.0..=MOST_SAMPLES).contains(&samples) {
         let message = format!(
             "a track has 2 to {MOST_SAMPLES} samples, found {}",
-            shown(samples)
+            shown_number(samples)
         );
         diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
         return None;
@@ -70,10 +70,10 @@ fn resolve_track(
         let kind = names.inputs[k].kind;
         let [first, last] = ends
             .each_ref()
-            .map(|text| fixed(text, kind, scope, diagnostics));
+            .map(|text| fixed_point(text, kind, scope, diagnostics));
         (from[k], to[k]) = (first?, last?);
     }
-    Some(Track {
+    Some(MeasuredTrack {
         name: track.name.value.clone(),
         samples: samples as usize,
         from,
@@ -82,26 +82,26 @@ fn resolve_track(
 }
 
 /// A constant of a known kind, in internal units.
-fn fixed(
+fn fixed_point(
     text: &FormulaText,
     kind: Kind,
     scope: &Scope,
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
-    let node = expression(text, diagnostics)?;
+    let node = parsed_expression(text, diagnostics)?;
     let radians = scope.unit.radians;
     let node = to_radians(node, Some(kind), radians, &|n| scope.names.is_angle(n));
-    let value = constant(&node, &|n, s| scope.names.constant(n, s));
+    let value = constant_node(&node, &|n, s| scope.names.constant(n, s));
     value
         .map_err(|diagnostic| diagnostics.push(diagnostic))
         .ok()
 }
 
 /// Resolves the measures in the order of the file.
-pub fn measures(
+pub fn resolve_measures(
     file: &SceneFile,
     scope: &Scope,
-    tracks: &[Track],
+    tracks: &[MeasuredTrack],
     diagnostics: &mut Diagnostics,
 ) -> Vec<Measure> {
     let mut measures: Vec<Measure> = Vec::new();
@@ -117,17 +117,21 @@ fn resolve_measure(
     item: &MeasureFile,
     file: &SceneFile,
     scope: &Scope,
-    tracks: &[Track],
+    tracks: &[MeasuredTrack],
     earlier: &[Measure],
     diagnostics: &mut Diagnostics,
 ) -> Option<Measure> {
     let (source, kind) = match item.source.as_ref()? {
-        MeasureSourceFile::Formula(text) => formula(text, file, scope.names, earlier, diagnostics)?,
-        source @ MeasureSourceFile::Over { .. } => over(source, file, scope, tracks, diagnostics)?,
+        MeasureSourceFile::Formula(text) => {
+            measure_formula(text, file, scope.names, earlier, diagnostics)?
+        }
+        source @ MeasureSourceFile::Over { .. } => {
+            resolve_over(source, file, scope, tracks, diagnostics)?
+        }
     };
     let [min, max] = item.limits.each_ref().map(|text| match text {
         None => Some(None),
-        Some(text) => fixed(text, kind, scope, diagnostics).map(Some),
+        Some(text) => fixed_point(text, kind, scope, diagnostics).map(Some),
     });
     Some(Measure {
         name: item.name.value.clone(),
@@ -139,11 +143,11 @@ fn resolve_measure(
     })
 }
 
-fn over(
+fn resolve_over(
     source: &MeasureSourceFile,
     file: &SceneFile,
     scope: &Scope,
-    tracks: &[Track],
+    tracks: &[MeasuredTrack],
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
     let MeasureSourceFile::Over {
@@ -183,7 +187,7 @@ fn over(
     let mut kind = Kind::Number;
     let mut formulas = Vec::new();
     for text in of {
-        let node = expression(text, diagnostics)?;
+        let node = parsed_expression(text, diagnostics)?;
         match scope.compile(&node) {
             Ok((formula, found)) => {
                 kind = found;
@@ -210,9 +214,12 @@ fn over(
     let power = match power {
         None => DEFAULT_POWER,
         Some(text) => {
-            let power = Constants { names: scope.names }.value(text, diagnostics)?;
+            let power = BodyConstants { names: scope.names }.value(text, diagnostics)?;
             if power < 1.0 {
-                let message = format!("the power of a norm is at least 1, found {}", shown(power));
+                let message = format!(
+                    "the power of a norm is at least 1, found {}",
+                    shown_number(power)
+                );
                 diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
                 return None;
             }
@@ -253,7 +260,7 @@ fn input_index(
 fn track_index(
     name: &Spanned<String>,
     file: &SceneFile,
-    tracks: &[Track],
+    tracks: &[MeasuredTrack],
     diagnostics: &mut Diagnostics,
 ) -> Option<usize> {
     let found = tracks.iter().position(|t| t.name == name.value);
@@ -271,19 +278,19 @@ fn track_index(
 }
 
 /// A formula of earlier measures and parameters.
-fn formula(
+fn measure_formula(
     text: &FormulaText,
     file: &SceneFile,
     names: &Names,
     earlier: &[Measure],
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
-    let node = expression(text, diagnostics)?;
+    let node = parsed_expression(text, diagnostics)?;
     let known = |used: &str| earlier.iter().find(|m| m.name == used).map(|m| m.kind);
     let kind = kind_of(&node, names, &known);
     let lookup = |used: &str, span: &Span| {
         if let Some(slot) = earlier.iter().position(|m| m.name == used) {
-            return Ok(Value::Slot(names.inputs.len() + slot));
+            return Ok(CompiledValue::Slot(names.inputs.len() + slot));
         }
         if file.measures.iter().any(|m| m.name.value == used) {
             return Err(Diagnostic::error(format!(
@@ -293,14 +300,14 @@ fn formula(
             .hint("a measure may use only earlier ones"));
         }
         if let Some(input) = names.varied_input(used) {
-            return Ok(Value::Slot(input));
+            return Ok(CompiledValue::Slot(input));
         }
         names.constant(used, span).map_err(|d| {
             d.suggest(used, earlier.iter().map(|m| m.name.as_str()))
                 .hint("a value of single poses is measured over a track or the drive: { of = …, take = … }")
         })
     };
-    match compile(&node, &lookup) {
+    match compile_formula(&node, &lookup) {
         Ok(formula) => Some((MeasureSource::Formula(formula), kind)),
         Err(diagnostic) => {
             diagnostics.push(diagnostic);

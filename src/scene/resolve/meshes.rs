@@ -2,21 +2,21 @@
 
 use crate::diag::shown_text;
 use crate::geometry::stl::read_stl;
-use crate::limits::{Resource, limits};
+use crate::limits::{Resource, current_limits};
 use crate::model::shape::TriangleSoup;
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 /// What decides whether two shapes share their triangles: file, scale, whether it is a surface.
-type Key = (PathBuf, u64, bool);
+type MeshKey = (PathBuf, u64, bool);
 
 /// Reads mesh files for one scene.
 pub struct MeshFiles<'f> {
     folder: &'f Path,
     /// Folders beside the scene's own that files may stand in.
     allowed: &'f [PathBuf],
-    known: HashMap<Key, Arc<TriangleSoup>>,
+    known: HashMap<MeshKey, Arc<TriangleSoup>>,
     triangles: usize,
 }
 
@@ -45,7 +45,7 @@ impl<'f> MeshFiles<'f> {
         }
         let mut soup = read_stl(&path).map_err(|e| e.to_string())?;
         self.triangles += soup.triangles.len();
-        let all = limits().allow(
+        let all = current_limits().allow(
             Resource::Triangles,
             self.triangles as f64,
             &format!("the scene with {}", soup.source),

@@ -42,7 +42,7 @@ use std::sync::Arc;
 
 /// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from the folder of
 /// `overrides`, whose parameters that vary become inputs that rest.
-pub fn resolve(
+pub fn resolve_scene(
     file: &SceneFile,
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
@@ -54,18 +54,19 @@ pub fn resolve(
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
-    let kept = varied::kept(&parsed, varied);
+    let kept = varied::kept_parameters(&parsed, varied);
     varied::expand_dependents(&mut parsed, varied, diagnostics);
     let varied_values = names.promote(varied);
-    contacts::parallel::settle(&parsed, &mut names, &angle_unit);
-    let mut joints = joints::Joints::new(&names, &angle_unit);
+    contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
+    let mut joints = joints::FoldedJoints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
     let mut equations = joints.equations(&parsed, diagnostics);
     let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
     loops.append(&mut contacts.loops);
     equations.append(&mut contacts.equations);
-    let mut bodies = bodies::resolve(file, &parsed, &names, &mut joints, &mut meshes, diagnostics);
-    let mut traces = bodies::traces(file, &names, &bodies, diagnostics);
+    let mut bodies =
+        bodies::resolve_bodies(file, &parsed, &names, &mut joints, &mut meshes, diagnostics);
+    let mut traces = bodies::body_traces(file, &names, &bodies, diagnostics);
     if !varied.is_empty() && !diagnostics.has_errors() {
         let points = (&mut bodies, &mut traces[..]);
         varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
@@ -80,26 +81,27 @@ pub fn resolve(
         &angle_unit,
         diagnostics,
     );
-    let mut coordinates = coordinates::resolve(file, &parsed, &names, &angle_unit, diagnostics);
+    let mut coordinates =
+        coordinates::resolve_coordinates(file, &parsed, &names, &angle_unit, diagnostics);
     if let Some(coordinates) = &mut coordinates {
         let resting = varied_values.into_iter().map(Drive::constant);
         coordinates.drives.extend(resting);
     }
-    let plots = plots::resolve(file, &scope, diagnostics);
-    let view = view::resolve(file, &names, &bodies, &traces, diagnostics);
-    let constants = bodies::Constants { names: &names };
+    let plots = plots::resolve_plots(file, &scope, diagnostics);
+    let view = view::resolve_view(file, &names, &bodies, &traces, diagnostics);
+    let constants = bodies::BodyConstants { names: &names };
     let clearance = file
         .clearance
         .as_ref()
-        .map(|section| clearance::resolve(section, &constants, &bodies, diagnostics));
+        .map(|section| clearance::resolve_clearance(section, &constants, &bodies, diagnostics));
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
     // Without drives, which is said already, no track can be.
     let tracks = match start.len() == names.inputs.len() {
-        true => measures::tracks(file, &scope, &start, diagnostics),
+        true => measures::resolve_tracks(file, &scope, &start, diagnostics),
         false => Vec::new(),
     };
-    let measures = measures::measures(file, &scope, &tracks, diagnostics);
+    let measures = measures::resolve_measures(file, &scope, &tracks, diagnostics);
     let outputs = scope.outputs;
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
@@ -109,7 +111,7 @@ pub fn resolve(
                 .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
         );
     }
-    let study = study::resolve(file, &names, &angle_unit, &measures, varied, diagnostics);
+    let study = study::resolve_study(file, &names, &angle_unit, &measures, varied, diagnostics);
     let coordinates = coordinates?;
     if diagnostics.has_errors() {
         return None;
@@ -148,11 +150,11 @@ pub fn resolve(
     };
     mechanism.size = overrides
         .size
-        .unwrap_or_else(|| size(&mechanism, &actuation, &names));
-    scales::estimate(&mut mechanism, &actuation);
-    magnitudes::estimate(&mut mechanism, &actuation);
+        .unwrap_or_else(|| mechanism_size(&mechanism, &actuation, &names));
+    scales::estimate_scales(&mut mechanism, &actuation);
+    magnitudes::estimate_magnitudes(&mut mechanism, &actuation);
     mechanism.joints = Joints::new(&mechanism);
-    loops::warn(&mechanism, &parsed, diagnostics);
+    loops::warn_of_loops(&mechanism, &parsed, diagnostics);
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
@@ -195,15 +197,15 @@ const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
 /// The mechanism's own length: the longest fixed offset between two joints of its loops, else its longest length
 /// parameter, driven length or constant of a chain, else the largest lead of a screw, else one.
-fn size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
-    use crate::model::chain::Step;
+fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
+    use crate::model::chain::ChainStep;
     let fixed = mechanism
         .loops
         .iter()
         .flat_map(|l| &l.chain.steps)
         .filter_map(|step| match step {
-            Step::Fixed(pose) => Some(pose.translation.length()),
-            Step::Joint { .. } => None,
+            ChainStep::Fixed(pose) => Some(pose.translation.length()),
+            ChainStep::Joint { .. } => None,
         });
     let longest = fixed.fold(0.0, f64::max);
     if longest > 0.0 {
@@ -218,42 +220,42 @@ fn size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
     let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
     let inputs = driven
         .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * actuation.duration).abs()));
-    let known = parameters.chain(inputs).chain(constants(mechanism));
+    let known = parameters.chain(inputs).chain(chain_constants(mechanism));
     let finite = known.filter(|v| v.is_finite());
     let longest = finite.fold(0.0, f64::max);
     if longest > 0.0 {
         return longest;
     }
-    let longest = leads(mechanism).fold(0.0, f64::max);
+    let longest = screw_leads(mechanism).fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 1.0 }
 }
 
 /// Lengths that stand in chains as numbers: fixed offsets of bodies, and what is added to a moving one.
-fn constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
-    use crate::model::chain::{Argument, Motion, Step};
+fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
+    use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
     let loops = mechanism.loops.iter().map(|l| &l.chain);
     let chains = loops.chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
     chains.flat_map(|c| &c.steps).map(|step| match step {
-        Step::Fixed(pose) => pose.translation.length(),
-        Step::Joint {
-            motion: Motion::Translation,
+        ChainStep::Fixed(pose) => pose.translation.length(),
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
             argument,
             ..
         } => match &mechanism.arguments[*argument] {
             Argument::Affine(affine) => affine.constant.number().abs(),
             Argument::Formula(_) => 0.0,
         },
-        Step::Joint { .. } => 0.0,
+        ChainStep::Joint { .. } => 0.0,
     })
 }
 
 /// Advance per turn of all translations that follow an angle.
-fn leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
-    use crate::model::chain::{Argument, Motion, Step};
+fn screw_leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
+    use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
     let steps = mechanism.loops.iter().flat_map(|l| &l.chain.steps);
     let arguments = steps.filter_map(|step| match step {
-        Step::Joint {
-            motion: Motion::Translation,
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
             argument,
             ..
         } => Some(&mechanism.arguments[*argument]),
@@ -276,7 +278,7 @@ fn leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
 #[allow(clippy::panic)]
 mod tests {
     use crate::diag::Source;
-    use crate::scene::{Overrides, load};
+    use crate::scene::{Overrides, load_scene};
 
     /// Tolerances are relative to the size: it must not depend on how a length is written.
     #[test]
@@ -299,7 +301,7 @@ mod tests {
                 text: text.clone(),
             };
             let scene =
-                load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
+                load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
             assert!((scene.mechanism.size - wanted).abs() < 1e-12, "{text}");
         }
     }

@@ -2,12 +2,12 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;
-use super::super::formula::compile::{Value, exact_constant};
-use super::super::formula::expression::Node;
-use super::super::formula::kinds::{infer, to_radians};
+use super::super::formula::compile::{CompiledValue, exact_constant};
+use super::super::formula::expression::FormulaNode;
+use super::super::formula::kinds::{infer_kind, to_radians};
 use super::parsed::{Parsed, ParsedInput};
 use crate::diag::{Diagnostic, Diagnostics, Span};
-use crate::model::chain::Motion;
+use crate::model::chain::ElementaryMotion;
 use crate::model::expression::Function;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use crate::numbers::constant::Constant;
@@ -82,7 +82,7 @@ impl Names {
             unknowns: Vec::new(),
             unknown_places: Vec::new(),
             kinds: BTreeMap::new(),
-            broken: broken(file, parsed),
+            broken: broken_names(file, parsed),
             is_complete: parsed.is_complete,
             traces: file.traces.iter().map(|t| t.name.value.clone()).collect(),
             meanings: HashMap::new(),
@@ -200,12 +200,12 @@ impl Names {
     }
 
     /// Looks up a constant: parameters only.
-    pub fn constant(&self, name: &str, span: &Span) -> Result<Value, Diagnostic> {
+    pub fn constant(&self, name: &str, span: &Span) -> Result<CompiledValue, Diagnostic> {
         if self.broken.contains(name) {
             return Err(Diagnostic::inherited());
         }
         match self.meaning(name) {
-            Some(Meaning::Parameter(i)) => Ok(Value::Constant(self.parameters[i].value)),
+            Some(Meaning::Parameter(i)) => Ok(CompiledValue::Constant(self.parameters[i].value)),
             Some(_) => Err(Diagnostic::error(format!(
                 "`{name}` moves, but a constant is wanted here"
             ))
@@ -215,17 +215,17 @@ impl Names {
     }
 
     /// Looks up a coordinate or parameter; slots are unknowns, then inputs.
-    pub fn coordinate(&self, name: &str, span: &Span) -> Result<Value, Diagnostic> {
+    pub fn coordinate(&self, name: &str, span: &Span) -> Result<CompiledValue, Diagnostic> {
         if self.broken.contains(name) {
             return Err(Diagnostic::inherited());
         }
         match self.meaning(name) {
             Some(Meaning::Parameter(i)) => Ok(match self.varied.iter().find(|(p, _)| *p == i) {
-                Some((_, input)) => Value::Slot(self.unknowns.len() + input),
-                None => Value::Constant(self.parameters[i].value),
+                Some((_, input)) => CompiledValue::Slot(self.unknowns.len() + input),
+                None => CompiledValue::Constant(self.parameters[i].value),
             }),
-            Some(Meaning::Unknown(i)) => Ok(Value::Slot(i)),
-            Some(Meaning::Input(i)) => Ok(Value::Slot(self.unknowns.len() + i)),
+            Some(Meaning::Unknown(i)) => Ok(CompiledValue::Slot(i)),
+            Some(Meaning::Input(i)) => Ok(CompiledValue::Slot(self.unknowns.len() + i)),
             None if !self.is_complete => Err(Diagnostic::inherited()),
             None => Err(self.undefined(name, span)),
         }
@@ -243,7 +243,7 @@ impl Names {
 
     /// Finds what every name measures from where it stands; a contradiction is an error.
     pub fn infer_kinds(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
-        let mut sites: Vec<(&Node, Option<Kind>)> = Vec::new();
+        let mut sites: Vec<(&FormulaNode, Option<Kind>)> = Vec::new();
         for factor in parsed
             .loops
             .iter()
@@ -289,9 +289,9 @@ impl Names {
         self.store_kinds();
     }
 
-    fn note(&mut self, node: &Node, wanted: Option<Kind>, diagnostics: &mut Diagnostics) {
+    fn note(&mut self, node: &FormulaNode, wanted: Option<Kind>, diagnostics: &mut Diagnostics) {
         let kinds = &mut self.kinds;
-        infer(
+        infer_kind(
             node,
             wanted,
             &mut |name, kind, span| match kinds.get(name) {
@@ -304,16 +304,16 @@ impl Names {
                 Some((known, first)) => diagnostics.push(
                     Diagnostic::error(format!(
                         "`{name}` is used both as {} {} and as {} {}",
-                        article(*known),
+                        kind_article(*known),
                         known.word(),
-                        article(kind),
+                        kind_article(kind),
                         kind.word()
                     ))
                     .at(span.clone())
-                    .label(format!("here as {} {}", article(kind), kind.word()))
+                    .label(format!("here as {} {}", kind_article(kind), kind.word()))
                     .related(
                         first.clone(),
-                        format!("here as {} {}", article(*known), known.word()),
+                        format!("here as {} {}", kind_article(*known), known.word()),
                     ),
                 ),
             },
@@ -379,7 +379,7 @@ impl Names {
                         .at(span.clone()))
                 }
                 _ if self.broken.contains(used) => Err(Diagnostic::inherited()),
-                Some(i) if i < own => Ok(Value::Constant(self.parameters[i].value)),
+                Some(i) if i < own => Ok(CompiledValue::Constant(self.parameters[i].value)),
                 Some(_) => Err(
                     Diagnostic::error(format!("`{used}` is defined further down"))
                         .at(span.clone())
@@ -403,14 +403,14 @@ impl Names {
 }
 
 /// The kind of a joint's argument.
-pub fn kind_of_motion(motion: Motion) -> Kind {
+pub fn kind_of_motion(motion: ElementaryMotion) -> Kind {
     match motion {
-        Motion::Translation => Kind::Length,
-        Motion::Rotation => Kind::Angle,
+        ElementaryMotion::Translation => Kind::Length,
+        ElementaryMotion::Rotation => Kind::Angle,
     }
 }
 
-fn article(kind: Kind) -> &'static str {
+fn kind_article(kind: Kind) -> &'static str {
     if kind == Kind::Angle { "an" } else { "a" }
 }
 
@@ -422,7 +422,7 @@ fn visit_factor(factor: &Factor, visit: &mut dyn FnMut(&str, &Span)) {
 }
 
 /// Parameters and outputs whose formula could not be read.
-fn broken(file: &SceneFile, parsed: &Parsed) -> BTreeSet<String> {
+fn broken_names(file: &SceneFile, parsed: &Parsed) -> BTreeSet<String> {
     let lists = [
         (&file.parameters, &parsed.parameters),
         (&file.outputs, &parsed.outputs),

@@ -1,17 +1,17 @@
 //! Named scalars: formulas over coordinates, traced points and earlier outputs.
 
 use super::super::file::SceneFile;
-use super::super::formula::compile::{Value, compile};
-use super::super::formula::expression::{Node, NodeKind};
+use super::super::formula::compile::{CompiledValue, compile_formula};
+use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::kinds::to_radians;
-use super::bodies::Constants;
+use super::bodies::BodyConstants;
 use super::clearance::asked_distance;
 use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::expression::{Expression, Function};
-use crate::model::mechanism::{AngleUnit, Body, Kind, Output, OutputSource, Trace};
+use crate::model::mechanism::{AngleUnit, Body, Kind, MechanismOutput, OutputSource, Trace};
 use std::collections::HashMap;
 
 /// What formulas of poses may use.
@@ -21,7 +21,7 @@ pub struct Scope<'a> {
     pub contacts: &'a Contacts,
     pub unit: &'a AngleUnit,
     /// Outputs so far.
-    pub outputs: Vec<Output>,
+    pub outputs: Vec<MechanismOutput>,
     /// Their places by name; none for a faulty one.
     places: HashMap<String, Option<usize>>,
 }
@@ -46,22 +46,24 @@ impl<'a> Scope<'a> {
             outputs: Vec::new(),
             places: HashMap::new(),
         };
-        let constants = Constants { names };
+        let constants = BodyConstants { names };
         for item in &file.distances {
             let distance = asked_distance(item, &constants, bodies, diagnostics);
             scope.note(&item.name.value, distance.is_some());
-            scope.outputs.extend(distance.map(|distance| Output {
-                name: item.name.value.clone(),
-                source: OutputSource::Distance(distance),
-                kind: Kind::Length,
-            }));
+            scope
+                .outputs
+                .extend(distance.map(|distance| MechanismOutput {
+                    name: item.name.value.clone(),
+                    source: OutputSource::Distance(distance),
+                    kind: Kind::Length,
+                }));
         }
         for (name, node) in &parsed.outputs {
             let name = &name.value;
             let compiled = scope.compile(node);
             scope.note(name, compiled.is_ok());
             match compiled {
-                Ok((expression, kind)) => scope.outputs.push(Output {
+                Ok((expression, kind)) => scope.outputs.push(MechanismOutput {
                     name: name.clone(),
                     source: OutputSource::Formula(expression),
                     kind,
@@ -80,7 +82,7 @@ impl<'a> Scope<'a> {
     }
 
     /// A formula over coordinates, traced points and the outputs so far, and what it measures.
-    pub fn compile(&self, node: &Node) -> Result<(Expression, Kind), Diagnostic> {
+    pub fn compile(&self, node: &FormulaNode) -> Result<(Expression, Kind), Diagnostic> {
         let known = |used: &str| {
             let place = self.places.get(used).copied().flatten();
             let earlier = place.map(|place| self.outputs[place].kind);
@@ -89,22 +91,24 @@ impl<'a> Scope<'a> {
         let kind = kind_of(node, self.names, &known);
         let is_angle = |n: &str| self.names.is_angle(n) || known(n) == Some(Kind::Angle);
         let node = to_radians(node.clone(), Some(kind), self.unit.radians, &is_angle);
-        let formula = compile(&node, &|used, span| self.lookup(used, span))?;
+        let formula = compile_formula(&node, &|used, span| self.lookup(used, span))?;
         Ok((formula, kind))
     }
 
-    fn lookup(&self, used: &str, span: &Span) -> Result<Value, Diagnostic> {
+    fn lookup(&self, used: &str, span: &Span) -> Result<CompiledValue, Diagnostic> {
         let (names, traces) = (self.names, self.traces);
         let coordinates = names.unknowns.len() + names.inputs.len();
         if let Some(slot) = trace_slot(used, traces) {
-            return Ok(Value::Slot(coordinates + slot));
+            return Ok(CompiledValue::Slot(coordinates + slot));
         }
         if let Some(Some(earlier)) = self.places.get(used) {
-            return Ok(Value::Slot(coordinates + 3 * traces.len() + earlier));
+            return Ok(CompiledValue::Slot(
+                coordinates + 3 * traces.len() + earlier,
+            ));
         }
         if let Some((_, _, scalar)) = self.contacts.scalar(used) {
             return match scalar {
-                Ok(formula) => Ok(Value::Formula(formula.clone())),
+                Ok(formula) => Ok(CompiledValue::Formula(formula.clone())),
                 Err(why) => {
                     let message = format!("`{used}` has no value here: {why}");
                     Err(Diagnostic::error(message).at(span.clone()))
@@ -141,7 +145,7 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 }
 
 /// What a formula measures, from the bottom up.
-pub fn kind_of(node: &Node, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
+pub fn kind_of(node: &FormulaNode, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
     match &node.kind {
         NodeKind::Number(_) => Kind::Number,
         NodeKind::Radians(_) | NodeKind::Angle(_) => Kind::Angle,

@@ -1,32 +1,32 @@
 //! All formulas and chains of a file, parsed. No names are looked up here.
 
 use super::super::file::{InputFile, SceneFile};
-use super::super::formula::chain::{Factor, Item, parse as parse_chain};
-use super::super::formula::expression::Node;
+use super::super::formula::chain::{Factor, Item, parse_chain};
+use super::super::formula::expression::FormulaNode;
 use super::super::measures::MeasureFile;
 use super::contacts::chains::{ContactItems, ParsedContact};
-use super::parsing::{Named, expand_items, expression, note};
+use super::parsing::{Named, expand_items, note_diagnostic, parsed_expression};
 use crate::diag::Diagnostics;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 
 /// The parsed formulas of a file.
 pub struct Parsed {
-    pub parameters: Vec<Named<Node>>,
+    pub parameters: Vec<Named<FormulaNode>>,
     pub inputs: Vec<Named<ParsedInput>>,
     pub loops: Vec<Named<Vec<Factor>>>,
-    pub equations: Vec<Named<Node>>,
-    pub guess: Vec<Named<Node>>,
-    pub outputs: Vec<Named<Node>>,
+    pub equations: Vec<Named<FormulaNode>>,
+    pub guess: Vec<Named<FormulaNode>>,
+    pub outputs: Vec<Named<FormulaNode>>,
     /// Surface contacts.
     pub contacts: Vec<ParsedContact>,
     /// One per body of the file; empty for a body that stands in the world.
     pub frames: Vec<Vec<Factor>>,
     /// Coordinates of the traced points.
-    pub points: Vec<Node>,
+    pub points: Vec<FormulaNode>,
     /// What says which poses are looked at beside the drive, and what of them: ends of tracks, and measures.
-    pub tracks: Vec<Node>,
-    pub measures: Vec<Node>,
+    pub tracks: Vec<FormulaNode>,
+    pub measures: Vec<FormulaNode>,
     /// Named chains, for placing shapes.
     pub chains: Vec<Named<Vec<Item>>>,
     /// Every loop and equation could be read: only then is it known which names are unknowns.
@@ -35,8 +35,8 @@ pub struct Parsed {
 
 /// The drive of an input.
 pub enum ParsedInput {
-    Formula(Node),
-    Keys(Vec<[Node; 2]>),
+    Formula(FormulaNode),
+    Keys(Vec<[FormulaNode; 2]>),
 }
 
 impl Parsed {
@@ -46,7 +46,7 @@ impl Parsed {
             .chains
             .iter()
             .map(|(name, text)| {
-                let items = note(parse_chain, text, diagnostics);
+                let items = note_diagnostic(parse_chain, text, diagnostics);
                 (name.clone(), items.unwrap_or_else(|| vec![Item::Broken]))
             })
             .collect();
@@ -65,7 +65,9 @@ impl Parsed {
         let loops: Vec<Named<Vec<Factor>>> = file
             .loops
             .iter()
-            .filter_map(|(name, text)| Some((name.clone(), expanded(text, &chains, diagnostics)?)))
+            .filter_map(|(name, text)| {
+                Some((name.clone(), expanded_chains(text, &chains, diagnostics)?))
+            })
             .collect();
         let frames = file
             .bodies
@@ -73,13 +75,15 @@ impl Parsed {
             .map(|body| {
                 body.frame
                     .as_ref()
-                    .and_then(|text| expanded(text, &chains, diagnostics))
+                    .and_then(|text| expanded_chains(text, &chains, diagnostics))
                     .unwrap_or_default()
             })
             .collect();
-        let mut named = |list: &[(Spanned<String>, FormulaText)]| -> Vec<Named<Node>> {
+        let mut named = |list: &[(Spanned<String>, FormulaText)]| -> Vec<Named<FormulaNode>> {
             list.iter()
-                .filter_map(|(name, text)| Some((name.clone(), expression(text, diagnostics)?)))
+                .filter_map(|(name, text)| {
+                    Some((name.clone(), parsed_expression(text, diagnostics)?))
+                })
                 .collect()
         };
         let (parameters, equations) = (named(&file.parameters), named(&file.equations));
@@ -100,9 +104,9 @@ impl Parsed {
         let points = file.traces.iter().flat_map(|trace| trace.point.iter());
         let ends = file.tracks.iter().flat_map(|track| &track.inputs);
         Self {
-            points: unreported(points.flatten()),
-            tracks: unreported(ends.flat_map(|(_, ends)| ends)),
-            measures: unreported(file.measures.iter().flat_map(MeasureFile::formulas)),
+            points: unreported_nodes(points.flatten()),
+            tracks: unreported_nodes(ends.flat_map(|(_, ends)| ends)),
+            measures: unreported_nodes(file.measures.iter().flat_map(MeasureFile::formulas)),
             parameters,
             inputs,
             loops,
@@ -122,28 +126,30 @@ impl Parsed {
         text: &FormulaText,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Factor>> {
-        expanded(text, &self.chains, diagnostics)
+        expanded_chains(text, &self.chains, diagnostics)
     }
 }
 
 /// Formulas whose mistakes are reported where they are resolved.
-fn unreported<'t>(texts: impl Iterator<Item = &'t FormulaText>) -> Vec<Node> {
+fn unreported_nodes<'t>(texts: impl Iterator<Item = &'t FormulaText>) -> Vec<FormulaNode> {
     let mut silent = Diagnostics::default();
     texts
-        .filter_map(|text| expression(text, &mut silent))
+        .filter_map(|text| parsed_expression(text, &mut silent))
         .collect()
 }
 
 fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<ParsedInput> {
     match input {
         InputFile::Unread => None,
-        InputFile::Formula(text) => Some(ParsedInput::Formula(expression(text, diagnostics)?)),
+        InputFile::Formula(text) => {
+            Some(ParsedInput::Formula(parsed_expression(text, diagnostics)?))
+        }
         InputFile::Keys { keys, .. } => {
             let mut nodes = Vec::with_capacity(keys.value.len());
             for [time, value] in &keys.value {
                 nodes.push([
-                    expression(time, diagnostics)?,
-                    expression(value, diagnostics)?,
+                    parsed_expression(time, diagnostics)?,
+                    parsed_expression(value, diagnostics)?,
                 ]);
             }
             Some(ParsedInput::Keys(nodes))
@@ -151,11 +157,11 @@ fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<Parse
     }
 }
 
-fn expanded(
+fn expanded_chains(
     text: &FormulaText,
     chains: &[Named<Vec<Item>>],
     diagnostics: &mut Diagnostics,
 ) -> Option<Vec<Factor>> {
-    let items = note(parse_chain, text, diagnostics)?;
+    let items = note_diagnostic(parse_chain, text, diagnostics)?;
     expand_items(&items, chains, diagnostics)
 }

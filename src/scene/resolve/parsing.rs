@@ -1,7 +1,7 @@
 //! Single formulas and chains parsed; what is wrong with them is noted at its place in the file.
 
-use super::super::formula::chain::{Factor, Item, expand};
-use super::super::formula::expression::{Node, parse};
+use super::super::formula::chain::{Factor, Item, expand_chain};
+use super::super::formula::expression::{FormulaNode, parse_expression};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
 use crate::diag::{Diagnostic, Diagnostics};
@@ -10,8 +10,8 @@ use crate::diag::{Diagnostic, Diagnostics};
 pub type Named<T> = (Spanned<String>, T);
 
 /// Parses an expression, noting what is wrong with it.
-pub fn expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<Node> {
-    note(parse, text, diagnostics)
+pub fn parsed_expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<FormulaNode> {
+    note_diagnostic(parse_expression, text, diagnostics)
 }
 
 /// The factors of a chain, in which references to `chains` are followed.
@@ -27,7 +27,7 @@ pub fn expand_items(
             .find(|(name, _)| name.value == wanted)
             .map(|(_, items)| items.as_slice())
     };
-    match expand(items, &find, &names) {
+    match expand_chain(items, &find, &names) {
         Ok(factors) => Some(factors),
         Err(diagnostic) => {
             diagnostics.push(diagnostic);
@@ -37,7 +37,7 @@ pub fn expand_items(
 }
 
 /// Parses a text: its value, or the message with its place inside the file.
-pub fn note<T>(
+pub fn note_diagnostic<T>(
     parse: impl Fn(&str, usize) -> Result<T, Diagnostic>,
     text: &FormulaText,
     diagnostics: &mut Diagnostics,

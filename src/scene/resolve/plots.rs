@@ -1,30 +1,30 @@
 //! The entries of `[[plots]]`: quantities with their labels and units.
 
 use super::super::file::SceneFile;
-use super::super::formula::compile::constant;
+use super::super::formula::compile::constant_node;
 use super::super::plots::PlotFile;
 use super::outputs::Scope;
-use super::parsing::expression;
+use super::parsing::parsed_expression;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{AngleUnit, Kind};
-use crate::model::plot::{Abscissa, Curve, MAX_ORDER, Per, Plot, Rate, rate_unit};
+use crate::model::plot::{Abscissa, MAX_ORDER, Per, Plot, PlotCurve, Rate, rate_unit};
 use crate::scene::values::FormulaText;
 
 /// Names of the time on an axis.
 const TIME: [&str; 2] = ["time", "t"];
 
 /// What the plots of a scene are resolved with.
-struct Site<'a> {
+struct TextSite<'a> {
     scope: &'a Scope<'a>,
     length_unit: &'a str,
     angle_unit: AngleUnit,
 }
 
 /// Resolves all plots of the file.
-pub fn resolve(file: &SceneFile, scope: &Scope, diagnostics: &mut Diagnostics) -> Vec<Plot> {
+pub fn resolve_plots(file: &SceneFile, scope: &Scope, diagnostics: &mut Diagnostics) -> Vec<Plot> {
     let mut plots = Vec::new();
     for plot in &file.plots {
-        let site = Site {
+        let site = TextSite {
             scope,
             length_unit: file.length_unit.as_deref().unwrap_or("m"),
             angle_unit: angle_unit(plot, scope.unit, diagnostics),
@@ -48,12 +48,12 @@ fn angle_unit(plot: &PlotFile, scene: &AngleUnit, diagnostics: &mut Diagnostics)
     })
 }
 
-impl Site<'_> {
+impl TextSite<'_> {
     /// `None` where anything of it is wrong, which is said then.
     fn plot(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Plot> {
         let before = diagnostics.count();
         let x = self.abscissa(file, diagnostics);
-        let y: Vec<Curve> = file
+        let y: Vec<PlotCurve> = file
             .y
             .iter()
             .filter_map(|text| self.curve(text, diagnostics))
@@ -94,9 +94,9 @@ impl Site<'_> {
 
     /// A constant: parameters may be used.
     fn number(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let node = expression(text, diagnostics)?;
+        let node = parsed_expression(text, diagnostics)?;
         let names = self.scope.names;
-        match constant(&node, &|n, s| names.constant(n, s)) {
+        match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);
@@ -106,7 +106,7 @@ impl Site<'_> {
     }
 
     /// `formula`, `name = formula`, and in place of a formula `d(formula, input)` or `d(formula, input, order)`.
-    fn curve(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<Curve> {
+    fn curve(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<PlotCurve> {
         if text.is_unread {
             return None;
         }
@@ -115,9 +115,9 @@ impl Site<'_> {
             Some(sign) => (Some(text.text[..sign].trim()), sign + 1..whole.end),
             None => (None, whole),
         };
-        let body = part(text, body);
+        let body = text_part(text, body);
         let Some(parts) = derivative_parts(&body) else {
-            let node = expression(&body, diagnostics)?;
+            let node = parsed_expression(&body, diagnostics)?;
             let mut curve = self.quantity(&node, &body, diagnostics)?;
             curve.label = name.unwrap_or(body.text.trim()).to_owned();
             return Some(curve);
@@ -125,20 +125,20 @@ impl Site<'_> {
         if !(2..=3).contains(&parts.len()) {
             let diagnostic = Diagnostic::error("a derivative is written `d(quantity, input)`");
             let hint = "or `d(quantity, input, order)`; `t` in place of an input is the time";
-            diagnostics.push(at(diagnostic, &body).hint(hint));
+            diagnostics.push(moved_diagnostic(diagnostic, &body).hint(hint));
             return None;
         }
-        let node = expression(&parts[0], diagnostics)?;
+        let node = parsed_expression(&parts[0], diagnostics)?;
         let quantity = self.quantity(&node, &parts[0], diagnostics)?;
         let (per, unit) = self.per(&parts[1], diagnostics)?;
         let order = match parts.get(2) {
             None => 1,
-            Some(text) => order(text, diagnostics)?,
+            Some(text) => derivative_order(text, diagnostics)?,
         };
         let below = (unit.0.as_str(), unit.1);
         let (unit, factor) = rate_unit((&quantity.unit, quantity.factor), below, order);
         let label = rate_label(parts[0].text.trim(), parts[1].text.trim(), order);
-        Some(Curve {
+        Some(PlotCurve {
             label: name.map_or(label, str::to_owned),
             unit,
             factor,
@@ -149,10 +149,10 @@ impl Site<'_> {
 
     fn quantity(
         &self,
-        node: &super::super::formula::expression::Node,
+        node: &super::super::formula::expression::FormulaNode,
         text: &FormulaText,
         diagnostics: &mut Diagnostics,
-    ) -> Option<Curve> {
+    ) -> Option<PlotCurve> {
         let (expression, kind) = match self.scope.compile(node) {
             Ok(compiled) => compiled,
             Err(diagnostic) => {
@@ -161,7 +161,7 @@ impl Site<'_> {
             }
         };
         let (unit, factor) = self.unit(kind);
-        Some(Curve {
+        Some(PlotCurve {
             label: text.text.trim().to_owned(),
             unit,
             factor,
@@ -200,18 +200,18 @@ impl Site<'_> {
         let diagnostic = Diagnostic::error(format!("`{name}` is not an input"))
             .label("derivatives are taken by an input, or by `t`")
             .suggest(name, names);
-        diagnostics.push(at(diagnostic, text));
+        diagnostics.push(moved_diagnostic(diagnostic, text));
         None
     }
 }
 
 /// Order of a derivative.
-fn order(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<usize> {
+fn derivative_order(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<usize> {
     let order = text.text.trim().parse::<usize>().ok();
     let order = order.filter(|k| (1..=MAX_ORDER).contains(k));
     if order.is_none() {
         let message = format!("the order of a derivative is a whole number from 1 to {MAX_ORDER}");
-        diagnostics.push(at(Diagnostic::error(message), text));
+        diagnostics.push(moved_diagnostic(Diagnostic::error(message), text));
     }
     order
 }
@@ -235,7 +235,7 @@ fn derivative_parts(text: &FormulaText) -> Option<Vec<FormulaText>> {
             // Something behind the parenthesis makes it a formula, in which `d` is not known.
             let is_end = first + k + 1 == trimmed.len();
             cuts.push(first + k + 1);
-            let ranges = cuts.windows(2).map(|w| part(text, w[0]..w[1] - 1));
+            let ranges = cuts.windows(2).map(|w| text_part(text, w[0]..w[1] - 1));
             return is_end.then(|| ranges.collect());
         }
     }
@@ -243,7 +243,7 @@ fn derivative_parts(text: &FormulaText) -> Option<Vec<FormulaText>> {
 }
 
 /// A part of a text, with its place.
-fn part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
+fn text_part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
     // A text with escapes has no byte-for-byte place, and keeps that of the whole.
     let has_places = text.offset != text.span.start && !text.is_outside();
     let skipped = text.text[range.clone()].len() - text.text[range.clone()].trim_start().len();
@@ -261,7 +261,7 @@ fn part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
 }
 
 /// Puts a message at a part of a text.
-fn at(diagnostic: Diagnostic, text: &FormulaText) -> Diagnostic {
+fn moved_diagnostic(diagnostic: Diagnostic, text: &FormulaText) -> Diagnostic {
     if text.is_outside() {
         let message = format!(
             "in `{}`, which is not from the file: {}",

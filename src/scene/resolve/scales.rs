@@ -3,9 +3,9 @@
 //!
 //! Loops and equations that share a length are measured alike, since what one of them adds up stands in the other.
 
-use super::magnitudes::{INSTANTS, finite, moved, terms};
+use super::magnitudes::{INSTANTS, equation_terms, finite_or_zero, moved_equation};
 use crate::model::actuation::Actuation;
-use crate::model::chain::{Motion, Step};
+use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ const STEP: f64 = 1.0 / 1024.0;
 const CLEAR: f64 = 1e3;
 
 /// Gives every loop, coordinate and equation of `mechanism`, whose size is known, its unit.
-pub fn estimate(mechanism: &mut Mechanism, actuation: &Actuation) {
+pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
     let poses: Vec<Vec<f64>> = INSTANTS
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
@@ -32,11 +32,11 @@ pub fn estimate(mechanism: &mut Mechanism, actuation: &Actuation) {
     for (_, slots) in &mut members {
         slots.retain(|slot| mechanism.kind_of(*slot) == Kind::Length);
     }
-    share(&mut members, mechanism.coordinate_count());
+    share_scales(&mut members, mechanism.coordinate_count());
     let size = mechanism.size;
     let units: Vec<f64> = members
         .iter()
-        .map(|(reach, _)| unit(size, *reach))
+        .map(|(reach, _)| scale_unit(size, *reach))
         .collect();
     mechanism.scales = (0..mechanism.coordinate_count())
         .map(|slot| match mechanism.kind_of(slot) {
@@ -59,7 +59,7 @@ pub fn estimate(mechanism: &mut Mechanism, actuation: &Actuation) {
 }
 
 /// Members that share a length get the largest of their reaches.
-fn share(members: &mut [(f64, Vec<usize>)], coordinates: usize) {
+fn share_scales(members: &mut [(f64, Vec<usize>)], coordinates: usize) {
     let mut longest = vec![0.0_f64; coordinates];
     // Every pass carries the largest reach at least one member further.
     let mut changed = true;
@@ -75,7 +75,7 @@ fn share(members: &mut [(f64, Vec<usize>)], coordinates: usize) {
 }
 
 /// The least unit that is no smaller than `reach`; the size where nothing is known.
-fn unit(size: f64, reach: f64) -> f64 {
+fn scale_unit(size: f64, reach: f64) -> f64 {
     let mut unit = size;
     while reach > 0.0 && unit * STEP >= reach {
         unit *= STEP;
@@ -96,28 +96,28 @@ fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
     let mut longest = 0.0_f64;
     for step in &item.chain.steps {
         match step {
-            Step::Fixed(pose) => {
+            ChainStep::Fixed(pose) => {
                 let offset = pose.translation.length();
                 if offset > CLEAR * pose.error.translation {
                     longest = longest.max(offset);
                 }
             }
-            Step::Joint {
-                motion: Motion::Translation,
+            ChainStep::Joint {
+                motion: ElementaryMotion::Translation,
                 argument,
                 ..
             } => {
                 let argument = &mechanism.arguments[*argument];
                 for pose in poses {
-                    longest = longest.max(finite(argument.value(pose, &mut scratch)));
+                    longest = longest.max(finite_or_zero(argument.value(pose, &mut scratch)));
                     for (slot, rate) in argument.gradient(pose) {
                         if mechanism.kind_of(slot) != Kind::Length {
-                            longest = longest.max(finite(rate * TAU));
+                            longest = longest.max(finite_or_zero(rate * TAU));
                         }
                     }
                 }
             }
-            Step::Joint { .. } => {}
+            ChainStep::Joint { .. } => {}
         }
     }
     longest
@@ -130,10 +130,10 @@ fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &[Vec<f64>]) -
     }
     let mut reach = 0.0_f64;
     for pose in poses {
-        reach = reach.max(terms(equation, pose));
+        reach = reach.max(equation_terms(equation, pose));
         for slot in equation.expression.slots() {
             if mechanism.kind_of(slot) != Kind::Length {
-                reach = reach.max(moved(equation, pose, slot, 1.0));
+                reach = reach.max(moved_equation(equation, pose, slot, 1.0));
             }
         }
     }

@@ -1,12 +1,12 @@
 //! The `[study]` section: variables with their bounds, and the objective.
 
 use super::super::file::SceneFile;
-use super::super::formula::compile::constant;
+use super::super::formula::compile::constant_node;
 use super::super::formula::kinds::to_radians;
 use super::super::studies::{StudyFile, VariableFile};
 use super::names::{Meaning, Names};
-use super::parsing::expression;
-use crate::diag::{Diagnostic, Diagnostics, shown};
+use super::parsing::parsed_expression;
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::study::{Study, Variable};
@@ -17,7 +17,7 @@ use crate::scene::values::FormulaText;
 const DEFAULT_RANGE: f64 = 0.2;
 
 /// Resolves the study; the parameters called `varied` are its variables, else those the file names.
-pub fn resolve(
+pub fn resolve_study(
     file: &SceneFile,
     names: &Names,
     unit: &AngleUnit,
@@ -180,7 +180,8 @@ impl Resolver<'_, '_> {
             Some(text) => {
                 let value = self.value(text, kind)?;
                 if value < 0.0 {
-                    let message = format!("a tolerance is not negative, found {}", shown(value));
+                    let message =
+                        format!("a tolerance is not negative, found {}", shown_number(value));
                     let place = text.span.clone();
                     self.diagnostics.push(Diagnostic::error(message).at(place));
                     return None;
@@ -224,10 +225,10 @@ impl Resolver<'_, '_> {
 
     /// A constant of the given kind.
     fn value(&mut self, text: &FormulaText, kind: Kind) -> Option<f64> {
-        let node = expression(text, self.diagnostics)?;
+        let node = parsed_expression(text, self.diagnostics)?;
         let names = self.names;
         let node = to_radians(node, Some(kind), self.unit.radians, &|n| names.is_angle(n));
-        match constant(&node, &|n, s| names.constant(n, s)) {
+        match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {
                 self.diagnostics.push(diagnostic);

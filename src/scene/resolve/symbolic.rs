@@ -3,9 +3,11 @@
 //! A [`Term`] is a kind of number: what is computed with it is written down as operations of one shared list. Zeros and
 //! ones are left out as they arise.
 
-use crate::model::chain::{Argument, ArgumentValue, Chain, Joint, Motion, Step};
+use crate::model::chain::{
+    Argument, ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion,
+};
 use crate::model::expression::{Affine, Expression, Function, Op};
-use crate::model::walk::{Frame, Vector, walk};
+use crate::model::walk::{Triple, WalkFrame, walk_chain};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
 use std::cell::RefCell;
@@ -22,16 +24,16 @@ pub struct Formulas {
 
 /// A number, or the result of an operation of a list.
 #[derive(Clone, Copy)]
-pub enum Term<'l> {
+pub enum SymbolicTerm<'l> {
     Constant(Constant),
     Op(&'l Formulas, usize),
 }
 
 /// A joint met on the way along a chain, in the chain's base frame.
 pub struct Drafted<'l> {
-    pub motion: Motion,
-    pub axis: Vector<Term<'l>>,
-    pub origin: Vector<Term<'l>>,
+    pub motion: ElementaryMotion,
+    pub axis: Triple<SymbolicTerm<'l>>,
+    pub origin: Triple<SymbolicTerm<'l>>,
     /// Index of its argument.
     pub argument: usize,
 }
@@ -42,10 +44,10 @@ impl Formulas {
         &self,
         chain: &Chain,
         arguments: &[Argument],
-    ) -> (Frame<Term<'_>>, Vec<Drafted<'_>>) {
+    ) -> (WalkFrame<SymbolicTerm<'_>>, Vec<Drafted<'_>>) {
         let values = self.values(chain, arguments);
-        let (mut frame, mut joints) = (Frame::identity(), Vec::new());
-        walk(&chain.steps, &mut frame, &values, |here, joint| {
+        let (mut frame, mut joints) = (WalkFrame::identity(), Vec::new());
+        walk_chain(&chain.steps, &mut frame, &values, |here, joint| {
             joints.push(Drafted {
                 motion: joint.motion,
                 axis: here.axes[joint.axis].map(|c| c.scale(joint.sign)),
@@ -57,8 +59,12 @@ impl Formulas {
     }
 
     /// The arguments of a chain's joints; the others stay zero.
-    fn values(&self, chain: &Chain, arguments: &[Argument]) -> Vec<ArgumentValue<Term<'_>>> {
-        let zero = Term::Constant(ZERO);
+    fn values(
+        &self,
+        chain: &Chain,
+        arguments: &[Argument],
+    ) -> Vec<ArgumentValue<SymbolicTerm<'_>>> {
+        let zero = SymbolicTerm::Constant(ZERO);
         let none = ArgumentValue {
             value: zero,
             sin: zero,
@@ -67,16 +73,16 @@ impl Formulas {
         let mut values = vec![none; arguments.len()];
         let mut is_known = vec![false; arguments.len()];
         let mut turns = vec![false; arguments.len()];
-        for Joint {
+        for ChainJoint {
             motion, argument, ..
-        } in chain.steps.iter().filter_map(Step::joint)
+        } in chain.steps.iter().filter_map(ChainStep::joint)
         {
             let value = &mut values[argument];
             if !is_known[argument] {
                 value.value = self.argument(&arguments[argument]);
                 is_known[argument] = true;
             }
-            if motion == Motion::Rotation && !turns[argument] {
+            if motion == ElementaryMotion::Rotation && !turns[argument] {
                 value.cos = self.call(Function::Cos, value.value);
                 value.sin = self.call(Function::Sin, value.value);
                 turns[argument] = true;
@@ -85,59 +91,62 @@ impl Formulas {
         values
     }
 
-    fn argument(&self, argument: &Argument) -> Term<'_> {
+    fn argument(&self, argument: &Argument) -> SymbolicTerm<'_> {
         match argument {
             Argument::Formula(expression) => self.inline(expression),
             Argument::Affine(Affine { constant, terms }) => {
                 let terms = terms.iter();
-                terms.fold(Term::Constant(*constant), |sum, (slot, coefficient)| {
-                    sum + self.push(Op::Slot(*slot)).scale_by(*coefficient)
-                })
+                terms.fold(
+                    SymbolicTerm::Constant(*constant),
+                    |sum, (slot, coefficient)| {
+                        sum + self.push(Op::Slot(*slot)).scale_by(*coefficient)
+                    },
+                )
             }
         }
     }
 
     /// A formula of the coordinates as a term.
-    pub fn inline(&self, expression: &Expression) -> Term<'_> {
+    pub fn inline(&self, expression: &Expression) -> SymbolicTerm<'_> {
         if let [Op::Constant(value)] = expression.ops() {
-            return Term::Constant(*value);
+            return SymbolicTerm::Constant(*value);
         }
         let mut ops = self.ops.borrow_mut();
         let start = ops.len();
         ops.extend(expression.ops().iter().map(|op| op.shifted(start)));
-        Term::Op(self, ops.len() - 1)
+        SymbolicTerm::Op(self, ops.len() - 1)
     }
 
     /// `term` as a formula of its own.
-    pub fn expression(&self, term: Term) -> Expression {
+    pub fn expression(&self, term: SymbolicTerm) -> Expression {
         match term {
-            Term::Constant(value) => Expression::constant(value),
-            Term::Op(_, last) => Expression::new(self.ops.borrow()[..=last].to_vec()),
+            SymbolicTerm::Constant(value) => Expression::constant(value),
+            SymbolicTerm::Op(_, last) => Expression::new(self.ops.borrow()[..=last].to_vec()),
         }
     }
 
     /// |a|
-    pub fn length<'l>(&'l self, a: Vector<Term<'l>>) -> Term<'l> {
-        self.call(Function::Sqrt, dot(a, a))
+    pub fn length<'l>(&'l self, a: Triple<SymbolicTerm<'l>>) -> SymbolicTerm<'l> {
+        self.call(Function::Sqrt, dot_product(a, a))
     }
 
     /// The angle in 0..90 degrees whose tangent is across / |along|.
-    pub fn angle_of<'l>(&'l self, across: Term<'l>, along: Term<'l>) -> Expression {
+    pub fn angle_of<'l>(&'l self, across: SymbolicTerm<'l>, along: SymbolicTerm<'l>) -> Expression {
         let along = self.call(Function::Abs, along);
         let (a, b) = (self.place(across), self.place(along));
         self.expression(self.push(Op::Call(Function::Atan2, a, b)))
     }
 
-    fn call<'l>(&'l self, function: Function, a: Term<'l>) -> Term<'l> {
+    fn call<'l>(&'l self, function: Function, a: SymbolicTerm<'l>) -> SymbolicTerm<'l> {
         let a = self.place(a);
         self.push(Op::Call(function, a, a))
     }
 
     /// Where a term stands in the list.
-    fn place(&self, term: Term) -> usize {
+    fn place(&self, term: SymbolicTerm) -> usize {
         match term {
-            Term::Op(_, place) => place,
-            Term::Constant(value) => {
+            SymbolicTerm::Op(_, place) => place,
+            SymbolicTerm::Constant(value) => {
                 let mut ops = self.ops.borrow_mut();
                 ops.push(Op::Constant(value));
                 ops.len() - 1
@@ -145,29 +154,38 @@ impl Formulas {
         }
     }
 
-    fn push(&self, op: Op) -> Term<'_> {
+    fn push(&self, op: Op) -> SymbolicTerm<'_> {
         let mut ops = self.ops.borrow_mut();
         ops.push(op);
-        Term::Op(self, ops.len() - 1)
+        SymbolicTerm::Op(self, ops.len() - 1)
     }
 }
 
 /// a - b
-pub fn difference<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Vector<Term<'l>> {
+pub fn vector_difference<'l>(
+    a: Triple<SymbolicTerm<'l>>,
+    b: Triple<SymbolicTerm<'l>>,
+) -> Triple<SymbolicTerm<'l>> {
     [0, 1, 2].map(|k| a[k] - b[k])
 }
 
 /// a · b
-pub fn dot<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Term<'l> {
+pub fn dot_product<'l>(
+    a: Triple<SymbolicTerm<'l>>,
+    b: Triple<SymbolicTerm<'l>>,
+) -> SymbolicTerm<'l> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a × b
-pub fn cross<'l>(a: Vector<Term<'l>>, b: Vector<Term<'l>>) -> Vector<Term<'l>> {
+pub fn cross_product<'l>(
+    a: Triple<SymbolicTerm<'l>>,
+    b: Triple<SymbolicTerm<'l>>,
+) -> Triple<SymbolicTerm<'l>> {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
 }
 
-impl<'l> Term<'l> {
+impl<'l> SymbolicTerm<'l> {
     /// The operation on both terms, or `known` of two numbers.
     fn with(
         self,
@@ -184,7 +202,7 @@ impl<'l> Term<'l> {
     }
 }
 
-impl Add for Term<'_> {
+impl Add for SymbolicTerm<'_> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         match (self, other) {
@@ -194,7 +212,7 @@ impl Add for Term<'_> {
     }
 }
 
-impl Sub for Term<'_> {
+impl Sub for SymbolicTerm<'_> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         match other {
@@ -204,7 +222,7 @@ impl Sub for Term<'_> {
     }
 }
 
-impl Mul for Term<'_> {
+impl Mul for SymbolicTerm<'_> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         match (self, other) {
@@ -215,21 +233,21 @@ impl Mul for Term<'_> {
     }
 }
 
-impl Div for Term<'_> {
+impl Div for SymbolicTerm<'_> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         self.with(other, Op::Divide, |a, b| a / b)
     }
 }
 
-impl Neg for Term<'_> {
+impl Neg for SymbolicTerm<'_> {
     type Output = Self;
     fn neg(self) -> Self {
         Self::Constant(-ONE) * self
     }
 }
 
-impl Ring for Term<'_> {
+impl Ring for SymbolicTerm<'_> {
     fn number(value: f64) -> Self {
         Self::Constant(Constant::exact(value))
     }

@@ -4,13 +4,13 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;
-use super::super::formula::expression::{Node, NodeKind};
-use super::joints::Joints;
+use super::super::formula::expression::{FormulaNode, NodeKind};
+use super::joints::FoldedJoints;
 use super::names::{Meaning, Names, Parameter};
 use super::parsed::{Parsed, ParsedInput};
-use super::parsing::{Named, expression};
+use super::parsing::{Named, parsed_expression};
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::model::chain::Motion;
+use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::{Body, Coordinate, Kind, Trace};
 use crate::scene::loaded::{Kept, KeptIn};
 
@@ -99,11 +99,11 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
             diagnostics.push(Diagnostic::error(message).suggest(name, known));
         }
     }
-    let dependents = dependents(&parsed.parameters, varied);
+    let dependents = dependent_parameters(&parsed.parameters, varied);
     if dependents.is_empty() {
         return;
     }
-    let expand = |node: &mut Node| substitute(node, &dependents, MAX_DEPTH);
+    let expand = |node: &mut FormulaNode| substitute_names(node, &dependents, MAX_DEPTH);
     let expand_factor = |factor: &mut Factor| match factor {
         Factor::Elementary(_, _, node) => expand(node),
         Factor::Direction(nodes, _) => nodes.iter_mut().for_each(expand),
@@ -121,10 +121,10 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
 
 /// Varied parameters whose file's values are kept somewhere: in drives and ends of tracks, and where a measure uses a
 /// parameter that is computed from them. What is said of a motion or a measure holds for those values only.
-pub fn kept(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
-    let dependents = dependents(&parsed.parameters, varied);
+pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
+    let dependents = dependent_parameters(&parsed.parameters, varied);
     let mut kept: Vec<Kept> = Vec::new();
-    let mut note = |node: &Node, place: KeptIn, directly: bool| {
+    let mut note = |node: &FormulaNode, place: KeptIn, directly: bool| {
         let mut node = node.clone();
         let mut used: Vec<String> = Vec::new();
         node.visit_names(&mut |name, _| {
@@ -137,7 +137,7 @@ pub fn kept(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         if used.is_empty() {
             return;
         }
-        substitute(&mut node, &dependents, MAX_DEPTH);
+        substitute_names(&mut node, &dependents, MAX_DEPTH);
         node.visit_names(&mut |name, _| {
             let item = Kept {
                 name: name.to_owned(),
@@ -169,8 +169,11 @@ pub fn kept(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
 }
 
 /// Parameters, not varied themselves, whose formulas use a varied one.
-fn dependents(parameters: &[Named<Node>], varied: &[String]) -> Vec<(String, Node)> {
-    let mut found: Vec<(String, Node)> = Vec::new();
+fn dependent_parameters(
+    parameters: &[Named<FormulaNode>],
+    varied: &[String],
+) -> Vec<(String, FormulaNode)> {
+    let mut found: Vec<(String, FormulaNode)> = Vec::new();
     for (name, node) in parameters {
         let mut depends = false;
         node.visit_names(&mut |used, _| {
@@ -178,14 +181,14 @@ fn dependents(parameters: &[Named<Node>], varied: &[String]) -> Vec<(String, Nod
         });
         if depends && !varied.contains(&name.value) {
             let mut node = node.clone();
-            substitute(&mut node, &found, MAX_DEPTH);
+            substitute_names(&mut node, &found, MAX_DEPTH);
             found.push((name.value.clone(), node));
         }
     }
     found
 }
 
-fn substitute(node: &mut Node, formulas: &[(String, Node)], depth: usize) {
+fn substitute_names(node: &mut FormulaNode, formulas: &[(String, FormulaNode)], depth: usize) {
     if depth == 0 {
         return;
     }
@@ -196,14 +199,16 @@ fn substitute(node: &mut Node, formulas: &[(String, Node)], depth: usize) {
                 node.kind = formula.kind.clone();
             }
         }
-        NodeKind::Negate(inner) | NodeKind::Angle(inner) => substitute(inner, formulas, depth - 1),
+        NodeKind::Negate(inner) | NodeKind::Angle(inner) => {
+            substitute_names(inner, formulas, depth - 1)
+        }
         NodeKind::Binary(_, a, b) => {
-            substitute(a, formulas, depth - 1);
-            substitute(b, formulas, depth - 1);
+            substitute_names(a, formulas, depth - 1);
+            substitute_names(b, formulas, depth - 1);
         }
         NodeKind::Call(_, args) => args
             .iter_mut()
-            .for_each(|arg| substitute(arg, formulas, depth - 1)),
+            .for_each(|arg| substitute_names(arg, formulas, depth - 1)),
     }
 }
 
@@ -212,20 +217,24 @@ pub fn carry_points(
     file: &SceneFile,
     parsed: &Parsed,
     varied: &[String],
-    joints: &mut Joints,
+    joints: &mut FoldedJoints,
     (bodies, traces): (&mut Vec<Body>, &mut [Trace]),
     diagnostics: &mut Diagnostics,
 ) {
-    let dependents = dependents(&parsed.parameters, varied);
+    let dependents = dependent_parameters(&parsed.parameters, varied);
     for (trace, typed) in traces.iter_mut().zip(&file.traces) {
         let Some(point) = &typed.point else { continue };
         let mut factors = parsed.frames[trace.body].clone();
         for (axis, text) in point.iter().enumerate() {
-            let Some(mut node) = expression(text, diagnostics) else {
+            let Some(mut node) = parsed_expression(text, diagnostics) else {
                 return;
             };
-            substitute(&mut node, &dependents, MAX_DEPTH);
-            factors.push(Factor::Elementary(Motion::Translation, axis, node));
+            substitute_names(&mut node, &dependents, MAX_DEPTH);
+            factors.push(Factor::Elementary(
+                ElementaryMotion::Translation,
+                axis,
+                node,
+            ));
         }
         let Some(chain) = joints.chain(&factors, diagnostics) else {
             return;

@@ -1,10 +1,10 @@
 //! The `[view]` section and the labels.
 
 use super::super::file::{LabelFile, SceneFile};
-use super::bodies::{Constants, body_index};
-use super::choices::{NAMED_VIEWS, THEMES, choice};
+use super::bodies::{BodyConstants, body_index};
+use super::choices::{NAMED_VIEWS, THEMES, chosen_word};
 use super::names::Names;
-use crate::diag::{Diagnostic, Diagnostics, shown};
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
@@ -22,14 +22,14 @@ const DEFAULT_FPS: f64 = 20.0;
 const DEFAULT_LABEL_SIZE: f64 = 0.035;
 
 /// Resolves the view; angles of the view are always in degrees.
-pub fn resolve(
+pub fn resolve_view(
     file: &SceneFile,
     names: &Names,
     bodies: &[Body],
     traces: &[Trace],
     diagnostics: &mut Diagnostics,
 ) -> View {
-    let constants = Constants { names };
+    let constants = BodyConstants { names };
     let view = &file.view;
     let mut number = |text: &Option<FormulaText>, default: f64, low: f64, high: f64, what: &str| {
         let Some(text) = text else { return default };
@@ -39,7 +39,7 @@ pub fn resolve(
         if (low..=high).contains(&value) {
             return value;
         }
-        let value = shown(value);
+        let value = shown_number(value);
         let message = format!("{what} must be between {low} and {high}, found {value}");
         diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
         default
@@ -55,7 +55,7 @@ pub fn resolve(
     let fov_y = number(&view.fov, DEFAULT_FOV_DEG, 1.0, 120.0, "fov").to_radians();
     let margin = number(&view.margin, DEFAULT_MARGIN, 0.0, 0.4, "margin");
     let fps = number(&view.fps, DEFAULT_FPS, 0.01, 1000.0, "fps");
-    let up = choice(
+    let up = chosen_word(
         &view.up,
         &[("z", UpAxis::Z), ("y", UpAxis::Y), ("x", UpAxis::X)],
         "up axis",
@@ -65,7 +65,7 @@ pub fn resolve(
         ("perspective", ViewProjection::Perspective { fov_y }),
         ("orthographic", ViewProjection::Orthographic),
     ];
-    let projection = choice(&view.projection, &projections, "projection", diagnostics);
+    let projection = chosen_word(&view.projection, &projections, "projection", diagnostics);
     let ground = match &view.ground {
         None => GroundPlace::Auto,
         Some(text) if text.text == "auto" => GroundPlace::Auto,
@@ -77,10 +77,10 @@ pub fn resolve(
     let labels = file
         .labels
         .iter()
-        .filter_map(|l| label(l, &constants, bodies, traces, diagnostics))
+        .filter_map(|l| resolve_label(l, &constants, bodies, traces, diagnostics))
         .collect();
-    let theme = choice(&view.theme, &THEMES, "theme", diagnostics);
-    let decor = super::decor::resolve(view, &constants, diagnostics);
+    let theme = chosen_word(&view.theme, &THEMES, "theme", diagnostics);
+    let decor = super::decor::resolve_decor(view, &constants, diagnostics);
     let mut resolved = View {
         azimuth: azimuth.to_radians(),
         elevation: elevation.to_radians(),
@@ -100,7 +100,7 @@ pub fn resolve(
     };
     if view.from.is_some() {
         let change = ViewChange {
-            from: Some(choice(&view.from, &NAMED_VIEWS, "view", diagnostics)),
+            from: Some(chosen_word(&view.from, &NAMED_VIEWS, "view", diagnostics)),
             // What the scene says of its own goes before the name.
             azimuth: view.azimuth.as_ref().map(|_| resolved.azimuth),
             elevation: view.elevation.as_ref().map(|_| resolved.elevation),
@@ -109,13 +109,13 @@ pub fn resolve(
         };
         change.apply(&mut resolved);
     }
-    resolved.camera_path = super::camera::resolve(view, &constants, diagnostics);
+    resolved.camera_path = super::camera::resolve_camera(view, &constants, diagnostics);
     resolved
 }
 
-fn label(
+fn resolve_label(
     label: &LabelFile,
-    constants: &Constants,
+    constants: &BodyConstants,
     bodies: &[Body],
     traces: &[Trace],
     diagnostics: &mut Diagnostics,
@@ -154,7 +154,7 @@ fn on_trace(
     trace: &Spanned<String>,
     label: &LabelFile,
     offset: DVec3,
-    constants: &Constants,
+    constants: &BodyConstants,
     traces: &[Trace],
     diagnostics: &mut Diagnostics,
 ) -> Option<LabelPlace> {

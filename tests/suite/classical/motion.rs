@@ -7,7 +7,7 @@ use mechanim::diag::Source;
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::kinematics::rates::higher_order::{By, RateColumns};
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 
 /// What is compared: words, our number, the known one.
 pub type Answer = (String, f64, f64);
@@ -74,7 +74,7 @@ impl Motion {
             name: row.name.to_owned(),
             text: row.scene.clone(),
         };
-        let loaded = load(&source, &Overrides::default());
+        let loaded = load_scene(&source, &Overrides::default());
         let model = Model::from(loaded.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)));
         let mut trajectory = solve(&model, &even_times(&model, row.samples))
             .unwrap_or_else(|e| panic!("{}: {e}", row.name));

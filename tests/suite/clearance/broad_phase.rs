@@ -6,7 +6,7 @@ use crate::program::Workspace;
 use mechanim::clearance::check::{ClearanceReport, Closely, Judgement};
 use mechanim::diag::Source;
 use mechanim::kinematics::results::trajectory::Trajectory;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ fn open(text: &str) -> Scene {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn motion(scene: &Scene, samples: usize) -> Trajectory {
@@ -151,7 +151,7 @@ fn built_in_scenes_have_the_same_verdict_by_either_way() {
         "sphere-torus",
         "rope-drum",
     ] {
-        let scene = open(&builtin::find(name).unwrap().text);
+        let scene = open(&builtin::find_builtin(name).unwrap().text);
         let motion = motion(&scene, 20);
         let all = check_closely(
             &scene,

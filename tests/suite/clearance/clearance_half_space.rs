@@ -4,13 +4,13 @@ use crate::driven::{check, even_times, knots, solve};
 use glam::DVec3;
 use mechanim::clearance::check::Judgement;
 use mechanim::diag::Source;
-use mechanim::distance::core::{Element, elements};
-use mechanim::distance::pair::{distance, is_inside};
+use mechanim::distance::core::{Element, shape_elements};
+use mechanim::distance::pair::{is_inside, signed_distance};
 use mechanim::geometry::mesh_of;
 
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use std::sync::Arc;
 
 fn element(solid: Solid) -> Element {
@@ -20,7 +20,7 @@ fn element(solid: Solid) -> Element {
         colour: [0; 3],
         opacity: 1.0,
     };
-    elements(&[shape]).remove(0)
+    shape_elements(&[shape]).remove(0)
 }
 
 fn solids() -> Vec<Solid> {
@@ -106,13 +106,13 @@ fn distance_and_depth_are_those_of_the_lowest_point() {
             let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| {
                 (l.min(d), h.max(d))
             });
-            let found = distance(&half, &placed);
+            let found = signed_distance(&half, &placed);
             let off = low - found.distance;
             assert!(
                 (-1e-12..2.0 * TOLERANCE).contains(&off),
                 "{solid:?} {k}: {off:e}"
             );
-            let swapped = distance(&placed, &half);
+            let swapped = signed_distance(&placed, &half);
             assert_eq!(swapped.distance, found.distance);
             assert_eq!(swapped.normal, -found.normal);
             let [on_plane, on_body] = found.points;
@@ -174,8 +174,8 @@ fn the_ground_is_kept_clear_over_the_motion() {
         name: "test".into(),
         text: PENDULUM.into(),
     };
-    let scene =
-        load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let scene = load_scene(&source, &Overrides::default())
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let times = even_times(&scene, 30);
     let trajectory = solve(&scene, &knots(&scene, &times)).unwrap();
     let report = check(&scene, &trajectory, 1e-3);

@@ -4,8 +4,8 @@ use crate::draws::Draws;
 use crate::driven::{Driven, check, even_times, knots, solve};
 use mechanim::clearance::check::{Judgement, PairReport};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::{Hull, LeftOut, nearest};
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::distance::bodies::{Hull, LeftOut, nearest_bodies};
+use mechanim::scene::{Overrides, Scene, load_scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -78,7 +78,7 @@ fn open(folder: &Path, text: &str) -> Scene {
         folder: folder.to_owned(),
         ..Overrides::default()
     };
-    load(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 /// The least distance of many poses.
@@ -87,7 +87,7 @@ fn dense(scene: &Scene) -> f64 {
     let trajectory = solve(scene, &knots(scene, &even_times(scene, 600))).unwrap();
     let distances = trajectory.poses().map(|pose| {
         let a_from_b = pose.bodies[0].inverse() * pose.bodies[1];
-        let found = nearest(&hulls[0], &hulls[1], &a_from_b, &LeftOut::new());
+        let found = nearest_bodies(&hulls[0], &hulls[1], &a_from_b, &LeftOut::new());
         found.unwrap().proximity.distance
     });
     distances.fold(f64::INFINITY, f64::min)

@@ -5,8 +5,8 @@ use crate::slow_distance::{known, off_distance, size};
 use crate::solids::{Random, element};
 #[allow(dead_code)]
 use glam::DVec3;
-use mechanim::distance::core::{Core, Element};
-use mechanim::distance::pair::distance;
+use mechanim::distance::core::{Element, Primitive};
+use mechanim::distance::pair::signed_distance;
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};
 use std::sync::Arc;
@@ -93,7 +93,7 @@ impl Mesh {
 /// A triangle as an element of its own.
 fn single(corners: &[DVec3; 3]) -> Element {
     Element {
-        core: Core::Triangle(*corners),
+        core: Primitive::Triangle(*corners),
         radius: 0.0,
         shape: 0,
     }
@@ -151,7 +151,7 @@ fn pair(k: usize) -> (Mesh, Element, Vec<Element>) {
 /// Whether a pair is apart, and whether the reference leaves its distance open.
 fn compare(k: usize) -> [bool; 2] {
     let (mesh, other, parts) = pair(k);
-    let found = distance(&mesh.element, &other);
+    let found = signed_distance(&mesh.element, &other);
     let own: Vec<Element> = mesh.triangles.iter().map(single).collect();
     let [low, high] = slowest(&own, &parts);
     let errors = [

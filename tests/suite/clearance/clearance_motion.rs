@@ -4,22 +4,22 @@
 use crate::driven::{Driven, Model, check, even_times, frame_times, knots, solve};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::{Hull, LeftOut, nearest};
+use mechanim::distance::bodies::{Hull, LeftOut, nearest_bodies};
 
-use mechanim::kinematics::motion::sampling::only;
+use mechanim::kinematics::motion::sampling::only_times;
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 
 fn open(text: &str) -> Scene {
     let source = Source {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn builtin(name: &str) -> String {
-    mechanim::scene::builtin::find(name).unwrap().text
+    mechanim::scene::builtin::find_builtin(name).unwrap().text
 }
 
 fn data(name: &str) -> String {
@@ -45,7 +45,7 @@ fn distances(
     let hulls = pair.map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
     let at = move |pose: &ClosedPose| {
         let a_from_b = pose.bodies[pair[0]].inverse() * pose.bodies[pair[1]];
-        let found = nearest(&hulls[0], &hulls[1], &a_from_b, &LeftOut::new()).unwrap();
+        let found = nearest_bodies(&hulls[0], &hulls[1], &a_from_b, &LeftOut::new()).unwrap();
         found.proximity.distance
     };
     trajectory.poses().map(at)
@@ -126,13 +126,13 @@ fn bounds_hold_against_dense_samples() {
 /// Every stretch's claims at many poses within it: arguments of joints against a solved motion.
 #[test]
 fn joints_stay_within_their_bounds() {
-    use mechanim::clearance::motion::Motion;
+    use mechanim::clearance::motion::ProvedMotion;
 
     let scene = open(&builtin("gearshift"));
     let mechanism = &Model::from(scene.clone());
     let system = mechanism.system().unwrap();
     let times = knots(mechanism, &even_times(mechanism, 120));
-    let mut motion = Motion::new(
+    let mut motion = ProvedMotion::new(
         &system,
         &mechanism.actuation,
         &solve(mechanism, &times).unwrap(),
@@ -447,7 +447,7 @@ fn frames_and_ends_of_the_drive_are_all_sampled() {
     assert_eq!(report.times.first(), Some(&0.0));
     assert_eq!(report.times.last(), Some(&scene.actuation.duration));
     // Sums and means are taken over what was asked for.
-    let asked = only(&scene.actuation, &trajectory, &times);
+    let asked = only_times(&scene.actuation, &trajectory, &times);
     assert!(trajectory.samples.len() > times.len());
     let kept: Vec<f64> = asked.samples.iter().map(|s| s.time).collect();
     assert_eq!(kept, times);

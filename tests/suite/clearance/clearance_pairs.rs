@@ -3,10 +3,10 @@
 
 use crate::solids::{Random, capsule, cone, cuboid, cylinder, element, sphere, torus, v};
 use glam::{DMat3, DQuat, DVec3};
-use mechanim::distance::core::{Core, Element};
+use mechanim::distance::core::{Element, Primitive};
 use mechanim::distance::mesh::one_inside;
-use mechanim::distance::mesh_tree::{Enclosure, MeshTree};
-use mechanim::distance::pair::{distance, is_inside};
+use mechanim::distance::mesh_tree::{MeshTree, ShellEnclosure};
+use mechanim::distance::pair::{is_inside, signed_distance};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};
 use std::sync::Arc;
@@ -254,7 +254,7 @@ fn known_pairs() {
     ];
     for (name, a, b, known) in cases {
         for (first, second) in [(&a, &b), (&b, &a)] {
-            let found = distance(first, second);
+            let found = signed_distance(first, second);
             let error = (found.distance - known).abs();
             assert!(error < 1e-11, "{name}: {} for {known}", found.distance);
             if known > 0.0 {
@@ -339,7 +339,7 @@ fn planes_prove_the_distances_of_convex_pairs() {
     for k in 0..60_000 {
         let a = random.solid(k % 5);
         let b = random.solid((k / 5) % 5).moved(&random.pose(4.0));
-        let found = distance(&a, &b);
+        let found = signed_distance(&a, &b);
         let n = found.normal;
         let gap = -a.core.support(n).unwrap() - b.core.support(-n).unwrap() - a.radius - b.radius;
         // An overlap's depth is a translation that parts the pair; a distance is a gap that is there.
@@ -366,12 +366,12 @@ fn nothing_depends_on_the_frame_or_the_unit() {
         let (a, b) = (random.solid(k % 6), random.solid((k / 6) % 6));
         let there = random.pose(3.0);
         let b = b.moved(&random.pose(4.0));
-        let here = distance(&a, &b).distance;
-        let moved = distance(&a.moved(&there), &b.moved(&there)).distance;
+        let here = signed_distance(&a, &b).distance;
+        let moved = signed_distance(&a.moved(&there), &b.moved(&there)).distance;
         let tolerance = 1e-11;
         assert!((moved - here).abs() < tolerance, "{k}: {moved} {here}");
         for scale in [1e-9, 1e6] {
-            let scaled = distance(&scaled(&a, scale), &scaled(&b, scale)).distance / scale;
+            let scaled = signed_distance(&scaled(&a, scale), &scaled(&b, scale)).distance / scale;
             assert!((scaled - here).abs() < tolerance, "{k}: {scaled} {here}");
         }
     }
@@ -381,21 +381,21 @@ fn scaled(e: &Element, by: f64) -> Element {
     let mut e = e.clone();
     e.radius *= by;
     match &mut e.core {
-        Core::Point(p) => *p *= by,
-        Core::Segment(ends) => ends.iter_mut().for_each(|p| *p *= by),
-        Core::Triangle(corners) => corners.iter_mut().for_each(|p| *p *= by),
-        Core::Circle(c) => (c.center, c.radius) = (c.center * by, c.radius * by),
-        Core::Box(b) => {
+        Primitive::Point(p) => *p *= by,
+        Primitive::Segment(ends) => ends.iter_mut().for_each(|p| *p *= by),
+        Primitive::Triangle(corners) => corners.iter_mut().for_each(|p| *p *= by),
+        Primitive::Circle(c) => (c.center, c.radius) = (c.center * by, c.radius * by),
+        Primitive::Box(b) => {
             b.from_box.translation *= by;
             b.half *= by;
         }
-        Core::Frustum(f) => {
+        Primitive::Frustum(f) => {
             f.from *= by;
             f.length *= by;
             f.radii = f.radii.map(|r| r * by);
         }
-        Core::HalfSpace(half) => half.point *= by,
-        Core::Mesh(..) => panic!("not here"),
+        Primitive::HalfSpace(half) => half.point *= by,
+        Primitive::Mesh(..) => panic!("not here"),
     }
     e
 }
@@ -438,7 +438,7 @@ fn meshes_have_distances_but_no_depth() {
         let there = random.pose(3.0);
         let other = random.solid(k % 6).moved(&random.pose(3.0));
         let (a, b) = (mesh.moved(&there), solid.moved(&there));
-        let (found, known) = (distance(&a, &other), distance(&b, &other));
+        let (found, known) = (signed_distance(&a, &other), signed_distance(&b, &other));
         if known.distance > 0.0 {
             apart += 1;
             assert!(
@@ -454,13 +454,13 @@ fn meshes_have_distances_but_no_depth() {
         }
         let second = solid.moved(&random.pose(3.0));
         let second_mesh = element(Solid::Triangles(Arc::new(cube(1.0, true))));
-        let Core::Box(block) = &second.core else {
+        let Primitive::Box(block) = &second.core else {
             continue;
         };
         let placed = second_mesh.moved(&block.from_box);
         let (found, known) = (
-            distance(&a, &placed).distance,
-            distance(&b, &second).distance,
+            signed_distance(&a, &placed).distance,
+            signed_distance(&b, &second).distance,
         );
         assert!(
             (found - known.max(0.0)).abs() < 1e-11 || one_inside(&a.core, &placed.core),
@@ -504,7 +504,10 @@ fn a_small_ring_at_a_large_one_is_measured_along_the_small_one() {
             (p.x.hypot(p.y) - 1.0).hypot(p.z)
         };
         let dense = (0..40_000).map(at).fold(f64::INFINITY, f64::min) - 2e-5;
-        for found in [distance(&large, &small), distance(&small, &large)] {
+        for found in [
+            signed_distance(&large, &small),
+            signed_distance(&small, &large),
+        ] {
             let off = found.distance - dense;
             assert!(
                 off <= 1e-12 && off > -2e-4 * ring,

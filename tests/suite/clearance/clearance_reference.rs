@@ -3,8 +3,8 @@
 use crate::slow_distance::{inside_by, known, off_distance, size};
 use crate::solids::{Random, capsule, cone, cuboid, cylinder, half_space, sphere, torus, v};
 use glam::DVec3;
-use mechanim::distance::core::{Core, Element};
-use mechanim::distance::pair::{Proximity, distance};
+use mechanim::distance::core::{Element, Primitive};
+use mechanim::distance::pair::{Proximity, signed_distance};
 use mechanim::math::Pose;
 use std::thread;
 
@@ -78,7 +78,7 @@ fn pair(k: usize) -> ([usize; 2], usize, Element, Element) {
         1 => free(1.2),
         2 => {
             let (a, b) = free(4.0);
-            let found = distance(&a, &b);
+            let found = signed_distance(&a, &b);
             // Down to 1e-9 apart or deep in each other.
             let left = 10f64.powi(-(random.range(1.0, 10.0) as i32));
             let left = if random.unit() < 0.5 { left } else { -left };
@@ -135,7 +135,7 @@ fn compare(numbers: impl Iterator<Item = usize>) -> Tally {
     let mut tally = Tally::default();
     for k in numbers {
         let ([i, j], make, a, b) = pair(k);
-        let (found, back) = (distance(&a, &b), distance(&b, &a));
+        let (found, back) = (signed_distance(&a, &b), signed_distance(&b, &a));
         let truth = known(&a, &b);
         let size = size(&a, &b);
         let errors = [

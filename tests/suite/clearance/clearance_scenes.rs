@@ -4,7 +4,7 @@ use crate::driven::{check, even_times, knots, solve};
 use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement};
 use mechanim::diag::Source;
 
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::process::Command;
 
 fn open(text: &str) -> Scene {
@@ -12,7 +12,7 @@ fn open(text: &str) -> Scene {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn report(scene: &Scene, samples: usize) -> ClearanceReport {
@@ -51,7 +51,7 @@ fn every_built_in_scene_passes_its_check() {
 #[test]
 fn surfaces_in_contact_neither_part_nor_cut() {
     for name in ["sphere-sphere", "sphere-torus", "torus-torus"] {
-        let scene = open(&builtin::find(name).unwrap().text);
+        let scene = open(&builtin::find_builtin(name).unwrap().text);
         let pair = scene.clearance.as_ref().unwrap().touching[0];
         let report = report(&scene, 1000);
         let found = report.judged.iter().find(|p| p.pair == pair).unwrap();
@@ -200,7 +200,7 @@ touching = [{{ pair = ["still", "moving"] }}]
 
 #[test]
 fn surfaces_of_another_size_are_not_in_contact() {
-    let text = builtin::find("torus-torus").unwrap().text;
+    let text = builtin::find_builtin("torus-torus").unwrap().text;
     for (tube, sign) in [("s2 + 1e-6", -1.0), ("s2 - 1e-6", 1.0)] {
         let other = text.replace(
             r#"[{ torus = { ring = "r2", tube = "s2" }"#,
@@ -253,6 +253,6 @@ fn a_star_stands_for_the_rest_of_a_name() {
         name: "test".into(),
         text: ROPE.replace("NAME", "pearl *"),
     };
-    let errors = load(&source, &Overrides::default()).unwrap_err();
+    let errors = load_scene(&source, &Overrides::default()).unwrap_err();
     assert!(format!("{:?}", errors.diagnostics).contains("begins with `pearl `"));
 }

@@ -5,7 +5,7 @@ use crate::driven::{check, even_times, knots, solve};
 use crate::program::Workspace;
 use mechanim::clearance::check::{ClearanceReport, Closely, Violations};
 use mechanim::diag::Source;
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 
 /// A ball of radius 1 above a floor at 0.
 fn lift(height: &str, minimum: f64) -> String {
@@ -23,7 +23,7 @@ fn open(text: &str) -> Scene {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn report(scene: &Scene, samples: usize) -> ClearanceReport {

@@ -2,9 +2,9 @@
 
 use crate::program::Workspace;
 use mechanim::diag::Source;
-use mechanim::kinematics::measures::along;
+use mechanim::kinematics::measures::values_along;
 use mechanim::kinematics::structure::system::System;
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use mechanim::{CheckOptions, Samples, Scene};
 use serde_json::Value;
 use std::sync::Arc;
@@ -70,10 +70,10 @@ fn its_derivative_is_that_of_the_formula_and_higher_ones_are_none() {
         name: "balls".into(),
         text: scene(0.0, 0.0),
     };
-    let scene = load(&source, &Overrides::default()).unwrap();
+    let scene = load_scene(&source, &Overrides::default()).unwrap();
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
     for u in [0.1, 0.9, 2.0, -1.3] {
-        let series = along(&system, &[u], &[0], 2).unwrap();
+        let series = values_along(&system, &[u], &[0], 2).unwrap();
         let gap = series[1].coefficients();
         let rate = (between(u + 1e-6, 2.0, 0.5) - between(u - 1e-6, 2.0, 0.5)) / 2e-6;
         assert!((gap[0] - between(u, 2.0, 0.5)).abs() < 1e-12);

@@ -2,12 +2,12 @@
 
 use crate::program::Workspace;
 use glam::DVec3;
-use mechanim::clearance::motion::Motion;
+use mechanim::clearance::motion::ProvedMotion;
 use mechanim::clearance::swept::Swept;
 use mechanim::diag::Source;
-use mechanim::kinematics::motion::continuation::solve;
+use mechanim::kinematics::motion::continuation::solve_motion;
 use mechanim::kinematics::structure::system::System;
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ fn open(text: &str) -> Scene {
         name: "swept".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn swept(text: &str, body: usize, seen_from: Option<usize>, cells: u32) -> Swept {
@@ -26,8 +26,8 @@ fn swept(text: &str, body: usize, seen_from: Option<usize>, cells: u32) -> Swept
     let times: Vec<f64> = (0..=20)
         .map(|k| scene.actuation.duration * f64::from(k) / 20.0)
         .collect();
-    let trajectory = solve(&system, &scene.actuation, &times);
-    let motion = Motion::new(&system, &scene.actuation, &trajectory);
+    let trajectory = solve_motion(&system, &scene.actuation, &times);
+    let motion = ProvedMotion::new(&system, &scene.actuation, &trajectory);
     Swept::new(&motion, body, seen_from, cells).unwrap()
 }
 

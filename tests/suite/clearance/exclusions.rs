@@ -4,7 +4,7 @@ use crate::driven::{check, even_times, knots, solve};
 use crate::program::Workspace;
 use mechanim::clearance::check::{ClearanceReport, Judgement};
 use mechanim::diag::Source;
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 
 /// A block with a post at its end, and a slider with a pin that runs 1 deep in the block and a nose that comes near the post.
 fn scene(nose: f64, rules: &str) -> String {
@@ -24,7 +24,7 @@ fn open(text: &str) -> Scene {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn report(text: &str) -> ClearanceReport {

@@ -5,7 +5,7 @@ use crate::driven::{check, even_times, knots, solve};
 use glam::DVec3;
 use mechanim::clearance::check::{ClearanceReport, Judgement};
 use mechanim::diag::Source;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
@@ -88,7 +88,7 @@ fn open(row: &Row, folder: &Path) -> Scene {
         folder: folder.to_path_buf(),
         ..Overrides::default()
     };
-    load(&source, &overrides).unwrap_or_else(|e| panic!("{}: {:#?}", row.name, e.diagnostics))
+    load_scene(&source, &overrides).unwrap_or_else(|e| panic!("{}: {:#?}", row.name, e.diagnostics))
 }
 
 fn report(scene: &Scene, samples: usize, tolerance: f64) -> ClearanceReport {
@@ -485,7 +485,8 @@ fn verdicts_depend_neither_on_samples_nor_on_tolerance() {
         ("sphere-torus", 40),
         ("torus-torus", 40),
     ] {
-        let scene = load(&builtin::find(name).unwrap(), &Overrides::default()).unwrap();
+        let scene =
+            load_scene(&builtin::find_builtin(name).unwrap(), &Overrides::default()).unwrap();
         for (samples, tolerance) in [(fewest, 1e-2), (40, 1e-2), (40, 1.0), (101, 1.0)] {
             let report = report(&scene, samples, tolerance);
             let words: Vec<&Judgement> = report.judged.iter().map(|p| &p.judgement).collect();

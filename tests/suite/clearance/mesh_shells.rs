@@ -1,7 +1,7 @@
 //! What of a mesh encloses space: cracks, facets turned round, flaps, walls inside, and what is no solid.
 
 use glam::DVec3;
-use mechanim::distance::mesh_tree::{Enclosure, MeshTree};
+use mechanim::distance::mesh_tree::{MeshTree, ShellEnclosure};
 use mechanim::model::shape::TriangleSoup;
 
 type Triangles = Vec<[DVec3; 3]>;
@@ -172,11 +172,11 @@ fn what_has_a_hole_has_no_inside() {
 #[test]
 fn cracks_are_closed_as_far_as_a_file_can_be_wrong() {
     for (crack, shift, known) in [
-        (1e-7, 0.0, Enclosure::Solid),
-        (9e-7, 0.0, Enclosure::Solid),
-        (1e-4, 1000.0, Enclosure::Solid),
-        (1e-5, 0.0, Enclosure::Open),
-        (1e-2, 1000.0, Enclosure::Open),
+        (1e-7, 0.0, ShellEnclosure::Solid),
+        (9e-7, 0.0, ShellEnclosure::Solid),
+        (1e-4, 1000.0, ShellEnclosure::Solid),
+        (1e-5, 0.0, ShellEnclosure::Open),
+        (1e-2, 1000.0, ShellEnclosure::Open),
     ] {
         let mut triangles = cube();
         for (k, t) in triangles.iter_mut().enumerate() {

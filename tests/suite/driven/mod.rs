@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use mechanim::clearance::check::{ClearanceReport, Closely, Judgement, PairReport};
-use mechanim::distance::bodies::{Hull, nearest};
+use mechanim::distance::bodies::{Hull, nearest_bodies};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
@@ -88,7 +88,7 @@ impl DerefMut for Model {
 
 /// The motion at `times`.
 pub fn solve(driven: &impl Driven, times: &[f64]) -> Result<Trajectory, StructureError> {
-    Ok(continuation::solve(
+    Ok(continuation::solve_motion(
         &driven.system()?,
         driven.actuation(),
         times,
@@ -117,7 +117,7 @@ pub fn frame_times(driven: &impl Driven, fps: f64) -> Vec<f64> {
 
 /// Times with the ends and keys of the drive.
 pub fn knots(driven: &impl Driven, times: &[f64]) -> Vec<f64> {
-    sampling::knots(driven.actuation(), times)
+    sampling::knot_times(driven.actuation(), times)
 }
 
 /// Proofs of the intervals of a trajectory.
@@ -145,7 +145,7 @@ pub fn feasible_inputs(driven: &impl Driven) -> Vec<Feasible> {
 pub fn measures(model: &Model, trajectory: &Trajectory) -> Vec<Option<f64>> {
     let system = model.system().unwrap();
     let (actuation, measures) = (&model.actuation, &model.measures);
-    mechanim::kinematics::measures::measure(&system, actuation, measures, trajectory)
+    mechanim::kinematics::measures::measure_motion(&system, actuation, measures, trajectory)
 }
 
 /// The clearances that a scene asks for, in a report that keeps its word.
@@ -161,7 +161,7 @@ pub fn check(scene: &Scene, trajectory: &Trajectory, tolerance: f64) -> Clearanc
 pub fn check_closely(scene: &Scene, trajectory: &Trajectory, closely: Closely) -> ClearanceReport {
     let system = scene.system().unwrap();
     let (actuation, rules) = (&scene.actuation, scene.clearance.as_ref().unwrap());
-    let clearance = mechanim::clearance::check::check;
+    let clearance = mechanim::clearance::check::check_clearance;
     let report = clearance(&system, actuation, rules, trajectory, closely, &|_, _| {});
     keeps_its_word(scene, trajectory, &report);
     report
@@ -259,7 +259,7 @@ fn far_pairs_stay_apart(scene: &Scene, trajectory: &Trajectory, report: &Clearan
         let rounding = 1e-9 * extent(scene, trajectory, [a, b]);
         for pose in trajectory.poses() {
             let a_from_b = pose.bodies[a].inverse() * pose.bodies[b];
-            let found = nearest(first, second, &a_from_b, &HashSet::new()).unwrap();
+            let found = nearest_bodies(first, second, &a_from_b, &HashSet::new()).unwrap();
             let distance = found.proximity.distance;
             assert!(
                 distance >= far.apart - rounding,

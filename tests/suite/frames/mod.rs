@@ -3,7 +3,7 @@
 use image::{Rgba, RgbaImage};
 use mechanim::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use mechanim::export::palette::{MOST_COLOURS, Palette};
-use mechanim::export::pump::{PumpError, Samples, pump};
+use mechanim::export::pump::{DrawnSamples, PumpError, pump_frames};
 use mechanim::export::timing::{FrameTimes, Schedule};
 use mechanim::export::{ExportSummary, FrameSink, Output};
 use std::convert::Infallible;
@@ -84,10 +84,10 @@ pub fn run(
         }
     };
     let workers = (0..workers).map(|_| worker()).collect();
-    pump(
+    pump_frames(
         workers,
         count,
-        Samples::new(),
+        DrawnSamples::new(),
         sink,
         &|_, _| {},
         &AtomicBool::new(false),

@@ -2,10 +2,12 @@
 
 use crate::driven::{Driven, Model};
 use crate::reference;
-use mechanim::analysis::observer::distance;
+use mechanim::analysis::observer::largest_distance;
 use mechanim::analysis::reference::Reference;
 use mechanim::analysis::routes::{RotationForm, Route, Walker};
-use mechanim::analysis::work_precision::{Row, Study, StudyError, study};
+use mechanim::analysis::work_precision::{
+    PrecisionRow, PrecisionStudy, StudyError, study_precision,
+};
 use mechanim::diag::Source;
 use mechanim::kinematics::loops::forward::closure_error;
 
@@ -19,10 +21,10 @@ fn scene_of_data(name: &str) -> Model {
 }
 
 fn builtin(name: &str) -> Model {
-    mechanism(&mechanim::scene::builtin::find(name).unwrap(), &[])
+    mechanism(&mechanim::scene::builtin::find_builtin(name).unwrap(), &[])
 }
 
-fn row<'a>(study: &'a Study, family: &str, steps: usize) -> &'a Row {
+fn row<'a>(study: &'a PrecisionStudy, family: &str, steps: usize) -> &'a PrecisionRow {
     let mut rows = study
         .rows
         .iter()
@@ -32,8 +34,8 @@ fn row<'a>(study: &'a Study, family: &str, steps: usize) -> &'a Row {
 }
 
 /// Routes along a mechanism's motion.
-fn compared(mechanism: &Model, poses: usize, turns: usize) -> Result<Study, StudyError> {
-    study(
+fn compared(mechanism: &Model, poses: usize, turns: usize) -> Result<PrecisionStudy, StudyError> {
+    study_precision(
         &mechanism.system().unwrap(),
         &mechanism.actuation,
         poses,
@@ -125,7 +127,7 @@ fn orders_of_the_routes() {
 #[test]
 fn the_reference_is_the_closed_form() {
     let mechanism = reference::mechanism(
-        &mechanim::scene::builtin::find("slider-crank").unwrap(),
+        &mechanim::scene::builtin::find_builtin("slider-crank").unwrap(),
         &[],
     );
     let system = mechanism.system().unwrap();
@@ -150,7 +152,7 @@ fn the_reference_is_the_closed_form() {
 #[test]
 fn the_skew_residual_takes_a_half_turn_for_closed() {
     let mechanism = reference::mechanism(
-        &mechanim::scene::builtin::find("slider-crank").unwrap(),
+        &mechanim::scene::builtin::find_builtin("slider-crank").unwrap(),
         &[("phi", "0.5")],
     );
     let system = mechanism.system().unwrap();

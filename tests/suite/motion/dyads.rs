@@ -8,12 +8,12 @@ use mechanim::model::drive::{Drive, Ease};
 
 use crate::reference::Table;
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 use std::f64::consts::TAU;
 
 fn dyads() -> Model {
-    let source = builtin::find("dyads").unwrap();
-    Model::from(load(&source, &Overrides::default()).unwrap())
+    let source = builtin::find_builtin("dyads").unwrap();
+    Model::from(load_scene(&source, &Overrides::default()).unwrap())
 }
 
 /// Index of the trace of point `k`.

@@ -8,7 +8,7 @@ use mechanim::kinematics::results::certificate::Certificate;
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use std::f64::consts::FRAC_PI_2;
 
 fn read(text: &str) -> Model {
@@ -16,7 +16,7 @@ fn read(text: &str) -> Model {
         name: "test".into(),
         text: text.into(),
     };
-    let scene = load(&source, &Overrides::default());
+    let scene = load_scene(&source, &Overrides::default());
     Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 

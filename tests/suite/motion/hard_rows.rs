@@ -6,7 +6,7 @@ use crate::driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::results::certificate::Certificate;
 
-use mechanim::kinematics::rates::higher_order::rates;
+use mechanim::kinematics::rates::higher_order::higher_rates;
 
 use crate::reference::{hard, mechanism, slot, turned};
 use mechanim::numbers::series::TaylorSeries;
@@ -145,7 +145,7 @@ fn lazy_tongs_reach_as_far_as_their_angle_says() {
         let unknowns = &first.pose.as_ref().unwrap().unknowns;
         let coordinates = [unknowns.as_slice(), &first.inputs].concat();
         let input = TaylorSeries::linear(first.inputs[0], 1.0, 1);
-        let series = rates(&system, &coordinates, &[input], 1).unwrap();
+        let series = higher_rates(&system, &coordinates, &[input], 1).unwrap();
         let u = first.inputs[0];
         let slope: f64 = (2..=n)
             .flat_map(|k| [format!("a{k}"), format!("b{k}")])

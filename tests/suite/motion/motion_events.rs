@@ -5,14 +5,14 @@ use mechanim::diag::Source;
 
 use mechanim::kinematics::results::trajectory::{Ending, EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 
 fn scene(text: &str) -> Scene {
     let source = Source {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn slider_crank(r: f64, l: f64) -> Scene {

@@ -5,9 +5,9 @@ use crate::draws::Draws;
 use crate::driven::{Driven, Model};
 use crate::reference::{Table, hard, mechanism, slot, turned};
 use glam::{DMat4, DVec3};
-use mechanim::kinematics::solve::assembly::assemble;
+use mechanim::kinematics::solve::assembly::assemble_pose;
 use mechanim::kinematics::solve::newton::Corrector;
-use mechanim::model::chain::{Chain, Motion, Step};
+use mechanim::model::chain::{Chain, ChainStep, ElementaryMotion};
 use mechanim::model::mechanism::{Kind, Mechanism};
 use mechanim::scene::builtin;
 use std::collections::BTreeMap;
@@ -19,8 +19,8 @@ const STARTS: u64 = 10_000;
 fn product(mechanism: &Mechanism, chain: &Chain, coordinates: &[f64]) -> DMat4 {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let factors = chain.steps.iter().map(|step| match *step {
-        Step::Fixed(pose) => DMat4::from_mat3_translation(pose.rotation, pose.translation),
-        Step::Joint {
+        ChainStep::Fixed(pose) => DMat4::from_mat3_translation(pose.rotation, pose.translation),
+        ChainStep::Joint {
             motion,
             axis,
             argument,
@@ -28,8 +28,8 @@ fn product(mechanism: &Mechanism, chain: &Chain, coordinates: &[f64]) -> DMat4 {
         } => {
             let value = sign * mechanism.arguments[argument].value(coordinates, &mut Vec::new());
             match motion {
-                Motion::Translation => DMat4::from_translation(value * axes[axis]),
-                Motion::Rotation => DMat4::from_axis_angle(axes[axis], value),
+                ElementaryMotion::Translation => DMat4::from_translation(value * axes[axis]),
+                ElementaryMotion::Rotation => DMat4::from_axis_angle(axes[axis], value),
             }
         }
     });
@@ -67,7 +67,7 @@ fn run(mechanism: &Model) -> (Vec<Vec<f64>>, BTreeMap<String, usize>) {
             })
             .collect();
         start.extend(&inputs);
-        match assemble(&system, &mut corrector, &start, false) {
+        match assemble_pose(&system, &mut corrector, &start, false) {
             Ok(found) => {
                 let left = gap(mechanism, &found.coordinates);
                 assert!(left < 1e-11, "{}: open by {left:e}", mechanism.title);
@@ -129,7 +129,7 @@ fn the_arm_returns_its_sixteen_poses_only() {
 
 #[test]
 fn the_gearshift_returns_closed_poses_only() {
-    let mechanism = mechanism(&builtin::find("gearshift").unwrap(), &[]);
+    let mechanism = mechanism(&builtin::find_builtin("gearshift").unwrap(), &[]);
     let (poses, refused) = run(&mechanism);
     assert!(poses.len() > 1000, "{} {refused:?}", poses.len());
 }

@@ -5,7 +5,7 @@
 use crate::driven::{Driven, Model, add_derivatives, even_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::rates::higher_order::{By, RateColumns, rates};
+use mechanim::kinematics::rates::higher_order::{By, RateColumns, higher_rates};
 use mechanim::kinematics::results::trajectory::ClosedPose;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
@@ -28,7 +28,7 @@ fn written(text: &str) -> Model {
 }
 
 fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Model {
-    mechanism(&builtin::find(name).unwrap(), inputs)
+    mechanism(&builtin::find_builtin(name).unwrap(), inputs)
 }
 
 fn slot(mechanism: &Mechanism, name: &str) -> usize {
@@ -48,7 +48,7 @@ fn series_by_input(mechanism: &Model, order: usize) -> Vec<TaylorSeries> {
     let system = mechanism.system().unwrap();
     let value = mechanism.actuation.inputs_at(0.0)[0];
     let input = TaylorSeries::linear(value, 1.0, order);
-    rates(&system, &start(mechanism), &[input], order).unwrap()
+    higher_rates(&system, &start(mechanism), &[input], order).unwrap()
 }
 
 fn binomial(n: usize, k: usize) -> f64 {

@@ -10,7 +10,7 @@ use mechanim::kinematics::results::trajectory::{EventKind, Trajectory};
 
 use crate::reference::{hard, slot, turned};
 use mechanim::model::printed::InputReading;
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +19,7 @@ fn read(text: &str) -> Model {
         name: "test".into(),
         text: text.into(),
     };
-    let scene = load(&source, &Overrides::default());
+    let scene = load_scene(&source, &Overrides::default());
     Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 

@@ -6,18 +6,18 @@
 
 use crate::driven::{Driven, Model, solve};
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
-use mechanim::kinematics::solve::pose_check::{OfferedGap, Verdict, judge};
+use mechanim::kinematics::solve::pose_check::{LoopVerdict, OfferedGap, judge_pose};
 
 use crate::reference::{Table, drive_by_rows};
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::f64::consts::{PI, TAU};
 
 fn scene_with(name: &str, change: impl FnOnce(&mut Overrides)) -> Scene {
     let mut overrides = Overrides::default();
     change(&mut overrides);
-    let source = builtin::find(name).unwrap();
-    load(&source, &overrides).unwrap_or_else(|e| panic!("{name}: {:#?}", e.diagnostics))
+    let source = builtin::find_builtin(name).unwrap();
+    load_scene(&source, &overrides).unwrap_or_else(|e| panic!("{name}: {:#?}", e.diagnostics))
 }
 
 fn scene(name: &str) -> Scene {
@@ -91,7 +91,7 @@ fn optimised_scene_differs_from_the_original_in_two_dimensions_only() {
     );
     let dimensions = Table::read("gearshift_dims");
     assert_eq!(a.actuation.drives, b.actuation.drives);
-    let source = |name: &str| builtin::find(name).unwrap().text;
+    let source = |name: &str| builtin::find_builtin(name).unwrap().text;
     let differing = source("gearshift")
         .lines()
         .zip(source("gearshift-optimised").lines())
@@ -197,13 +197,13 @@ fn slider_crank_finds_the_true_pose_from_the_lecture_starts_and_the_crossed_one_
 #[test]
 fn printed_root_of_the_lecture_is_named_a_half_turn() {
     let scene = scene_with("slider-crank", |o| o.inputs = pairs(&[("phi", "0.5")]));
-    let printed = judge(&scene.mechanism, &[2.8837, -0.2421, 42.5642, 0.5], 1e-9);
+    let printed = judge_pose(&scene.mechanism, &[2.8837, -0.2421, 42.5642, 0.5], 1e-9);
     assert_eq!(printed[0].verdict, Verdict::HalfTurn);
     let OfferedGap::Loop { angle, .. } = printed[0].gap else {
         panic!("{printed:?}")
     };
     assert!((angle - PI).abs() < 1e-3);
-    let all_digits = judge(
+    let all_digits = judge_pose(
         &scene.mechanism,
         &[
             2.8836626370770994,
@@ -214,7 +214,7 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
         1e-9,
     );
     assert_eq!(all_digits[0].verdict, Verdict::HalfTurn);
-    let closed = judge(
+    let closed = judge_pose(
         &scene.mechanism,
         &[
             -0.74206998348730620,
@@ -225,7 +225,7 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
         1e-9,
     );
     assert_eq!(closed[0].verdict, Verdict::Closed);
-    let open = judge(&scene.mechanism, &[-0.7, 0.2, 112.0, 0.5], 1e-9);
+    let open = judge_pose(&scene.mechanism, &[-0.7, 0.2, 112.0, 0.5], 1e-9);
     assert_eq!(open[0].verdict, Verdict::Open);
 }
 

@@ -10,9 +10,9 @@ use crate::reference::scenes::{scene, turned, value, whole, written};
 use crate::reference::{Table, drive_by_rows};
 use mechanim::kinematics::rates::higher_order::{By, RateColumns};
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind};
-use mechanim::kinematics::solve::iterates::iterates;
+use mechanim::kinematics::solve::iterates::record_iterates;
 use mechanim::model::mechanism::Kind;
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 use std::f64::consts::TAU;
 
 /// A scene, a table that drives it, and the columns that are compared.
@@ -119,7 +119,7 @@ fn dimensions_of_the_scenes_are_those_of_the_tables() {
         ("twin-steer", "twinsteer_dims"),
     ] {
         let table = Table::read(file);
-        let text = builtin::find(name).unwrap().text;
+        let text = builtin::find_builtin(name).unwrap().text;
         for row in 0..table.len() {
             let wanted = table.text(row, "name");
             let line = text
@@ -183,7 +183,7 @@ fn gate_shapes_are_measured_as_defined() {
 
 #[test]
 fn a_measure_of_a_motion_with_a_gap_has_no_value() {
-    let text = builtin::find("lifting-arm").unwrap().text;
+    let text = builtin::find_builtin("lifting-arm").unwrap().text;
     let text = text.replace(
         "[outputs]",
         "[measures]\nhighest = { of = \"C.y\", take = \"max\" }\n[outputs]",
@@ -309,12 +309,12 @@ fn lifting_arm_is_exact_where_it_exists_and_25_samples_do_not() {
 
 #[test]
 fn lifting_arm_ends_where_its_triangle_does() {
-    let text = builtin::find("lifting-arm").unwrap();
+    let text = builtin::find_builtin("lifting-arm").unwrap();
     let overrides = Overrides {
         inputs: vec![("l".to_owned(), "4*L*(t/T)*(1 - t/T)".to_owned())],
         ..Overrides::default()
     };
-    let mechanism = Model::from(load(&text, &overrides).unwrap());
+    let mechanism = Model::from(load_scene(&text, &overrides).unwrap());
     let times: Vec<f64> = (0..=80).map(|k| 0.1 + 0.01 * k as f64).collect();
     let trajectory = solve(&mechanism, &times).unwrap();
     let ends: Vec<f64> = trajectory
@@ -401,14 +401,15 @@ fn iterates_of_the_feeder_are_those_of_the_exercise() {
         inputs: vec![("psi12".to_owned(), "60deg".to_owned())],
         ..Overrides::default()
     };
-    let mechanism = Model::from(load(&builtin::find("feeder").unwrap(), &overrides).unwrap());
+    let mechanism =
+        Model::from(load_scene(&builtin::find_builtin("feeder").unwrap(), &overrides).unwrap());
     let system = mechanism.system().unwrap();
     let start = [
         mechanism.actuation.guess.clone(),
         mechanism.actuation.inputs_at(0.0),
     ]
     .concat();
-    let (list, closed) = iterates(&system, &start);
+    let (list, closed) = record_iterates(&system, &start);
     assert!(closed);
     let slot = |name: &str| {
         mechanism

@@ -5,14 +5,14 @@ use mechanim::diag::Source;
 use mechanim::kinematics::freedoms::mobility::Mobility;
 use mechanim::kinematics::results::certificate::Certificate;
 use mechanim::kinematics::structure::block::StructureError;
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 
 fn read(text: &str) -> Model {
     let source = Source {
         name: "test".into(),
         text: text.into(),
     };
-    let scene = load(&source, &Overrides::default());
+    let scene = load_scene(&source, &Overrides::default());
     Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 

@@ -5,7 +5,7 @@ use crate::frames::{flat, run, shaded, sink};
 use image::RgbaImage;
 use mechanim::export::format::FramePattern;
 use mechanim::export::png::{Effort, PngSettings, SequenceSink, StillSink};
-use mechanim::export::pump::{PumpError, draw_samples, pump};
+use mechanim::export::pump::{PumpError, draw_samples, pump_frames};
 use mechanim::export::{ExportError, Output, Stream, Target};
 use std::io::{self, Write};
 use std::path::Path;
@@ -182,7 +182,7 @@ fn a_frame_that_cannot_be_drawn_leaves_no_file() {
     };
     let workers = vec![worker(), worker()];
     let sink = sink(output, flat, 40, 100);
-    let error = pump(
+    let error = pump_frames(
         workers,
         40,
         Vec::new(),
@@ -211,7 +211,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
     };
     let stop_at = |done, _| cancel.store(done >= 10, Ordering::Relaxed);
     let output = Box::new(Target::create(&folder.path().join("a.gif")).unwrap());
-    let outcome = pump(
+    let outcome = pump_frames(
         vec![worker(), worker()],
         1000,
         Vec::new(),
@@ -232,7 +232,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
     let pattern = FramePattern::parse(&folder.path().join("shots/f%d.png")).unwrap();
     let sequence = Box::new(SequenceSink::new(pattern, opaque([20, 14], Effort::Fast)).unwrap());
     assert!(folder.path().join("shots").is_dir());
-    let outcome = pump(
+    let outcome = pump_frames(
         vec![worker()],
         1000,
         Vec::new(),
@@ -260,7 +260,7 @@ fn a_sequence_is_lossless_numbered_and_keeps_what_was_there() {
         image.copy_from_slice(shaded(k).as_raw());
         if k == 3 { Err(NoPose) } else { Ok(()) }
     });
-    pump(
+    pump_frames(
         vec![worker],
         5,
         Vec::new(),
@@ -370,7 +370,7 @@ fn samples_come_in_order_and_are_not_drawn_again() {
     assert_eq!(order, [0, 7, 3, 19]);
     assert!(samples.iter().all(|(k, image)| *image == flat(*k)));
     let sink = sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
-    pump(workers, 20, samples, sink, &|_, _| {}, &cancel).unwrap();
+    pump_frames(workers, 20, samples, sink, &|_, _| {}, &cancel).unwrap();
     assert_eq!(drawn.load(Ordering::Relaxed), 20);
     let nobody: Vec<Draw> = Vec::new();
     let sink = frames::sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
@@ -385,7 +385,7 @@ fn a_panicking_worker_is_not_waited_for() {
     let outcome = std::panic::catch_unwind(|| {
         let worker: Draw = Box::new(|_, _| panic!("planted"));
         let sink = sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
-        pump(
+        pump_frames(
             vec![worker],
             20,
             Vec::new(),

@@ -2,7 +2,7 @@
 
 use crate::frames::{Shown, flat, palette, run, settings, shaded, sink};
 use image::{Rgba, RgbaImage};
-use mechanim::compare::{Comparison, compare};
+use mechanim::compare::{Comparison, compare_pictures};
 use mechanim::export::gif::{GifSink, Quality, sample_indices};
 use mechanim::export::mapping::Mapper;
 use mechanim::export::palette::Palette;
@@ -54,7 +54,7 @@ fn feed(sink: GifSink, frames: &[RgbaImage]) -> Result<ExportSummary, ExportErro
 }
 
 fn psnr(a: &RgbaImage, b: &RgbaImage) -> f64 {
-    match compare(a, b, 0) {
+    match compare_pictures(a, b, 0) {
         Comparison::SameSize(d) => d.psnr,
         other => panic!("{other:?}"),
     }

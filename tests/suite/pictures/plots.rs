@@ -2,15 +2,15 @@
 
 use crate::driven::{Driven, solve};
 use crate::program::Workspace;
-use mechanim::charts::motion::chart;
+use mechanim::charts::motion::motion_chart;
 use mechanim::diag::Source;
-use mechanim::plot::playhead::playhead;
-use mechanim::plot::primitive::Primitive;
-use mechanim::plot::raster::Painter;
+use mechanim::plot::playhead::playhead_marks;
+use mechanim::plot::primitive::DrawnPrimitive;
+use mechanim::plot::raster::ChartPainter;
 use mechanim::plot::{
-    Axis, Chart, Drawing, Panel, ScaleKind, Series, Theme, draw, svg, usual_size,
+    Axis, Chart, ChartTheme, Drawing, Panel, PlotSeries, ScaleKind, draw_chart, svg, usual_size,
 };
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use proptest::prelude::*;
 
 /// A crank that is longer than its rod by default cannot turn: no pose between 48.59° and 131.41°.
@@ -47,14 +47,14 @@ fn charted(text: &str, samples: usize) -> Chart {
         name: "test".into(),
         text: text.into(),
     };
-    let scene =
-        load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let scene = load_scene(&source, &Overrides::default())
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let last = (samples - 1) as f64;
     let times: Vec<f64> = (0..samples)
         .map(|k| scene.actuation.duration * k as f64 / last)
         .collect();
     let trajectory = solve(&scene, &times).unwrap();
-    chart(
+    motion_chart(
         &scene.system().unwrap(),
         &scene.actuation,
         &scene.plots,
@@ -63,7 +63,7 @@ fn charted(text: &str, samples: usize) -> Chart {
 }
 
 fn drawn(chart: &Chart) -> Drawing {
-    draw(chart, usual_size(chart), Theme::LIGHT)
+    draw_chart(chart, usual_size(chart), ChartTheme::LIGHT)
 }
 
 /// One element of an XML document.
@@ -168,7 +168,7 @@ fn curves_in_the_svg_are_the_closed_form() {
     let chart = charted(&crank(r, l), 361);
     assert!(chart.notes.is_empty(), "{:?}", chart.notes);
     let drawing = drawn(&chart);
-    let document = svg::write(&drawing);
+    let document = svg::write_svg(&drawing);
     let all = elements(&document);
     let svg = all.last().unwrap();
     assert_eq!(svg.name, "svg");
@@ -267,7 +267,7 @@ fn no_gap_without_a_word() {
         "{:?}",
         chart.notes
     );
-    let document = svg::write(&drawn(&chart));
+    let document = svg::write_svg(&drawn(&chart));
     let words = elements(&document);
     let count = words
         .iter()
@@ -298,11 +298,11 @@ fn against_time_and_along_a_path_gaps_are_named_too() {
 fn pixels_show_the_curve_where_it_is() {
     let chart = charted(&crank(40.0, 80.0), 361);
     for (theme, size) in [
-        (Theme::LIGHT, usual_size(&chart)),
-        (Theme::DARK, [1600, 1500]),
+        (ChartTheme::LIGHT, usual_size(&chart)),
+        (ChartTheme::DARK, [1600, 1500]),
     ] {
-        let drawing = draw(&chart, size, theme);
-        let picture = Painter::default().picture(&drawing);
+        let drawing = draw_chart(&chart, size, theme);
+        let picture = ChartPainter::default().picture(&drawing);
         assert_eq!(picture.dimensions(), (size[0], size[1]));
         assert_eq!(
             picture,
@@ -333,11 +333,11 @@ fn pixels_show_the_curve_where_it_is() {
 fn the_playhead_stands_on_the_curves() {
     let chart = charted(&crank(40.0, 80.0), 5);
     let drawing = drawn(&chart);
-    let marks = playhead(&chart, &drawing, 1);
+    let marks = playhead_marks(&chart, &drawing, 1);
     let circles: Vec<[f64; 2]> = marks
         .iter()
         .filter_map(|m| match m {
-            Primitive::Circle { centre, .. } => Some(*centre),
+            DrawnPrimitive::Circle { centre, .. } => Some(*centre),
             _ => None,
         })
         .collect();
@@ -349,7 +349,7 @@ fn the_playhead_stands_on_the_curves() {
         assert!((area.y.value(circle[1]) - value).abs() < 1e-9);
     }
     let blocked = charted(&crank(80.0, 60.0), 5);
-    let marks = playhead(&blocked, &drawn(&blocked), 1);
+    let marks = playhead_marks(&blocked, &drawn(&blocked), 1);
     assert!(
         marks.iter().all(|m| matches!(m, Primitive::Line { .. })),
         "no dot without a pose"
@@ -362,7 +362,7 @@ fn texts_do_not_overlap() {
     for (r, l) in [(40.0, 80.0), (80.0, 60.0)] {
         let chart = charted(&crank(r, l), 361);
         for size in [usual_size(&chart), [480, 700], [1600, 900], [2400, 1800]] {
-            let drawing = draw(&chart, size, Theme::LIGHT);
+            let drawing = draw_chart(&chart, size, ChartTheme::LIGHT);
             let boxes: Vec<[f64; 4]> = drawing.primitives.iter().filter_map(extent).collect();
             for (k, a) in boxes.iter().enumerate() {
                 assert!(
@@ -380,9 +380,9 @@ fn texts_do_not_overlap() {
 
 /// Left, right, top, bottom of a text.
 fn extent(primitive: &Primitive) -> Option<[f64; 4]> {
-    use mechanim::plot::primitive::Anchor;
+    use mechanim::plot::primitive::TextAnchor;
     use mechanim::render::text::{Face, set_text};
-    let Primitive::Text {
+    let DrawnPrimitive::Text {
         at,
         text,
         size,
@@ -394,9 +394,9 @@ fn extent(primitive: &Primitive) -> Option<[f64; 4]> {
     };
     let wide = set_text(&Face::new(), text, *size).width;
     let left = match anchor {
-        Anchor::Start => at[0],
-        Anchor::Middle => at[0] - 0.5 * wide,
-        Anchor::End => at[0] - wide,
+        TextAnchor::Start => at[0],
+        TextAnchor::Middle => at[0] - 0.5 * wide,
+        TextAnchor::End => at[0] - wide,
     };
     Some([left, left + wide, at[1] - size, at[1]])
 }
@@ -424,8 +424,8 @@ proptest! {
             }],
             ..Chart::default()
         };
-        let drawing = draw(&chart, [width, 300], Theme::LIGHT);
-        let found = curves(&svg::write(&drawing));
+        let drawing = draw_chart(&chart, [width, 300], ChartTheme::LIGHT);
+        let found = curves(&svg::write_svg(&drawing));
         prop_assert_eq!(found.len(), 1);
         for point in points {
             let pixel = drawing.areas[0].pixel(point).unwrap();

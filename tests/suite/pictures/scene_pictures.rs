@@ -12,9 +12,9 @@ use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::render::Renderer;
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::overlay::Overlay;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::snapshot::manifest::Picture;
-use mechanim::snapshot::{MANIFEST, Manifest, Verdict, judge};
+use mechanim::snapshot::{GoldenVerdict, MANIFEST, Manifest, judge_picture};
 use mechanim::staging::{PictureOptions, Staging};
 use std::sync::Arc;
 
@@ -24,9 +24,9 @@ const SMALL: PictureOptions = PictureOptions {
 };
 
 fn solved(name: &str) -> (Scene, Trajectory) {
-    let source = builtin::find(name).unwrap();
-    let scene =
-        load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let source = builtin::find_builtin(name).unwrap();
+    let scene = load_scene(&source, &Overrides::default())
+        .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let trajectory = solve(&scene, &frame_times(&scene, scene.view.fps)).unwrap();
     (scene, trajectory)
 }
@@ -63,10 +63,10 @@ fn scenes_look_as_they_should() {
     // All of them first, so that one run shows every picture that fails.
     let update = snapshot::wish_of_environment().unwrap();
     let failures = pictures.iter().filter_map(|picture| {
-        let drawn = mechanim::snapshot::draw(picture, &snapshot::folder()).unwrap();
+        let drawn = mechanim::snapshot::draw_picture(picture, &snapshot::folder()).unwrap();
         let golden = snapshot::folder().join(&picture.file);
-        match judge(&golden, &drawn, picture.allowed, update).unwrap() {
-            Verdict::Failed { reason, .. } => Some(format!("{}: {reason}", golden.display())),
+        match judge_picture(&golden, &drawn, picture.allowed, update).unwrap() {
+            GoldenVerdict::Failed { reason, .. } => Some(format!("{}: {reason}", golden.display())),
             _ => None,
         }
     });
@@ -80,17 +80,17 @@ fn scenes_look_as_they_should() {
 #[test]
 #[ignore = "needs a graphics adapter, a software one will do: run with --include-ignored"]
 fn scenes_look_the_same_on_a_graphics_adapter() {
-    use mechanim::compare::{Comparison, compare};
+    use mechanim::compare::{Comparison, compare_pictures};
     use mechanim::render::adapter::AdapterChoice;
     use mechanim::render::gpu::GpuRenderer;
-    use mechanim::snapshot::{Allowed, draw, draw_with};
+    use mechanim::snapshot::{Allowed, draw_picture, draw_with};
     for picture in pictures() {
         let (file, folder) = (&picture.file, snapshot::folder());
         let drawn = draw_with(&picture, &folder, &|stage| {
             Ok(Box::new(GpuRenderer::open(stage, AdapterChoice::Any)?))
         })
         .unwrap();
-        let compared = compare(&draw(&picture, &folder).unwrap(), &drawn, 24);
+        let compared = compare_pictures(&draw_picture(&picture, &folder).unwrap(), &drawn, 24);
         let Comparison::SameSize(likeness) = compared else {
             panic!("{file}: {compared:?}")
         };
@@ -195,7 +195,7 @@ fn trace_grows_frame_by_frame_and_is_whole_at_the_end() {
 
 /// Oklab (Ottosson, 2020) of an sRGB colour.
 fn oklab(rgb: [u8; 3]) -> [f64; 3] {
-    let linear = mechanim::render::colour::Curve::shared().decode_rgb(rgb);
+    let linear = mechanim::render::colour::ToneCurve::shared().decode_rgb(rgb);
     let [r, g, b] = linear.map(f64::from);
     let cones = [
         0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b,

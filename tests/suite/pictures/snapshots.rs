@@ -3,7 +3,7 @@
 use crate::snapshot;
 use image::{Rgba, RgbaImage};
 use mechanim::diag::Source;
-use mechanim::snapshot::{Allowed, EXACT, Manifest, Update, Verdict, judge};
+use mechanim::snapshot::{Allowed, EXACT, GoldenVerdict, Manifest, Update, judge_picture};
 use std::path::Path;
 
 fn picture(level: u8) -> RgbaImage {
@@ -16,10 +16,10 @@ fn outcome(
     allowed: Allowed,
     update: Update,
 ) -> Result<bool, String> {
-    match judge(golden, image, allowed, update).unwrap() {
-        Verdict::Passed(_) => Ok(false),
-        Verdict::Written => Ok(true),
-        Verdict::Failed { reason, .. } => Err(reason),
+    match judge_picture(golden, image, allowed, update).unwrap() {
+        GoldenVerdict::Passed(_) => Ok(false),
+        GoldenVerdict::Written => Ok(true),
+        GoldenVerdict::Failed { reason, .. } => Err(reason),
     }
 }
 

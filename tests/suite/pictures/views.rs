@@ -76,7 +76,9 @@ fn a_picture_without_background_gives_the_same_before_white() {
 #[test]
 fn characters_without_glyph_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    let text = mechanim::scene::builtin::find("bennett").unwrap().text;
+    let text = mechanim::scene::builtin::find_builtin("bennett")
+        .unwrap()
+        .text;
     let text = text.replacen("title = \"", "title = \"漢 ", 1);
     let scene = folder.path().join("scene.toml");
     std::fs::write(&scene, text).unwrap();
@@ -90,7 +92,9 @@ fn characters_without_glyph_are_named() {
 #[test]
 fn cameras_in_odd_places_make_pictures() {
     let folder = tempfile::tempdir().unwrap();
-    let text = mechanim::scene::builtin::find("gearshift").unwrap().text;
+    let text = mechanim::scene::builtin::find_builtin("gearshift")
+        .unwrap()
+        .text;
     let paths = [
         "[{ target = [455, 235, 150], distance = 1e-3 }]",
         "[{ target = [455, 235, 150], distance = 40 }]",

@@ -11,11 +11,11 @@ use mechanim::model::expression::Affine;
 
 use mechanim::numbers::double_double::DoubleDouble;
 use mechanim::numbers::sin_cos::sin_cos;
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 
 fn scene(name: &str) -> Model {
-    let source = builtin::find(name).unwrap();
-    Model::from(load(&source, &Overrides::default()).unwrap())
+    let source = builtin::find_builtin(name).unwrap();
+    Model::from(load_scene(&source, &Overrides::default()).unwrap())
 }
 
 /// Error bound and stored unknowns, then inputs, of `count` samples.
@@ -174,7 +174,7 @@ fn ring() -> Model {
         text += &format!("y{k} = 1.3\n");
     }
     let name = "a ring of four-bars".into();
-    let scene = load(&Source { name, text }, &Overrides::default());
+    let scene = load_scene(&Source { name, text }, &Overrides::default());
     scene.unwrap().into()
 }
 

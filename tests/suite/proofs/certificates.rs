@@ -15,7 +15,7 @@ use mechanim::model::expression::Affine;
 use crate::reference::{Table, drive_by_rows};
 use mechanim::model::mechanism::Mechanism;
 use mechanim::numbers::constant::Constant;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::f64::consts::{PI, TAU};
 
 fn read(text: &str) -> Scene {
@@ -23,11 +23,11 @@ fn read(text: &str) -> Scene {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 fn scene(name: &str) -> Scene {
-    load(&builtin::find(name).unwrap(), &Overrides::default()).unwrap()
+    load_scene(&builtin::find_builtin(name).unwrap(), &Overrides::default()).unwrap()
 }
 
 fn slider_crank(r: f64, l: f64) -> Scene {

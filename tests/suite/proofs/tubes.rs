@@ -9,7 +9,7 @@ use mechanim::kinematics::results::certificate::{IntervalCertificate, Obstacle, 
 use crate::reference::mechanism;
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::model::mechanism::{Kind, Mechanism};
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 use std::f64::consts::{PI, TAU};
 
 fn read(text: &str) -> Model {
@@ -21,8 +21,8 @@ fn read(text: &str) -> Model {
 }
 
 fn scene(name: &str) -> Model {
-    let source = builtin::find(name).unwrap();
-    Model::from(load(&source, &Overrides::default()).unwrap())
+    let source = builtin::find_builtin(name).unwrap();
+    Model::from(load_scene(&source, &Overrides::default()).unwrap())
 }
 
 fn slider_crank(r: f64, l: f64) -> Model {

@@ -7,7 +7,7 @@ use mechanim::diag::Source;
 use mechanim::model::drive::{Drive, Ease};
 use mechanim::model::mechanism::Mechanism;
 
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 
 /// The mechanism of a scene, with some of its inputs driven otherwise.
 pub fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Model {
@@ -16,7 +16,7 @@ pub fn mechanism(source: &Source, inputs: &[(&str, &str)]) -> Model {
         inputs: pairs.collect(),
         ..Overrides::default()
     };
-    let scene = load(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let scene = load_scene(source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     scene.into()
 }
 
@@ -106,7 +106,7 @@ pub fn hard(name: &str, changes: &[(&str, &str, &str)]) -> Model {
         guess: of("guess"),
         ..Overrides::default()
     };
-    let scene = load(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
+    let scene = load_scene(&source, &overrides).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     scene.into()
 }
 

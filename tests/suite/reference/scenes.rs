@@ -4,7 +4,7 @@ use crate::driven::Model;
 use mechanim::diag::Source;
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 
 /// A built-in scene with some parameters and start values of its own.
 pub fn scene(name: &str, parameters: &[(&str, &str)], guess: &[(&str, &str)]) -> Model {
@@ -17,7 +17,7 @@ pub fn scene(name: &str, parameters: &[(&str, &str)], guess: &[(&str, &str)]) ->
         guess: pairs(guess),
         ..Overrides::default()
     };
-    let loaded = load(&builtin::find(name).unwrap(), &overrides);
+    let loaded = load_scene(&builtin::find_builtin(name).unwrap(), &overrides);
     Model::from(loaded.unwrap_or_else(|e| panic!("{name}: {:#?}", e.diagnostics)))
 }
 
@@ -27,7 +27,7 @@ pub fn written(text: &str) -> Model {
         name: "test".to_owned(),
         text: text.to_owned(),
     };
-    let loaded = load(&source, &Overrides::default());
+    let loaded = load_scene(&source, &Overrides::default());
     Model::from(loaded.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 

@@ -1,7 +1,7 @@
 //! Cores in either arithmetic: the signed distance of a point, and the farthest point in a direction.
 
 use super::number::{Number, Vector};
-use mechanim::distance::core::{Core, Element};
+use mechanim::distance::core::{Element, Primitive};
 
 /// A core; unit vectors are made unit in its own arithmetic.
 pub enum Solid<N> {
@@ -40,9 +40,9 @@ impl<N: Number> Solid<N> {
     pub fn of(element: &Element) -> Self {
         let one = Vector::<N>::of;
         match &element.core {
-            Core::Point(p) => Self::Point(one(*p)),
-            Core::Segment([a, b]) => Self::Segment([one(*a), one(*b)]),
-            Core::Circle(c) => {
+            Primitive::Point(p) => Self::Point(one(*p)),
+            Primitive::Segment([a, b]) => Self::Segment([one(*a), one(*b)]),
+            Primitive::Circle(c) => {
                 let axis = one(c.axis).unit();
                 let x = axis.cross(one(c.axis.any_orthonormal_vector())).unit();
                 Self::Circle(Circle {
@@ -52,7 +52,7 @@ impl<N: Number> Solid<N> {
                     radius: N::from(c.radius),
                 })
             }
-            Core::Box(b) => {
+            Primitive::Box(b) => {
                 let r = b.from_box.rotation;
                 Self::Box {
                     center: one(b.from_box.translation),
@@ -60,18 +60,18 @@ impl<N: Number> Solid<N> {
                     half: b.half.to_array().map(N::from),
                 }
             }
-            Core::Frustum(f) => Self::Frustum {
+            Primitive::Frustum(f) => Self::Frustum {
                 from: one(f.from),
                 axis: one(f.axis).unit(),
                 length: N::from(f.length),
                 radii: f.radii.map(N::from),
             },
-            Core::HalfSpace(h) => Self::HalfSpace {
+            Primitive::HalfSpace(h) => Self::HalfSpace {
                 point: one(h.point),
                 normal: one(h.normal).unit(),
             },
-            Core::Triangle(corners) => Self::Triangle(corners.map(one)),
-            Core::Mesh(..) => panic!("a mesh is given triangle by triangle"),
+            Primitive::Triangle(corners) => Self::Triangle(corners.map(one)),
+            Primitive::Mesh(..) => panic!("a mesh is given triangle by triangle"),
         }
     }
 

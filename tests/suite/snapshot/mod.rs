@@ -4,7 +4,7 @@
 //! in CI.
 
 use image::RgbaImage;
-use mechanim::snapshot::{Allowed, Update, Verdict, judge};
+use mechanim::snapshot::{Allowed, GoldenVerdict, Update, judge_picture};
 use std::path::{Path, PathBuf};
 
 /// Where the golden pictures of the tests are.
@@ -43,7 +43,9 @@ pub fn wish_of_environment() -> Result<Update, String> {
 pub fn assert_snapshot(name: &str, actual: &RgbaImage, allowed: Allowed) {
     let golden = folder().join(format!("{name}.png"));
     let update = wish_of_environment().unwrap_or_else(|message| panic!("{message}"));
-    if let Verdict::Failed { reason, .. } = judge(&golden, actual, allowed, update).unwrap() {
+    if let GoldenVerdict::Failed { reason, .. } =
+        judge_picture(&golden, actual, allowed, update).unwrap()
+    {
         panic!("snapshot {}: {reason}", golden.display());
     }
 }

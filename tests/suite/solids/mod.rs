@@ -1,7 +1,7 @@
 //! Solids of clearance tests: their short names, and random ones that are the same in every run.
 
 use glam::{DMat3, DQuat, DVec3};
-use mechanim::distance::core::{Element, elements};
+use mechanim::distance::core::{Element, shape_elements};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid};
 
@@ -16,7 +16,7 @@ pub fn element(solid: Solid) -> Element {
         colour: [0; 3],
         opacity: 1.0,
     };
-    elements(&[shape]).remove(0)
+    shape_elements(&[shape]).remove(0)
 }
 
 pub fn sphere(center: DVec3, radius: f64) -> Element {

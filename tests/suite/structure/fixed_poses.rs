@@ -2,10 +2,10 @@
 
 use crate::draws::Draws;
 use mechanim::diag::Source;
-use mechanim::model::chain::Step;
+use mechanim::model::chain::ChainStep;
 use mechanim::model::fixed::FixedPose;
 use mechanim::numbers::double_double::DoubleDouble;
-use mechanim::scene::{Overrides, load};
+use mechanim::scene::{Overrides, load_scene};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write;
 
@@ -169,10 +169,10 @@ fn resolved(chain: &str) -> Option<FixedPose> {
          bodies = [{{ name = \"b\", frame = \"Rz(a) C\" }}, {{ name = \"i\", frame = \"Rz(a) inv(C)\" }}]\n"
     );
     let name = "constant parts".into();
-    let scene = load(&Source { name, text }, &Overrides::default()).unwrap();
+    let scene = load_scene(&Source { name, text }, &Overrides::default()).unwrap();
     let steps = &scene.mechanism.bodies[0].world_from_body.steps;
     match steps[..] {
-        [_, Step::Fixed(pose)] => Some(pose),
+        [_, ChainStep::Fixed(pose)] => Some(pose),
         _ => None,
     }
 }

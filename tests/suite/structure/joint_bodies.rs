@@ -4,7 +4,7 @@ use crate::driven::{check, even_times, knots, solve};
 use crate::program::Workspace;
 use mechanim::clearance::check::{ClearanceReport, Judgement};
 use mechanim::diag::Source;
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 
 /// Forearm, yoke, cross and hand about one point: the hand folds back onto the forearm.
 const WRIST: &str = r#"title = "wrist"
@@ -26,7 +26,8 @@ fn open(text: &str) -> Scene {
         name: "test".into(),
         text: text.into(),
     };
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{text}\n{:#?}", e.diagnostics))
+    load_scene(&source, &Overrides::default())
+        .unwrap_or_else(|e| panic!("{text}\n{:#?}", e.diagnostics))
 }
 
 fn report(scene: &Scene) -> ClearanceReport {

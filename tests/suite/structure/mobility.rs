@@ -8,7 +8,7 @@ use mechanim::kinematics::structure::block::StructureError;
 
 use crate::program::Workspace;
 use mechanim::model::mechanism::Mechanism;
-use mechanim::scene::{Overrides, builtin, load};
+use mechanim::scene::{Overrides, builtin, load_scene};
 use std::f64::consts::PI;
 
 fn read(text: &str) -> Model {
@@ -16,7 +16,7 @@ fn read(text: &str) -> Model {
         name: "test".into(),
         text: text.into(),
     };
-    let scene = load(&source, &Overrides::default());
+    let scene = load_scene(&source, &Overrides::default());
     Model::from(scene.unwrap_or_else(|e| panic!("{:#?}", e.diagnostics)))
 }
 
@@ -30,12 +30,12 @@ fn text_of(name: &str) -> String {
     match name {
         // The lecture's own count has a ball joint where the scene has a universal one.
         "gearshift-ball" => gearshift_with_ball(),
-        _ => builtin::find(name).map_or_else(|| file(name), |source| source.text),
+        _ => builtin::find_builtin(name).map_or_else(|| file(name), |source| source.text),
     }
 }
 
 fn gearshift_with_ball() -> String {
-    let text = builtin::find("gearshift").unwrap().text;
+    let text = builtin::find_builtin("gearshift").unwrap().text;
     let ball = text.replace("Tz(-L7) Rx(a13)", "Tz(-L7) Rz(spin) Rx(a13)");
     assert_ne!(ball, text);
     ball
@@ -648,7 +648,7 @@ fn mechanisms_of_any_size_take_the_same_steps() {
 
 /// The mechanism with all lengths multiplied.
 fn scaled(mechanism: &Model, scale: f64) -> Model {
-    use mechanim::model::chain::{Argument, Motion, Step};
+    use mechanim::model::chain::{Argument, ChainStep, ElementaryMotion};
     use mechanim::model::drive::Drive;
     use mechanim::model::mechanism::Kind;
     let mut other = mechanism.clone();
@@ -662,9 +662,9 @@ fn scaled(mechanism: &Model, scale: f64) -> Model {
     (other.bodies, other.traces, other.outputs) = (Vec::new(), Vec::new(), Vec::new());
     for step in other.loops.iter_mut().flat_map(|l| &mut l.chain.steps) {
         match step {
-            Step::Fixed(fixed) => fixed.pose.translation *= scale,
-            Step::Joint {
-                motion: Motion::Translation,
+            ChainStep::Fixed(fixed) => fixed.pose.translation *= scale,
+            ChainStep::Joint {
+                motion: ElementaryMotion::Translation,
                 argument,
                 ..
             } => {
@@ -673,7 +673,7 @@ fn scaled(mechanism: &Model, scale: f64) -> Model {
                 };
                 assert_eq!(affine.constant.number(), 0.0);
             }
-            Step::Joint { .. } => {}
+            ChainStep::Joint { .. } => {}
         }
     }
     for (guess, unknown) in other.actuation.guess.iter_mut().zip(&mechanism.unknowns) {

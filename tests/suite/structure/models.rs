@@ -3,12 +3,12 @@
 use crate::driven::{frame_times, solve};
 use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
 use mechanim::export::glb::write_glb;
-use mechanim::export::model::Model;
+use mechanim::export::model::ExportModel;
 use mechanim::export::solid::{write_obj, write_stl};
 use mechanim::export::{ExportError, ExportSummary, Output, Target};
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::math::Pose;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::staging::model::of_motion;
 use mechanim::staging::{PictureOptions, Staging};
 use std::collections::BTreeMap;
@@ -16,13 +16,13 @@ use std::collections::BTreeMap;
 const NAMES: [&str; 3] = ["gearshift", "slider-crank", "seven-r"];
 
 fn solved(name: &str) -> (Scene, Trajectory) {
-    let scene = load(&builtin::find(name).unwrap(), &Overrides::default()).unwrap();
+    let scene = load_scene(&builtin::find_builtin(name).unwrap(), &Overrides::default()).unwrap();
     let times = frame_times(&scene, scene.view.fps);
     let trajectory = solve(&scene, &times).unwrap();
     (scene, trajectory)
 }
 
-fn model(scene: &Scene, trajectory: &Trajectory) -> Model {
+fn model(scene: &Scene, trajectory: &Trajectory) -> ExportModel {
     let options = PictureOptions {
         size: [640, 480],
         samples: 4,
@@ -33,8 +33,8 @@ fn model(scene: &Scene, trajectory: &Trajectory) -> Model {
 }
 
 fn written(
-    model: &Model,
-    write: impl Fn(&Model, Box<dyn Output>) -> Result<ExportSummary, ExportError>,
+    model: &ExportModel,
+    write: impl Fn(&ExportModel, Box<dyn Output>) -> Result<ExportSummary, ExportError>,
 ) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("file");
@@ -257,7 +257,7 @@ fn nothing_is_invented_where_there_is_no_pose() {
         name: "gap".into(),
         text: GAP.into(),
     };
-    let scene = load(&source, &Overrides::default()).unwrap();
+    let scene = load_scene(&source, &Overrides::default()).unwrap();
     let trajectory = solve(&scene, &frame_times(&scene, 20.0)).unwrap();
     let closed: Vec<bool> = trajectory
         .samples
@@ -294,7 +294,7 @@ fn nothing_is_invented_where_there_is_no_pose() {
     assert!(gltf::Gltf::from_slice(&written(&model, write_glb)).is_ok());
 }
 
-fn pose(name: &str, sample: usize) -> (Scene, Model) {
+fn pose(name: &str, sample: usize) -> (Scene, ExportModel) {
     let (scene, trajectory) = solved(name);
     let model = of_motion(&scene, &trajectory, sample..sample + 1, None);
     (scene, model)
@@ -312,7 +312,7 @@ fn measured(triangles: impl Iterator<Item = [DVec3; 3]>) -> (f64, [DVec3; 2]) {
     })
 }
 
-fn exact(model: &Model) -> (f64, [DVec3; 2]) {
+fn exact(model: &ExportModel) -> (f64, [DVec3; 2]) {
     measured(model.placed_parts().flat_map(|(_, part, pose)| {
         let mesh = part.mesh.clone();
         mesh.triangles
@@ -442,7 +442,7 @@ fn a_model_without_solids_is_no_stl() {
     let (_, mut model) = pose("slider-crank", 0);
     model.bodies.iter_mut().for_each(|b| b.parts.clear());
     let folder = tempfile::tempdir().unwrap();
-    type Writer = fn(&Model, Box<dyn Output>) -> Result<ExportSummary, ExportError>;
+    type Writer = fn(&ExportModel, Box<dyn Output>) -> Result<ExportSummary, ExportError>;
     let writers: [Writer; 2] = [write_stl, |model, output| write_obj(model, output, None)];
     for write in writers {
         let target = Target::create(&folder.path().join("a.stl")).unwrap();

@@ -6,7 +6,7 @@ use crate::reference;
 use mechanim::diag::Source;
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
 use mechanim::kinematics::loops::forward::{body_poses, closure_error};
-use mechanim::kinematics::solve::assembly::assemble;
+use mechanim::kinematics::solve::assembly::assemble_pose;
 use mechanim::kinematics::solve::newton::Corrector;
 use mechanim::math::Pose;
 
@@ -37,7 +37,7 @@ shapes = [{ sphere = { radius = 0.1 } }]
 "#;
 
 fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Model {
-    mechanism(&builtin::find(name).unwrap(), inputs)
+    mechanism(&builtin::find_builtin(name).unwrap(), inputs)
 }
 
 /// All assemblies at the start of the drive; every one of them is checked to close.
@@ -500,7 +500,7 @@ fn a_rocker_guessed_at_its_angle_is_there() {
             let system = model.system().unwrap();
             let start = model.actuation.start_at(0.0);
             let slot = model.unknowns.iter().position(|c| c.name == "p").unwrap();
-            let near = assemble(&system, &mut Corrector::new(&system), &start, true).unwrap();
+            let near = assemble_pose(&system, &mut Corrector::new(&system), &start, true).unwrap();
             elsewhere += usize::from(off(near.coordinates[slot].to_degrees(), angle) > 1.0);
         }
     }

@@ -9,9 +9,9 @@ use mechanim::kinematics::loops::residual::{BlockWorkspace, Want, residual_of};
 use mechanim::kinematics::structure::system::System;
 use mechanim::math::{left_jacobian_inverse, rotation_log};
 use mechanim::model::chain::{Argument, ArgumentValue};
-use mechanim::model::walk::Frame;
+use mechanim::model::walk::WalkFrame;
 use mechanim::numbers::hyper_dual::HyperDual;
-use mechanim::scene::{Overrides, Scene, load};
+use mechanim::scene::{Overrides, Scene, load_scene};
 
 impl Draws {
     /// A loop of six joints in any order and direction, with constants and a driven motion between them.
@@ -37,7 +37,7 @@ impl Draws {
              [guess]\n{guess}"
         );
         let name = "a random loop".into();
-        load(&Source { name, text }, &Overrides::default()).unwrap()
+        load_scene(&Source { name, text }, &Overrides::default()).unwrap()
     }
 }
 
@@ -127,7 +127,7 @@ fn derivative(scene: &Scene, pose: &[f64], unknown: usize, scale: f64) -> Moved 
     let values = mechanism.arguments.iter();
     let values = values.map(|a| ArgumentValue::new(a.value(&slots, &mut Vec::new())));
     let values: Vec<ArgumentValue<HyperDual>> = values.collect();
-    let end = Frame::at_end_of(&mechanism.loops[0].chain.steps, &values).map(|c| c.first);
+    let end = WalkFrame::at_end_of(&mechanism.loops[0].chain.steps, &values).map(|c| c.first);
     Moved {
         axes: end.axes,
         origin: end.origin.into(),

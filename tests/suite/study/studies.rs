@@ -1,6 +1,6 @@
 //! Measures of the gearshift's study and their exact gradients, against values computed with forty digits.
 
-use mechanim::analysis::study::{Evaluator, Family};
+use mechanim::analysis::study::{Evaluator, ParametricMechanism};
 use mechanim::scene::{Overrides, builtin};
 
 const DIMENSIONS: [&str; 22] = [
@@ -15,10 +15,11 @@ fn table(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     (cells(lines.next().unwrap()), lines.map(cells).collect())
 }
 
-fn gearshift(vary: &[&str]) -> Family {
-    let source = builtin::find("gearshift").unwrap();
+fn gearshift(vary: &[&str]) -> ParametricMechanism {
+    let source = builtin::find_builtin("gearshift").unwrap();
     let vary: Vec<String> = vary.iter().map(|s| (*s).to_owned()).collect();
-    Family::load(&source, &Overrides::default(), &vary).unwrap_or_else(|e| panic!("{e}"))
+    ParametricMechanism::load(&source, &Overrides::default(), &vary)
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 #[test]
@@ -89,25 +90,25 @@ fn a_stand_with_other_values_has_the_measures_of_the_optimised_lever() {
 #[test]
 fn the_slope_is_optimised_by_simplex_and_by_gradients() {
     use mechanim::analysis::optimise::{bfgs, nelder_mead};
-    use mechanim::analysis::study::Search;
+    use mechanim::analysis::study::StudySearch;
     let family = gearshift(&["L6s", "ZR1"]);
     let start = family.start();
-    let mut search = Search::new(&family, Box::new(|_, _, _| true)).unwrap();
+    let mut search = StudySearch::new(&family, Box::new(|_, _, _| true)).unwrap();
     assert!((search.value() - 5.592044069e-2).abs() < 1e-11);
     let (bounds, scales) = (search.bounds(), search.scales());
-    let limits = nelder_mead::Limits {
+    let limits = nelder_mead::NelderMeadLimits {
         x_tolerance: 1e-4,
         value_tolerance: 1e-4,
         evaluations: 1000,
     };
-    let simplex = nelder_mead::minimise(&mut search, &start, &bounds, limits);
-    let mut search = Search::new(&family, Box::new(|_, _, _| true)).unwrap();
-    let limits = bfgs::Limits {
+    let simplex = nelder_mead::minimise_nelder_mead(&mut search, &start, &bounds, limits);
+    let mut search = StudySearch::new(&family, Box::new(|_, _, _| true)).unwrap();
+    let limits = bfgs::BfgsLimits {
         gradient_tolerance: 1e-9,
         iterations: 200,
         first_step: 0.05,
     };
-    let newton = bfgs::minimise(&mut search, &start, &scales, &bounds, limits);
+    let newton = bfgs::minimise_bfgs(&mut search, &start, &scales, &bounds, limits);
     println!("simplex {simplex:?}\nbfgs {newton:?}");
     for found in [&simplex, &newton] {
         assert!((found.value - 6.50998e-5).abs() < 5e-10, "{found:?}");
@@ -121,8 +122,8 @@ fn the_slope_is_optimised_by_simplex_and_by_gradients() {
 /// Surfaces of contacts, derivatives by inputs, and angles as variables: exact gradients against differences.
 #[test]
 fn gradients_of_a_contact_agree_with_differences() {
-    let source = builtin::find("torus-torus").unwrap();
-    let family = Family::load(&source, &Overrides::default(), &[]).unwrap();
+    let source = builtin::find_builtin("torus-torus").unwrap();
+    let family = ParametricMechanism::load(&source, &Overrides::default(), &[]).unwrap();
     let mut evaluator = Evaluator::new(&family);
     let stand = evaluator.nominal(family.nominal().unwrap().poses);
     let exact = evaluator.gradients(&stand).unwrap();
@@ -151,11 +152,11 @@ fn gradients_of_a_contact_agree_with_differences() {
 /// The paper's parameters are far from the least largest deviation; a few linear programmes show it.
 #[test]
 fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
-    use mechanim::analysis::study::optimum::{Method, optimise, verify};
-    let source = builtin::find("torus-torus").unwrap();
-    let family = Family::load(&source, &Overrides::default(), &[]).unwrap();
+    use mechanim::analysis::study::optimum::{Method, find_optimum, verify_optimum};
+    let source = builtin::find_builtin("torus-torus").unwrap();
+    let family = ParametricMechanism::load(&source, &Overrides::default(), &[]).unwrap();
     let method = Method::Minimax { tolerance: 1e-9 };
-    let found = optimise(&family, method, 12, Box::new(|_, _, _| true)).unwrap();
+    let found = find_optimum(&family, method, 12, Box::new(|_, _, _| true)).unwrap();
     assert!((found.first_value - 0.00903136).abs() < 1e-7);
     assert!(found.minimum.value < 0.004, "{found:?}");
     let units = |k: usize| {
@@ -169,7 +170,7 @@ fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
             (family.study.variables[k].name.clone(), format!("{value:?}"))
         })
         .collect();
-    let again = verify(&source, &Overrides::default(), parameters, &[]).unwrap();
+    let again = verify_optimum(&source, &Overrides::default(), parameters, &[]).unwrap();
     assert_eq!(again.unproved, 0);
     assert!((again.measures[0] - found.minimum.value).abs() < 1e-9);
     assert!(again.measures[2].to_degrees() <= 60.0 + 1e-3);
@@ -179,11 +180,13 @@ fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
 /// a millimetre.
 #[test]
 fn small_tolerances_scatter_as_the_linear_rule_says() {
-    use mechanim::analysis::tolerance::{Batch, Distribution, linear, pieces};
+    use mechanim::analysis::tolerance::{
+        Distribution, SampleBatch, linear_tolerance, sample_pieces,
+    };
     use std::sync::atomic::AtomicBool;
-    let source = builtin::find("gearshift-optimised").unwrap();
+    let source = builtin::find_builtin("gearshift-optimised").unwrap();
     let vary = DIMENSIONS.map(str::to_owned);
-    let family = Family::load(&source, &Overrides::default(), &vary).unwrap();
+    let family = ParametricMechanism::load(&source, &Overrides::default(), &vary).unwrap();
     let mut evaluator = Evaluator::new(&family);
     let stand = evaluator.nominal(family.nominal().unwrap().poses);
     let gradients = evaluator.gradients(&stand).unwrap();
@@ -195,9 +198,9 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
         distribution: Distribution::Uniform,
         threads: 2,
     };
-    let rule = linear(&gradients, &tolerances, batch.distribution);
+    let rule = linear_tolerance(&gradients, &tolerances, batch.distribution);
     let never = AtomicBool::new(false);
-    let made = pieces(&family, &stand, &tolerances, batch, &never, &|_| {});
+    let made = sample_pieces(&family, &stand, &tolerances, batch, &never, &|_| {});
     assert_eq!((made.made, made.failed), (3000, 0));
     let of = |name: &str| {
         let measures = &family.measures.list;
@@ -214,7 +217,7 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
     }
     // An interrupt keeps what was made, as a beginning of the whole.
     let raised = AtomicBool::new(true);
-    let none = pieces(&family, &stand, &tolerances, batch, &raised, &|_| {});
+    let none = sample_pieces(&family, &stand, &tolerances, batch, &raised, &|_| {});
     assert_eq!((none.made, none.failed, none.values.len()), (0, 0, 0));
 }
 
@@ -234,8 +237,8 @@ fn a_motion_that_breaks_between_the_samples_is_torn() {
         name: "four-bar".to_owned(),
         text: text.to_owned(),
     };
-    let family =
-        Family::load(&source, &Overrides::default(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let family = ParametricMechanism::load(&source, &Overrides::default(), &[])
+        .unwrap_or_else(|e| panic!("{e}"));
     let mut evaluator = Evaluator::new(&family);
     let stand = evaluator.nominal(family.nominal().unwrap().poses);
     assert_eq!(evaluator.whole(&stand), Ok(()));
@@ -256,8 +259,12 @@ fn a_motion_that_breaks_between_the_samples_is_torn() {
 #[test]
 fn a_motion_through_locked_angles_is_whole() {
     for name in ["sphere-sphere", "sphere-torus", "torus-torus"] {
-        let family =
-            Family::load(&builtin::find(name).unwrap(), &Overrides::default(), &[]).unwrap();
+        let family = ParametricMechanism::load(
+            &builtin::find_builtin(name).unwrap(),
+            &Overrides::default(),
+            &[],
+        )
+        .unwrap();
         let mut evaluator = Evaluator::new(&family);
         let stand = evaluator.nominal(family.nominal().unwrap().poses);
         assert_eq!(evaluator.whole(&stand), Ok(()), "{name}");

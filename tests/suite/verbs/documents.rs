@@ -63,7 +63,7 @@ fn the_scene_of_the_readme_works() {
         name: "README".into(),
         text: text.into(),
     };
-    let scene = mechanim::scene::load(&source, &Default::default())
+    let scene = mechanim::scene::load_scene(&source, &Default::default())
         .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     let trajectory = solve(&scene, &[0.0, 1.0]).unwrap();
     assert_eq!(trajectory.missing(), 0);

@@ -7,8 +7,8 @@
 use crate::program;
 use crate::program::{Workspace, finish, seconds_of_children};
 use mechanim::diag::Source;
-use mechanim::import::Film;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::import::FilmReader;
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::snapshot::Manifest;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -178,7 +178,7 @@ fn scene_seeds() -> Vec<Vec<u8>> {
 fn read_scene(bytes: &[u8]) -> Option<Scene> {
     let text = String::from_utf8_lossy(bytes).into_owned();
     let name = "mutated".to_owned();
-    load(&Source { name, text }, &Overrides::default()).ok()
+    load_scene(&Source { name, text }, &Overrides::default()).ok()
 }
 
 #[test]
@@ -262,7 +262,7 @@ fn pictures_are_read_or_refused() {
         asked("MECHANIM_MUTATIONS", 4000) / 8,
         |bytes| {
             let path = w.write("mutated", bytes);
-            if let Ok(film) = Film::open(&path) {
+            if let Ok(film) = FilmReader::open(&path) {
                 film.take(50).take_while(Result::is_ok).for_each(drop);
             }
         },
@@ -286,8 +286,11 @@ fn tables_are_read_or_refused() {
         |bytes| {
             let path = w.write("t.csv", bytes);
             let mut actuation = scene.actuation.clone();
-            let read =
-                mechanim::cli::open::inputs_table::apply(&scene.mechanism, &mut actuation, &path);
+            let read = mechanim::cli::open::inputs_table::apply_inputs(
+                &scene.mechanism,
+                &mut actuation,
+                &path,
+            );
             assert!(read.is_err() || actuation.duration > 0.0);
         },
     );

@@ -1,6 +1,6 @@
 //! The schemas for editors: committed ones are those that the program prints, scenes fit them, faulty ones do not.
 
-use mechanim::report::schema::schema;
+use mechanim::report::schema::keys_schema;
 use mechanim::scene::keys::Keys;
 use mechanim::scene::keys::tables::SCENE;
 use mechanim::snapshot::keys::LIST;
@@ -155,7 +155,7 @@ fn committed_schemas_are_those_of_the_program() {
 
 #[test]
 fn all_scenes_fit_the_schema() {
-    let schema = schema(&SCENE, "Scene");
+    let schema = keys_schema(&SCENE, "Scene");
     let mut seen = 0;
     for folder in ["scenes", "tests/hard"] {
         for path in files(folder) {
@@ -167,14 +167,14 @@ fn all_scenes_fit_the_schema() {
     }
     assert!(seen > 30, "{seen}");
     let goldens = read(&root().join("tests/golden/snapshots.toml")).expect("a list");
-    let list = mechanim::report::schema::schema(&LIST, "List");
+    let list = mechanim::report::schema::keys_schema(&LIST, "List");
     assert_eq!(faults(&list, &list, &goldens, ""), Vec::<String>::new());
 }
 
 /// A scene that the schema refuses is refused by the reader, too; and planted faults are refused by both.
 #[test]
 fn what_the_schema_refuses_the_reader_refuses() {
-    let schema = schema(&SCENE, "Scene");
+    let schema = keys_schema(&SCENE, "Scene");
     let mut refused = 0;
     for path in files("tests/bad") {
         let Some(scene) = read(&path) else { continue };

@@ -5,20 +5,20 @@
 
 use super::product::Product;
 use crate::math::Pose;
-use crate::model::chain::{Motion, Step};
+use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::expression::Affine;
 use crate::model::fixed::FixedPose;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{DECIMAL, LONG_STEP, SIN_COS, U};
-use crate::numbers::sin_cos::{Factor, sin_cos};
+use crate::numbers::sin_cos::{SinCosFactor, sin_cos};
 use glam::{DMat3, DVec3};
 
 /// An argument's value and how far the numbers it was made from leave it open.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ArgumentDouble {
-    value: Factor,
-    sin: Factor,
-    cos: Factor,
+    value: SinCosFactor,
+    sin: SinCosFactor,
+    cos: SinCosFactor,
     /// As a length: scene's unit.
     pub open_length: f64,
     /// As an angle, sine and cosine included: radians.
@@ -31,7 +31,7 @@ impl ArgumentDouble {
         let (value, open_length) = affine_value(form, coordinates, rests);
         let (sin, cos) = sin_cos(value);
         Self {
-            value: Factor::short(value),
+            value: SinCosFactor::short(value),
             sin,
             cos,
             open_length,
@@ -58,9 +58,9 @@ pub fn affine_value(form: &Affine, coordinates: &[f64], rests: &[f64]) -> (Doubl
 /// A joint as it is passed on the way, and the fixed pose before it.
 #[derive(Clone, Debug)]
 struct PlannedJoint {
-    shift: [Option<Factor>; 3],
+    shift: [Option<SinCosFactor>; 3],
     turn: Option<DMat3>,
-    motion: Motion,
+    motion: ElementaryMotion,
     axis: usize,
     argument: usize,
     sign: f64,
@@ -87,7 +87,7 @@ pub struct LoopPlan {
 
 impl LoopPlan {
     /// Lays out a chain whose arguments are renamed by `place`.
-    pub fn new(steps: &[Step], place: impl Fn(usize) -> usize) -> Self {
+    pub fn new(steps: &[ChainStep], place: impl Fn(usize) -> usize) -> Self {
         let mut plan = Self {
             steps: steps.len(),
             ..Self::default()
@@ -95,8 +95,8 @@ impl LoopPlan {
         let mut fixed: Option<FixedPose> = None;
         for step in steps {
             match *step {
-                Step::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
-                Step::Joint {
+                ChainStep::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
+                ChainStep::Joint {
                     motion,
                     axis,
                     argument,
@@ -140,11 +140,11 @@ impl LoopPlan {
                 self.angle_before = angle;
             }
         }
-        let part = |v: f64| (v != 0.0).then(|| Factor::short(DoubleDouble::from(v)));
+        let part = |v: f64| (v != 0.0).then(|| SinCosFactor::short(DoubleDouble::from(v)));
         PlannedJoint {
             shift: pose.translation.to_array().map(part),
             turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
-            motion: Motion::Translation,
+            motion: ElementaryMotion::Translation,
             axis: 0,
             argument: 0,
             sign: 1.0,
@@ -157,9 +157,9 @@ impl LoopPlan {
 
 /// A joint at the pose.
 #[derive(Clone, Copy, Debug)]
-pub struct Joint {
+pub struct PoseJoint {
     /// Kind of motion.
-    pub motion: Motion,
+    pub motion: ElementaryMotion,
     /// Place of its argument.
     pub argument: usize,
     axis: DVec3,
@@ -178,7 +178,7 @@ pub struct LoopAtPose {
     /// Trace of the rotation.
     pub trace: f64,
     /// Joints in order.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<PoseJoint>,
     spin_to_skew: DMat3,
     translation: DVec3,
     size: f64,
@@ -242,7 +242,7 @@ impl LoopAtPose {
         self.joints.clear();
         for joint in &plan.joints {
             pass_fixed(&mut product, joint);
-            self.joints.push(Joint {
+            self.joints.push(PoseJoint {
                 motion: joint.motion,
                 argument: joint.argument,
                 axis: product.rotation[joint.axis].leading() * joint.sign,
@@ -251,10 +251,10 @@ impl LoopAtPose {
             });
             let argument = &arguments[joint.argument];
             match joint.motion {
-                Motion::Translation => {
+                ElementaryMotion::Translation => {
                     product.shift(joint.axis, &argument.value.signed(joint.sign));
                 }
-                Motion::Rotation => {
+                ElementaryMotion::Rotation => {
                     product.rotate(joint.axis, &argument.sin.signed(joint.sign), &argument.cos);
                 }
             }
@@ -283,7 +283,7 @@ impl LoopAtPose {
             add(planned.open_behind, reach);
             reach += planned.length_behind / size;
             joint.reach = reach * (1.0 + 1e-12);
-            if joint.motion == Motion::Translation {
+            if joint.motion == ElementaryMotion::Translation {
                 let length = arguments[joint.argument].value.whole.abs() + play(joint.argument);
                 reach += length / size;
             }
@@ -320,18 +320,18 @@ impl LoopAtPose {
             let argument = &arguments[joint.argument];
             let value = unit(argument.open_length > 0.0, argument.value.whole.abs());
             match joint.motion {
-                Motion::Rotation => add([value, 0.0], joint.reach),
-                Motion::Translation => add([0.0, value], 0.0),
+                ElementaryMotion::Rotation => add([value, 0.0], joint.reach),
+                ElementaryMotion::Translation => add([0.0, value], 0.0),
             }
         }
         sums
     }
 
     /// Derivative of the six residuals by the joint's own motion.
-    pub fn column(&self, joint: &Joint) -> [f64; 6] {
+    pub fn column(&self, joint: &PoseJoint) -> [f64; 6] {
         let (turn, shift) = match joint.motion {
-            Motion::Translation => (DVec3::ZERO, joint.axis),
-            Motion::Rotation => (
+            ElementaryMotion::Translation => (DVec3::ZERO, joint.axis),
+            ElementaryMotion::Rotation => (
                 self.spin_to_skew * joint.axis,
                 joint.axis.cross(self.translation - joint.origin),
             ),
@@ -346,11 +346,11 @@ impl LoopAtPose {
         for joint in &self.joints {
             let alpha = rate(joint.argument);
             match joint.motion {
-                Motion::Rotation => {
+                ElementaryMotion::Rotation => {
                     translation += joint.reach * alpha * (alpha + 2.0 * turned);
                     turned += alpha;
                 }
-                Motion::Translation => translation += 2.0 * turned * alpha / self.size,
+                ElementaryMotion::Translation => translation += 2.0 * turned * alpha / self.size,
             }
         }
         [turned * turned, translation]
@@ -363,11 +363,11 @@ impl LoopAtPose {
         for joint in &self.joints {
             let alpha = rate(joint.argument);
             match joint.motion {
-                Motion::Rotation => {
+                ElementaryMotion::Rotation => {
                     bounds[0] += alpha;
                     bounds[1] += alpha * joint.reach;
                 }
-                Motion::Translation => bounds[1] += alpha / self.size,
+                ElementaryMotion::Translation => bounds[1] += alpha / self.size,
             }
         }
         bounds

@@ -1,19 +1,19 @@
 //! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
 
-use super::lane_rows::{add_part, add_sizes, part, put};
+use super::lane_rows::{add_part, add_sizes, put_groups, row_part};
 use super::system::BlockSystem;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::certificate::rows::LARGEST_GAP;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
-use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, groups};
+use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, lane_groups};
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::numbers::rounding::U;
 use wide::f64x4;
 
 /// What is proved of the unknowns of earlier blocks, in radians and sizes.
 #[derive(Clone, Debug, Default)]
-pub struct Earlier {
+pub struct EarlierPose {
     /// Newton step: the exact unknown is nearer to the pose less this step than to the pose itself.
     pub step: Vec<f64>,
     /// How near.
@@ -24,7 +24,7 @@ pub struct Earlier {
     pub closes_to: f64,
 }
 
-impl Earlier {
+impl EarlierPose {
     /// Forgets all.
     pub fn reset(&mut self, unknowns: usize) {
         for list in [&mut self.step, &mut self.rest] {
@@ -48,7 +48,7 @@ const GROW: f64 = 1.0 + 1e-12;
 
 /// Numbers of all unknowns and redundant rows, or of all rows, in whole groups.
 #[derive(Clone, Debug, Default)]
-struct Constants {
+struct PoseConstants {
     /// The Newton step; of rows the residual at the earlier blocks' Newton steps.
     newton: Vec<Lanes>,
     /// The part of eta that is not the step.
@@ -57,18 +57,18 @@ struct Constants {
     k: Vec<Lanes>,
 }
 
-impl Constants {
+impl PoseConstants {
     fn reset(&mut self, count: usize) {
         for list in [&mut self.newton, &mut self.rest, &mut self.q, &mut self.k] {
             list.clear();
-            list.resize(groups(count), [0.0; 4]);
+            list.resize(lane_groups(count), [0.0; 4]);
         }
     }
 }
 
 /// What a form changes by.
 #[derive(Clone, Copy, Debug)]
-struct Change {
+struct JacobianChange {
     /// Less the Newton steps of earlier blocks.
     step: f64,
     /// Largest change within what is known of it.
@@ -115,9 +115,9 @@ pub struct Kantorovich {
     /// Of a large block: rows and values of each form's derivatives that are not zero.
     entries: Vec<Vec<(usize, f64)>>,
     /// Residuals and weights of the rows: residual, and weights for the rest of eta, for q, for K.
-    rows: Constants,
-    unknowns: Constants,
-    changes: Vec<Change>,
+    rows: PoseConstants,
+    unknowns: PoseConstants,
+    changes: Vec<JacobianChange>,
     /// R times the Jacobian less the identity, column by column.
     identity: LaneMatrix,
     /// R times the derivative by unknowns of earlier blocks.
@@ -135,7 +135,7 @@ impl Kantorovich {
         system: &BlockSystem,
         basis: &[usize],
         inverse: Option<&LaneMatrix>,
-        earlier: &mut Earlier,
+        earlier: &mut EarlierPose,
     ) -> Result<(f64, f64), Reason> {
         let (n, all) = (basis.len(), system.rows.len());
         if all == 0 {
@@ -154,13 +154,13 @@ impl Kantorovich {
         self.list_entries(system.forms.len());
         self.weigh(system, earlier);
         self.bound_unknowns(n, system, earlier);
-        let Constants { newton, rest, q, k } = &self.unknowns;
+        let PoseConstants { newton, rest, q, k } = &self.unknowns;
         let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..all]);
         let (mut eta, mut most_q, mut most_k) = (0.0, 0.0, 0.0);
         for i in 0..n {
-            eta = worse(eta, (newton[i].abs() + rest[i] * GROW) * GROW);
-            most_q = worse(most_q, q[i] * GROW);
-            most_k = worse(most_k, k[i] * GROW);
+            eta = larger_or_nan(eta, (newton[i].abs() + rest[i] * GROW) * GROW);
+            most_q = larger_or_nan(most_q, q[i] * GROW);
+            most_k = larger_or_nan(most_k, k[i] * GROW);
         }
         let discriminant = (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
         if !(most_q < 1.0 && discriminant > 0.0) {
@@ -274,12 +274,12 @@ impl Kantorovich {
     }
 
     /// Residuals and weights of the rows.
-    fn weigh(&mut self, system: &BlockSystem, earlier: &Earlier) {
+    fn weigh(&mut self, system: &BlockSystem, earlier: &EarlierPose) {
         let n = self.order.len();
         self.rows.reset(n);
         self.changes.clear();
         for (form, open) in system.forms.iter().zip(&system.open) {
-            let mut change = Change {
+            let mut change = JacobianChange {
                 step: 0.0,
                 drift: *open,
                 own_rate: form.own_rate,
@@ -292,10 +292,10 @@ impl Kantorovich {
             }
             self.changes.push(change);
         }
-        in_blocks!(groups(n), |G, first| self.sum_forms::<G>(first));
+        in_blocks!(lane_groups(n), |G, first| self.sum_forms::<G>(first));
         let drift = earlier.largest;
         let sums = (2 * n + system.forms.len() + 8) as f64 * U;
-        let Constants { newton, rest, q, k } = &mut self.rows;
+        let PoseConstants { newton, rest, q, k } = &mut self.rows;
         let [residuals, rests, qs, ks] = [newton, rest, q, k].map(|l| l.as_flattened_mut());
         for (i, index) in self.order.iter().enumerate() {
             let row = &system.rows[*index];
@@ -316,7 +316,7 @@ impl Kantorovich {
     fn sum_forms<const G: usize>(&mut self, first: usize) {
         let mut sums = [[f64x4::ZERO; G]; 3];
         for (change, column) in self.changes.iter().zip(self.columns.rows()) {
-            let column = part::<G>(column, first);
+            let column = row_part::<G>(column, first);
             for g in 0..G {
                 let size = column[g].abs();
                 sums[0][g] += column[g] * f64x4::splat(change.step);
@@ -325,13 +325,13 @@ impl Kantorovich {
             }
         }
         let rows = &mut self.rows;
-        put(&mut rows.newton, first, sums[0]);
-        put(&mut rows.rest, first, sums[1]);
-        put(&mut rows.q, first, sums[2]);
+        put_groups(&mut rows.newton, first, sums[0]);
+        put_groups(&mut rows.rest, first, sums[1]);
+        put_groups(&mut rows.q, first, sums[2]);
     }
 
     /// Constants of the `n` unknowns and of the redundant rows behind them, before they are grown.
-    fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &Earlier) {
+    fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &EarlierPose) {
         let all = self.order.len();
         self.unknowns.reset(all);
         self.identity.reset(n, all);
@@ -339,7 +339,7 @@ impl Kantorovich {
             *self.identity.at_mut(i, i) = -1.0;
         }
         self.before.reset(system.before.len(), all);
-        in_blocks!(groups(all), |G, first| self
+        in_blocks!(lane_groups(all), |G, first| self
             .bound_some::<G>(n, first, system, earlier));
     }
 
@@ -350,14 +350,14 @@ impl Kantorovich {
         n: usize,
         first: usize,
         system: &BlockSystem,
-        earlier: &Earlier,
+        earlier: &EarlierPose,
     ) {
         let (rows, all) = (&self.rows, self.order.len());
         let weights = [&rows.newton, &rows.rest, &rows.q, &rows.k];
         let weights = weights.map(|l| &l.as_flattened()[..all]);
         let [mut newton, mut rest, mut q, mut k] = [[f64x4::ZERO; G]; 4];
         for (i, row) in self.inverse.rows().enumerate().take(all) {
-            let row = part::<G>(row, first);
+            let row = row_part::<G>(row, first);
             let [residual, for_rest, for_q, for_k] = weights.map(|list| f64x4::splat(list[i]));
             for g in 0..G {
                 let size = row[g].abs();
@@ -373,7 +373,7 @@ impl Kantorovich {
             let rows = if n == all { form.rows.clone() } else { 0..all };
             let mut product = [f64x4::ZERO; G];
             let mut add = |row: &[Lanes], value: f64| {
-                let row = part::<G>(row, first);
+                let row = row_part::<G>(row, first);
                 for g in 0..G {
                     product[g] += row[g] * f64x4::splat(value);
                 }
@@ -399,19 +399,19 @@ impl Kantorovich {
             }
         }
         for (rates, slot) in self.before.rows().zip(&system.before) {
-            add_sizes(&mut rest, &part::<G>(rates, first), earlier.rest[*slot]);
+            add_sizes(&mut rest, &row_part::<G>(rates, first), earlier.rest[*slot]);
         }
         for column in self.identity.rows() {
-            add_sizes(&mut q, &part::<G>(column, first), 1.0);
+            add_sizes(&mut q, &row_part::<G>(column, first), 1.0);
         }
-        put(&mut self.unknowns.newton, first, newton);
-        put(&mut self.unknowns.rest, first, rest);
-        put(&mut self.unknowns.q, first, q);
-        put(&mut self.unknowns.k, first, k);
+        put_groups(&mut self.unknowns.newton, first, newton);
+        put_groups(&mut self.unknowns.rest, first, rest);
+        put_groups(&mut self.unknowns.q, first, q);
+        put_groups(&mut self.unknowns.k, first, k);
     }
 }
 
 /// Maximum; NaN propagates.
-fn worse(a: f64, b: f64) -> f64 {
+fn larger_or_nan(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
 }

@@ -5,7 +5,7 @@ use wide::f64x4;
 
 /// `G` groups of a row.
 #[inline(always)]
-pub(super) fn part<const G: usize>(row: &[Lanes], first: usize) -> [f64x4; G] {
+pub(super) fn row_part<const G: usize>(row: &[Lanes], first: usize) -> [f64x4; G] {
     let mut groups = [f64x4::ZERO; G];
     for (group, lanes) in groups.iter_mut().zip(&row[first..first + G]) {
         *group = f64x4::new(*lanes);
@@ -15,7 +15,7 @@ pub(super) fn part<const G: usize>(row: &[Lanes], first: usize) -> [f64x4; G] {
 
 /// Puts groups back into a row.
 #[inline(always)]
-pub(super) fn put<const G: usize>(row: &mut [Lanes], first: usize, groups: [f64x4; G]) {
+pub(super) fn put_groups<const G: usize>(row: &mut [Lanes], first: usize, groups: [f64x4; G]) {
     for (lanes, group) in row[first..first + G].iter_mut().zip(groups) {
         *lanes = group.to_array();
     }

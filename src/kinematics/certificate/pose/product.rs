@@ -5,13 +5,13 @@
 //! 2^-75 (3e-23) after a step.
 
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::sin_cos::{Factor, GRID};
+use crate::numbers::sin_cos::{GRID, SinCosFactor};
 use glam::{DMat3, DVec3};
 use wide::f64x4;
 
 /// Entries of a rotation's column; the fourth lane is not used.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Column {
+pub struct ProductColumn {
     upper: f64x4,
     lower: f64x4,
 }
@@ -25,7 +25,7 @@ struct Splat {
 
 impl Splat {
     #[inline(always)]
-    fn of(factor: &Factor) -> Self {
+    fn of(factor: &SinCosFactor) -> Self {
         Self {
             upper: f64x4::splat(factor.upper),
             lower: f64x4::splat(factor.lower),
@@ -34,7 +34,7 @@ impl Splat {
     }
 }
 
-impl Column {
+impl ProductColumn {
     fn unit(axis: usize) -> Self {
         let mut upper = [0.0; 4];
         upper[axis] = 1.0;
@@ -110,7 +110,7 @@ impl DoubleVector {
 #[derive(Clone, Copy, Debug)]
 pub struct Product {
     /// Columns of the rotation.
-    pub rotation: [Column; 3],
+    pub rotation: [ProductColumn; 3],
     /// Origin.
     pub translation: DoubleVector,
 }
@@ -119,34 +119,34 @@ impl Product {
     /// Where every walk begins.
     pub fn identity() -> Self {
         Self {
-            rotation: [0, 1, 2].map(Column::unit),
+            rotation: [0, 1, 2].map(ProductColumn::unit),
             translation: DoubleVector::default(),
         }
     }
 
     /// Moves along the frame's own axis by a [short](Factor::short) factor.
     #[inline]
-    pub fn shift(&mut self, axis: usize, by: &Factor) {
+    pub fn shift(&mut self, axis: usize, by: &SinCosFactor) {
         self.translation
             .add(self.rotation[axis].times(&Splat::of(by)));
     }
 
     /// Turns about the frame's own axis; sine and cosine are on the grid.
     #[inline]
-    pub fn rotate(&mut self, axis: usize, sin: &Factor, cos: &Factor) {
+    pub fn rotate(&mut self, axis: usize, sin: &SinCosFactor, cos: &SinCosFactor) {
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
         let (x, y) = (self.rotation[b], self.rotation[c]);
         let (sin, cos) = (Splat::of(sin), Splat::of(cos));
         let (x_sin, y_sin) = (x.times(&sin), y.times(&sin));
         let (x_cos, y_cos) = (x.times(&cos), y.times(&cos));
-        self.rotation[b] = Column::new(x_cos.0 + y_sin.0, x_cos.1 + y_sin.1);
-        self.rotation[c] = Column::new(y_cos.0 - x_sin.0, y_cos.1 - x_sin.1);
+        self.rotation[b] = ProductColumn::new(x_cos.0 + y_sin.0, x_cos.1 + y_sin.1);
+        self.rotation[c] = ProductColumn::new(y_cos.0 - x_sin.0, y_cos.1 - x_sin.1);
     }
 
     /// Turns by a fixed rotation.
     pub fn turn(&mut self, by: &DMat3) {
         let old = self.rotation;
-        let factor = |v: f64| Splat::of(&Factor::on_grid(DoubleDouble::from(v)));
+        let factor = |v: f64| Splat::of(&SinCosFactor::on_grid(DoubleDouble::from(v)));
         for (j, column) in self.rotation.iter_mut().enumerate() {
             let m = by.col(j);
             let [x, y, z] = [
@@ -154,7 +154,7 @@ impl Product {
                 old[1].times(&factor(m.y)),
                 old[2].times(&factor(m.z)),
             ];
-            *column = Column::new(x.0 + y.0 + z.0, x.1 + y.1 + z.1);
+            *column = ProductColumn::new(x.0 + y.0 + z.0, x.1 + y.1 + z.1);
         }
     }
 }
@@ -174,7 +174,7 @@ mod tests {
         let pass = |product: &mut Product, (axis, value): (usize, f64), back: bool| {
             let sign = if back { -1.0 } else { 1.0 };
             let (sin, cos) = sin_cos(DoubleDouble::from(value));
-            let length = Factor::short(DoubleDouble::from(sign * 0.1 * value));
+            let length = SinCosFactor::short(DoubleDouble::from(sign * 0.1 * value));
             if back {
                 product.shift((axis + 1) % 3, &length);
             }
@@ -207,8 +207,8 @@ mod tests {
             DoubleDouble::ordered(hi, ((a - back.hi) - back.lo) / 5.0)
         };
         let (sin, cos) = (
-            Factor::on_grid(quotient(4.0)),
-            Factor::on_grid(quotient(3.0)),
+            SinCosFactor::on_grid(quotient(4.0)),
+            SinCosFactor::on_grid(quotient(3.0)),
         );
         let mut product = Product::identity();
         let (mut re, mut im, mut scale) = (1_i64, 0_i64, 1_i64);

@@ -1,7 +1,7 @@
 //! The blocks of a mechanism, proved at a pose one after the other, where all arguments and equations are affine forms.
 
 use super::chain::ArgumentDouble;
-use super::kantorovich::{Earlier, Kantorovich};
+use super::kantorovich::{EarlierPose, Kantorovich};
 use super::system::BlockSystem;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::Corrector;
@@ -19,7 +19,7 @@ pub struct PoseProver<'m> {
     kantorovich: Kantorovich,
     arguments: Vec<ArgumentDouble>,
     /// What is proved of the unknowns at the last pose.
-    pub earlier: Earlier,
+    pub earlier: EarlierPose,
 }
 
 impl<'m> PoseProver<'m> {
@@ -38,7 +38,7 @@ impl<'m> PoseProver<'m> {
             forms,
             kantorovich: Kantorovich::default(),
             arguments: Vec::new(),
-            earlier: Earlier::default(),
+            earlier: EarlierPose::default(),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::LaneMatrix;
-use crate::model::chain::Motion;
+use crate::model::chain::ElementaryMotion;
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
 use crate::numbers::rounding::{DECIMAL, U};
@@ -25,7 +25,7 @@ const LEAST_TRACE: f64 = 1e-6;
 
 /// One row of the block, without its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Row {
+pub struct ProvedRow {
     /// At the pose.
     pub residual: f64,
     /// Absolute error of the residual.
@@ -102,7 +102,7 @@ pub struct BlockSystem {
     equations: Vec<EquationRow>,
     first_equation: usize,
     /// At the last pose.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ProvedRow>,
     /// Derivative of every row by every form, one form after the other.
     pub columns: LaneMatrix,
     /// How far each form is open, as what it is used for.
@@ -144,7 +144,7 @@ impl BlockSystem {
             system.equations.push(EquationRow { affine, scale });
         }
         system.note_rows();
-        system.rows = vec![Row::default(); rows.count];
+        system.rows = vec![ProvedRow::default(); rows.count];
         system.open = vec![0.0; system.forms.len()];
         system
     }
@@ -255,8 +255,8 @@ impl BlockSystem {
         for joint in &item.joints {
             let argument = &self.arguments[joint.argument];
             let open = match joint.motion {
-                Motion::Rotation => argument.open_angle,
-                Motion::Translation => argument.open_length,
+                ElementaryMotion::Rotation => argument.open_angle,
+                ElementaryMotion::Translation => argument.open_length,
             };
             self.open[joint.argument] = self.open[joint.argument].max(open);
         }
@@ -270,7 +270,7 @@ impl BlockSystem {
             let farthest = if kind == 0 { 1.0 } else { reach };
             // The columns carry rounding, and belong to arguments that are open by `open`.
             let slack = COLUMN_ROUNDING + open[0];
-            self.rows[row] = Row {
+            self.rows[row] = ProvedRow {
                 residual: item.residual[component],
                 open: item.open[kind] + open[0] * open[0] * farthest + open[0] * open[1],
                 second: own[kind],
@@ -297,7 +297,7 @@ impl BlockSystem {
             let (value, open) = affine_value(&equation.affine, coordinates, rests);
             let residual = value.hi * scale;
             *self.columns.at_mut(first + k, row + k) = scale;
-            self.rows[row + k] = Row {
+            self.rows[row + k] = ProvedRow {
                 residual,
                 open: (open + value.lo.abs()) * scale + 4.0 * U * residual.abs(),
                 second: 0.0,

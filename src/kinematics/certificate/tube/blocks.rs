@@ -1,11 +1,11 @@
 //! The blocks of a mechanism, proved along a path one after the other.
 
-use super::constants::Earlier;
+use super::constants::EarlierTube;
 use super::form::Form;
-use super::path::Path;
+use super::path::TubePath;
 use super::proof;
 use super::proof::Workspace;
-use super::rows::Layout;
+use super::rows::TubeLayout;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
 
@@ -13,7 +13,7 @@ use crate::kinematics::structure::system::System;
 #[derive(Clone, Debug)]
 pub(super) struct Blocks<'m> {
     pub(super) forms: Vec<Form>,
-    pub(super) layouts: Vec<Layout<'m>>,
+    pub(super) layouts: Vec<TubeLayout<'m>>,
     pub(super) unknowns: usize,
     pub(super) work: Workspace,
 }
@@ -26,7 +26,7 @@ impl<'m> Blocks<'m> {
         let blocks = structure.blocks.iter();
         Self {
             layouts: blocks
-                .map(|block| Layout::new(system, &forms, block))
+                .map(|block| TubeLayout::new(system, &forms, block))
                 .collect(),
             forms,
             unknowns: mechanism.unknowns.len(),
@@ -38,10 +38,10 @@ impl<'m> Blocks<'m> {
     pub(super) fn prove(
         &mut self,
         bases: &[Vec<usize>],
-        path: &mut Path,
+        path: &mut TubePath,
         may_move: bool,
-    ) -> Result<Earlier, Reason> {
-        let mut proved = Earlier {
+    ) -> Result<EarlierTube, Reason> {
+        let mut proved = EarlierTube {
             rest: vec![0.0; self.unknowns],
             largest: 0.0,
             unique: f64::INFINITY,
@@ -49,7 +49,7 @@ impl<'m> Blocks<'m> {
         };
         let work = &mut self.work;
         for (layout, basis) in self.layouts.iter().zip(bases) {
-            proof::prove(
+            proof::prove_tube(
                 layout,
                 &self.forms,
                 path,

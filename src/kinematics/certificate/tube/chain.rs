@@ -5,16 +5,18 @@
 //! bound for the whole rotation (Frobenius norm) and one for the translation: an elementary rotation is orthogonal,
 //! so that such a bound is handed on from joint to joint and does not grow.
 
-use super::form::Change;
-use super::model::{Model, Polynomial, TERMS, Turn, size, tails, truncated};
-use crate::model::chain::{Motion, Step};
+use super::form::FormChange;
+use super::model::{
+    Polynomial, TERMS, TaylorModel, Turn, polynomial_size, tail_sums, truncated_part,
+};
+use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
-use crate::model::walk::{Carried, walk};
+use crate::model::walk::{Carried, walk_chain};
 use crate::numbers::rounding::{GROW, OPERATION, is_exact};
 use wide::f64x4;
 
 /// A vector as a polynomial in s; the fourth lane is zero.
-type Vector = [f64x4; TERMS];
+type TubeVector = [f64x4; TERMS];
 
 /// Roundings of a sum of all products that meet in one coefficient.
 const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * OPERATION;
@@ -29,12 +31,12 @@ const OPEN_SKEW: f64 = 1.5;
 /// An argument of a joint over the stretch.
 #[derive(Clone, Copy, Debug)]
 pub struct ArgumentModel {
-    value: Model,
+    value: TaylorModel,
     turn: Turn,
 }
 
-impl From<Model> for ArgumentModel {
-    fn from(value: Model) -> Self {
+impl From<TaylorModel> for ArgumentModel {
+    fn from(value: TaylorModel) -> Self {
         let turn = Turn::new(&value);
         Self { value, turn }
     }
@@ -42,12 +44,12 @@ impl From<Model> for ArgumentModel {
 
 /// A joint of the loop.
 #[derive(Clone, Copy, Debug)]
-pub struct Joint {
-    motion: Motion,
+pub struct TubeJoint {
+    motion: ElementaryMotion,
     /// Index of its argument.
     pub argument: usize,
-    axis: Vector,
-    origin: Vector,
+    axis: TubeVector,
+    origin: TubeVector,
     /// Bounds of what axis and origin leave out.
     rests: [f64; 2],
 }
@@ -55,34 +57,34 @@ pub struct Joint {
 /// A loop over the stretch.
 #[derive(Clone, Debug)]
 pub struct LoopModel {
-    rotation: [Vector; 3],
-    translation: Vector,
+    rotation: [TubeVector; 3],
+    translation: TubeVector,
     /// Bounds of what rotation and translation leave out.
     rests: [f64; 2],
     /// Joints in order.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<TubeJoint>,
     size: f64,
 }
 
-const ZERO: Vector = [f64x4::ZERO; TERMS];
+const ZERO: TubeVector = [f64x4::ZERO; TERMS];
 
-fn lanes(v: [f64; 3]) -> f64x4 {
+fn to_lanes(v: [f64; 3]) -> f64x4 {
     f64x4::new([v[0], v[1], v[2], 0.0])
 }
 
 #[inline]
-fn square(v: f64x4) -> f64 {
+fn squared_norm(v: f64x4) -> f64 {
     (v * v).reduce_add()
 }
 
 /// Lengths of the coefficients.
 #[inline]
-fn lengths(v: &Vector) -> Polynomial {
-    std::array::from_fn(|k| square(v[k]).sqrt())
+fn squared_lengths(v: &TubeVector) -> Polynomial {
+    std::array::from_fn(|k| squared_norm(v[k]).sqrt())
 }
 
 #[inline]
-fn add_product(sum: &mut Vector, v: &Vector, factor: &Polynomial) {
+fn add_product(sum: &mut TubeVector, v: &TubeVector, factor: &Polynomial) {
     for j in 0..TERMS {
         let factor = f64x4::splat(factor[j]);
         for k in 0..TERMS - j {
@@ -92,14 +94,14 @@ fn add_product(sum: &mut Vector, v: &Vector, factor: &Polynomial) {
 }
 
 /// Component `k`.
-fn entry(v: &Vector, k: usize) -> Polynomial {
+fn vector_entry(v: &TubeVector, k: usize) -> Polynomial {
     std::array::from_fn(|j| v[j].to_array()[k])
 }
 
 impl LoopModel {
     /// Multiplies the steps. Joints whose argument does not move (`moves`) are left out of `joints`.
     pub fn new(
-        steps: &[Step],
+        steps: &[ChainStep],
         arguments: &[Option<ArgumentModel>],
         moves: impl Fn(usize) -> bool,
         size: f64,
@@ -108,7 +110,7 @@ impl LoopModel {
         for (k, column) in rotation.iter_mut().enumerate() {
             let mut unit = [0.0; 3];
             unit[k] = 1.0;
-            column[0] = lanes(unit);
+            column[0] = to_lanes(unit);
         }
         let mut here = Self {
             rotation,
@@ -118,9 +120,9 @@ impl LoopModel {
             size,
         };
         let mut joints = Vec::with_capacity(steps.len());
-        walk(steps, &mut here, arguments, |here, joint| {
+        walk_chain(steps, &mut here, arguments, |here, joint| {
             if moves(joint.argument) {
-                joints.push(Joint {
+                joints.push(TubeJoint {
                     motion: joint.motion,
                     argument: joint.argument,
                     axis: here.rotation[joint.axis].map(|c| c * f64x4::splat(joint.sign)),
@@ -134,11 +136,11 @@ impl LoopModel {
     }
 
     /// Trace of the rotation.
-    pub fn trace(&self) -> Model {
-        let [x, y, z] = [0, 1, 2].map(|k| entry(&self.rotation[k], k));
+    pub fn trace(&self) -> TaylorModel {
+        let [x, y, z] = [0, 1, 2].map(|k| vector_entry(&self.rotation[k], k));
         let c: Polynomial = std::array::from_fn(|k| x[k] + y[k] + z[k]);
-        Model {
-            rest: 2.0 * self.rests[0] + 4.0 * OPERATION * size(&c) + 4.0 * OPERATION,
+        TaylorModel {
+            rest: 2.0 * self.rests[0] + 4.0 * OPERATION * polynomial_size(&c) + 4.0 * OPERATION,
             c,
         }
     }
@@ -153,65 +155,72 @@ impl LoopModel {
                 if k == 0 {
                     entries[j] -= 1.0;
                 }
-                sum += square(f64x4::new(entries));
+                sum += squared_norm(f64x4::new(entries));
             }
             *turned = sum.sqrt();
         }
-        let moved = size(&lengths(&self.translation));
-        [size(&turned) + self.rests[0], moved + self.rests[1]].map(|v| v * GROW)
+        let moved = polynomial_size(&squared_lengths(&self.translation));
+        [
+            polynomial_size(&turned) + self.rests[0],
+            moved + self.rests[1],
+        ]
+        .map(|v| v * GROW)
     }
 
     /// Entry `component` of the residual.
-    pub fn residual(&self, component: usize) -> Model {
+    pub fn residual(&self, component: usize) -> TaylorModel {
         if component >= 3 {
-            let c = entry(&self.translation, component - 3);
-            return Model {
+            let c = vector_entry(&self.translation, component - 3);
+            return TaylorModel {
                 c,
                 rest: self.rests[1],
             }
             .scaled(1.0 / self.size);
         }
         let (b, c) = ((component + 1) % 3, (component + 2) % 3);
-        let (first, second) = (entry(&self.rotation[b], c), entry(&self.rotation[c], b));
+        let (first, second) = (
+            vector_entry(&self.rotation[b], c),
+            vector_entry(&self.rotation[c], b),
+        );
         let c: Polynomial = std::array::from_fn(|k| 0.5 * (first[k] - second[k]));
-        Model {
-            rest: self.rests[0] * GROW + OPERATION * size(&c),
+        TaylorModel {
+            rest: self.rests[0] * GROW + OPERATION * polynomial_size(&c),
             c,
         }
     }
 
     /// Derivatives of rotation and translation rows by the joint's own motion, all six. `open` is from
     /// [`open`](Self::open).
-    pub fn column(&self, joint: &Joint, open: [f64; 2]) -> [Model; 6] {
+    pub fn column(&self, joint: &TubeJoint, open: [f64; 2]) -> [TaylorModel; 6] {
         let scale = 1.0 / self.size;
         let [axis_rest, origin_rest] = joint.rests;
-        let axis = [0, 1, 2].map(|k| entry(&joint.axis, k));
-        if joint.motion == Motion::Translation {
+        let axis = [0, 1, 2].map(|k| vector_entry(&joint.axis, k));
+        if joint.motion == ElementaryMotion::Translation {
             let moved = axis.map(|c| {
                 let rest = axis_rest;
-                Model { c, rest }.scaled(scale)
+                TaylorModel { c, rest }.scaled(scale)
             });
             return [
-                Model::ZERO,
-                Model::ZERO,
-                Model::ZERO,
+                TaylorModel::ZERO,
+                TaylorModel::ZERO,
+                TaylorModel::ZERO,
                 moved[0],
                 moved[1],
                 moved[2],
             ];
         }
-        let turned = axis.map(|c| Model {
+        let turned = axis.map(|c| TaylorModel {
             c,
             rest: (axis_rest + OPEN_SKEW * open[0]) * GROW,
         });
         // The arm from the joint to the loop's end, which is at the origin but for what the loop is open.
-        let origin = [0, 1, 2].map(|k| entry(&joint.origin, k));
-        let (axes, origins) = (lengths(&joint.axis), lengths(&joint.origin));
-        let (whole, tails) = (size(&axes), tails(&origins));
+        let origin = [0, 1, 2].map(|k| vector_entry(&joint.origin, k));
+        let (axes, origins) = (squared_lengths(&joint.axis), squared_lengths(&joint.origin));
+        let (whole, tails) = (polynomial_size(&axes), tail_sums(&origins));
         let rest = axis_rest * tails[0]
             + origin_rest
             + open[1]
-            + truncated(&axes, &tails)
+            + truncated_part(&axes, &tails)
             + 2.0 * PRODUCTS * whole * tails[0];
         let arm = [0, 1, 2].map(|k| {
             let (b, c) = ((k + 1) % 3, (k + 2) % 3);
@@ -222,7 +231,7 @@ impl LoopModel {
                 }
             }
             let rest = rest * GROW;
-            Model { c: sum, rest }.scaled(scale)
+            TaylorModel { c: sum, rest }.scaled(scale)
         });
         [turned[0], turned[1], turned[2], arm[0], arm[1], arm[2]]
     }
@@ -240,11 +249,13 @@ impl Carried for LoopModel {
         let c = by.c.map(|c| c * sign);
         let column = &self.rotation[axis];
         add_product(&mut self.translation, column, &c);
-        let (lengths, sizes) = (lengths(column), c.map(f64::abs));
-        let (whole, tails) = (size(&lengths), tails(&sizes));
-        let rounding = PRODUCTS * (whole * tails[0] + size(&self::lengths(&self.translation)));
-        self.rests[1] +=
-            (self.rests[0] * tails[0] + by.rest + truncated(&lengths, &tails)) * GROW + rounding;
+        let (lengths, sizes) = (squared_lengths(column), c.map(f64::abs));
+        let (whole, tails) = (polynomial_size(&lengths), tail_sums(&sizes));
+        let rounding = PRODUCTS
+            * (whole * tails[0] + polynomial_size(&self::squared_lengths(&self.translation)));
+        self.rests[1] += (self.rests[0] * tails[0] + by.rest + truncated_part(&lengths, &tails))
+            * GROW
+            + rounding;
     }
 
     fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
@@ -262,30 +273,36 @@ impl Carried for LoopModel {
         add_product(&mut second, &x, &sin.map(|v| -v));
         self.rotation[b] = first;
         self.rotation[c] = second;
-        let pairs: Polynomial = std::array::from_fn(|k| (square(x[k]) + square(y[k])).sqrt());
-        let tails = tails(&by.sizes);
-        let moving = size(&pairs) * tails[0] - pairs[0];
+        let pairs: Polynomial =
+            std::array::from_fn(|k| (squared_norm(x[k]) + squared_norm(y[k])).sqrt());
+        let tails = tail_sums(&by.sizes);
+        let moving = polynomial_size(&pairs) * tails[0] - pairs[0];
         let rounding = 4.0 * OPERATION + PRODUCTS * moving.max(0.0);
         let rest = self.rests[0];
-        self.rests[0] +=
-            ((1.0 + rest) * PAIR * by.rest + truncated(&pairs, &tails)) * GROW + PAIR * rounding;
+        self.rests[0] += ((1.0 + rest) * PAIR * by.rest + truncated_part(&pairs, &tails)) * GROW
+            + PAIR * rounding;
     }
 
     fn fix(&mut self, pose: &FixedPose) {
         let error = pose.error;
         let old = self.rotation;
-        let times = |v: [f64; 3]| -> Vector {
+        let times = |v: [f64; 3]| -> TubeVector {
             let v = v.map(f64x4::splat);
             std::array::from_fn(|k| old[0][k] * v[0] + old[1][k] * v[1] + old[2][k] * v[2])
         };
         let length = pose.translation.length();
-        let sizes: f64 = old.iter().map(|v| size(&lengths(v))).sum();
+        let sizes: f64 = old
+            .iter()
+            .map(|v| polynomial_size(&squared_lengths(v)))
+            .sum();
         if length > 0.0 {
             let moved = times(pose.translation.to_array());
             for (t, m) in self.translation.iter_mut().zip(moved) {
                 *t += m;
             }
-            let rounding = 4.0 * OPERATION * (sizes * length + size(&lengths(&self.translation)));
+            let rounding = 4.0
+                * OPERATION
+                * (sizes * length + polynomial_size(&squared_lengths(&self.translation)));
             self.rests[1] += (self.rests[0] * length + error.translation) * GROW + rounding;
         }
         if pose.rotation != glam::DMat3::IDENTITY {
@@ -302,22 +319,22 @@ impl Carried for LoopModel {
 
 /// How far loops can reach and bend: bounds that hold for every value of the revolute joints.
 pub struct Reaches {
-    joints: Vec<(Motion, usize, f64)>,
+    joints: Vec<(ElementaryMotion, usize, f64)>,
     size: f64,
 }
 
 impl Reaches {
     /// `farthest(a)` bounds the magnitude of argument `a`, where it is a length.
-    pub fn new(steps: &[Step], farthest: impl Fn(usize) -> f64, size: f64) -> Self {
+    pub fn new(steps: &[ChainStep], farthest: impl Fn(usize) -> f64, size: f64) -> Self {
         let (mut joints, mut reach) = (Vec::new(), 0.0);
         for step in steps.iter().rev() {
             match step {
-                Step::Fixed(pose) => reach += pose.translation.length() / size,
-                Step::Joint {
+                ChainStep::Fixed(pose) => reach += pose.translation.length() / size,
+                ChainStep::Joint {
                     motion, argument, ..
                 } => {
                     joints.push((*motion, *argument, reach * (1.0 + 1e-12)));
-                    if *motion == Motion::Translation {
+                    if *motion == ElementaryMotion::Translation {
                         reach += farthest(*argument) / size;
                     }
                 }
@@ -329,17 +346,19 @@ impl Reaches {
 
     /// Bounds of the second derivative of rotation and translation rows along two directions in which argument `a`
     /// changes as `change(a)` says.
-    pub fn second_derivatives(&self, change: impl Fn(usize) -> Change) -> [f64; 2] {
+    pub fn second_derivatives(&self, change: impl Fn(usize) -> FormChange) -> [f64; 2] {
         let (mut turned, mut bent, mut translation) = (0.0, 0.0, 0.0);
         for (motion, argument, reach) in &self.joints {
-            let Change { rate, bend } = change(*argument);
+            let FormChange { rate, bend } = change(*argument);
             match motion {
-                Motion::Rotation => {
+                ElementaryMotion::Rotation => {
                     translation += reach * (rate * (rate + 2.0 * turned) + bend);
                     turned += rate;
                     bent += bend;
                 }
-                Motion::Translation => translation += (2.0 * turned * rate + bend) / self.size,
+                ElementaryMotion::Translation => {
+                    translation += (2.0 * turned * rate + bend) / self.size
+                }
             }
         }
         [turned * turned + bent, translation]
@@ -347,7 +366,10 @@ impl Reaches {
 
     /// By how much the rotation can turn along a direction.
     pub fn turn(&self, rate: impl Fn(usize) -> f64) -> f64 {
-        let turning = self.joints.iter().filter(|j| j.0 == Motion::Rotation);
+        let turning = self
+            .joints
+            .iter()
+            .filter(|j| j.0 == ElementaryMotion::Rotation);
         turning.map(|(_, argument, _)| rate(*argument)).sum()
     }
 }

@@ -1,12 +1,12 @@
 //! The constants of the Newton-Kantorovich test over a stretch, and the test itself.
 
-use super::rows::Layout;
+use super::rows::TubeLayout;
 use crate::kinematics::results::certificate::Reason;
 use crate::numbers::rounding::GROW;
 
 /// What is proved of the unknowns of earlier blocks.
 #[derive(Clone, Debug)]
-pub struct Earlier {
+pub struct EarlierTube {
     /// Distance from the path, per unknown of the mechanism, in radians and sizes.
     pub rest: Vec<f64>,
     /// The largest of them.
@@ -19,7 +19,7 @@ pub struct Earlier {
 
 /// Bounds for one unknown, or for one redundant row.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub struct TubeConstants {
     /// Of R F: what its polynomial says.
     pub residual: f64,
     /// Of R F: what rounding, digits, cutting off and earlier blocks leave open.
@@ -30,7 +30,7 @@ pub struct Constants {
     pub k: f64,
 }
 
-impl Constants {
+impl TubeConstants {
     fn eta(&self) -> f64 {
         self.residual + self.rest
     }
@@ -42,17 +42,17 @@ impl Constants {
 }
 
 /// The test itself: eta + q r + K r²/2 ≤ r has a solution, and the map contracts there. Returns that solution.
-pub fn accept(
-    layout: &Layout,
-    constants: &[Constants],
+pub fn accept_constants(
+    layout: &TubeLayout,
+    constants: &[TubeConstants],
     ball: f64,
-    earlier: &mut Earlier,
+    earlier: &mut EarlierTube,
 ) -> Result<f64, Reason> {
-    let worst = |f: fn(&Constants) -> f64| {
+    let worst = |f: fn(&TubeConstants) -> f64| {
         let values = constants.iter().map(f);
         values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
     };
-    let (eta, q, k) = (worst(Constants::eta), worst(|c| c.q), worst(|c| c.k));
+    let (eta, q, k) = (worst(TubeConstants::eta), worst(|c| c.q), worst(|c| c.k));
     let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 1e-15) - 2.0 * k * eta;
     if !(q < 1.0 && discriminant > 0.0) {
         return Err(Reason::Singular);

@@ -1,13 +1,13 @@
 //! The inputs over a stretch of time as series.
 
-use super::model::{Enclosure, TERMS};
+use super::model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
-use crate::model::expression::pieces::about;
+use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
 
 /// A stretch of time, from -1 to 1 in `s`.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
+pub struct DriveStretch {
     /// Time at s = 0, seconds.
     pub middle: f64,
     /// Half the length, rounded up so that both ends are inside.
@@ -17,7 +17,7 @@ pub struct Stretch {
     ends: [f64; 2],
 }
 
-impl Stretch {
+impl DriveStretch {
     /// From `start` to `end`.
     pub fn new(start: f64, end: f64) -> Self {
         let middle = 0.5 * start + 0.5 * end;
@@ -60,7 +60,7 @@ impl Stretch {
             .enumerate()
             .filter(|(k, _)| jumping[*k].is_some())
         {
-            let about = about(*end);
+            let about = around_instant(*end);
             if drives.iter().any(|drive| drive.has_key_in(about)) {
                 return None;
             }
@@ -74,8 +74,8 @@ impl Stretch {
     }
 
     /// An input over the stretch, which holds no break inside, as a series about s = 0, and about every place at once.
-    pub fn input(&self, drive: &Drive) -> [Enclosure; 2] {
-        let clock = |start| Enclosure::linear(start, Interval::point(self.half), TERMS - 1);
+    pub fn input(&self, drive: &Drive) -> [TaylorEnclosure; 2] {
+        let clock = |start| TaylorEnclosure::linear(start, Interval::point(self.half), TERMS - 1);
         let clocks = [Interval::point(self.middle), self.all].map(clock);
         match drive {
             Drive::Formula(formula) if formula.has_pieces() => {
@@ -92,10 +92,10 @@ impl Stretch {
 pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
     let breaks = |drive: &Drive| drive.breaks(start, end);
     let mut keys: Vec<f64> = drives.iter().flat_map(breaks).collect();
-    let [first, last] = [start, end].map(about);
+    let [first, last] = [start, end].map(around_instant);
     keys.retain(|t| first.hi < *t && *t < last.lo);
     keys.sort_unstable_by(f64::total_cmp);
-    keys.dedup_by(|b, a| *b <= about(*a).hi);
+    keys.dedup_by(|b, a| *b <= around_instant(*a).hi);
     keys
 }
 
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn enclosures_hold_what_f64_finds_at_every_place() {
         for drive in drives() {
-            let stretch = Stretch::new(0.62, 0.64);
+            let stretch = DriveStretch::new(0.62, 0.64);
             let [middle, everywhere] = stretch.input(&drive);
             for share in [-1.0, -0.4, 0.0, 0.3, 1.0] {
                 let time = (stretch.middle + share * stretch.half).clamp(0.62, 0.64);

@@ -1,7 +1,7 @@
 //! Arguments and equations over a stretch: dot products where they are affine, general formulas elsewhere.
 
-use super::model::Model;
-use super::path::Path;
+use super::model::TaylorModel;
+use super::path::TubePath;
 use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
@@ -55,7 +55,7 @@ impl Sparse {
 
 /// Bounds of the derivatives along a direction, anywhere in the ball around the path.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Change {
+pub struct FormChange {
     /// Of the first derivative.
     pub rate: f64,
     /// Of the second, along two such directions.
@@ -86,49 +86,51 @@ impl Form {
     }
 
     /// Value over the stretch.
-    pub fn value(&self, path: &Path) -> Model {
+    pub fn value(&self, path: &TubePath) -> TaylorModel {
         match self {
             Self::Formula(formula) => {
                 if let Some(still) = path.still() {
-                    return Model::standing(formula.value(still));
+                    return TaylorModel::standing(formula.value(still));
                 }
                 let [middle, everywhere] = path.series();
-                Model::of(formula.value(middle), &formula.value(everywhere))
+                TaylorModel::of(formula.value(middle), &formula.value(everywhere))
             }
-            Self::Affine(affine) => Model::of_affine(affine, &path.coordinates),
+            Self::Affine(affine) => TaylorModel::of_affine(affine, &path.coordinates),
         }
     }
 
     /// Derivatives by the coordinates it depends on, in the order of [`coordinates`](Self::coordinates).
-    pub fn derivatives(&self, path: &Path) -> Vec<Model> {
+    pub fn derivatives(&self, path: &TubePath) -> Vec<TaylorModel> {
         match self {
             Self::Affine(affine) => {
-                let number = |c: Constant| Model {
+                let number = |c: Constant| TaylorModel {
                     rest: c.open(),
-                    ..Model::constant(c.number())
+                    ..TaylorModel::constant(c.number())
                 };
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
             Self::Formula(formula) => {
                 if let Some(still) = path.still() {
                     let gradient = formula.gradient(still).into_iter();
-                    return gradient.map(Model::standing).collect();
+                    return gradient.map(TaylorModel::standing).collect();
                 }
                 let [near, far] = path.series().each_ref().map(|all| formula.gradient(all));
                 let pairs = near.into_iter().zip(&far);
-                pairs.map(|(near, far)| Model::of(near, far)).collect()
+                pairs
+                    .map(|(near, far)| TaylorModel::of(near, far))
+                    .collect()
             }
         }
     }
 
     /// How it changes along directions whose entries are at most `rates`, anywhere in `place`, which affine forms do not
     /// need.
-    pub fn change(&self, place: &[Interval], rates: &[f64]) -> Change {
+    pub fn change(&self, place: &[Interval], rates: &[f64]) -> FormChange {
         match self {
             Self::Affine(affine) => {
                 let terms = affine.terms.iter();
                 let rate: f64 = terms.map(|(slot, c)| c.largest() * rates[*slot]).sum();
-                Change {
+                FormChange {
                     rate: rate * (1.0 + 1e-12),
                     bend: 0.0,
                 }
@@ -136,8 +138,8 @@ impl Form {
             Self::Formula(formula) => {
                 let own = formula.own(place);
                 let rates = formula.own(rates);
-                let [rate, bend] = bounds(&formula.expression, &own, &rates);
-                Change { rate, bend }
+                let [rate, bend] = form_bounds(&formula.expression, &own, &rates);
+                FormChange { rate, bend }
             }
         }
     }
@@ -156,7 +158,7 @@ impl Form {
 ///
 /// The second bounds the bilinear form for two such directions: by polarisation that is at most twice its value for two
 /// equal ones.
-fn bounds(expression: &Expression, place: &[Interval], rates: &[f64]) -> [f64; 2] {
+fn form_bounds(expression: &Expression, place: &[Interval], rates: &[f64]) -> [f64; 2] {
     let lines = place.iter().zip(rates);
     let lines = lines.map(|(x, rate)| Bend::linear(*x, Interval::around_zero(*rate), 2));
     let value = expression.value(&lines.collect::<Vec<_>>());
@@ -207,7 +209,7 @@ mod tests {
             // The bounds in a small box hold differences of gradients inside.
             let (box_size, rates) = (1e-3, [1.0, 0.5]);
             let place = [x, y].map(|v| Interval::point(v) + Interval::around_zero(box_size));
-            let [first, second] = bounds(&expression, &place, &rates);
+            let [first, second] = form_bounds(&expression, &place, &rates);
             let beside = expression.gradient(&[x + box_size, y - 0.5 * box_size]);
             let slope = |g: [f64; 2]| g[0].abs() * rates[0] + g[1].abs() * rates[1];
             let here = slope([exact[0], exact[1]]);

@@ -28,8 +28,8 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use blocks::Blocks;
-pub use model::{Around, Model, Polynomial};
-use path::Path;
+pub use model::{Polynomial, TaylorCentre, TaylorModel};
+use path::TubePath;
 pub use prover::{FLOOR, Prover};
 pub use stretches::Tube;
 
@@ -64,7 +64,7 @@ impl<'m> Standing<'m> {
         [coordinates, rests]: [&[f64]; 2],
         bases: &[Vec<usize>],
     ) -> Result<(f64, f64, f64), Reason> {
-        let mut path = Path::standing(self.blocks.unknowns, coordinates, rests);
+        let mut path = TubePath::standing(self.blocks.unknowns, coordinates, rests);
         let proved = self.blocks.prove(bases, &mut path, false)?;
         Ok((proved.largest, proved.unique, proved.closes_to))
     }

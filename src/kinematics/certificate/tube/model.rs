@@ -16,7 +16,7 @@ pub const TERMS: usize = 8;
 /// A function of s as a series of intervals whose last coefficient is taken over the whole stretch (Lagrange's
 /// remainder). Two passes give that: one with the coefficients at s = 0, one with those at every place of the stretch at
 /// once.
-pub type Enclosure = Series<Interval, TERMS>;
+pub type TaylorEnclosure = Series<Interval, TERMS>;
 
 /// Operations that the coefficients of a sine take after each other, at most, each with its rounding.
 const SINE_STEPS: f64 = 48.0;
@@ -25,11 +25,11 @@ const SINE_STEPS: f64 = 48.0;
 pub type Polynomial = [f64; TERMS];
 
 /// The same as a series of plain numbers.
-type Numbers = Series<f64, TERMS>;
+type CoefficientBounds = Series<f64, TERMS>;
 
 /// A function of s, -1 ≤ s ≤ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Model {
+pub struct TaylorModel {
     /// Coefficients.
     pub c: Polynomial,
     /// The function is nowhere farther from the polynomial.
@@ -38,7 +38,7 @@ pub struct Model {
 
 /// A function around a place: value + way u + bend u², for -1 ≤ u ≤ 1, to within `off`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Around {
+pub struct TaylorCentre {
     /// At the place.
     pub value: f64,
     /// Linear change to the end of the surroundings.
@@ -50,12 +50,12 @@ pub struct Around {
 }
 
 /// Σ |cₖ|: the polynomial is nowhere larger.
-pub fn size(c: &Polynomial) -> f64 {
+pub fn polynomial_size(c: &Polynomial) -> f64 {
     c.iter().map(|c| c.abs()).sum()
 }
 
 /// Sums of the last entries: entry m holds Σ over k ≥ m, and zero follows.
-pub fn tails(sizes: &Polynomial) -> [f64; TERMS + 1] {
+pub fn tail_sums(sizes: &Polynomial) -> [f64; TERMS + 1] {
     let mut tails = [0.0; TERMS + 1];
     for k in (0..TERMS).rev() {
         tails[k] = tails[k + 1] + sizes[k];
@@ -64,12 +64,12 @@ pub fn tails(sizes: &Polynomial) -> [f64; TERMS + 1] {
 }
 
 /// What a product of polynomials loses that are cut off after [`TERMS`] coefficients of these sizes.
-pub fn truncated(a: &Polynomial, tails: &[f64; TERMS + 1]) -> f64 {
+pub fn truncated_part(a: &Polynomial, tails: &[f64; TERMS + 1]) -> f64 {
     (1..TERMS).map(|j| a[j] * tails[TERMS - j]).sum()
 }
 
 /// The product, cut off.
-pub fn product(a: &Polynomial, b: &Polynomial) -> Polynomial {
+pub fn polynomial_product(a: &Polynomial, b: &Polynomial) -> Polynomial {
     let mut c = [0.0; TERMS];
     for j in 0..TERMS {
         for k in 0..TERMS - j {
@@ -79,7 +79,7 @@ pub fn product(a: &Polynomial, b: &Polynomial) -> Polynomial {
     c
 }
 
-impl Model {
+impl TaylorModel {
     /// Zero.
     pub const ZERO: Self = Self {
         c: [0.0; TERMS],
@@ -103,7 +103,7 @@ impl Model {
     }
 
     /// From the series about the middle and the one about every place at once.
-    pub fn of(middle: Enclosure, everywhere: &Enclosure) -> Self {
+    pub fn of(middle: TaylorEnclosure, everywhere: &TaylorEnclosure) -> Self {
         let series = middle.with_remainder_of(everywhere);
         let c = series.coefficients().map(Interval::middle);
         let wide = series.coefficients().iter().zip(c);
@@ -124,7 +124,7 @@ impl Model {
             for (sum, x) in sum.c.iter_mut().zip(&x.c) {
                 *sum += c * x;
             }
-            let size = size(&x.c);
+            let size = polynomial_size(&x.c);
             all += c.abs() * size;
             sum.rest += factor.largest() * x.rest * GROW + factor.open() * size;
         }
@@ -138,7 +138,7 @@ impl Model {
 
     /// Nowhere larger than this.
     pub fn size(&self) -> f64 {
-        (size(&self.c) + self.rest) * GROW
+        (polynomial_size(&self.c) + self.rest) * GROW
     }
 
     /// Nowhere farther from the constant coefficient than this.
@@ -155,7 +155,7 @@ impl Model {
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             c: self.c.map(|c| c * factor),
-            rest: factor.abs() * (self.rest + OPERATION * size(&self.c)),
+            rest: factor.abs() * (self.rest + OPERATION * polynomial_size(&self.c)),
         }
     }
 
@@ -163,17 +163,17 @@ impl Model {
     pub fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
         sum.c.iter_mut().zip(&other.c).for_each(|(a, b)| *a += b);
-        sum.rest += other.rest + OPERATION * size(&sum.c);
+        sum.rest += other.rest + OPERATION * polynomial_size(&sum.c);
         sum
     }
 
     /// Product.
     pub fn times(&self, other: &Self) -> Self {
         let (a, b) = (self.c.map(f64::abs), other.c.map(f64::abs));
-        let (whole, tails) = (size(&a), tails(&b));
+        let (whole, tails) = (polynomial_size(&a), tail_sums(&b));
         Self {
-            c: product(&self.c, &other.c),
-            rest: truncated(&a, &tails)
+            c: polynomial_product(&self.c, &other.c),
+            rest: truncated_part(&a, &tails)
                 + self.rest * (tails[0] + other.rest)
                 + whole * other.rest
                 + (TERMS + 1) as f64 * OPERATION * whole * tails[0],
@@ -209,12 +209,12 @@ impl Model {
     }
 
     /// How the function moves around the place `s`, no farther than `half` from it.
-    pub fn around(&self, s: f64, half: f64) -> Around {
+    pub fn around(&self, s: f64, half: f64) -> TaylorCentre {
         let c = self.about(s, half);
         let rest: f64 = c[3..].iter().map(|c| c.abs()).sum();
         // The shift takes two operations a step on numbers no larger than the sizes of the coefficients.
-        let rounding = (2 * TERMS * TERMS) as f64 * OPERATION * size(&self.c);
-        Around {
+        let rounding = (2 * TERMS * TERMS) as f64 * OPERATION * polynomial_size(&self.c);
+        TaylorCentre {
             value: c[0],
             way: c[1],
             bend: c[2],
@@ -247,12 +247,12 @@ impl Turn {
     /// About an angle.
     ///
     /// The coefficients of the pair are bounded by those of exp(Σ |aₖ| sᵏ), and so is the tail that is cut off.
-    pub fn new(angle: &Model) -> Self {
+    pub fn new(angle: &TaylorModel) -> Self {
         let a = &angle.c;
-        let (sin, cos) = Numbers::from(*a).sin_cos();
+        let (sin, cos) = CoefficientBounds::from(*a).sin_cos();
         let mut sizes = a.map(f64::abs);
         sizes[0] = 0.0;
-        let major = *Numbers::from(sizes).exp().coefficients();
+        let major = *CoefficientBounds::from(sizes).exp().coefficients();
         let growth = libm::expm1(a[1..].iter().map(|a| a.abs()).sum());
         let known: f64 = major[1..].iter().sum();
         let rounding = 1.5 * OPERATION + SINE_STEPS * OPERATION * growth;

@@ -2,7 +2,7 @@
 
 use super::drive::keys_between;
 use super::prover::Prover;
-use super::stretches::Place;
+use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
 
@@ -10,9 +10,9 @@ impl Prover<'_> {
     /// The interval's end and the breaks of the drive before it, the first one last.
     pub(super) fn by_keyframes(
         &mut self,
-        start: &Place,
-        end: Place,
-    ) -> Result<Vec<Place>, Refusal> {
+        start: &Station,
+        end: Station,
+    ) -> Result<Vec<Station>, Refusal> {
         let mut ahead = Vec::new();
         for time in keys_between(&self.actuation.drives, start.time, end.time) {
             let place = self.pose_between(start, &end, time).ok_or(Refusal {
@@ -28,7 +28,7 @@ impl Prover<'_> {
 
     /// A closed pose at `time`, corrected from the straight line between two others; where that line leads to none, the
     /// motion is followed from the first one. Which assembly it is of is found out by the proof.
-    pub(super) fn pose_between(&mut self, a: &Place, b: &Place, time: f64) -> Option<Place> {
+    pub(super) fn pose_between(&mut self, a: &Station, b: &Station, time: f64) -> Option<Station> {
         let share = (time - a.time) / (b.time - a.time);
         let actuation = &self.actuation;
         let inputs = actuation.inputs_at(time);
@@ -43,7 +43,7 @@ impl Prover<'_> {
         });
         let mut unknowns = found?;
         unknowns.truncate(a.unknowns.len());
-        Some(Place {
+        Some(Station {
             time,
             unknowns,
             rates: None,

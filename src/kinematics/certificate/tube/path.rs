@@ -1,7 +1,7 @@
 //! The curve that a tube is laid around: polynomials in the unknowns, the drive itself in the inputs.
 
-use super::drive::Stretch;
-use super::model::{Enclosure, Model, Polynomial};
+use super::drive::DriveStretch;
+use super::model::{Polynomial, TaylorEnclosure, TaylorModel};
 use crate::model::actuation::Actuation;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -9,32 +9,32 @@ use std::cell::OnceCell;
 
 /// Coordinates (unknowns, then inputs) over a stretch of time.
 #[derive(Clone, Debug)]
-pub struct Path {
-    stretch: Stretch,
+pub struct TubePath {
+    stretch: DriveStretch,
     /// The unknowns' are polynomials and nothing else.
-    pub coordinates: Vec<Model>,
+    pub coordinates: Vec<TaylorModel>,
     /// The inputs about the middle and about every place at once, as intervals.
-    inputs: [Vec<Enclosure>; 2],
+    inputs: [Vec<TaylorEnclosure>; 2],
     /// The same of all coordinates, once a formula asks for it.
-    series: OnceCell<[Vec<Enclosure>; 2]>,
+    series: OnceCell<[Vec<TaylorEnclosure>; 2]>,
     /// All coordinates of a pose that stands still; none along a motion.
     still: Vec<Interval>,
 }
 
 /// The inputs of a mechanism over a stretch.
 pub struct InputPath {
-    stretch: Stretch,
+    stretch: DriveStretch,
     /// About the middle, about every place at once.
-    inputs: [Vec<Enclosure>; 2],
+    inputs: [Vec<TaylorEnclosure>; 2],
 }
 
 impl InputPath {
     /// The drives over a stretch without breaks inside.
-    pub fn new(actuation: &Actuation, stretch: Stretch) -> Self {
+    pub fn new(actuation: &Actuation, stretch: DriveStretch) -> Self {
         let over = stretch.over_jumps(&actuation.drives);
         let input = |drive| match &over {
             Some(over) => over.input(drive),
-            None => [Enclosure::undefined(); 2],
+            None => [TaylorEnclosure::undefined(); 2],
         };
         let inputs = actuation.drives.iter().map(input);
         let (middle, everywhere) = inputs.map(|[near, far]| (near, far)).unzip();
@@ -57,7 +57,7 @@ impl InputPath {
         for (k, play) in play.iter().enumerate() {
             let play = Interval::around_zero(*play);
             for series in &mut self.inputs {
-                series[k] = series[k] + Enclosure::constant(play);
+                series[k] = series[k] + TaylorEnclosure::constant(play);
             }
         }
         self
@@ -70,7 +70,7 @@ impl InputPath {
         let off = ((value - here.hi).max(below) + open) * (1.0 + 1e-12);
         let play = Interval::around_zero(off);
         for series in &mut self.inputs {
-            series[k] = series[k] + Enclosure::constant(play);
+            series[k] = series[k] + TaylorEnclosure::constant(play);
         }
         off
     }
@@ -83,12 +83,12 @@ impl InputPath {
     }
 
     /// With these curves of the unknowns.
-    pub fn with(self, unknowns: Vec<Polynomial>) -> Path {
-        let curves = unknowns.into_iter().map(|c| Model { c, rest: 0.0 });
+    pub fn with(self, unknowns: Vec<Polynomial>) -> TubePath {
+        let curves = unknowns.into_iter().map(|c| TaylorModel { c, rest: 0.0 });
         let [middle, everywhere] = &self.inputs;
         let inputs = middle.iter().zip(everywhere);
-        let inputs = inputs.map(|(near, far)| Model::of(*near, far));
-        Path {
+        let inputs = inputs.map(|(near, far)| TaylorModel::of(*near, far));
+        TubePath {
             stretch: self.stretch,
             coordinates: curves.chain(inputs).collect(),
             inputs: self.inputs,
@@ -98,7 +98,7 @@ impl InputPath {
     }
 }
 
-impl Path {
+impl TubePath {
     /// A pose that stands still, whose inputs are `coordinates + rests`.
     pub fn standing(unknowns: usize, coordinates: &[f64], rests: &[f64]) -> Self {
         let rest = |k: usize| rests.get(k).copied().unwrap_or(0.0);
@@ -109,13 +109,13 @@ impl Path {
         });
         let still: Vec<Interval> = still.collect();
         let inputs = still[unknowns..].iter();
-        let inputs: Vec<Enclosure> = inputs.map(|i| Enclosure::constant(*i)).collect();
-        let models = slots.map(|(k, q)| Model {
+        let inputs: Vec<TaylorEnclosure> = inputs.map(|i| TaylorEnclosure::constant(*i)).collect();
+        let models = slots.map(|(k, q)| TaylorModel {
             rest: rest(k).abs(),
-            ..Model::constant(*q)
+            ..TaylorModel::constant(*q)
         });
         Self {
-            stretch: Stretch::new(0.0, 0.0),
+            stretch: DriveStretch::new(0.0, 0.0),
             coordinates: models.collect(),
             inputs: [inputs.clone(), inputs],
             series: OnceCell::new(),
@@ -124,7 +124,7 @@ impl Path {
     }
 
     /// The stretch.
-    pub fn stretch(&self) -> &Stretch {
+    pub fn stretch(&self) -> &DriveStretch {
         &self.stretch
     }
 
@@ -152,13 +152,13 @@ impl Path {
     }
 
     /// All coordinates about the middle and about every place at once, as intervals.
-    pub fn series(&self) -> &[Vec<Enclosure>; 2] {
+    pub fn series(&self) -> &[Vec<TaylorEnclosure>; 2] {
         self.series.get_or_init(|| {
             let count = self.coordinates.len() - self.inputs[0].len();
             let unknowns = &self.coordinates[..count];
-            let near: Vec<Enclosure> = unknowns
+            let near: Vec<TaylorEnclosure> = unknowns
                 .iter()
-                .map(|x| Enclosure::from(x.c.map(Interval::point)))
+                .map(|x| TaylorEnclosure::from(x.c.map(Interval::point)))
                 .collect();
             let far = near.iter().map(|x| x.over_the_stretch()).collect();
             let [mut middle, mut everywhere] = [near, far];

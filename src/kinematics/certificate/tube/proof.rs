@@ -8,16 +8,16 @@
 //! motion F = 0, so that G is there within the bounds of L F - G. What G is open by along the path for want of digits or
 //! of coefficients cancels against F.
 
-use super::constants::{Constants, Earlier, accept};
+use super::constants::{EarlierTube, TubeConstants, accept_constants};
 use super::form::Form;
-use super::model::{Polynomial, TERMS, size};
-use super::path::Path;
-use super::rows::{Bends, JACOBIAN_TERMS, Layout, Rows};
+use super::model::{Polynomial, TERMS, polynomial_size};
+use super::path::TubePath;
+use super::rows::{Bends, JACOBIAN_TERMS, TubeLayout, TubeRows};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::certificate::rows::LARGEST_GAP_OF_TUBE;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
-use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, combine, dot, groups};
+use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, combine_rows, dot_lanes, lane_groups};
 use crate::numbers::rounding::{GROW, OPERATION};
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
@@ -44,7 +44,7 @@ const SMALLEST_BALL: f64 = 1e-6;
 /// Buffers of the test.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
-    pub rows: Rows,
+    pub rows: TubeRows,
     elimination: Elimination,
     square: LaneMatrix,
     inverse: LaneMatrix,
@@ -79,12 +79,12 @@ enum Aim {
 
 /// Adds what is proved of a block to what is proved of the earlier ones. `may_move`: the path is first brought to the
 /// motion.
-pub fn prove(
-    layout: &Layout,
+pub fn prove_tube(
+    layout: &TubeLayout,
     forms: &[Form],
-    path: &mut Path,
+    path: &mut TubePath,
     basis: &[usize],
-    earlier: &mut Earlier,
+    earlier: &mut EarlierTube,
     may_move: bool,
     work: &mut Workspace,
 ) -> Result<(), Reason> {
@@ -101,12 +101,12 @@ pub fn prove(
         }
         layout.rows(forms, path, &mut work.rows)?;
     }
-    let bends = bends(layout, forms, path)?;
+    let bends = path_bends(layout, forms, path)?;
     let mut error = 0.0;
     if layout.own > 0 {
         work.follow_inverse();
         let constants = work.constants(layout, basis, &bends, earlier);
-        error = accept(layout, &constants, bends.ball, earlier)?;
+        error = accept_constants(layout, &constants, bends.ball, earlier)?;
     }
     for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
         let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
@@ -130,7 +130,7 @@ pub fn prove(
 }
 
 /// Second derivatives in the largest ball in which the formulas of the block are smooth.
-fn bends(layout: &Layout, forms: &[Form], path: &Path) -> Result<Bends, Reason> {
+fn path_bends(layout: &TubeLayout, forms: &[Form], path: &TubePath) -> Result<Bends, Reason> {
     let mut ball = BALL;
     loop {
         let bends = layout.bends(forms, path, ball);
@@ -145,7 +145,7 @@ impl Workspace {
     /// Takes the rows of the basis.
     fn lay_out(&mut self, basis: &[usize], width: usize) {
         let products = self.products();
-        self.stride = groups(width);
+        self.stride = lane_groups(width);
         self.stacked.clear();
         for matrix in self.rows.jacobian.iter().rev() {
             for row in basis {
@@ -186,7 +186,7 @@ impl Workspace {
         self.square.reset(n, n);
         let constant = &self.stacked[(JACOBIAN_TERMS - 1) * n * self.stride..];
         for (i, row) in constant.chunks_exact(self.stride).enumerate() {
-            let groups = groups(n);
+            let groups = lane_groups(n);
             self.square.row_mut(i).copy_from_slice(&row[..groups]);
             // Columns of earlier blocks share the last group.
             for k in n..4 * groups {
@@ -201,16 +201,21 @@ impl Workspace {
 
     /// One step of Newton's method for all coefficients, order by order. `true`: the path stays as it is, since a step
     /// would be too small to matter.
-    fn correct(&self, layout: &Layout, path: &mut Path, attempt: usize) -> Result<bool, Reason> {
+    fn correct(
+        &self,
+        layout: &TubeLayout,
+        path: &mut TubePath,
+        attempt: usize,
+    ) -> Result<bool, Reason> {
         let n = self.n;
         let mut steps = vec![[0.0; 4]; TERMS * self.stride];
-        let mut right = vec![[0.0; 4]; groups(n)];
+        let mut right = vec![[0.0; 4]; lane_groups(n)];
         for k in 0..TERMS {
             for i in 0..n {
                 let mut value = self.residuals[i * POLYNOMIAL + k / 4][k % 4];
                 for m in 1..JACOBIAN_TERMS.min(k + 1) {
                     let row = &self.coefficients_from(m)[i * self.stride..(i + 1) * self.stride];
-                    value += dot(
+                    value += dot_lanes(
                         row,
                         &steps[(k - m) * self.stride..(k - m + 1) * self.stride],
                     );
@@ -218,7 +223,7 @@ impl Workspace {
                 right[i / 4][i % 4] = -value;
             }
             for i in 0..n {
-                steps[k * self.stride + i / 4][i % 4] = dot(self.inverse.row(i), &right);
+                steps[k * self.stride + i / 4][i % 4] = dot_lanes(self.inverse.row(i), &right);
             }
         }
         let (mut largest, mut blur) = (0.0_f64, 0.0_f64);
@@ -227,7 +232,7 @@ impl Workspace {
             let all: Polynomial = std::array::from_fn(|k| step(i, k));
             let row = self.inverse.row(i).as_flattened();
             let open = row.iter().zip(&self.open).map(|(r, o)| r.abs() * o);
-            largest = largest.max(size(&all));
+            largest = largest.max(polynomial_size(&all));
             blur = blur.max(open.sum());
             if !largest.is_finite() {
                 return Err(Reason::Singular);
@@ -248,7 +253,7 @@ impl Workspace {
 
     /// R₀ and, from it, R₁ = -R₀ J₁ R₀ and R₂ = -R₀ (J₂ R₀ + J₁ R₁).
     fn follow_inverse(&mut self) {
-        let (n, width) = (self.n, groups(self.n));
+        let (n, width) = (self.n, lane_groups(self.n));
         let mut factors = vec![0.0; n * n * INVERSE_TERMS];
         let all = INVERSE_TERMS * n;
         for (i, row) in factors.chunks_exact_mut(all).enumerate() {
@@ -261,7 +266,7 @@ impl Workspace {
         }
         let mut product = vec![[0.0; 4]; self.stride];
         let times = |row: &[f64], k: usize, product: &mut Vec<Lanes>| {
-            combine(product, row, &self.coefficients_from(k)[..n * self.stride]);
+            combine_rows(product, row, &self.coefficients_from(k)[..n * self.stride]);
         };
         let mut first = vec![[0.0; 4]; n * width];
         let mut sum = vec![[0.0; 4]; width];
@@ -269,7 +274,7 @@ impl Workspace {
         for i in 0..n {
             let row: Vec<f64> = factors[i * all..i * all + n].to_vec();
             times(&row, 1, &mut product);
-            combine(
+            combine_rows(
                 &mut sum,
                 &product.as_flattened()[..n],
                 self.inverse.groups(),
@@ -290,7 +295,7 @@ impl Workspace {
             bent[..n].copy_from_slice(&product.as_flattened()[..n]);
             times(&row, 1, &mut product);
             bent[n..].copy_from_slice(&product.as_flattened()[..n]);
-            combine(&mut sum, &bent, &both);
+            combine_rows(&mut sum, &bent, &both);
             for (f, s) in factors[i * all + 2 * n..(i + 1) * all]
                 .iter_mut()
                 .zip(sum.as_flattened())
@@ -303,11 +308,11 @@ impl Workspace {
 
     fn constants(
         &self,
-        layout: &Layout,
+        layout: &TubeLayout,
         basis: &[usize],
         bends: &Bends,
-        earlier: &Earlier,
-    ) -> Vec<Constants> {
+        earlier: &EarlierTube,
+    ) -> Vec<TubeConstants> {
         let of_unknown = self.factors.chunks_exact(INVERSE_TERMS * self.n);
         let of_unknown = of_unknown.enumerate();
         of_unknown
@@ -319,11 +324,11 @@ impl Workspace {
     fn of_redundant_row(
         &self,
         row: usize,
-        layout: &Layout,
+        layout: &TubeLayout,
         basis: &[usize],
         bends: &Bends,
-        earlier: &Earlier,
-    ) -> Constants {
+        earlier: &EarlierTube,
+    ) -> TubeConstants {
         let (n, all) = (self.n, INVERSE_TERMS * self.n);
         let mut factors = vec![0.0; all];
         for (k, matrix) in self.rows.jacobian.iter().enumerate().take(INVERSE_TERMS) {
@@ -343,11 +348,11 @@ impl Workspace {
         &self,
         factors: &[f64],
         aim: Aim,
-        layout: &Layout,
+        layout: &TubeLayout,
         basis: &[usize],
         bends: &Bends,
-        earlier: &Earlier,
-    ) -> Constants {
+        earlier: &EarlierTube,
+    ) -> TubeConstants {
         let (n, width) = (self.n, layout.columns.len());
         let drift = earlier.largest;
         let sizes: Vec<f64> = (0..n)
@@ -358,7 +363,7 @@ impl Workspace {
             pairs.map(|(s, row)| s * bounds[*row]).sum()
         };
         let mut product = vec![[0.0; 4]; self.stride];
-        combine(&mut product, &sizes, &self.slack);
+        combine_rows(&mut product, &sizes, &self.slack);
         let mut whole = product.clone();
         let all = match self.terms {
             1 => 1,
@@ -371,7 +376,7 @@ impl Workspace {
             let rows = self.coefficients_from(k - least);
             let count = (most - least + 1) * n;
             let factors = &factors[least * n..least * n + count];
-            combine(&mut product, factors, &rows[..count * self.stride]);
+            combine_rows(&mut product, factors, &rows[..count * self.stride]);
             match aim {
                 Aim::Unknown(i) if k == 0 => product[i / 4][i % 4] -= 1.0,
                 Aim::Row(row) if k < JACOBIAN_TERMS => {
@@ -398,7 +403,7 @@ impl Workspace {
         let whole = &whole.as_flattened()[..width];
         let carried = whole[n..].iter().zip(&layout.columns[n..]);
         let carried: f64 = carried.map(|(c, slot)| c * earlier.rest[*slot]).sum();
-        Constants {
+        TubeConstants {
             residual: self.residual(factors, aim) * GROW,
             rest: (open + carried + 0.5 * bend * drift * drift) * GROW,
             q: (whole[..n].iter().sum::<f64>() + bend * drift) * GROW,
@@ -412,7 +417,7 @@ impl Workspace {
         let mut part = [[0.0; 4]; POLYNOMIAL];
         for m in 0..INVERSE_TERMS {
             let of_r = &factors[m * self.n..(m + 1) * self.n];
-            combine(&mut part, of_r, &self.residuals);
+            combine_rows(&mut part, of_r, &self.residuals);
             for (sum, c) in all[m..].iter_mut().zip(&part.as_flattened()[..TERMS]) {
                 *sum += c;
             }

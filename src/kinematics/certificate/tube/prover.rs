@@ -1,13 +1,13 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::{Stretch, keys_between};
+use super::drive::{DriveStretch, keys_between};
 use super::form::Form;
-use super::model::{Model, Polynomial, TERMS};
-use super::path::{InputPath, Path};
-use super::stretches::{Bases, Place, Tube, largest};
+use super::model::{Polynomial, TERMS, TaylorModel};
+use super::path::{InputPath, TubePath};
+use super::stretches::{Bases, Station, Tube, largest_value};
 use crate::kinematics::certificate::pose::prover::PoseProver;
-use crate::kinematics::certificate::rows::redundant;
+use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
 };
@@ -66,7 +66,7 @@ impl<'m> Prover<'m> {
                 let rows = system.blocks().iter().map(|b| (0..b.rows()).collect());
                 Arc::new(rows.collect())
             }),
-            digits: (redundant(system) > 0).then(|| PoseProver::new(system)),
+            digits: (redundant_rows(system) > 0).then(|| PoseProver::new(system)),
             may_jump: false,
             play: Vec::new(),
         }
@@ -129,7 +129,7 @@ impl<'m> Prover<'m> {
         let middle = 0.5 * tube.start + 0.5 * tube.end;
         let mut part = |start: f64, end: f64| {
             let inputs =
-                InputPath::new(&self.actuation, Stretch::new(start, end)).widened(&self.play);
+                InputPath::new(&self.actuation, DriveStretch::new(start, end)).widened(&self.play);
             let path = inputs.with(tube.path.part(
                 self.system.mechanism().unknowns.len(),
                 start,
@@ -143,16 +143,16 @@ impl<'m> Prover<'m> {
     }
 
     /// The arguments of all joints over a tube's stretch.
-    pub fn arguments(&self, tube: &Tube) -> Vec<Model> {
+    pub fn arguments(&self, tube: &Tube) -> Vec<TaylorModel> {
         let mut coordinates = tube.path.coordinates.clone();
         for (k, rest) in tube.rest.iter().enumerate() {
             coordinates[k].rest += rest * self.system.mechanism().scale_of(k) * (1.0 + 1e-12);
         }
         let count = self.system.mechanism().arguments.len();
         let of = |form: &Form| match form {
-            Form::Affine(affine) => Model::of_affine(affine, &coordinates),
+            Form::Affine(affine) => TaylorModel::of_affine(affine, &coordinates),
             Form::Formula(_) => {
-                let place: Vec<Interval> = coordinates.iter().map(Model::range).collect();
+                let place: Vec<Interval> = coordinates.iter().map(TaylorModel::range).collect();
                 let mut rates: Vec<f64> = coordinates.iter().map(|c| c.rest).collect();
                 // The inputs' own are part of the series.
                 rates[tube.rest.len()..].fill(0.0);
@@ -209,7 +209,7 @@ impl<'m> Prover<'m> {
     }
 
     /// A certified sample.
-    fn place(&self, sample: &Sample) -> Result<Place, Obstacle> {
+    fn place(&self, sample: &Sample) -> Result<Station, Obstacle> {
         let pose = sample.pose.as_ref().ok_or(Obstacle::NoPose)?;
         let error = match pose.certificate {
             Certificate::Certified { error_bound, .. }
@@ -218,7 +218,7 @@ impl<'m> Prover<'m> {
             Certificate::Locked { .. } => return Err(Obstacle::Test(Reason::GimbalLock)),
             Certificate::Refused { reason } => return Err(Obstacle::Test(reason)),
         };
-        Ok(Place {
+        Ok(Station {
             time: sample.time,
             unknowns: pose.unknowns.clone(),
             rates: Some(pose.rates.clone()),
@@ -230,10 +230,10 @@ impl<'m> Prover<'m> {
     }
 
     /// The pose to which the drive leads right before `last`, where it jumps to that; else `last` itself.
-    fn before_a_jump(&mut self, here: &Place, last: Place) -> Place {
+    fn before_a_jump(&mut self, here: &Station, last: Station) -> Station {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.last().copied().unwrap_or(here.time);
-        let inputs = InputPath::new(&self.actuation, Stretch::new(from, last.time));
+        let inputs = InputPath::new(&self.actuation, DriveStretch::new(from, last.time));
         let values = last.sample.iter().flat_map(|(values, _)| values);
         let limit = |k: usize| inputs.at(k, last.time).middle();
         let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
@@ -252,7 +252,7 @@ impl<'m> Prover<'m> {
             }
         }
         coordinates.truncate(here.unknowns.len());
-        Place {
+        Station {
             time: last.time,
             unknowns: coordinates,
             rates: None,
@@ -272,11 +272,11 @@ impl<'m> Prover<'m> {
     /// Proves the stretch from `here` to `next` and joins it to what is at its ends.
     fn tube(
         &mut self,
-        here: &Place,
-        next: &Place,
+        here: &Station,
+        next: &Station,
         before: Option<&Tube>,
     ) -> Result<Tube, Obstacle> {
-        let mut inputs = InputPath::new(&self.actuation, Stretch::new(here.time, next.time));
+        let mut inputs = InputPath::new(&self.actuation, DriveStretch::new(here.time, next.time));
         inputs = inputs.widened(&self.play);
         if !inputs.is_finite() {
             return Err(Obstacle::Drive);
@@ -299,9 +299,9 @@ impl<'m> Prover<'m> {
     /// pose may depend on each other at another.
     fn prove_on_some_rows(
         &mut self,
-        here: &Place,
-        next: &Place,
-        path: &Path,
+        here: &Station,
+        next: &Station,
+        path: &TubePath,
     ) -> Result<Tube, Reason> {
         let ends = [here.time, next.time];
         if let Some(rows) = self.all_rows.clone() {
@@ -332,7 +332,7 @@ impl<'m> Prover<'m> {
     fn prove(
         &mut self,
         [start, end]: [f64; 2],
-        mut path: Path,
+        mut path: TubePath,
         bases: &Bases,
     ) -> Result<Tube, Reason> {
         let proved = self.blocks.prove(bases, &mut path, true)?;
@@ -352,7 +352,7 @@ impl<'m> Prover<'m> {
     }
 
     /// Whether a redundant row is proved not to hold at a time: what it is open by may be too small for a tube to see.
-    fn is_open_at(&mut self, time: f64, path: &Path, bases: &Bases) -> bool {
+    fn is_open_at(&mut self, time: f64, path: &TubePath, bases: &Bases) -> bool {
         let Some(digits) = &mut self.digits else {
             return false;
         };
@@ -361,7 +361,7 @@ impl<'m> Prover<'m> {
         place.extend(self.actuation.inputs_at(time));
         let reason = match digits.prove([&place, &[]], bases, None) {
             Err(Reason::Formula) => {
-                let mut still = Path::standing(self.blocks.unknowns, &place, &[]);
+                let mut still = TubePath::standing(self.blocks.unknowns, &place, &[]);
                 self.blocks.prove(bases, &mut still, false).err()
             }
             proved => proved.err(),
@@ -370,9 +370,14 @@ impl<'m> Prover<'m> {
     }
 
     /// Cubic curves of the unknowns through both ends, with the rates there as far as they are known.
-    fn first_guess(&self, here: &Place, next: &Place, before: Option<&Tube>) -> Vec<Polynomial> {
+    fn first_guess(
+        &self,
+        here: &Station,
+        next: &Station,
+        before: Option<&Tube>,
+    ) -> Vec<Polynomial> {
         let half = 0.5 * (next.time - here.time);
-        let rate = |place: &Place, k: usize| {
+        let rate = |place: &Station, k: usize| {
             let rate = half * place.rates.as_ref()?.get(k)?;
             rate.is_finite().then_some(rate)
         };
@@ -397,7 +402,7 @@ impl<'m> Prover<'m> {
     }
 
     /// Takes the inputs of a sample into the enclosed drive.
-    fn admit(&self, inputs: &mut InputPath, place: &Place) -> Result<(), Obstacle> {
+    fn admit(&self, inputs: &mut InputPath, place: &Station) -> Result<(), Obstacle> {
         let Some((values, _)) = &place.sample else {
             return Ok(());
         };
@@ -405,7 +410,7 @@ impl<'m> Prover<'m> {
         for (k, value) in values.iter().enumerate() {
             // The pose may have been proved at the input as a table prints it.
             let unit = mechanism.unit_of(mechanism.inputs[k].kind);
-            let open = printed::rounding(*value, unit);
+            let open = printed::printing_unit(*value, unit);
             let off = inputs.admit(k, place.time, *value, open);
             if off.is_nan() || off > SAME_INPUT * self.unit(k, *value) {
                 return Err(Obstacle::Drive);
@@ -415,7 +420,7 @@ impl<'m> Prover<'m> {
     }
 
     /// Whether the exact pose of a sample is the one that the tube has there.
-    fn holds(&self, tube: &Tube, place: &Place) -> bool {
+    fn holds(&self, tube: &Tube, place: &Station) -> bool {
         let Some((_, error)) = &place.sample else {
             return true;
         };
@@ -424,6 +429,6 @@ impl<'m> Prover<'m> {
             let distance = tube.path.at(k, place.time).distance(*q);
             distance / self.system.mechanism().scale_of(k)
         });
-        largest(gap) * (1.0 + 1e-12) + error < tube.unique
+        largest_value(gap) * (1.0 + 1e-12) + error < tube.unique
     }
 }

@@ -1,9 +1,9 @@
 //! The equations of one block over a stretch, with bounds of their second derivatives in the ball around the path.
 
 use super::chain::{ArgumentModel, LoopModel, Reaches};
-use super::form::{Change, Form};
-use super::model::{Model, TERMS, size};
-use super::path::Path;
+use super::form::{Form, FormChange};
+use super::model::{TERMS, TaylorModel, polynomial_size};
+use super::path::TubePath;
 use crate::kinematics::certificate::rows::ProofRows;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;
@@ -20,7 +20,7 @@ pub const JACOBIAN_TERMS: usize = 4;
 
 /// A block and what its unknowns are called by; laid out once.
 #[derive(Clone, Debug)]
-pub struct Layout<'m> {
+pub struct TubeLayout<'m> {
     pub mechanism: &'m Mechanism,
     pub block: &'m Block,
     /// The rows of its loops.
@@ -36,23 +36,23 @@ pub struct Layout<'m> {
     /// For every unknown, its scale if it is one of the columns, and if it is one of the own.
     rates: [Vec<f64>; 2],
     /// Changes of affine forms by the own unknowns and by all.
-    changes: [Vec<Change>; 2],
+    changes: [Vec<FormChange>; 2],
 }
 
 /// A block over a stretch.
 #[derive(Clone, Debug, Default)]
-pub struct Rows {
+pub struct TubeRows {
     /// Residuals.
-    pub residual: Vec<Model>,
+    pub residual: Vec<TaylorModel>,
     /// Derivatives by the columns: one matrix a coefficient.
     pub jacobian: [LaneMatrix; JACOBIAN_TERMS],
     /// What they leave out.
     pub rest: LaneMatrix,
     /// Of every loop that must not be turned by π: the trace of its rotation.
-    pub traces: Vec<Model>,
+    pub traces: Vec<TaylorModel>,
 }
 
-impl Rows {
+impl TubeRows {
     /// Appends what a row of the Jacobian leaves out and what its products round: `products` of every entry.
     pub fn add_slack(&self, row: usize, products: f64, slack: &mut Vec<Lanes>) {
         let first = slack.len();
@@ -68,7 +68,7 @@ impl Rows {
     /// What a residual leaves out and what its products round.
     pub fn open_of(&self, row: usize, products: f64) -> f64 {
         let residual = &self.residual[row];
-        residual.rest + products * size(&residual.c)
+        residual.rest + products * polynomial_size(&residual.c)
     }
 }
 
@@ -85,7 +85,7 @@ pub struct Bends {
     pub ball: f64,
 }
 
-impl<'m> Layout<'m> {
+impl<'m> TubeLayout<'m> {
     /// Lays out a block whose arguments and equations are `forms`.
     pub fn new(system: &'m System, forms: &[Form], block: &'m Block) -> Self {
         let mechanism = system.mechanism();
@@ -117,7 +117,7 @@ impl<'m> Layout<'m> {
             rates
         });
         let affine = |rates: &Vec<f64>| {
-            let mut changes = vec![Change::default(); forms.len()];
+            let mut changes = vec![FormChange::default(); forms.len()];
             for form in &used {
                 if let Form::Affine(_) = forms[*form] {
                     changes[*form] = forms[*form].change(&[], rates);
@@ -161,13 +161,13 @@ impl<'m> Layout<'m> {
     }
 
     /// Residual and Jacobian along the path.
-    pub fn rows(&self, forms: &[Form], path: &Path, rows: &mut Rows) -> Result<(), Reason> {
+    pub fn rows(&self, forms: &[Form], path: &TubePath, rows: &mut TubeRows) -> Result<(), Reason> {
         let count = self.count();
         for matrix in rows.jacobian.iter_mut().chain([&mut rows.rest]) {
             matrix.reset(count, self.columns.len());
         }
         rows.residual.clear();
-        rows.residual.resize(count, Model::ZERO);
+        rows.residual.resize(count, TaylorModel::ZERO);
         rows.traces.clear();
         let mut arguments: Vec<Option<ArgumentModel>> = vec![None; self.mechanism.arguments.len()];
         for &index in &self.block.arguments {
@@ -177,7 +177,7 @@ impl<'m> Layout<'m> {
             }
             arguments[index] = Some(value.into());
         }
-        let derivatives: Vec<Vec<Model>> = self
+        let derivatives: Vec<Vec<TaylorModel>> = self
             .used
             .iter()
             .map(|index| forms[*index].derivatives(path))
@@ -206,7 +206,7 @@ impl<'m> Layout<'m> {
             }
         }
         for (index, row, scale) in self.equations() {
-            let weight = Model::constant(scale);
+            let weight = TaylorModel::constant(scale);
             rows.residual[row] = forms[index].value(path).scaled(scale);
             if let Some(form) = place(index) {
                 self.add(rows, row, index, &weight, &derivatives[form]);
@@ -220,7 +220,14 @@ impl<'m> Layout<'m> {
     }
 
     /// Adds a row's derivative by a form, times that of the form by its unknowns.
-    fn add(&self, rows: &mut Rows, row: usize, form: usize, by_form: &Model, of_form: &[Model]) {
+    fn add(
+        &self,
+        rows: &mut TubeRows,
+        row: usize,
+        form: usize,
+        by_form: &TaylorModel,
+        of_form: &[TaylorModel],
+    ) {
         for ((column, scale), rate) in self.moves[form].iter().zip(of_form) {
             let entry = if rate.c[1..] == [0.0; TERMS - 1] && rate.rest == 0.0 {
                 by_form.scaled(rate.c[0] * scale)
@@ -238,7 +245,7 @@ impl<'m> Layout<'m> {
     }
 
     /// Second derivatives and turns, valid within `ball` around the whole path.
-    pub fn bends(&self, forms: &[Form], path: &Path, ball: f64) -> Result<Bends, Reason> {
+    pub fn bends(&self, forms: &[Form], path: &TubePath, ball: f64) -> Result<Bends, Reason> {
         let needs_place = self
             .used
             .iter()
@@ -269,7 +276,7 @@ impl<'m> Layout<'m> {
             // The value over the path, and what the ball adds to it.
             let farthest = |a: usize| match &forms[a] {
                 Form::Affine(affine) => {
-                    let value = Model::of_affine(affine, &path.coordinates);
+                    let value = TaylorModel::of_affine(affine, &path.coordinates);
                     value.size() + all[a].rate * ball
                 }
                 form @ Form::Formula(_) => form.range(&place).magnitude(),
@@ -298,7 +305,7 @@ impl<'m> Layout<'m> {
     }
 }
 
-impl Path {
+impl TubePath {
     /// All values of the coordinates in a ball around the path; `scales` are those of the unknowns in the ball.
     fn place(&self, scales: &[f64], ball: f64) -> Vec<Interval> {
         let all = self.coordinates.iter().zip(scales);

@@ -1,6 +1,6 @@
 //! What formulas of a pose (coordinates, traced points, outputs) show over a tube, as Taylor models.
 
-use super::model::{Enclosure, Model};
+use super::model::{TaylorEnclosure, TaylorModel};
 use super::stretches::Tube;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
@@ -14,9 +14,9 @@ type Line = Series<Interval, 2>;
 /// The slots that formulas use, over one tube.
 pub struct Shown {
     /// About the middle of the stretch.
-    middle: Vec<Enclosure>,
+    middle: Vec<TaylorEnclosure>,
     /// About every place of it at once.
-    everywhere: Vec<Enclosure>,
+    everywhere: Vec<TaylorEnclosure>,
     /// Anywhere between path and motion, along any way from one to the other.
     beside: Vec<Line>,
 }
@@ -42,10 +42,10 @@ impl Tube {
 impl Shown {
     /// A formula over the stretch. By the mean value theorem its value on the motion is no farther from that on the path than
     /// its derivative on the way from one to the other.
-    pub fn value(&self, formula: &Expression) -> Model {
+    pub fn value(&self, formula: &Expression) -> TaylorModel {
         let [near, far] = [&self.middle, &self.everywhere].map(|slots| formula.value(slots));
         let [_, change] = *formula.value(&self.beside).coefficients();
-        let mut model = Model::of(near, &far);
+        let mut model = TaylorModel::of(near, &far);
         model.rest += change.magnitude();
         model
     }

@@ -1,6 +1,6 @@
 //! What is proved of a stretch, and the poses at its ends.
 
-use super::path::Path;
+use super::path::TubePath;
 use crate::model::mechanism::Mechanism;
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ pub struct Tube {
     pub(super) closes_to: f64,
     /// Distance of every unknown from the path, likewise.
     pub(super) rest: Vec<f64>,
-    pub(super) path: Path,
+    pub(super) path: TubePath,
     /// The rows that it is proved on.
     pub(super) bases: Bases,
 }
@@ -55,14 +55,14 @@ impl Tube {
             let (a, b) = (before.path.at(k, self.start), self.path.at(k, self.start));
             (a - b).magnitude() / mechanism.scale_of(k)
         });
-        let gap = largest(gap) * (1.0 + 1e-12);
+        let gap = largest_value(gap) * (1.0 + 1e-12);
         gap + before.radius < self.unique || gap + self.radius < before.unique
     }
 }
 
 /// A pose on the way.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct Station {
     /// Seconds.
     pub time: f64,
     /// Values of the unknowns.
@@ -74,6 +74,6 @@ pub struct Place {
 }
 
 /// Maximum; NaN propagates.
-pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
+pub fn largest_value(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
 }

@@ -20,7 +20,7 @@ const ROUNDS: usize = 12;
 
 /// A crossing that waits for a pose behind it.
 #[derive(Clone, Debug)]
-pub(crate) struct Crossing {
+pub(crate) struct SignChange {
     /// The event that says so.
     pub event: usize,
     /// A regular pose before it.
@@ -28,7 +28,7 @@ pub(crate) struct Crossing {
 }
 
 /// A place on the path with the tangent there.
-struct Node {
+struct CrossingNode {
     point: PathPoint,
     rates: Vec<f64>,
     /// Signed singular value.
@@ -44,8 +44,8 @@ pub(crate) fn zero_between(
 ) -> Option<f64> {
     let mut pairs = before.branch.signs.iter().zip(&after.branch.signs);
     let block = pairs.position(|(a, b)| a * b < 0)?;
-    let mut low = node(tracker, before, block);
-    let mut high = node(tracker, after, block);
+    let mut low = crossing_node(tracker, before, block);
+    let mut high = crossing_node(tracker, after, block);
     let mut zero =
         low.point.time + (high.point.time - low.point.time) * low.value / (low.value - high.value);
     let mut spread = CLOSER * (high.point.time - low.point.time);
@@ -56,7 +56,7 @@ pub(crate) fn zero_between(
         for k in 1..=SIDE {
             for sign in [-1.0, 1.0] {
                 let time = zero + sign * spread * k as f64;
-                nodes.push(between(tracker, &low, &high, time, block)?);
+                nodes.push(crossing_between(tracker, &low, &high, time, block)?);
             }
         }
         zero = inverse_at_zero(&nodes)?;
@@ -76,11 +76,11 @@ pub(crate) fn zero_between(
     None
 }
 
-fn node(tracker: &mut PathTracker, point: PathPoint, block: usize) -> Node {
+fn crossing_node(tracker: &mut PathTracker, point: PathPoint, block: usize) -> CrossingNode {
     // What is iterated at every pose is right to a millionth, which would be seen in the place.
     let exact = tracker.solver.exact_sigma(&point.coordinates, block);
     let sigma = exact.unwrap_or(point.branch.sigma_min);
-    Node {
+    CrossingNode {
         value: f64::from(point.branch.signs[block]) * sigma,
         rates: tracker.rates(&point),
         point,
@@ -88,13 +88,13 @@ fn node(tracker: &mut PathTracker, point: PathPoint, block: usize) -> Node {
 }
 
 /// The pose at `time`, from the cubic through two others.
-fn between(
+fn crossing_between(
     tracker: &mut PathTracker,
-    low: &Node,
-    high: &Node,
+    low: &CrossingNode,
+    high: &CrossingNode,
     time: f64,
     block: usize,
-) -> Option<Node> {
+) -> Option<CrossingNode> {
     let width = high.point.time - low.point.time;
     let s = (time - low.point.time) / width;
     let (a, b) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s));
@@ -112,11 +112,11 @@ fn between(
         return None;
     }
     let point = tracker.point(time, coordinates);
-    Some(node(tracker, point, block))
+    Some(crossing_node(tracker, point, block))
 }
 
 /// Time at value zero of the polynomial through (value, time): Neville's scheme.
-fn inverse_at_zero(nodes: &[Node]) -> Option<f64> {
+fn inverse_at_zero(nodes: &[CrossingNode]) -> Option<f64> {
     let x: Vec<f64> = nodes.iter().map(|n| n.value).collect();
     let mut p: Vec<f64> = nodes.iter().map(|n| n.point.time).collect();
     for level in 1..nodes.len() {

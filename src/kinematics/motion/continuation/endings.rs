@@ -4,7 +4,7 @@ use super::fold_proof;
 use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
 use crate::kinematics::motion::tracker::arc_length::Onward;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
-use crate::kinematics::motion::tracker::singular::Target;
+use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::Ending;
 use crate::kinematics::solve::closure::are_angles_too_large;
 
@@ -96,9 +96,9 @@ impl Recorder<'_> {
     pub(super) fn walk_back(
         &mut self,
         found: &PathPoint,
-        target: Target,
+        target: SingularTarget,
     ) -> Option<(PathPoint, Ending)> {
-        let (Target::Time(time) | Target::Gap(time)) = target;
+        let (SingularTarget::Time(time) | SingularTarget::Gap(time)) = target;
         let mut from = found.clone();
         for _ in 0..MOST_WAYS_ON {
             let first = self.tracker.walk_back(&from, target, &mut Unwatched)?;

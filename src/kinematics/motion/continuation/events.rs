@@ -1,7 +1,7 @@
 //! What happens between samples: singular poses that are passed or met, and locked ball joints. They are told by the
 //! tracker while it goes along.
 
-use super::crossings::{Crossing, zero_between};
+use super::crossings::{SignChange, zero_between};
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, PathWatcher};
 use crate::kinematics::results::trajectory::{Event, EventKind};
 use crate::model::actuation::Actuation;
@@ -12,7 +12,7 @@ pub(crate) struct Events {
     /// In the order in which they were met.
     pub list: Vec<Event>,
     /// A singular pose that has been passed and not been located yet.
-    pub crossing: Option<Crossing>,
+    pub crossing: Option<SignChange>,
     /// Time of a sample that lies on a singular pose, until it is known how the motion goes on.
     pub singular_sample: Option<f64>,
 }
@@ -27,7 +27,7 @@ impl Events {
     pub fn passed_at(&mut self, tracker: &PathTracker, time: f64) {
         self.singular_sample = None;
         self.add(tracker.actuation(), time, EventKind::SingularPosePassed);
-        self.crossing = tracker.anchor.clone().map(|before| Crossing {
+        self.crossing = tracker.anchor.clone().map(|before| SignChange {
             event: self.list.len() - 1,
             before,
         });

@@ -9,7 +9,7 @@ use crate::kinematics::certificate::tube::certify_motion;
 use crate::kinematics::motion::tracker::arc_length::Fold;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::Sample;
-use crate::kinematics::structure::block::block;
+use crate::kinematics::structure::block::block_of;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::chain::Argument;
@@ -44,7 +44,8 @@ pub(super) fn is_proved(system: &System, actuation: &Actuation, fold: &Fold, sen
     };
     let rate = drive.series(fold.at.time, 1).derivative(1) * sense;
     let most = mechanism.unknowns.len() <= MOST_UNKNOWNS;
-    let Some(unknown) = fastest(system, fold).filter(|_| most && rate.is_finite() && rate != 0.0)
+    let Some(unknown) =
+        fastest_unknown(system, fold).filter(|_| most && rate.is_finite() && rate != 0.0)
     else {
         return false;
     };
@@ -54,7 +55,7 @@ pub(super) fn is_proved(system: &System, actuation: &Actuation, fold: &Fold, sen
 }
 
 /// The unknown that moves most from one side of the fold to the other.
-fn fastest(system: &System, fold: &Fold) -> Option<usize> {
+fn fastest_unknown(system: &System, fold: &Fold) -> Option<usize> {
     let mechanism = system.mechanism();
     let [before, behind] = &fold.beside;
     let moved = |k: usize| (behind[k] - before[k]).abs() / mechanism.scale_of(k);
@@ -83,21 +84,21 @@ impl Exchanged {
             match argument {
                 Argument::Affine(affine) => {
                     let terms = affine.terms.iter_mut();
-                    terms.for_each(|term| term.0 = exchanged(term.0, slots));
+                    terms.for_each(|term| term.0 = exchange_slot(term.0, slots));
                     affine.terms.sort_by_key(|term| term.0);
                 }
-                Argument::Formula(expression) => *expression = renamed(expression, slots),
+                Argument::Formula(expression) => *expression = rename_slots(expression, slots),
             }
         }
         for equation in &mut mechanism.equations {
-            equation.expression = renamed(&equation.expression, slots);
+            equation.expression = rename_slots(&equation.expression, slots);
         }
         let blocks = system.blocks();
         let loops = blocks.iter().flat_map(|b| b.loops.clone()).collect();
         let equations = blocks.iter().flat_map(|b| b.equations.clone()).collect();
         let unknowns = blocks.iter().flat_map(|b| b.unknowns.clone()).collect();
         let mut structure = system.structure().clone();
-        structure.blocks = vec![block(&mechanism, loops, equations, unknowns)];
+        structure.blocks = vec![block_of(&mechanism, loops, equations, unknowns)];
         Self {
             system: System::bare(Arc::new(mechanism), structure),
             unknown,
@@ -156,7 +157,7 @@ impl Exchanged {
     }
 }
 
-fn exchanged(slot: usize, [a, b]: [usize; 2]) -> usize {
+fn exchange_slot(slot: usize, [a, b]: [usize; 2]) -> usize {
     match slot {
         _ if slot == a => b,
         _ if slot == b => a,
@@ -164,9 +165,9 @@ fn exchanged(slot: usize, [a, b]: [usize; 2]) -> usize {
     }
 }
 
-fn renamed(expression: &Expression, slots: [usize; 2]) -> Expression {
+fn rename_slots(expression: &Expression, slots: [usize; 2]) -> Expression {
     let ops = expression.ops().iter().map(|op| match *op {
-        Op::Slot(slot) => Op::Slot(exchanged(slot, slots)),
+        Op::Slot(slot) => Op::Slot(exchange_slot(slot, slots)),
         other => other,
     });
     Expression::new(ops.collect())
@@ -180,7 +181,7 @@ mod tests {
     use crate::diag::Source;
     use crate::kinematics::motion::tracker::path_tracker::PathPoint;
     use crate::kinematics::solve::branch::BranchState;
-    use crate::scene::{Overrides, load};
+    use crate::scene::{Overrides, load_scene};
 
     /// Whether the place x of an equation in x and phi is proved to be a fold, where phi would be largest or smallest.
     fn is_fold(equation: &str, x: f64, phi: f64, sense: f64) -> bool {
@@ -188,7 +189,7 @@ mod tests {
             "duration = 1\n[inputs]\nphi = \"{phi} + t\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {x}\n"
         );
         let name = "test".to_owned();
-        let scene = load(&Source { name, text }, &Overrides::default()).unwrap();
+        let scene = load_scene(&Source { name, text }, &Overrides::default()).unwrap();
         let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
         let fold = Fold {
             at: PathPoint {

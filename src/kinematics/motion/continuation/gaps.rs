@@ -19,7 +19,7 @@ pub(crate) struct Gaps {
     pub(super) elsewhere: Option<PathPoint>,
 }
 
-pub(super) fn instant(tracker: &PathTracker, time: f64) -> Instant {
+pub(super) fn gap_instant(tracker: &PathTracker, time: f64) -> Instant {
     Instant {
         time,
         inputs: tracker.actuation().inputs_at(time),
@@ -33,7 +33,7 @@ impl Gaps {
         self.widest = None;
         let (from, ending) = from.unzip();
         self.list.push(Gap {
-            from: from.map(|time| instant(tracker, time)),
+            from: from.map(|time| gap_instant(tracker, time)),
             until: None,
             ending,
             beginning: None,
@@ -65,7 +65,7 @@ impl Gaps {
         let Some((time, best)) = self.widest.take() else {
             return;
         };
-        let at = instant(tracker, time);
+        let at = gap_instant(tracker, time);
         let proved = proof && has_no_pose(tracker.system(), &at.inputs);
         let lack = smallest_gap(tracker.system(), best);
         if let Some(gap) = self.list.last_mut() {

@@ -40,13 +40,13 @@ impl Events {
                 continue;
             };
             let then = ball.lock(&before.coordinates);
-            let (part, distance) = closest(then, now);
+            let (part, distance) = closest_approach(then, now);
             // On the way to a lock the closest pose is yet to come; having left one, it has been said.
             let still_coming = part >= 1.0 && now.length() > LOCKED;
             if distance > WORTH_A_LOOK || part <= 0.0 || still_coming || then.length() <= LOCKED {
                 continue;
             }
-            let (time, distance) = locate(tracker, ball, [before, point], part);
+            let (time, distance) = locate_lock(tracker, ball, [before, point], part);
             let is_inside =
                 time > before.time.min(point.time) && time <= before.time.max(point.time);
             if distance <= NEAR_LOCK && is_inside {
@@ -103,7 +103,7 @@ impl Between<'_, '_> {
 }
 
 /// Time and size of the closest approach between two poses, from the part of the way that the straight line says.
-fn locate(
+fn locate_lock(
     tracker: &mut PathTracker,
     ball: &Ball,
     [a, b]: [&PathPoint; 2],
@@ -145,7 +145,7 @@ fn locate(
 }
 
 /// Where the straight line from a to b comes closest to the origin, as a part of the way, and how close.
-fn closest(a: DVec2, b: DVec2) -> (f64, f64) {
+fn closest_approach(a: DVec2, b: DVec2) -> (f64, f64) {
     let way = b - a;
     let part = (-a.dot(way) / way.length_squared()).clamp(0.0, 1.0);
     let part = if part.is_nan() { 0.0 } else { part };

@@ -20,7 +20,7 @@ use recorder::Recorder;
 
 /// Solves `system` along `actuation` at the given ascending times. A pose that does not exist is an event in the
 /// trajectory.
-pub fn solve(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
+pub fn solve_motion(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
     solve_until(
         system,
         actuation,

@@ -51,7 +51,7 @@ impl Recorder<'_> {
         let certificate = self.certified(&mut coordinates);
         let bodies = forward::body_poses(mechanism, &coordinates);
         let traces = forward::trace_points(mechanism, &bodies);
-        let outputs = forward::outputs(mechanism, &coordinates, &traces);
+        let outputs = forward::trace_positions(mechanism, &coordinates, &traces);
         let closure_error = forward::closure_error(mechanism, &coordinates);
         let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
         if !finite {
@@ -100,7 +100,7 @@ impl Recorder<'_> {
                 let own = chart.base(coordinates);
                 let mut corrector = Corrector::new(chart.system);
                 let rows = best_rows(chart.system, &mut corrector, &own);
-                locked(Certifier::new(chart.system).certify(&own, &rests, &rows))
+                locked_certificate(Certifier::new(chart.system).certify(&own, &rests, &rows))
             }
             _ => certificate,
         }
@@ -108,7 +108,7 @@ impl Recorder<'_> {
 }
 
 /// The certificate of a pose whose angles are too nearly locked to have one, from that of the joints' rotations.
-fn locked(certificate: Certificate) -> Certificate {
+fn locked_certificate(certificate: Certificate) -> Certificate {
     match certificate.bounds() {
         Some([error_bound, unique_radius]) => Certificate::Locked {
             error_bound,

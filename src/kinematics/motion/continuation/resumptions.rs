@@ -4,12 +4,12 @@
 //! is. What can be followed back past the beginning of the gap is another assembly, which the motion cannot reach; taking
 //! it up would be a jump.
 
-use super::gaps::instant;
+use super::gaps::gap_instant;
 use super::recorder::Recorder;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
-use crate::kinematics::motion::tracker::singular::Target;
+use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::{Ending, EventKind};
-use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake};
+use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake_start};
 
 /// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
 const ASIDE: f64 = 0.3;
@@ -24,7 +24,7 @@ impl Recorder<'_> {
         let attempt = self.samples.len();
         solver.assembled(start, None).or_else(|gap| {
             let mut beside = start.to_vec();
-            shake(solver.system().mechanism(), attempt, ASIDE, &mut beside);
+            shake_start(solver.system().mechanism(), attempt, ASIDE, &mut beside);
             let found = solver.assembled(&beside, None).map_err(|_| gap)?;
             Ok(Assembled { start: 1, ..found })
         })
@@ -64,7 +64,7 @@ impl Recorder<'_> {
     /// The first pose of a motion whose drive begins where there is none.
     pub(crate) fn enter(&mut self, found: PathPoint) -> Result<PathPoint, Option<PathPoint>> {
         let target = self.samples.first().map_or(found.time, |s| s.time);
-        let (time, beginning) = match self.walk_back(&found, Target::Time(target)) {
+        let (time, beginning) = match self.walk_back(&found, SingularTarget::Time(target)) {
             Some((first, beginning)) => {
                 self.keep_edge(&first);
                 (first.time, Some(beginning))
@@ -84,8 +84,8 @@ impl Recorder<'_> {
         let gap = self.gaps.list.last();
         let began = gap.and_then(|g| g.from.as_ref()).map(|from| from.time);
         let target = match (began, self.samples.first()) {
-            (Some(time), _) => Target::Gap(time),
-            (None, first) => Target::Time(first.map_or(found.time, |s| s.time)),
+            (Some(time), _) => SingularTarget::Gap(time),
+            (None, first) => SingularTarget::Time(first.map_or(found.time, |s| s.time)),
         };
         let Some((first, beginning)) = self.walk_back(&found, target) else {
             self.gaps.elsewhere = Some(found);
@@ -111,7 +111,7 @@ impl Recorder<'_> {
         same_branch: bool,
     ) {
         self.gaps.measure(&self.tracker, self.proof.is_some());
-        let until = instant(&self.tracker, time);
+        let until = gap_instant(&self.tracker, time);
         if let Some(gap) = self.gaps.list.last_mut() {
             gap.until = Some(until);
             gap.beginning = beginning;

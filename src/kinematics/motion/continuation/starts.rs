@@ -3,7 +3,7 @@
 use super::recorder::{Recorder, is_singular_start};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
-use crate::kinematics::solve::assembly::{shake, turns_matter};
+use crate::kinematics::solve::assembly::{shake_start, turns_matter};
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
@@ -86,17 +86,17 @@ impl Recorder<'_> {
         let solver = &mut self.tracker.solver;
         let mut start = [&from.coordinates[..mechanism.unknowns.len()], inputs].concat();
         let amplitude = AROUND * attempt as f64 / STARTS as f64;
-        shake(mechanism, attempt, amplitude, &mut start);
+        shake_start(mechanism, attempt, amplitude, &mut start);
         let mut found = solver.assembled(&start, None).ok()?;
         solver.iterations += found.iterations;
-        unwind(mechanism, &from.coordinates, &mut found.coordinates);
+        unwind_turns(mechanism, &from.coordinates, &mut found.coordinates);
         let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;
         is_near.then(|| self.tracker.point(time, found.coordinates))
     }
 }
 
 /// Takes whole turns out of angles that only differ by them from those of `near`.
-fn unwind(mechanism: &Mechanism, near: &[f64], coordinates: &mut [f64]) {
+fn unwind_turns(mechanism: &Mechanism, near: &[f64], coordinates: &mut [f64]) {
     for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
         if unknown.kind == Kind::Angle && !turns_matter(mechanism, slot) {
             let turns = ((coordinates[slot] - near[slot]) / TAU).round();

@@ -2,7 +2,7 @@
 
 use super::path_tracker::{PathPoint, PathTracker, PathWatcher, Unwatched, UpToSingular};
 use crate::kinematics::solve::newton::Pace;
-use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, follows};
+use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, follows_prediction};
 use crate::model::mechanism::Kind;
 
 /// A sample this close to the end of the steps, in intervals between samples, is the singular pose itself.
@@ -32,7 +32,7 @@ const BESIDE_FOLD: [f64; 5] = [3e-2, 3e-3, 3e-4, 3e-5, 3e-6];
 
 /// Where a way back leads to.
 #[derive(Clone, Copy, Debug)]
-pub enum Target {
+pub enum SingularTarget {
     /// A time.
     Time(f64),
     /// A time before which there may be a gap, however narrow: it is approached by ever shorter stretches.
@@ -69,7 +69,7 @@ impl PathTracker<'_> {
             let inputs = self.inputs(beyond).ok()?;
             let (mut coordinates, predicted) = self.solver.predict(&anchor.coordinates, &inputs, 1);
             let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
-            if follows(&correction, &predicted) && beyond > end.time {
+            if follows_prediction(&correction, &predicted) && beyond > end.time {
                 self.rename(&anchor, beyond, &mut coordinates);
                 let point = self.point(beyond, coordinates);
                 return self.is_joined(end, &point).then_some(point);
@@ -112,7 +112,7 @@ impl PathTracker<'_> {
         // A tracker of its own goes back: what this one has met stays as it is. It crosses no singular pose, since it is
         // to end at the first one.
         let mut scout = self.clone();
-        let first = scout.walk_back(beyond, Target::Gap(end.time), &mut UpToSingular);
+        let first = scout.walk_back(beyond, SingularTarget::Gap(end.time), &mut UpToSingular);
         self.solver.iterations = scout.solver.iterations;
         self.best_sigma = scout.best_sigma;
         let Some(first) = first else { return true };
@@ -128,13 +128,13 @@ impl PathTracker<'_> {
     pub fn walk_back(
         &mut self,
         found: &PathPoint,
-        target: Target,
+        target: SingularTarget,
         watcher: &mut dyn PathWatcher,
     ) -> Option<PathPoint> {
         self.anchor = Some(found.clone());
         let (time, halvings) = match target {
-            Target::Time(time) => (time, 0),
-            Target::Gap(time) => (time, HALVINGS),
+            SingularTarget::Time(time) => (time, 0),
+            SingularTarget::Gap(time) => (time, HALVINGS),
         };
         let way = found.time - time;
         let mut stops = (1..=halvings).map(|k| time + way * 0.5_f64.powi(k));

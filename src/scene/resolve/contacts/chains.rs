@@ -7,19 +7,19 @@
 //! centre lies at its radius from the other surface, which says nothing about directions. A cylinder touches a plane
 //! along a line, and has no place along it.
 
-use super::super::super::contacts::{ContactFile, Surface, SurfaceFile};
-use super::super::super::formula::chain::{Factor, Item, Transform, parse as parse_chain};
-use super::super::super::formula::expression::{Node, NodeKind};
+use super::super::super::contacts::{ContactFile, ContactSurface, SurfaceFile};
+use super::super::super::formula::chain::{Factor, Item, Transform, parse_chain};
+use super::super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::super::reader::Spanned;
 use crate::diag::Diagnostics;
-use crate::model::chain::Motion;
+use crate::model::chain::ElementaryMotion;
 use crate::numbers::constant::Constant;
-use crate::scene::resolve::parsing::{Named, expand_items, expression, note};
+use crate::scene::resolve::parsing::{Named, expand_items, note_diagnostic, parsed_expression};
 
 /// A contact, parsed.
 pub struct ParsedContact {
     pub name: Spanned<String>,
-    pub sides: [Side; 2],
+    pub sides: [ContactSide; 2],
     pub closure: Closure,
     /// World to the contact point, x along the normal from the first surface to the second.
     pub frame: Option<Vec<Factor>>,
@@ -43,7 +43,7 @@ impl ParsedContact {
     }
 
     /// Changes every size.
-    pub fn visit_sizes(&mut self, change: &dyn Fn(&mut Node)) {
+    pub fn visit_sizes(&mut self, change: &dyn Fn(&mut FormulaNode)) {
         for side in &mut self.sides {
             let changed = side.surface.try_map(|node| {
                 let mut node = node.clone();
@@ -68,8 +68,8 @@ impl ParsedContact {
 }
 
 /// One surface with the chain to its frame.
-pub struct Side {
-    pub surface: Surface<Node>,
+pub struct ContactSide {
+    pub surface: ContactSurface<FormulaNode>,
     pub frame: Vec<Factor>,
 }
 
@@ -86,7 +86,7 @@ pub enum Closure {
 /// Items of a contact before expansion.
 pub struct ContactItems {
     pub name: Spanned<String>,
-    surfaces: [(Surface<Node>, Vec<Item>); 2],
+    surfaces: [(ContactSurface<FormulaNode>, Vec<Item>); 2],
 }
 
 impl ContactItems {
@@ -94,10 +94,12 @@ impl ContactItems {
     pub fn parse(contact: &ContactFile, diagnostics: &mut Diagnostics) -> Option<Self> {
         let [first, second] = contact.surfaces.as_ref()?;
         let mut side = |file: &SurfaceFile| {
-            let surface = file.surface.try_map(|text| expression(text, diagnostics));
+            let surface = file
+                .surface
+                .try_map(|text| parsed_expression(text, diagnostics));
             let frame = match &file.frame {
                 None => Some(vec![Item::Identity]),
-                Some(text) => note(parse_chain, text, diagnostics),
+                Some(text) => note_diagnostic(parse_chain, text, diagnostics),
             };
             Some((surface?, frame?))
         };
@@ -111,10 +113,10 @@ impl ContactItems {
     /// The chain to the contact point, x along the normal from the first surface to the second. Two spheres have none.
     pub fn frame(&self) -> Option<Vec<Item>> {
         let [(first, _), (second, _)] = &self.surfaces;
-        if !matches!(first, Surface::Sphere { .. }) {
+        if !matches!(first, ContactSurface::Sphere { .. }) {
             return Some(self.to_point(0, None));
         }
-        if matches!(second, Surface::Sphere { .. }) {
+        if matches!(second, ContactSurface::Sphere { .. }) {
             return None;
         }
         let mut items = self.to_point(1, None);
@@ -137,7 +139,7 @@ impl ContactItems {
         let frame = frame.map(|items| expand_items(&items, chains, diagnostics));
         let sides = self.surfaces.map(|(surface, items)| {
             let frame = expand_items(&items, chains, diagnostics)?;
-            Some(Side { surface, frame })
+            Some(ContactSide { surface, frame })
         });
         let [first, second] = sides;
         Some(ParsedContact {
@@ -150,7 +152,7 @@ impl ContactItems {
 
     /// Whether the product must be the identity, and its items; none for two spheres.
     fn closing_items(&self) -> (bool, Option<Vec<Item>>) {
-        use Surface::{Plane, Sphere};
+        use ContactSurface::{Plane, Sphere};
         let [(first, first_frame), (second, second_frame)] = &self.surfaces;
         let inverse = |items: Vec<Item>| Item::Inverse(items);
         match (first, second) {
@@ -185,39 +187,39 @@ impl ContactItems {
     }
 
     /// From the world to the contact point of one side, and `further` off it, x along the outward normal.
-    fn to_point(&self, side: usize, further: Option<&Node>) -> Vec<Item> {
+    fn to_point(&self, side: usize, further: Option<&FormulaNode>) -> Vec<Item> {
         let (surface, frame) = &self.surfaces[side];
         let (other, _) = &self.surfaces[1 - side];
         let number = side + 1;
-        let out = |size: &Node| match further {
+        let out = |size: &FormulaNode| match further {
             None => self.along_by(0, size.clone()),
             Some(more) => {
                 let kind = NodeKind::Binary('+', Box::new(size.clone()), Box::new(more.clone()));
                 let span = size.span.clone();
-                self.along_by(0, Node { kind, span })
+                self.along_by(0, FormulaNode { kind, span })
             }
         };
         let mut items = frame.clone();
         match surface {
-            Surface::Torus { ring, tube } => items.extend([
+            ContactSurface::Torus { ring, tube } => items.extend([
                 self.about(2, &format!("theta{number}")),
                 self.along_by(0, ring.clone()),
                 self.about(1, &format!("phi{number}")),
                 out(tube),
             ]),
-            Surface::Cylinder { radius } => {
+            ContactSurface::Cylinder { radius } => {
                 items.push(self.about(2, &format!("theta{number}")));
-                if !matches!(other, Surface::Plane) {
+                if !matches!(other, ContactSurface::Plane) {
                     items.push(self.along(2, &format!("w{number}")));
                 }
                 items.push(out(radius));
             }
-            Surface::Plane => {
+            ContactSurface::Plane => {
                 items.extend(self.slides(side));
                 items.push(self.turn(1, -(Constant::PI / Constant::exact(2.0))));
                 items.extend(further.map(|more| self.along_by(0, more.clone())));
             }
-            Surface::Sphere { .. } => {}
+            ContactSurface::Sphere { .. } => {}
         }
         items
     }
@@ -232,33 +234,33 @@ impl ContactItems {
 
     /// Rotation about a coordinate axis by the unknown `NAME.what`.
     fn about(&self, axis: usize, what: &str) -> Item {
-        self.elementary(Motion::Rotation, axis, self.unknown(what))
+        self.elementary(ElementaryMotion::Rotation, axis, self.unknown(what))
     }
 
     /// Translation along a coordinate axis by the unknown `NAME.what`.
     fn along(&self, axis: usize, what: &str) -> Item {
-        self.elementary(Motion::Translation, axis, self.unknown(what))
+        self.elementary(ElementaryMotion::Translation, axis, self.unknown(what))
     }
 
-    fn along_by(&self, axis: usize, length: Node) -> Item {
-        self.elementary(Motion::Translation, axis, length)
+    fn along_by(&self, axis: usize, length: FormulaNode) -> Item {
+        self.elementary(ElementaryMotion::Translation, axis, length)
     }
 
     /// Rotation by a fixed angle in radians.
     fn turn(&self, axis: usize, angle: Constant) -> Item {
         let kind = NodeKind::Radians(angle);
         let span = self.name.span.clone();
-        self.elementary(Motion::Rotation, axis, Node { kind, span })
+        self.elementary(ElementaryMotion::Rotation, axis, FormulaNode { kind, span })
     }
 
-    fn unknown(&self, what: &str) -> Node {
-        Node {
+    fn unknown(&self, what: &str) -> FormulaNode {
+        FormulaNode {
             kind: NodeKind::Name(format!("{}.{what}", self.name.value)),
             span: self.name.span.clone(),
         }
     }
 
-    fn elementary(&self, motion: Motion, axis: usize, argument: Node) -> Item {
+    fn elementary(&self, motion: ElementaryMotion, axis: usize, argument: FormulaNode) -> Item {
         Item::Transform {
             transform: Transform::Elementary(motion, axis),
             arguments: vec![argument],

@@ -1,20 +1,22 @@
 //! Parsed contacts as parts of the mechanism: loops and equations that close them, and the scalars that formulas of
 //! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
 
-use super::super::super::contacts::Surface;
+use super::super::super::contacts::ContactSurface;
 use super::super::super::formula::chain::Factor;
-use super::super::super::formula::compile::{compile, constant, exact_constant};
-use super::super::super::formula::expression::Node;
-use super::super::joints::Joints;
+use super::super::super::formula::compile::{compile_formula, constant_node, exact_constant};
+use super::super::super::formula::expression::FormulaNode;
+use super::super::joints::FoldedJoints;
 use super::super::names::{Meaning, Names};
-use super::super::symbolic::{Drafted, Formulas, Term, cross, difference, dot};
+use super::super::symbolic::{
+    Drafted, Formulas, SymbolicTerm, cross_product, dot_product, vector_difference,
+};
 use super::chains::{Closure, ParsedContact};
-use super::parallel::across;
-use crate::diag::{Diagnostic, Diagnostics, shown};
-use crate::model::chain::{Argument, Chain, Motion, Step};
+use super::parallel::factors_across;
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
+use crate::model::chain::{Argument, Chain, ChainStep, ElementaryMotion};
 use crate::model::expression::Expression;
-use crate::model::mechanism::{Closes, Crossing, Equation, Kind, Loop};
-use crate::model::walk::{Vector, sum};
+use crate::model::mechanism::{AxisCrossing, Closes, Equation, Kind, Loop};
+use crate::model::walk::{Triple, add_vectors};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
 
@@ -24,7 +26,7 @@ pub struct Contacts {
     pub loops: Vec<Loop>,
     pub equations: Vec<Equation>,
     /// Cylinders that may cross at any angle.
-    pub crossings: Vec<Crossing>,
+    pub crossings: Vec<AxisCrossing>,
     /// Full names of the scalars, with their formulas over the coordinates, or why there is none.
     pub scalars: Vec<(String, Kind, Result<Expression, String>)>,
 }
@@ -39,7 +41,7 @@ impl Contacts {
     pub fn resolve(
         contacts: &[ParsedContact],
         names: &Names,
-        joints: &mut Joints,
+        joints: &mut FoldedJoints,
         diagnostics: &mut Diagnostics,
     ) -> Self {
         let mut all = Self::default();
@@ -55,7 +57,12 @@ impl Contacts {
             if !sound {
                 continue;
             }
-            let moves = |chain: &Chain| chain.steps.iter().any(|s| matches!(s, Step::Joint { .. }));
+            let moves = |chain: &Chain| {
+                chain
+                    .steps
+                    .iter()
+                    .any(|s| matches!(s, ChainStep::Joint { .. }))
+            };
             if !moves(&first) && !moves(&second) {
                 let name = &contact.name;
                 diagnostics.push(
@@ -67,10 +74,12 @@ impl Contacts {
             }
             all.close(contact, names, joints, [&first, &second], diagnostics);
             let is_free = |what| names.meaning(&format!("{}.{what}", contact.name.value));
-            if let (Some(factors), Some(Meaning::Unknown(_))) = (across(contact), is_free("w2")) {
+            if let (Some(factors), Some(Meaning::Unknown(_))) =
+                (factors_across(contact), is_free("w2"))
+            {
                 let across = joints.chain(&factors, diagnostics);
                 let contact = contact.name.value.clone();
-                let crossing = across.map(|across| Crossing { contact, across });
+                let crossing = across.map(|across| AxisCrossing { contact, across });
                 all.crossings.extend(crossing);
             }
             let frame = contact.frame.as_ref();
@@ -90,7 +99,7 @@ impl Contacts {
         &mut self,
         contact: &ParsedContact,
         names: &Names,
-        joints: &mut Joints,
+        joints: &mut FoldedJoints,
         frames: [&Chain; 2],
         diagnostics: &mut Diagnostics,
     ) {
@@ -100,13 +109,13 @@ impl Contacts {
             Closure::Point(factors) => (factors, Closes::Point),
             Closure::Distance => {
                 let formulas = Formulas::default();
-                let own = apart(contact, joints);
+                let own = closed_chains(contact, joints);
                 let ends = match &own {
                     Some(own) => own.each_ref(),
                     None => frames,
                 };
                 let [a, b] = ends.map(|c| formulas.walk(c, &joints.arguments).0.origin);
-                let distance = formulas.length(difference(b, a));
+                let distance = formulas.length(vector_difference(b, a));
                 let gap = distance - sum_of_radii(&formulas, contact, names);
                 self.equations.push(Equation {
                     name,
@@ -138,13 +147,13 @@ impl Contacts {
             }
             None => {
                 let [a, b] = [first, second].map(|c| formulas.walk(c, arguments).0.origin);
-                let apart = difference(b, a);
+                let apart = vector_difference(b, a);
                 let distance = formulas.length(apart);
                 let normal = apart.map(|component| component / distance);
                 let radius = sizes_of(contact).next();
-                let radius = radius.map(|node| size(&formulas, node, names));
-                let radius = radius.unwrap_or(Term::Constant(Constant::exact(0.0)));
-                (sum(a, normal.map(|c| c * radius)), normal)
+                let radius = radius.map(|node| formula_size(&formulas, node, names));
+                let radius = radius.unwrap_or(SymbolicTerm::Constant(Constant::exact(0.0)));
+                (add_vectors(a, normal.map(|c| c * radius)), normal)
             }
         };
         let name = &contact.name.value;
@@ -165,7 +174,7 @@ impl Contacts {
 }
 
 /// The frames of a contact's surfaces as seen from the last frame that carries both, if anything moves that.
-fn apart(contact: &ParsedContact, joints: &mut Joints) -> Option<[Chain; 2]> {
+fn closed_chains(contact: &ParsedContact, joints: &mut FoldedJoints) -> Option<[Chain; 2]> {
     let [first, second] = contact.sides.each_ref().map(|side| &side.frame);
     let pairs = first.iter().zip(second);
     let shared = pairs.take_while(|(a, b)| a.is_alike(b)).count();
@@ -183,12 +192,12 @@ fn pressure_angle<'l>(
     formulas: &'l Formulas,
     names: &Names,
     (second, arguments): (&Chain, &[Argument]),
-    point: Vector<Term<'l>>,
-    normal: Vector<Term<'l>>,
+    point: Triple<SymbolicTerm<'l>>,
+    normal: Triple<SymbolicTerm<'l>>,
 ) -> Result<Expression, String> {
     let (_, joints) = formulas.walk(second, arguments);
     let mut slots: Vec<usize> = Vec::new();
-    let mut velocity = [Term::Constant(Constant::exact(0.0)); 3];
+    let mut velocity = [SymbolicTerm::Constant(Constant::exact(0.0)); 3];
     for Drafted {
         motion,
         axis,
@@ -204,10 +213,10 @@ fn pressure_angle<'l>(
         for (slot, coefficient) in moving.copied().collect::<Vec<_>>() {
             slots.push(slot);
             let share = match motion {
-                Motion::Translation => axis,
-                Motion::Rotation => cross(axis, difference(point, origin)),
+                ElementaryMotion::Translation => axis,
+                ElementaryMotion::Rotation => cross_product(axis, vector_difference(point, origin)),
             };
-            velocity = sum(velocity, share.map(|c| c.scale_by(coefficient)));
+            velocity = add_vectors(velocity, share.map(|c| c.scale_by(coefficient)));
         }
     }
     slots.sort_unstable();
@@ -218,8 +227,8 @@ fn pressure_angle<'l>(
             slots.len()
         ));
     }
-    let across = formulas.length(cross(normal, velocity));
-    Ok(formulas.angle_of(across, dot(normal, velocity)))
+    let across = formulas.length(cross_product(normal, velocity));
+    Ok(formulas.angle_of(across, dot_product(normal, velocity)))
 }
 
 /// Sizes must be constants, positive but for the radius of a sphere, which may be zero.
@@ -227,9 +236,9 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
     let mut sound = true;
     for side in &contact.sides {
         let surface = &side.surface;
-        let may_vanish = matches!(surface, Surface::Sphere { .. });
+        let may_vanish = matches!(surface, ContactSurface::Sphere { .. });
         for (what, node) in surface.sizes() {
-            let message = match constant(node, &|n, s| names.constant(n, s)) {
+            let message = match constant_node(node, &|n, s| names.constant(n, s)) {
                 Ok(value) if value > 0.0 || (may_vanish && value == 0.0) => continue,
                 Ok(value) => {
                     let word = surface.word();
@@ -238,7 +247,7 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
                     } else {
                         "must be positive"
                     };
-                    let value_text = shown(value);
+                    let value_text = shown_number(value);
                     let message = format!("`{what}` of a {word} {allowed}, found {value_text}");
                     let diagnostic = Diagnostic::error(message).at(node.span.clone());
                     if what == "ring" && value == 0.0 {
@@ -255,7 +264,7 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
             sound = false;
         }
     }
-    if sound && contact.is_of_spheres() && radii(contact, names) == 0.0 {
+    if sound && contact.is_of_spheres() && radius_sum(contact, names) == 0.0 {
         let message = "two points cannot touch in one equation: one of the spheres needs a radius";
         diagnostics.push(Diagnostic::error(message).at(contact.name.span.clone()));
         return false;
@@ -264,35 +273,40 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
 }
 
 /// Sum of the radii of two spheres in the file.
-fn radii(contact: &ParsedContact, names: &Names) -> f64 {
+fn radius_sum(contact: &ParsedContact, names: &Names) -> f64 {
     sizes_of(contact)
-        .map(|node| value(node, names).number())
+        .map(|node| constant_value(node, names).number())
         .sum()
 }
 
 /// The same as a formula: a study may vary them.
-fn sum_of_radii<'l>(formulas: &'l Formulas, contact: &ParsedContact, names: &Names) -> Term<'l> {
-    let radii = sizes_of(contact).map(|node| size(formulas, node, names));
-    radii.fold(Term::Constant(Constant::exact(0.0)), |sum, radius| {
-        sum + radius
-    })
+fn sum_of_radii<'l>(
+    formulas: &'l Formulas,
+    contact: &ParsedContact,
+    names: &Names,
+) -> SymbolicTerm<'l> {
+    let radii = sizes_of(contact).map(|node| formula_size(formulas, node, names));
+    radii.fold(
+        SymbolicTerm::Constant(Constant::exact(0.0)),
+        |sum, radius| sum + radius,
+    )
 }
 
 /// The sizes of both surfaces.
-fn sizes_of(contact: &ParsedContact) -> impl Iterator<Item = &Node> {
+fn sizes_of(contact: &ParsedContact) -> impl Iterator<Item = &FormulaNode> {
     let sizes = contact.sides.iter().flat_map(|side| side.surface.sizes());
     sizes.map(|(_, node)| node)
 }
 
 /// A size that is known to be sound, as a formula.
-fn size<'l>(formulas: &'l Formulas, node: &Node, names: &Names) -> Term<'l> {
-    match compile(node, &|n, s| names.coordinate(n, s)) {
+fn formula_size<'l>(formulas: &'l Formulas, node: &FormulaNode, names: &Names) -> SymbolicTerm<'l> {
+    match compile_formula(node, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => formulas.inline(&expression),
-        Err(_) => Term::Constant(value(node, names)),
+        Err(_) => SymbolicTerm::Constant(constant_value(node, names)),
     }
 }
 
 /// A size that is known to be sound.
-fn value(node: &Node, names: &Names) -> Constant {
+fn constant_value(node: &FormulaNode, names: &Names) -> Constant {
     exact_constant(node, &|n, s| names.constant(n, s)).unwrap_or_default()
 }

@@ -5,15 +5,15 @@
 //! where the second surface's frame stands: `w2` is zero. If nothing shifts the frames along the axes, `w1` is known too,
 //! and what is left is a planar loop.
 
-use super::super::super::contacts::Surface;
+use super::super::super::contacts::ContactSurface;
 use super::super::super::formula::chain::Factor;
-use super::super::joints::Joints;
+use super::super::joints::FoldedJoints;
 use super::super::names::Names;
 use super::super::parsed::Parsed;
 use super::chains::ParsedContact;
 use crate::diag::Diagnostics;
 use crate::math::Pose;
-use crate::model::chain::{Motion, Step};
+use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
 use crate::model::joints::EXACT;
 use crate::model::mechanism::AngleUnit;
@@ -29,10 +29,10 @@ struct Arrangement {
 }
 
 /// Makes constants of those unknowns of contacts that parallel axes leave no choice.
-pub fn settle(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
+pub fn settle_parallel(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
     let mut settled: Vec<(String, Constant)> = Vec::new();
     for contact in &parsed.contacts {
-        let Some(arrangement) = arrangement(contact, names, unit) else {
+        let Some(arrangement) = axis_arrangement(contact, names, unit) else {
             continue;
         };
         let zero = Constant::exact(0.0);
@@ -56,29 +56,37 @@ pub fn settle(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
 }
 
 /// From the frame of one cylinder in contact to that of the other; `None` unless both surfaces are cylinders.
-pub fn across(contact: &ParsedContact) -> Option<Vec<Factor>> {
+pub fn factors_across(contact: &ParsedContact) -> Option<Vec<Factor>> {
     let [first, second] = &contact.sides;
     let both = [&first.surface, &second.surface];
-    let are_cylinders = both.iter().all(|s| matches!(s, Surface::Cylinder { .. }));
+    let are_cylinders = both
+        .iter()
+        .all(|s| matches!(s, ContactSurface::Cylinder { .. }));
     let back = first.frame.iter().rev().cloned().map(Factor::inverse);
     are_cylinders.then(|| back.chain(second.frame.iter().cloned()).collect())
 }
 
 /// `None` unless both surfaces are cylinders and all rotations from one to the other are about their axes.
-fn arrangement(contact: &ParsedContact, names: &Names, unit: &AngleUnit) -> Option<Arrangement> {
+fn axis_arrangement(
+    contact: &ParsedContact,
+    names: &Names,
+    unit: &AngleUnit,
+) -> Option<Arrangement> {
     // What is wrong with a chain is said where it is resolved.
-    let mut joints = Joints::new(names, unit);
-    let chain = joints.chain(&across(contact)?, &mut Diagnostics::default())?;
+    let mut joints = FoldedJoints::new(names, unit);
+    let chain = joints.chain(&factors_across(contact)?, &mut Diagnostics::default())?;
     // Rotations about the axis change neither its direction nor those of the other rotations' axes along it, so one pose
     // shows whether all are along it: that at which nothing is turned or shifted.
     let mut frame = FixedPose::exact(Pose::IDENTITY);
     let (mut is_parallel, mut is_shifted) = (true, false);
     for step in &chain.steps {
         match *step {
-            Step::Fixed(pose) => frame = frame * pose,
-            Step::Joint { motion, axis, .. } => match motion {
-                Motion::Rotation => is_parallel &= is_along(frame.rotation.col(axis)),
-                Motion::Translation => is_shifted |= frame.rotation.col(axis).z.abs() > EXACT,
+            ChainStep::Fixed(pose) => frame = frame * pose,
+            ChainStep::Joint { motion, axis, .. } => match motion {
+                ElementaryMotion::Rotation => is_parallel &= is_along(frame.rotation.col(axis)),
+                ElementaryMotion::Translation => {
+                    is_shifted |= frame.rotation.col(axis).z.abs() > EXACT
+                }
             },
         }
     }
