@@ -115,6 +115,7 @@ pub fn study_precision(
 ) -> Result<PrecisionStudy, StudyError> {
     let mechanism = system.mechanism();
     let times = even_instants(actuation.duration, poses);
+    // The truth: proved poses, and the points that are compared.
     let reference = Reference::new(system, actuation, times);
     let mut truth = Vec::with_capacity(poses + 1);
     for (time, pose) in reference.times.iter().zip(&reference.poses) {

@@ -266,6 +266,7 @@ fn excluded_report(
 /// reported is where it is farthest from touching.
 fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
     let size = motion.system.mechanism().size;
+    // At the samples: contact means a distance of 0 to within the tolerance of poses.
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
     sweep.sampled(motion, &samples, Some(&mut distances))?;
@@ -287,6 +288,7 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
             left_out: Vec::new(),
         });
     }
+    // Between them: the distance is enclosed over the proved motion.
     let contact = sweep.contact_over(motion);
     let mut judgement = if contact.is_within(AT_LEAST * size) {
         Judgement::kept(contact.is_certified)

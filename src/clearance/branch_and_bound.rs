@@ -164,6 +164,7 @@ impl PairSweep<'_> {
         best: &mut Best,
     ) {
         while let Some(piece) = search.open.pop() {
+            // Depth first; what a piece cannot fall below is compared with what is asked now.
             search.looks += 1;
             let goals = [self.value_of(motion, goal, best), self.target(best)];
             let look = self.look(motion, &piece, goals);
@@ -176,6 +177,7 @@ impl PairSweep<'_> {
             let is_open = look.lowest < self.value_of(motion, goal, best)
                 && look.lowest > f64::NEG_INFINITY
                 && search.looks < most;
+            // Halved while the halves may be bounded better.
             match is_open
                 .then(|| split_piece(motion, &piece, &look))
                 .flatten()
@@ -222,12 +224,14 @@ impl PairSweep<'_> {
         [goal, last]: [f64; 2],
     ) -> BoundGoal {
         let stretch = &motion.stretches[piece.stretch];
+        // The pose in the middle, with what the bodies can move within the piece.
         let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
         let moved = self.chain.around(arguments, s, half);
         let ball = self.hulls[1].ball;
         let fastest = moved.distance(ball);
         // From both ends, each for the half that is nearer to it.
         let from_ends = piece.ends - fastest - moved.bending(ball) - moved.deviation(ball);
+        // Bounding balls; enough for pairs that are far apart.
         let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
         let lowest = from_ends.max(far);
         if lowest >= goal {
@@ -238,6 +242,7 @@ impl PairSweep<'_> {
                 near: piece.near.clone(),
             };
         }
+        // Element by element: only those that could come below `last` are kept for the halves.
         let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
         let (mut lowest, mut nearest) = (f64::INFINITY, f64::INFINITY);
         let mut left: Vec<[usize; 2]> = Vec::new();
@@ -259,6 +264,7 @@ impl PairSweep<'_> {
                 left.extend((far < last).then_some([i, j]));
                 return;
             }
+            // The distance in the middle, and a bound of the second order over the piece.
             let meeting = Meeting::new(first, second, mine, &moved);
             nearest = nearest.min(meeting.found.distance);
             let below = match (&back, &mine.core) {

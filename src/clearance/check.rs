@@ -162,12 +162,14 @@ impl Selection {
         let joints = &motion.system.mechanism().joints;
         let is_rigid = |[a, b]: &[usize; 2]| joints.are_rigid(*a, *b);
         let is_shaped = |pair: &[usize; 2]| pair.iter().all(|k| hulls[*k].is_some());
+        // Few pairs: all of them one by one.
         let phase = BroadPhase::new(motion, hulls);
         let [all, rigid] = phase.counts();
         if all <= wanted {
             selection.pairs = all_pairs(hulls.len()).filter(is_shaped).collect();
             return selection;
         }
+        // Many: those that rules name, and those that the broad phase finds near.
         let mut looked_at = named_pairs(rules);
         looked_at.retain(is_shaped);
         let far = (all - rigid > wanted).then(|| phase.near(rules.largest_minimum(), wanted));
@@ -178,6 +180,7 @@ impl Selection {
                 looked_at.extend(all_pairs(hulls.len()).filter(|p| is_shaped(p) && !is_rigid(p)))
             }
         }
+        // All others are counted: rigid ones, ignored ones, far ones.
         let rigid = rigid - looked_at.iter().filter(|p| is_rigid(p)).count();
         selection.count(Judgement::Neighbours(Neighbours::Rigid.words()), rigid);
         let is_other =

@@ -109,6 +109,7 @@ impl PairSweep<'_> {
                 } else {
                     HALVINGS
                 };
+                // Within what was asked, or halved often enough.
                 let ends = looks >= MOST_LOOKS || contact.broken.is_some();
                 let is_settled = is_within(allowed) || depth >= most + longer || ends;
                 let look = BoundGoal {

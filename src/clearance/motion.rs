@@ -145,6 +145,7 @@ impl<'m> ProvedMotion<'m> {
             pose_error: pose_error(mechanism.size, trajectory),
             anew: HashSet::new(),
         };
+        // Samples with poses in a row are joined by proved stretches; anything else begins anew.
         let mut last: Option<usize> = None;
         for (k, sample) in trajectory.samples.iter().enumerate() {
             let here = sample.pose.as_ref().map(|pose| {
@@ -288,6 +289,7 @@ impl<'m> ProvedMotion<'m> {
         let [start, end] = ends.map(|k| self.instants[k].time);
         let middle = self.between(ends[0], ends[1], 0.5 * (start + end))?;
         let [a, b, c] = [ends[0], middle, ends[1]].map(|k| &self.instants[k].arguments);
+        // A parabola through both ends and the middle.
         let of = |k: usize| {
             let (way, bend) = (
                 0.5 * (c[k].value - a[k].value),

@@ -61,6 +61,7 @@ pub fn joint_neighbours(
     let place = place_of(joints, joint, &instant.arguments);
     let [world_from_a, world_from_b] = [a, b].map(|body| instant.bodies[body]);
     let a_from_b = world_from_a.inverse() * world_from_b;
+    // At the first pose: elements that touch at the joint itself.
     let mut touching = Vec::new();
     for (i, first) in hulls[0].elements.iter().enumerate() {
         for (j, mine) in hulls[1].elements.iter().enumerate() {

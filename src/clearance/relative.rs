@@ -111,6 +111,7 @@ impl Carried for MovingBody {
     }
 
     fn turn(&mut self, axis: usize, sign: f64, by: &TaylorModel) {
+        // The angle over the piece: linear part, bend, and what is off.
         let by = by.around(self.s, self.half);
         let way = by.way.abs();
         let play = way + by.bend.abs() + by.off;
@@ -118,6 +119,7 @@ impl Carried for MovingBody {
         let unit = moved.pose.rotation.col(axis) * sign;
         let spin = unit * by.way;
         let origin = moved.pose.translation;
+        // The rotation to second order, and a bound of all higher ones.
         let turn = cross_matrix(spin);
         let second =
             cross_matrix(unit * by.bend) + turn * turn * 0.5 + cross_matrix(moved.spin) * turn;

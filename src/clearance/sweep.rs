@@ -238,6 +238,7 @@ impl<'a> PairSweep<'a> {
     ) -> Option<Best> {
         let mut best: Option<Best> = None;
         let mut track = PairTrack::new(self.hulls, &self.left_out);
+        // Pairs whose bound is above the least distance so far are left out.
         for &instant in instants {
             let least = best.as_ref().map(|b| b.found.proximity.distance);
             let limit = match (&distances, least) {
@@ -293,6 +294,7 @@ impl<'a> PairSweep<'a> {
         let a_from_b = self.relative(motion, best.instant);
         let instant = &motion.instants[best.instant];
         let world_from_a = instant.bodies[self.bodies[0]];
+        // The two elements as the first body sees them.
         let [i, j] = found.elements;
         let (first, second) = (
             &self.hulls[0].elements[i],

@@ -51,6 +51,7 @@ impl<'a> PairTrack<'a> {
         let count = self.lower.len();
         let others = (0..count).filter(|k| *k != self.nearest);
         for k in std::iter::once(self.nearest).chain(others.collect::<Vec<_>>()) {
+            // Bounds from the last pose leave out most pairs; separating directions that worked are tried again.
             let limit = best.map_or(limit, |b| b.proximity.distance);
             if k >= count || self.lower[k] >= limit {
                 continue;

@@ -327,6 +327,7 @@ impl Element {
 
 /// The elements of a body's shapes, in the body's frame. Translucent shapes count like all others.
 pub fn shape_elements(shapes: &[Shape]) -> Vec<Element> {
+    // Every solid is one or more primitives grown by a radius.
     let mut list = Vec::new();
     for (index, shape) in shapes.iter().enumerate() {
         let mut add = |core: Primitive, radius: f64| {

@@ -222,6 +222,7 @@ pub fn nearest_to_mesh(tree: &MeshTree, pose: &Pose, other: &Primitive) -> CoreP
                 turned: DVec3::ZERO,
                 along: 0.0,
             };
+            // A first pair: the corners that reach farthest towards each other.
             let across = pose.transform_point(second.bounds().0) - tree.bounds().0;
             let ahead = tree.highest(0, across).triangle;
             let back = second

@@ -95,6 +95,7 @@ pub fn is_inside(a: &Element, b: &Element) -> bool {
     if let Primitive::HalfSpace(half) = &b.core {
         return half_space::encloses_core(half, &a.core, a.radius);
     }
+    // The farthest point of the first from the second's core decides.
     let farthest = match (&a.core, &b.core) {
         (Primitive::HalfSpace(_), _) | (_, Primitive::HalfSpace(_)) => return false,
         (_, Primitive::Mesh(..)) | (Primitive::Mesh(..), _) => return false,

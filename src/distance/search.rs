@@ -70,6 +70,7 @@ pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> CurveSpot) -> Option
             };
             return Some(refine_valley(a, b, &f));
         }
+        // A little beyond where the slope would vanish.
         let vanishes = next.slope * (next.at - here.at) / (here.slope - next.slope);
         step = (BEYOND * vanishes.abs()).clamp(step, 8.0 * step);
         here = next;
@@ -103,6 +104,7 @@ pub fn minima_on_circle(
     let spots: Vec<CurveSpot> = (0..=FINEST).map(spot).collect();
     let mut pieces: Vec<[CurveSpot; 2]> = spots.windows(2).map(|two| [two[0], two[1]]).collect();
     let f = |angle: f64| f(angle, sin_cos(angle));
+    // Lipschitz: between two spots the value cannot fall below this.
     let hides = |[a, b]: &[CurveSpot; 2]| {
         let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
         lowest < limit
@@ -115,6 +117,7 @@ pub fn minima_on_circle(
         });
         pieces = halves.filter(hides).collect();
     }
+    // A slope that changes its sign has a minimum between.
     let dips = pieces
         .into_iter()
         .filter(|[a, b]| a.slope <= 0.0 && b.slope > 0.0);
@@ -238,6 +241,7 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
             is_slow = width > 0.5 * width_before;
             width_before = width;
         }
+        // Secant of the slope; bisection where it leaves the bracket or the bracket shrinks too slowly.
         let curvature = (last.slope - before.slope) / (last.at - before.at);
         let secant = last.at - last.slope / curvature;
         let inside = secant > a.at && secant < b.at;
@@ -254,6 +258,7 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
         if done || width <= 4.0 * f64::EPSILON * (a.at.abs() + b.at.abs()) {
             return if spot.value <= best.value { spot } else { best };
         }
+        // The sign of the slope says on which side the minimum is.
         if spot.slope < 0.0 {
             a = spot;
         } else {

@@ -50,6 +50,7 @@ impl Shells {
     pub fn new(soup: &TriangleSoup) -> Self {
         let corner = |k: u32| soup.vertices.get(k as usize).copied().unwrap_or_default();
         let mut triangles: Vec<[DVec3; 3]> = soup.triangles.iter().map(|t| t.map(corner)).collect();
+        // Triangles that share edges; corners nearly at one place are welded if edges stay open.
         let mut surface = ShellSurface::new(soup);
         if !surface.open_edges().is_empty() {
             surface.weld(&soup.vertices);
@@ -60,10 +61,12 @@ impl Shells {
             .iter()
             .filter_map(|list| triangles.get(*list.first()?));
         let points = points.map(|t| t[0]).collect();
+        // What is still open may be flaps on closed shells.
         let mut flaps = Vec::new();
         if open_edges > 0 && surface.close(&mut triangles, &soup.vertices, &mut flaps) {
             open_edges = 0;
         }
+        // A closed mesh has an inside; the sign of its volume says whether it is inside out.
         let is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
         let enclosure = match (soup.is_surface, is_hollow) {
             (true, _) => ShellEnclosure::Surface,
@@ -245,6 +248,7 @@ impl ShellSurface {
     /// The triangles of every connected part.
     fn parts(&self) -> Vec<Vec<usize>> {
         let count = self.triangles.iter().flatten().max().map_or(0, |k| k + 1);
+        // Union and find over the corners.
         let mut root: Vec<usize> = (0..count).collect();
         fn find(root: &mut [usize], mut k: usize) -> usize {
             while root[k] != k {

@@ -158,6 +158,7 @@ pub fn to_segment(corners: &TriangleCorners, ends: &[DVec3; 2]) -> CorePair {
 /// Nearest points of two triangles.
 pub fn to_triangle(a: &TriangleCorners, b: &TriangleCorners) -> CorePair {
     let mut best = NearestFeature::FAR;
+    // Edge against edge; where the third corners lie beyond the two planes, this is the nearest pair.
     for [i, j, third] in EDGES {
         for [k, l, other] in EDGES {
             let near = of_segments([a[i], a[j]], [b[k], b[l]]);
@@ -174,6 +175,7 @@ pub fn to_triangle(a: &TriangleCorners, b: &TriangleCorners) -> CorePair {
             }
         }
     }
+    // An edge through the other triangle: they cut.
     let normals = [normal_of(a), normal_of(b)];
     let cut = |of: &TriangleCorners, normal: DVec3, other: &TriangleCorners| {
         let edges = EDGES.map(|[i, j, _]| [other[i], other[j]]);
@@ -184,6 +186,7 @@ pub fn to_triangle(a: &TriangleCorners, b: &TriangleCorners) -> CorePair {
     if let Some(point) = cut(a, normals[0], b).or_else(|| cut(b, normals[1], a)) {
         return NearestFeature::cut(point).pair();
     }
+    // Corner over face, both ways.
     for k in 0..3 {
         best = best.nearer(over_face(a, normals[0], b[k]).unwrap_or(NearestFeature::FAR));
         let back = over_face(b, normals[1], a[k]).unwrap_or(NearestFeature::FAR);
@@ -267,6 +270,7 @@ fn inside_box(from: DVec3, to: DVec3, half: DVec3) -> Option<DVec3> {
 /// where a coordinate enters or leaves the box; its slope rises all along the edge.
 fn on_edge(from: DVec3, to: DVec3, half: DVec3) -> DVec3 {
     let span = to - from;
+    // Half the derivative of the squared distance to the box: piecewise linear and rising.
     let slope = |t: f64| {
         let point = from + span * t;
         (point - point.clamp(-half, half)).dot(span)
@@ -278,6 +282,7 @@ fn on_edge(from: DVec3, to: DVec3, half: DVec3) -> DVec3 {
     if high.1 <= 0.0 {
         return to;
     }
+    // Its kinks are where the edge crosses the planes of the sides; the zero lies between two of them.
     for k in 0..3 {
         for side in [-half[k], half[k]] {
             let t = (side - from[k]) / span[k];

@@ -138,6 +138,7 @@ fn invert_fixed<const G: usize>(
     let mut pivots = Pivots::NONE;
     for k in 0..rows.len() {
         let (group, lane) = (k / 4 % G, k % 4);
+        // Partial pivoting: the largest entry of the column that is left.
         let (mut place, mut largest) = (k, rows[k][group][lane].abs());
         for (i, row) in (k + 1..).zip(&rows[k + 1..]) {
             let size = row[group][lane].abs();
@@ -153,6 +154,7 @@ fn invert_fixed<const G: usize>(
         }
         exchange_rows(rows, k, place);
         order.swap(k, place);
+        // The pivot's row becomes a row of the inverse; the column is cleared above and below it.
         let reciprocal = 1.0 / value;
         let (above, rest) = rows.split_at_mut(k);
         let Some((own, below)) = rest.split_first_mut() else {

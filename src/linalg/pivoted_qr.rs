@@ -150,6 +150,7 @@ impl PivotedQr {
                 add_scaled(self.unit.row_mut(i), -v, &self.scratch);
             }
         }
+        // Back substitution with R, all right sides at once.
         for k in (0..n).rev() {
             let (above, below) = self.unit.split_at_row(k + 1);
             let row = &mut above[k * stride..];
@@ -160,6 +161,7 @@ impl PivotedQr {
             let reciprocal = 1.0 / self.factors.at(k, k);
             scale_lanes(&mut row[..stride], reciprocal);
         }
+        // Undo the exchange of columns.
         inverse.reset(n, m);
         for k in 0..n {
             inverse

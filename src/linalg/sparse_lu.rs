@@ -171,6 +171,7 @@ impl SparseLu {
         self.ends.clear();
         let mut pivots = Pivots::NONE;
         for _ in 0..n {
+            // The column with the fewest entries left fills the least.
             let column = (0..n).min_by_key(|j| self.counts[*j])?;
             let (row, value) = self.pivot_of(column)?;
             if !pivots.take(value, false, ratio) {

@@ -50,6 +50,7 @@ pub fn minimise_bfgs(
     let mut iterations = 0;
     let mut is_fresh = true;
     let ended = loop {
+        // Projected gradient: variables at a bound that they push against are held.
         let free = search.free(&here);
         let steepest = (0..x.len()).filter(|k| free[*k]);
         let largest = steepest.fold(0.0_f64, |m, k| m.max(here.gradient[k].abs()));
@@ -60,6 +61,7 @@ pub fn minimise_bfgs(
             break Ended::OutOfBudget;
         }
         iterations += 1;
+        // Quasi-Newton direction; where it does not descend, the memory is dropped.
         let mut direction = inverse.times(&here.gradient, &free);
         let slope: f64 = direction
             .iter()
@@ -84,6 +86,7 @@ pub fn minimise_bfgs(
                 .iter_mut()
                 .for_each(|d| *d *= limits.first_step / length);
         }
+        // Line search, then the update of the inverse Hessian.
         match search.line(&here, &direction) {
             Some(next) => {
                 inverse.update(&here, &next, &free, is_fresh);
@@ -169,6 +172,7 @@ impl BfgsSearch<'_> {
                 .collect();
             let place = self.unscaled(&scaled);
             let trial = self.at(&place);
+            // Armijo: enough of what the slope promises. Wolfe below: the slope must have flattened.
             let gained = trial.as_ref().is_some_and(|t| {
                 let promised: f64 = (0..here.x.len())
                     .map(|k| here.gradient[k] * (t.x[k] - here.x[k]))
@@ -191,6 +195,7 @@ impl BfgsSearch<'_> {
                 }
                 _ => high = share,
             }
+            // Doubled until it is too far, then halved.
             share = if high.is_finite() {
                 0.5 * (low + high)
             } else {

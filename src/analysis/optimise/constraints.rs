@@ -93,6 +93,7 @@ pub fn minimise_constrained(
     tolerance: f64,
     run: &mut dyn FnMut(&mut dyn Objective, &[f64]) -> Minimum,
 ) -> Minimum {
+    // The penalty begins as heavy as the objective is large.
     let first = inner.values(start).map_or(1.0, |v| v[0].abs());
     let mut penalised = Penalised {
         inner,
@@ -119,6 +120,7 @@ pub fn minimise_constrained(
         if scales.is_empty() || idle || penalised.stopped {
             break;
         }
+        // First-order update of the multipliers; it settles when they stop changing.
         let settled = (0..scales.len()).all(|k| {
             let next = (penalised.multipliers[k] + penalised.weight * scaled[k]).max(0.0);
             let change = (next - penalised.multipliers[k]).abs();
@@ -128,6 +130,7 @@ pub fn minimise_constrained(
         if violation <= tolerance && settled {
             break;
         }
+        // A violation that does not shrink needs a heavier penalty.
         if violation > LESSENED * worst {
             penalised.weight *= HEAVIER;
         }

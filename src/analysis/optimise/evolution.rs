@@ -37,6 +37,7 @@ pub fn minimise_by_evolution(
         let value = objective.value(x);
         if value.is_nan() { f64::INFINITY } else { value }
     };
+    // First generation: the start, and draws from the box. Every member has a stream of its own.
     let members = limits.members.max(4);
     let mut population: Vec<(Vec<f64>, f64)> = Vec::with_capacity(members);
     for member in 0..members {
@@ -53,6 +54,7 @@ pub fn minimise_by_evolution(
     }
     let mut ended = Ended::OutOfBudget;
     let mut made = 0;
+    // Each member meets one trial point; the better one stays.
     for generation in 1..=limits.generations {
         made = generation;
         let best = best_of(&population);
@@ -69,6 +71,7 @@ pub fn minimise_by_evolution(
             ended = Ended::Stopped;
             break;
         }
+        // Converged where all members are equally good.
         let worst = population
             .iter()
             .fold(f64::NEG_INFINITY, |m, (_, v)| m.max(*v));
@@ -109,9 +112,11 @@ fn trial_point(
             return index;
         }
     };
+    // Three other members: a base, and a difference to add to it.
     let (a, b, c) = (other(), other(), other());
     let base = if random.unit() < 0.5 { best } else { a };
     let factor = DIFFERENCE[0] + (DIFFERENCE[1] - DIFFERENCE[0]) * random.unit();
+    // Crossover; one variable at least changes.
     let forced = ((random.unit() * n as f64) as usize).min(n - 1);
     let mut x = population[member].0.clone();
     for (k, x) in x.iter_mut().enumerate() {

@@ -129,6 +129,7 @@ pub fn minimise_largest(
     let Some((mut heights, mut slopes)) = landscape.slopes(&x) else {
         return result;
     };
+    // The exact penalty: limits weigh so much that breaking one cannot pay.
     let weight = WEIGHT * trust_unit(merit_value(&heights, 0.0), &slopes, scales, search.radius);
     let mut curvature = Curvature::none(x.len());
     let mut radius = search.radius;
@@ -145,6 +146,7 @@ pub fn minimise_largest(
             break Ended::Stopped;
         }
         result.iterations += 1;
+        // The model: linear peaks and limits, the learnt curvature, and the edges found so far.
         let place = MinimaxPoint {
             x: &x,
             edges: &edges,
@@ -160,6 +162,7 @@ pub fn minimise_largest(
             radius *= SHRINK;
             continue;
         };
+        // What the model foresees; with less than the tolerance of it nothing is left to gain.
         let promise = here - step.merit;
         if promise <= search.tolerance * here.abs() {
             break Ended::Converged;
@@ -170,6 +173,7 @@ pub fn minimise_largest(
             None => f64::NEG_INFINITY,
         };
         let there = landscape.heights(&step.x);
+        // Second-order correction: where the step disappoints, the constraints are taken as they bend there.
         let (mut next, mut gained) = (step.x.clone(), gain(&there));
         if landscape.is_stopped() {
             break Ended::Stopped;
@@ -186,6 +190,7 @@ pub fn minimise_largest(
         if gained > TAKEN {
             result.gradients += 1;
             let Some((new_heights, new_slopes)) = landscape.slopes(&next) else {
+                // No gradient there: an edge of the region where the mechanism assembles. It is remembered as a cut.
                 edges.extend(landscape.edge(&next));
                 if edges.len() > MOST_EDGES {
                     edges.pop_front();
@@ -193,6 +198,7 @@ pub fn minimise_largest(
                 radius *= SHRINK;
                 continue;
             };
+            // BFGS on the Lagrangian, with the multipliers of this step.
             let moved: Vec<f64> = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]).collect();
             let turn = |slopes: &PeakGradients| step.pull(slopes, scales);
             let change = turn(&new_slopes) - turn(&slopes);
@@ -204,6 +210,7 @@ pub fn minimise_largest(
                 break Ended::Stopped;
             }
         }
+        // Trust region: wider where the model is right, narrower where it is not.
         if gained > GOOD {
             radius *= GROW;
         } else if gained < POOR {
@@ -328,6 +335,7 @@ impl MinimaxPoint<'_> {
         let n = self.x.len();
         let [peaks, limits] = self.relevant(heights, radius);
         let count = peaks.len() + limits.len() + self.edges.len() + 1 + 2 * n;
+        // Unknowns of the programme: the scaled step, the largest peak, the excess over the limits.
         let (top, excess) = (n, n + 1);
         let limit_unit = self.unit / self.weight;
         let mut rows = DMatrix::zeros(count, n + 2);
@@ -347,6 +355,7 @@ impl MinimaxPoint<'_> {
         let edges = self.edges.iter();
         let listed =
             listed.chain(edges.map(|edge| (edge.at(self.x), &edge.slope, limit_unit, excess)));
+        // A row for every peak and limit: linearised, it stays below its top.
         for (value, slope, unit, under) in listed {
             for k in 0..n {
                 rows[(row, k)] = slope[k] * self.scales[k] * radius / unit;
@@ -355,8 +364,10 @@ impl MinimaxPoint<'_> {
             ends[row] = -value / unit;
             row += 1;
         }
+        // The excess is not negative.
         rows[(row, excess)] = -1.0;
         row += 1;
+        // The trust region and the bounds of the variables.
         for k in 0..n {
             let room = |bound: f64| (bound - self.x[k]) / (self.scales[k] * radius);
             rows[(row, k)] = 1.0;
@@ -365,6 +376,7 @@ impl MinimaxPoint<'_> {
             ends[row + 1] = (-room(self.bounds.lower[k])).clamp(0.0, 1.0);
             row += 2;
         }
+        // The objective: curvature of the Lagrangian, a little stiffness, and the two tops.
         let mut bend = DMatrix::zeros(n + 2, n + 2);
         let known = &self.curvature.matrix * (radius * radius / self.unit);
         bend.view_mut((0, 0), (n, n)).copy_from(&known);
@@ -373,6 +385,7 @@ impl MinimaxPoint<'_> {
         }
         let mut cost = DVector::zeros(n + 2);
         (cost[top], cost[excess]) = (1.0, 1.0);
+        // A point that satisfies every row strictly, to start from.
         let mut start = DVector::zeros(n + 2);
         start[top] = largest_value(&heights.peaks) / self.unit + 0.1;
         start[excess] = largest_value(&heights.limits).max(0.0) / limit_unit + 0.1;
@@ -387,6 +400,7 @@ impl MinimaxPoint<'_> {
             .map(|k| self.x[k] + self.scales[k] * radius * answer.point[k].clamp(-1.0, 1.0))
             .collect();
         self.bounds.clamp(&mut next);
+        // The multipliers of the rows, which weigh the gradients in the Lagrangian.
         let held = |list: &[usize], first: usize, unit: f64| -> Vec<(usize, f64)> {
             let pairs = list.iter().enumerate();
             pairs

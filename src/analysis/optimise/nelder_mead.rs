@@ -115,6 +115,7 @@ impl SimplexSearch<'_> {
     fn improve(&mut self, simplex: &mut [SimplexCorner]) {
         let last = simplex.len() - 1;
         let count = last as f64;
+        // The centre of all corners but the worst.
         let centre: Vec<f64> = (0..last)
             .map(|k| simplex[..last].iter().map(|(x, _)| x[k]).sum::<f64>() / count)
             .collect();
@@ -123,6 +124,7 @@ impl SimplexSearch<'_> {
             let pairs = centre.iter().zip(&worst.0);
             pairs.map(|(c, w)| c + share * (c - w)).collect()
         };
+        // Reflect the worst one, and expand where that is the best of all.
         let reflected = self.corner(along(REFLECTION));
         if reflected.1 < simplex[0].1 {
             let expanded = self.corner(along(REFLECTION * EXPANSION));
@@ -137,6 +139,7 @@ impl SimplexSearch<'_> {
             simplex[last] = reflected;
             return;
         }
+        // Contract outside or inside.
         let outside = reflected.1 < worst.1;
         let share = if outside { CONTRACTION } else { -CONTRACTION };
         let contracted = self.corner(along(share));
@@ -149,6 +152,7 @@ impl SimplexSearch<'_> {
             simplex[last] = contracted;
             return;
         }
+        // Nothing helped: shrink towards the best corner.
         let best = simplex[0].0.clone();
         for corner in &mut simplex[1..] {
             let pairs = best.iter().zip(&corner.0);

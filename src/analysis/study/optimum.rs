@@ -86,6 +86,7 @@ pub fn find_optimum(
     }
     let first_value = search.value();
     let limits = search.constraint_scales();
+    // The minimiser without constraints; those with limits call it in rounds.
     let mut run = |objective: &mut dyn Objective, x: &[f64]| -> Minimum {
         let newton = |objective: &mut dyn Objective, x: &[f64], tolerance: f64| {
             let limits = bfgs::BfgsLimits {
@@ -115,6 +116,7 @@ pub fn find_optimum(
                     value_tolerance: tolerance,
                 };
                 let found = evolution::minimise_by_evolution(objective, x, &bounds, limits);
+                // Differential evolution finds the valley, BFGS its bottom.
                 let refined = newton(objective, &found.x, tolerance);
                 let total = Minimum {
                     iterations: found.iterations + refined.iterations,
@@ -129,6 +131,7 @@ pub fn find_optimum(
             }
         }
     };
+    // Augmented Lagrangian where there are limits.
     let start = family.start();
     let minimum = if limits.is_empty() {
         run(&mut search, &start)

@@ -61,6 +61,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
                 "minimax needs an objective that takes \"max\" or \"largest\" over a track";
             return Err(FamilyError::Lacks(message.to_owned()));
         };
+        // The rows of the objective, and of every limit that is an extreme over a track.
         let (mut rows, mut singles) = (vec![peaks], Vec::new());
         for (index, measure) in measures.iter().enumerate() {
             for (bound, sign) in [(measure.max, 1.0), (measure.min, -1.0)] {
@@ -74,6 +75,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
                 }
             }
         }
+        // Regularity at the start says how near to singular poses the search may go.
         let base = evaluator.settled(start);
         let here = row_nearness(family, &base.poses, 1.0, 0.0)
             .values
@@ -163,6 +165,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         x: &[f64],
         with_slopes: bool,
     ) -> Result<Option<(PeakValues, PeakGradients)>, Rejection> {
+        // All poses of the tracks with these dimensions, from the nearest set that is known.
         let stand = if with_slopes {
             self.evaluator.reach(&self.base, x)?
         } else {
@@ -178,6 +181,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             self.guarded += 1;
             return Ok(None);
         }
+        // The peaks of the objective first, then the limits row by row.
         let family = self.evaluator.family();
         let mut lists = list_rows(family, &self.rows, &stand.poses, with_slopes).into_iter();
         let Listed { values, slopes } = lists.next().unwrap_or_default();
@@ -189,6 +193,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             peaks: slopes,
             limits: Vec::new(),
         };
+        // Regularity is a limit as well: no pose may come near a singular one.
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
         let regular = row_nearness(family, &stand.poses, self.least_sigma, near);
         for mut list in lists.chain([regular]) {
@@ -208,6 +213,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         if with_slopes {
             self.excess = excess;
         }
+        // The best set so far is where the next ones are followed from.
         let merit = largest(&heights.peaks) + excess;
         if with_slopes || merit < self.base_merit {
             self.base_merit = merit;

@@ -51,11 +51,13 @@ pub fn synthesise_path(
         least_sigma: peaks.least_sigma(),
         sizes: search.scales(),
     };
+    // Starts in batches until there are enough or the time for searching is over.
     let mut starts: Vec<Start> = Vec::with_capacity(plan.starts + 1);
     while starts.len() < plan.starts && (starts.is_empty() || run.goes_on(Phase::Searching)) {
         let found = run.batch(&starts, plan.starts - starts.len());
         starts.extend(found);
     }
+    // The best of them are searched on to the end.
     let searched = starts.len();
     let stopped = !run.goes_on(Phase::Searching);
     let best = polishing::finish_polishing(&run, &mut starts);

@@ -145,6 +145,7 @@ impl SynthesisRun<'_> {
         let watch = |_: usize, _: &[f64], _: f64| true;
         let blank = Start::none(origin);
         let evaluator = Evaluator::new(family);
+        // The objective where the search begins.
         let first = evaluator.measure(&begun.stand).ok().and_then(|m| {
             let objective = family.study.objective?;
             m.measures.get(objective).copied()
@@ -153,6 +154,7 @@ impl SynthesisRun<'_> {
         let Ok(peaks) = Peaks::new(family, evaluator, begun.stand, Box::new(watch)) else {
             return blank;
         };
+        // Bodies that must not touch keep a point from being accepted.
         let guard = |stand: &TrackPoses| self.touching.depth(family, &stand.values, &stand.poses);
         let mut peaks = peaks
             .with_least_sigma(self.least_sigma)

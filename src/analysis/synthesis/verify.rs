@@ -67,6 +67,7 @@ impl Proof {
 /// # Errors
 /// A scene that cannot be read with these values, or has no motion.
 pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
+    // Solved anew on a finer grid than the search looked at.
     let mut scene = load_scene(source, overrides).map_err(Box::new)?;
     for track in &mut scene.measures.tracks {
         track.samples = FINER * (track.samples - 1) + 1;
@@ -90,6 +91,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         meeting: Vec::new(),
         pairs: 0,
     };
+    // Every pose proved, all of them on one branch.
     let mut branch: Option<&str> = None;
     for pose in trajectory.poses() {
         match pose.certificate.bounds() {
@@ -98,6 +100,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         }
         proof.one_branch &= *branch.get_or_insert(&pose.branch) == pose.branch;
     }
+    // A cycle must end where it began.
     let ends = [trajectory.samples.first(), trajectory.samples.last()];
     if let [Some(first), Some(last)] = ends
         && is_cyclic(mechanism, actuation)
@@ -112,6 +115,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         proof.closed = open.is_some_and(|d| d <= CLOSED * mechanism.size);
         proof.open = open;
     }
+    // Clearances over the whole motion, from fewer samples.
     if let Some(rules) = &scene.clearance {
         let times: Vec<f64> = (0..CLEARANCE_SAMPLES)
             .map(|k| actuation.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)

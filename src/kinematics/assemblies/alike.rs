@@ -60,6 +60,7 @@ impl<'s> Alike<'s> {
         let mechanism = self.mechanism;
         let arguments = mechanism.argument_values(coordinates);
         let lines = self.spins.lines(mechanism, coordinates);
+        // Poses of the links, less the angle of those that spin about a line of their own.
         let mut links = Vec::new();
         let mut still = Vec::new();
         for (link, line) in mechanism.joints.links.iter().zip(&lines).skip(1) {

@@ -222,6 +222,7 @@ pub fn describe_mode(
     for mut group in groups {
         let renamed_balls = group.rename(mechanism, system.balls(), &alike);
         let coordinates = &group.coordinates;
+        // Signs and singular values tell which branch this assembly is on.
         let state = match &chart {
             // Next to gimbal-locked angles signs and singular values are those of the rotations.
             Some(chart) if chart.is_needed(coordinates) => {

@@ -78,6 +78,7 @@ pub fn find_modes(
     let mut jobs = vec![Job::Scene];
     let (mut left, mut random) = (limit, 0);
     loop {
+        // What earlier rounds suggest comes first, then random starts.
         search.round(first, jobs, cancelled);
         if search.is_hopeless() {
             return search.finished(false);
@@ -85,6 +86,7 @@ pub fn find_modes(
         let others = search.derived.len().min(ROUND).min(left);
         left -= others;
         jobs = search.derived.drain(..others).collect();
+        // Good and Turing: the share of unseen assemblies, from those that were met once.
         let is_exhausted = random >= LEAST_RANDOM && search.unseen() < UNSEEN;
         if cancelled() || is_exhausted && jobs.is_empty() || left == 0 && jobs.is_empty() {
             return search.finished(is_exhausted);

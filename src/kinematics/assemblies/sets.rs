@@ -96,6 +96,7 @@ fn follow_set(
     let mut corrector = Corrector::new(system);
     let first = alike.place(pose).links;
     let (mut points, mut spacing, mut longest) = (vec![first.clone()], 0.0_f64, 0);
+    // Predictor and corrector along the set, forwards and backwards, until it closes or ends.
     'ways: for sense in [1.0, -1.0] {
         let turned = tangents
             .iter()

@@ -218,6 +218,7 @@ fn ball_of(
 ) -> Option<Ball> {
     let mut slots = [0; 3];
     let (mut factors, mut offsets) = ([0.0; 3], [0.0; 3]);
+    // Every angle must be one unknown times a factor, plus a constant.
     for (k, argument) in run.arguments().into_iter().enumerate() {
         let Argument::Affine(affine) = &mechanism.arguments[argument] else {
             return None;
@@ -227,6 +228,7 @@ fn ball_of(
         };
         (slots[k], factors[k], offsets[k]) = (slot, factor.number(), affine.constant.number());
     }
+    // All three unknowns belong to one block, which can be solved in the rotation instead.
     let of_slot = |slot: &usize| {
         let mut blocks = structure.blocks.iter();
         blocks.position(|b| b.unknowns.contains(slot))

@@ -104,6 +104,7 @@ impl<'m> Certifier<'m> {
             Err(Reason::Formula) => return self.certify_formulas([coordinates, rests], bases),
             Err(reason) => return Certificate::Refused { reason },
         };
+        // One Newton step from the proof; what rounding it leaves is added to the bound.
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
         for system in &self.prover.systems {
             for &slot in &system.unknowns {

@@ -73,6 +73,7 @@ fn of_block(
     let freedoms = columns - closed.of(block);
     let poses = closed.regular(block);
     let pose = poses[0];
+    // A basis of the motions that the loops allow, by elimination.
     let mut null = null_vectors(mechanism, block, pose, freedoms);
     eliminate_vectors(&mut null, |_| 1.0);
     let site = FreedomSite {
@@ -80,6 +81,7 @@ fn of_block(
         block,
         pose,
     };
+    // A passive motion turns every body about a fixed line; others are freedoms that want a drive.
     let lines: Vec<Option<AxisLines>> = null.iter().map(|r| site.with(r).idle_lines()).collect();
     let driven = lines.iter().zip(&null).filter(|(lines, _)| lines.is_none());
     refuse_freedom(mechanism, block, driven.map(|(_, rates)| rates.as_slice()))?;
@@ -90,12 +92,14 @@ fn of_block(
         site.with(&rates).turns_about(&lines)
     };
     let pure: Vec<bool> = (0..columns).map(is_pure).collect();
+    // Pivots: the unknowns to hold, rather those that turn about the line alone.
     let weight = |j: usize| {
         // Of equals the last one: a joint is thought of as made by its first angles.
         let last = 1.0 + 1e-3 * (j as f64 / columns as f64);
         if pure[j] { last } else { IMPURE * last }
     };
     let pivots = eliminate_vectors(&mut null, weight);
+    // The same unknowns must release nothing else at the other poses.
     for pose in poses.into_iter().skip(1) {
         let others: Vec<Vec<f64>> = released_slots(mechanism, block, pose, &pivots);
         let site = FreedomSite { pose, ..site };

@@ -15,6 +15,7 @@ pub fn reduce_values(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<
     let first = values.first()?;
     let last = first.len().checked_sub(1)?;
     let second = values.get(1).unwrap_or(first);
+    // Linear reductions have their weights as gradient.
     let sum_of = |parts: &[(usize, f64)]| {
         let mut weights = vec![0.0; first.len()];
         parts.iter().for_each(|(k, w)| weights[*k] += w);

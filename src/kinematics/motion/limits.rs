@@ -145,6 +145,7 @@ impl<'m> LimitSearch<'m> {
             }
             last = Some((k, rate));
         }
+        // A motion that is no cycle has its ends as limits, too.
         let end = rates.len().saturating_sub(1);
         if let Some((k, rate)) = last
             && k + 1 == end
@@ -170,6 +171,7 @@ impl<'m> LimitSearch<'m> {
         let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);
         let mut best: Option<(f64, Vec<f64>)> = None;
         for step in 0..STEPS {
+            // Two secants, then a bisection, which always shrinks the bracket.
             let secant = a + (b - a) * (fa / (fa - fb));
             let time = if step % 3 < 2 && secant > a && secant < b {
                 secant

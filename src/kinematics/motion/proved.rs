@@ -35,6 +35,7 @@ pub fn solve_proved(
     };
     let mut wanted = times.to_vec();
     let last = times.last().copied().unwrap_or(0.0);
+    // A cycle is proved up to where it closes.
     let goes_on = proofs == Proofs::Motion && times.len() > 1 && last < actuation.duration;
     if goes_on && is_cyclic(system.mechanism(), actuation) {
         wanted.push(actuation.duration);

@@ -49,6 +49,7 @@ pub fn higher_rates(
             return None;
         }
         let mut step = vec![0.0; columns];
+        // The k-th coefficient is linear in the k-th unknown: one factorisation serves all orders.
         for k in 1..=order {
             let mut right_side = residual_coefficient(mechanism, block, &series, k);
             right_side.iter_mut().for_each(|r| *r = -*r);

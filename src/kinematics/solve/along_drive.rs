@@ -26,6 +26,7 @@ impl Corrector {
     ) -> AlongDrive<'_> {
         let mechanism = system.mechanism();
         let blocks = &system.structure().blocks;
+        // Rates of the blocks before this one follow from the drive.
         for (block, buffers) in blocks.iter().zip(&mut self.blocks).take(index) {
             buffers.linearise(mechanism, block, coordinates);
             buffers.workspace.drift_along(&block.plan, rates);

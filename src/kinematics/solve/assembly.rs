@@ -213,6 +213,7 @@ pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
         } => mechanism.arguments[*argument].coordinates().contains(&slot),
         _ => false,
     });
+    // A whole turn changes an angle that is geared by no whole number.
     let geared = mechanism.arguments.iter().any(|argument| match argument {
         Argument::Affine(affine) => affine
             .terms
@@ -239,6 +240,7 @@ fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Not
         coordinates: coordinates.to_vec(),
     };
     let mut largest = -1.0;
+    // The loop that is open the widest, by angle or by its own length.
     for part in &block.loops {
         let item = &mechanism.loops[part.index];
         let (angle, distance) = crate::kinematics::loops::forward::loop_gap(item, &values);
@@ -253,6 +255,7 @@ fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Not
             };
         }
     }
+    // Scalar equations, likewise.
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
         let value = equation.expression.value(coordinates).abs();

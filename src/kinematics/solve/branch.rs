@@ -94,6 +94,7 @@ impl BranchWatch {
                     structure.blocks[index].rows(),
                     structure.blocks[index].unknowns.len(),
                 );
+                // Rows that span the block at the first pose; the sign of their determinant tells branches apart.
                 if rows_of.len() == index {
                     rows_of.push(row_basis(jacobian, rows, columns, qr));
                     turned.push(1);

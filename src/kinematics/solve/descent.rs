@@ -203,6 +203,7 @@ impl Descent {
         let tall = rows + columns;
         self.matrix.clear();
         self.matrix.resize(tall * columns, 0.0);
+        // Levenberg and Marquardt as least squares: sqrt(damping) I below the weighted Jacobian.
         for j in 0..columns {
             let column = &self.workspace.jacobian[j * rows..(j + 1) * rows];
             let weighted = column.iter().zip(&self.weights).map(|(a, w)| a * w);

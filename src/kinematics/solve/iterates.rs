@@ -93,6 +93,7 @@ pub fn record_iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let mut step = vec![0.0; columns];
         let mut closed = false;
+        // Newton's method without any safeguard: what a lecture would do.
         for iteration in 0..MOST_ITERATIONS {
             workspace.evaluate(mechanism, block, &coordinates, Want::Jacobian);
             qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);

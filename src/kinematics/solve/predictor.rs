@@ -68,6 +68,7 @@ impl Predictor {
         } else {
             1
         };
+        // Power series of the unknowns; the inputs move linearly.
         self.series.clear();
         self.series.resize(count * order, 0.0);
         for (k, input) in inputs.iter().enumerate() {
@@ -81,6 +82,7 @@ impl Predictor {
             length: 0.0,
             bend: 0.0,
         };
+        // The first power is the tangent, the others bend the path.
         let (first, higher) = self.series.split_at(count);
         for block in &structure.blocks {
             for (slot, scale) in block.unknowns.iter().zip(&block.plan.scales) {
@@ -170,6 +172,7 @@ impl GroupSeries {
         self.rates[K - 1] = [rates[a], rates[b], rates[c], rates[d]];
         let rate = |order: usize| f64x4::new(self.rates[order - 1]);
         let mut made = self.bend;
+        // Leibniz: the K-th coefficient of every twist from those below it.
         made.add_scaled(&self.own[0], rate(K));
         self.before[K - 1] = made.sums_before(link);
         let mut next = Twists::default();

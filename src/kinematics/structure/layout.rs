@@ -161,6 +161,7 @@ impl BlockPlan {
             is_affine: true,
             ..Self::default()
         };
+        // Columns of the Jacobian and their scales.
         let columns = column_of.iter().flatten().count();
         plan.scales.resize(columns, 1.0);
         for (slot, column) in column_of.iter().enumerate() {
@@ -171,6 +172,7 @@ impl BlockPlan {
         for &index in arguments {
             plan.add_argument(mechanism, index, column_of, columns);
         }
+        // Rows: those of the loops, then the scalar equations.
         let rows = loops
             .iter()
             .map(|part| part.components.len())
@@ -272,6 +274,7 @@ impl BlockPlan {
     fn add_loop(&mut self, mechanism: &Mechanism, part: &LoopPart, used: &[usize], row: usize) {
         let start = self.joints.len();
         let mut fixed = Pose::IDENTITY;
+        // Constant poses between two joints are folded into the next joint's frame.
         for step in &mechanism.loops[part.index].chain.steps {
             match *step {
                 ChainStep::Fixed(pose) => fixed = fixed * pose,
@@ -294,6 +297,7 @@ impl BlockPlan {
                 }
             }
         }
+        // Four joints are evaluated at a time.
         let first = self.groups.len();
         self.groups
             .extend(self.joints[start..].chunks(4).map(PlannedGroup::new));

@@ -285,6 +285,7 @@ fn strong_components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
         if index[root] == UNSEEN {
             path.push((root, 0));
         }
+        // Tarjan's algorithm with a stack of its own: `low` is the earliest node that can be reached back.
         while let Some((node, child)) = path.pop() {
             if child == 0 {
                 (index[node], low[node]) = (count, count);
@@ -305,6 +306,7 @@ fn strong_components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
                 path.push((node, c + 1));
                 path.push((needs[node][c], 0));
             } else if low[node] == index[node] {
+                // A node that reaches no earlier one closes a component.
                 let start = stack.iter().rposition(|n| *n == node).unwrap_or(0);
                 let component = stack.split_off(start);
                 component.iter().for_each(|n| open[*n] = false);

@@ -141,6 +141,7 @@ impl Kantorovich {
         if all == 0 {
             return Ok((f64::INFINITY, 0.0));
         }
+        // An approximate inverse A of the chosen rows; any one serves.
         self.order.clear();
         self.order.extend_from_slice(basis);
         self.take_columns(system);
@@ -151,6 +152,7 @@ impl Kantorovich {
         if n < all {
             self.take_redundant_rows(system);
         }
+        // Bounds of |A F|, |I - A J| and of A times the second derivatives, unknown by unknown.
         self.list_entries(system.forms.len());
         self.weigh(system, earlier);
         self.bound_unknowns(n, system, earlier);
@@ -162,10 +164,12 @@ impl Kantorovich {
             most_q = larger_or_nan(most_q, q[i] * GROW);
             most_k = larger_or_nan(most_k, k[i] * GROW);
         }
+        // Newton-Kantorovich with A: a root exists where (1 - q)² > 2 K eta.
         let discriminant = (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
         if !(most_q < 1.0 && discriminant > 0.0) {
             return Err(Reason::Singular);
         }
+        // The smaller root of the majorant is the error; 1 - q over K is where the pose is alone.
         let error = 2.0 * eta / (1.0 - most_q + discriminant.sqrt()) * GROW;
         let radius = ((1.0 - most_q) / most_k).min(BALL);
         if !(error <= BALL && error < radius) {
@@ -175,9 +179,11 @@ impl Kantorovich {
             let (q, k) = (q[i] * GROW, k[i] * GROW);
             (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW
         };
+        // What the next blocks inherit: the step, and what is left of every unknown after it.
         for (i, unknown) in system.unknowns.iter().enumerate() {
             earlier.note(*unknown, newton[i], rest(i));
         }
+        // Redundant rows: each must be explained by the errors of the others.
         for (i, gap) in newton.iter().enumerate().skip(n) {
             // What the last digits of the dimensions do to the row at the exact pose of the others.
             let digits = self.order.iter().enumerate();
@@ -356,6 +362,7 @@ impl Kantorovich {
         let weights = [&rows.newton, &rows.rest, &rows.q, &rows.k];
         let weights = weights.map(|l| &l.as_flattened()[..all]);
         let [mut newton, mut rest, mut q, mut k] = [[f64x4::ZERO; G]; 4];
+        // A F and its error terms, four unknowns at a time.
         for (i, row) in self.inverse.rows().enumerate().take(all) {
             let row = row_part::<G>(row, first);
             let [residual, for_rest, for_q, for_k] = weights.map(|list| f64x4::splat(list[i]));
@@ -367,6 +374,7 @@ impl Kantorovich {
                 k[g] += size * for_k;
             }
         }
+        // A J, one column of J at a time; its sizes go to q.
         let forms = system.forms.iter().zip(&system.open);
         for (index, ((form, open), column)) in forms.zip(self.columns.rows()).enumerate() {
             // Where a basis leaves rows out, they do not stand in their own order.
@@ -398,6 +406,7 @@ impl Kantorovich {
                 add_part(self.before.row_mut(*place), first, &product, *rate);
             }
         }
+        // Errors of blocks before this one, weighed by their columns.
         for (rates, slot) in self.before.rows().zip(&system.before) {
             add_sizes(&mut rest, &row_part::<G>(rates, first), earlier.rest[*slot]);
         }

@@ -57,6 +57,7 @@ impl<'m> PoseProver<'m> {
                 ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests)
             }),
         );
+        // Block after block: each inherits the errors of those before it.
         self.earlier.reset(self.system.mechanism().unknowns.len());
         let mut radius = f64::INFINITY;
         for (index, (system, basis)) in self.systems.iter_mut().zip(bases).enumerate() {

@@ -248,10 +248,12 @@ impl BlockSystem {
         } = &self.loops[index];
         let forms = &self.forms;
         let item = &mut self.at_pose[index];
+        // The chain with every product's rounding, in double-double.
         item.evaluate(plan, &self.arguments, |a| forms[a].rate * BALL, *size);
         if !may_turn && (item.trace.is_nan() || item.trace <= LEAST_TRACE) {
             return Err(Reason::HalfTurn);
         }
+        // An argument is open by what its own formula rounds.
         for joint in &item.joints {
             let argument = &self.arguments[joint.argument];
             let open = match joint.motion {
@@ -260,6 +262,7 @@ impl BlockSystem {
             };
             self.open[joint.argument] = self.open[joint.argument].max(open);
         }
+        // Bounds of the derivatives over the ball, from the reaches of the joints.
         let own = item.second_derivatives(|a| forms[a].own_rate);
         let all = item.second_derivatives(|a| forms[a].rate);
         let first = item.first_derivatives(|a| forms[a].rate);
@@ -279,6 +282,7 @@ impl BlockSystem {
                 last_units: 0.0,
             };
         }
+        // The Jacobian's columns: axis and arm of every joint.
         for joint in &item.joints {
             let column = item.column(joint);
             let target = self.columns.row_mut(joint.argument).as_flattened_mut();

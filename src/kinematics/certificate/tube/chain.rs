@@ -195,6 +195,7 @@ impl LoopModel {
         let scale = 1.0 / self.size;
         let [axis_rest, origin_rest] = joint.rests;
         let axis = [0, 1, 2].map(|k| vector_entry(&joint.axis, k));
+        // A slide: the axis itself, no rotation.
         if joint.motion == ElementaryMotion::Translation {
             let moved = axis.map(|c| {
                 let rest = axis_rest;
@@ -209,6 +210,7 @@ impl LoopModel {
                 moved[2],
             ];
         }
+        // A turn: the axis for the rotation, axis × arm for the translation.
         let turned = axis.map(|c| TaylorModel {
             c,
             rest: (axis_rest + OPEN_SKEW * open[0]) * GROW,
@@ -222,6 +224,7 @@ impl LoopModel {
             + open[1]
             + truncated_part(&axes, &tails)
             + 2.0 * PRODUCTS * whole * tails[0];
+        // The cross product of two polynomials, cut at the highest power; what is cut is in `rest`.
         let arm = [0, 1, 2].map(|k| {
             let (b, c) = ((k + 1) % 3, (k + 2) % 3);
             let mut sum = [0.0; TERMS];

@@ -89,18 +89,21 @@ pub fn prove_tube(
     work: &mut Workspace,
 ) -> Result<(), Reason> {
     work.n = layout.own;
+    // The residual and the Jacobian as polynomials over the tube.
     layout.rows(forms, path, &mut work.rows)?;
     for attempt in 0.. {
         work.lay_out(basis, layout.columns.len());
         if layout.own == 0 {
             break;
         }
+        // Newton steps on the path itself, while they pay.
         work.invert()?;
         if !may_move || work.correct(layout, path, attempt)? {
             break;
         }
         layout.rows(forms, path, &mut work.rows)?;
     }
+    // Newton-Kantorovich over the tube, with the inverse as a polynomial.
     let bends = path_bends(layout, forms, path)?;
     let mut error = 0.0;
     if layout.own > 0 {
@@ -120,6 +123,7 @@ pub fn prove_tube(
         }
         earlier.closes_to = earlier.closes_to.max(closes_to);
     }
+    // The trace keeps clear of -1: no loop is half a turn open anywhere in the tube.
     for (trace, turn) in work.rows.traces.iter().zip(&bends.turns) {
         let along_the_path = trace.c[0] - trace.size_of_change();
         if along_the_path - 2.0 * turn * earlier.largest <= LEAST_TRACE {
@@ -210,6 +214,7 @@ impl Workspace {
         let n = self.n;
         let mut steps = vec![[0.0; 4]; TERMS * self.stride];
         let mut right = vec![[0.0; 4]; lane_groups(n)];
+        // Power series of the Newton step: J0 x_k = -r_k - (J1 x_{k-1} + ...), lowest power first.
         for k in 0..TERMS {
             for i in 0..n {
                 let mut value = self.residuals[i * POLYNOMIAL + k / 4][k % 4];
@@ -226,6 +231,7 @@ impl Workspace {
                 steps[k * self.stride + i / 4][i % 4] = dot_lanes(self.inverse.row(i), &right);
             }
         }
+        // How large the correction is, against what the residuals leave open.
         let (mut largest, mut blur) = (0.0_f64, 0.0_f64);
         let step = |i: usize, k: usize| steps[k * self.stride + i / 4][i % 4];
         for i in 0..n {
@@ -244,6 +250,7 @@ impl Workspace {
         if attempt >= CORRECTIONS || largest > LARGEST_CORRECTION {
             return Err(Reason::Singular);
         }
+        // The corrected path.
         for (i, unknown) in layout.columns[..n].iter().enumerate() {
             let scale = layout.mechanism.scale_of(*unknown);
             path.add(*unknown, (0..TERMS).map(|k| scale * step(i, k)));
@@ -355,6 +362,7 @@ impl Workspace {
     ) -> TubeConstants {
         let (n, width) = (self.n, layout.columns.len());
         let drift = earlier.largest;
+        // Row sums of |A|: what an error of the rows does to an unknown.
         let sizes: Vec<f64> = (0..n)
             .map(|r| (0..INVERSE_TERMS).map(|m| factors[m * n + r].abs()).sum())
             .collect();
@@ -362,6 +370,7 @@ impl Workspace {
             let pairs = sizes.iter().zip(basis);
             pairs.map(|(s, row)| s * bounds[*row]).sum()
         };
+        // A J as a polynomial of s, coefficient by coefficient; what is open in J comes first.
         let mut product = vec![[0.0; 4]; self.stride];
         combine_rows(&mut product, &sizes, &self.slack);
         let mut whole = product.clone();
@@ -377,6 +386,7 @@ impl Workspace {
             let count = (most - least + 1) * n;
             let factors = &factors[least * n..least * n + count];
             combine_rows(&mut product, factors, &rows[..count * self.stride]);
+            // Less the identity, or less the row that is judged: what is left is the contraction.
             match aim {
                 Aim::Unknown(i) if k == 0 => product[i / 4][i % 4] -= 1.0,
                 Aim::Row(row) if k < JACOBIAN_TERMS => {
@@ -390,6 +400,7 @@ impl Workspace {
                 }
             }
         }
+        // The same weights for open residuals and second derivatives.
         let mut open: f64 = sizes.iter().zip(&self.open).map(|(s, o)| s * o).sum();
         let (mut bend, mut own_bend) = (weigh(&bends.all), weigh(&bends.own));
         if let Aim::Row(row) = aim {
@@ -400,6 +411,7 @@ impl Workspace {
             bend += bends.all[row];
             own_bend += bends.own[row];
         }
+        // Unknowns of blocks before this one carry their errors in.
         let whole = &whole.as_flattened()[..width];
         let carried = whole[n..].iter().zip(&layout.columns[n..]);
         let carried: f64 = carried.map(|(c, slot)| c * earlier.rest[*slot]).sum();

@@ -181,6 +181,7 @@ impl<'m> Prover<'m> {
             last = self.before_a_jump(&here, last);
         }
         let floor = floor * (end.time - start.time);
+        // Bisection in time: a stack of poses ahead, halved until every tube is proved.
         let mut ahead = self.by_keyframes(&here, last)?;
         while let Some(next) = ahead.pop() {
             match self.tube(&here, &next, tubes.last()) {

@@ -91,6 +91,7 @@ impl<'m> TubeLayout<'m> {
         let mechanism = system.mechanism();
         let first = mechanism.arguments.len();
         let equations = block.equations.iter().map(|index| first + index);
+        // Columns: the block's own unknowns, then those of earlier blocks that stand in its arguments.
         let used: Vec<usize> = block.arguments.iter().copied().chain(equations).collect();
         let mut others: Vec<usize> = used
             .iter()
@@ -109,6 +110,7 @@ impl<'m> TubeLayout<'m> {
                 }
             }
         }
+        // How fast a coordinate moves where all unknowns move by one unit of their scale.
         let rates = [own, columns.len()].map(|count| {
             let mut rates = vec![0.0; mechanism.coordinate_count()];
             for slot in &columns[..count] {
@@ -116,6 +118,7 @@ impl<'m> TubeLayout<'m> {
             }
             rates
         });
+        // Affine arguments change by constants, once and for all.
         let affine = |rates: &Vec<f64>| {
             let mut changes = vec![FormChange::default(); forms.len()];
             for form in &used {
@@ -169,6 +172,7 @@ impl<'m> TubeLayout<'m> {
         rows.residual.clear();
         rows.residual.resize(count, TaylorModel::ZERO);
         rows.traces.clear();
+        // Arguments of the joints as Taylor models of the path parameter.
         let mut arguments: Vec<Option<ArgumentModel>> = vec![None; self.mechanism.arguments.len()];
         for &index in &self.block.arguments {
             let value = forms[index].value(path);
@@ -183,6 +187,7 @@ impl<'m> TubeLayout<'m> {
             .map(|index| forms[*index].derivatives(path))
             .collect();
         let place = |index: usize| self.used.iter().position(|u| *u == index);
+        // Loops: the residual, and a column of the Jacobian for every joint.
         for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
             let closed = &self.mechanism.loops[part.index];
             let moves = |a: usize| !self.moves[a].is_empty();
@@ -205,6 +210,7 @@ impl<'m> TubeLayout<'m> {
                 }
             }
         }
+        // Scalar equations: the formula and its gradient.
         for (index, row, scale) in self.equations() {
             let weight = TaylorModel::constant(scale);
             rows.residual[row] = forms[index].value(path).scaled(scale);
@@ -250,6 +256,7 @@ impl<'m> TubeLayout<'m> {
             .used
             .iter()
             .any(|f| matches!(forms[*f], Form::Formula(_)));
+        // Formulas are bounded over the box of the path and its ball; affine arguments need no box.
         let place = if needs_place {
             path.place(&self.rates[1], ball)
         } else {
@@ -271,6 +278,7 @@ impl<'m> TubeLayout<'m> {
             turns: Vec::new(),
             ball,
         };
+        // Second derivatives of a loop from the reaches of its joints.
         for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
             let item = &self.mechanism.loops[part.index];
             // The value over the path, and what the ball adds to it.

@@ -75,6 +75,7 @@ impl Exchanged {
             joints: Joints::default(),
             ..old.clone()
         };
+        // Unknown and input change places, in the chains and in the equations.
         std::mem::swap(
             &mut mechanism.unknowns[unknown],
             &mut mechanism.inputs[input],
@@ -93,6 +94,7 @@ impl Exchanged {
         for equation in &mut mechanism.equations {
             equation.expression = rename_slots(&equation.expression, slots);
         }
+        // One block of everything: at a fold of one block the others move as well.
         let blocks = system.blocks();
         let loops = blocks.iter().flat_map(|b| b.loops.clone()).collect();
         let equations = blocks.iter().flat_map(|b| b.equations.clone()).collect();

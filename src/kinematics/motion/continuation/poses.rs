@@ -89,6 +89,7 @@ impl Recorder<'_> {
             InputReading::Numbers => Vec::new(),
             InputReading::Decimals => solver.system().mechanism().printed_rests(coordinates),
         };
+        // At gimbal lock the angles have no proof; the rotations may have one.
         let chart = solver.chart().filter(|c| c.is_needed(coordinates));
         let (bases, corrector) = solver.proof_basis(coordinates);
         let certificate = certifier.polish(coordinates, &rests, bases, corrector);

@@ -100,6 +100,7 @@ impl<'s> Recorder<'s> {
             if self.tracker.is_cancelled() {
                 break;
             }
+            // Every sample has its own budget of steps.
             self.tracker.interval = match index.checked_sub(1) {
                 Some(before) => (time - times[before]).abs(),
                 None => self.tracker.actuation().duration,
@@ -107,6 +108,7 @@ impl<'s> Recorder<'s> {
             self.tracker.solver.iterations = 0;
             let before = index.checked_sub(1).map(|before| times[before]);
             self.tracker.budget.refill(|| self.turned(before, time));
+            // The first pose, the next one, or the first after a gap.
             let reached = match (&last, lost) {
                 (None, _) => self.start(time),
                 (Some(last), true) => self.resume(last.clone(), time),
@@ -178,12 +180,14 @@ impl<'s> Recorder<'s> {
                 if persist && is_singular_start(&point.branch) {
                     self.event(time, EventKind::StartSingular);
                 }
+                // From here on the branch watch compares with this point.
                 let point = self.tracker.keep(point, &mut self.events);
                 if self.samples.is_empty() {
                     return Ok(point);
                 }
                 self.enter(point)
             }
+            // No pose: is none there (proved), or was none found?
             Err(best) => {
                 self.gaps.note_lack(&self.tracker, time, best.clone());
                 if persist && self.is_angle_too_large(&best.coordinates) {
@@ -245,6 +249,7 @@ impl<'s> Recorder<'s> {
         if let Some(beyond) = self.leave_singular_start(&here, time) {
             here = beyond;
         }
+        // Steps end at singular poses: on the other side the motion goes on, or it ends here.
         for _ in 0..MOST_WAYS_ON {
             match self.tracker.follow(here, time, &mut self.events) {
                 Ok(point) => return Ok(point),

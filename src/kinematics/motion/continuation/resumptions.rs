@@ -87,6 +87,7 @@ impl Recorder<'_> {
             (Some(time), _) => SingularTarget::Gap(time),
             (None, first) => SingularTarget::Time(first.map_or(found.time, |s| s.time)),
         };
+        // Back in time to where the motion begins again.
         let Some((first, beginning)) = self.walk_back(&found, target) else {
             self.gaps.elsewhere = Some(found);
             return Err(None);

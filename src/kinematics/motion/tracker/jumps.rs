@@ -47,6 +47,7 @@ impl PathTracker<'_> {
         if time <= point.time {
             return None;
         }
+        // Across a jump the inputs are led along a straight line.
         let n = self.unknowns();
         let guess = self.actuation().guess.clone();
         let bridge = Actuation::straight(&point.coordinates[n..], &inputs, guess);

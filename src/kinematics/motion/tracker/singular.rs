@@ -65,6 +65,7 @@ impl PathTracker<'_> {
             if reach > limit * (1.0 + 1e-12) {
                 break;
             }
+            // The tangent of the last good point reaches over the singular pose.
             let beyond = (anchor.time + reach).min(time);
             let inputs = self.inputs(beyond).ok()?;
             let (mut coordinates, predicted) = self.solver.predict(&anchor.coordinates, &inputs, 1);
