@@ -202,6 +202,7 @@ impl PairSweep<'_> {
         if !decides && look.middle >= near - WORTH_A_POSE * (near - self.target(best)) {
             return;
         }
+        // A pose in the middle that may come nearer than the least so far.
         let Some(instant) = motion.pose_at(piece.stretch, piece.middle) else {
             return;
         };

@@ -116,6 +116,7 @@ fn nearest_to_axis(circle: &Circle, core: &Primitive, limit: f64) -> f64 {
         }
         _ => return 0.0,
     };
+    // Lipschitz along the core: only arcs that can come nearer than the limit count.
     let near = ends.windows(2).filter_map(|pair| {
         let [[f, first], [g, second]] = [pair[0], pair[1]];
         (0.5 * (f + g - arc) < limit).then_some(0.5 * (first + second - arc))

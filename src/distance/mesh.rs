@@ -175,6 +175,7 @@ impl ToMesh<'_> {
             }
             (_, Content::Fork(second)) => (1, second),
         };
+        // A separating direction for two whole branches saves looking into them.
         if fork - nodes[splits] > WORTH_A_TRY && self.is_settled(nodes) {
             return;
         }

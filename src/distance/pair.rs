@@ -57,6 +57,7 @@ fn in_order(a: &Element, b: &Element) -> Proximity {
         (other, Primitive::Mesh(tree, pose)) => mesh::nearest_to_mesh(tree, pose, other).swapped(),
         (first, second) => signed_cores(first, second),
     };
+    // Radii grow the cores; a mesh that is met has no depth.
     let distance = cores.distance - (a.radius + b.radius);
     let is_mesh = |e: &Element| matches!(e.core, Primitive::Mesh(..));
     let is_flat = |e: &Element| matches!(e.core, Primitive::HalfSpace(_));

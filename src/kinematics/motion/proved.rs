@@ -41,6 +41,7 @@ pub fn solve_proved(
         wanted.push(actuation.duration);
     }
     let mut trajectory = solve_until(system, actuation, &wanted, reading, cancelled);
+    // Tubes join the samples; what lies beyond the last time asked for is dropped afterwards.
     if proofs == Proofs::Motion && !cancelled() {
         trajectory.intervals = certify_motion(system, actuation, &trajectory);
     }

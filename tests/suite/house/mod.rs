@@ -4,6 +4,7 @@
 mod face;
 mod graph;
 mod lock;
+mod names;
 mod paths;
 mod rooms;
 mod source;

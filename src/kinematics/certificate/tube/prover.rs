@@ -385,7 +385,7 @@ impl<'m> Prover<'m> {
         let curve = |k: usize| {
             let (a, b) = (here.unknowns[k], next.unknowns[k]);
             let (middle, way) = (0.5 * (a + b), 0.5 * (b - a));
-            let at_start = before.map(|tube| half * tube.rate_at_end(k));
+            let at_start = past.map(|tube| half * tube.rate_at_end(k));
             let at_start = at_start.or_else(|| rate(here, k));
             // Without one of the rates the curve is quadratic, without both straight.
             let (u, v) = match (at_start, rate(next, k)) {

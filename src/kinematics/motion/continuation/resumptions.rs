@@ -45,6 +45,7 @@ impl Recorder<'_> {
         }
         let unknowns = &last.coordinates[..self.tracker.unknowns()];
         let start = [unknowns, &inputs].concat();
+        // Any pose at this time, from the last one.
         match self.assembled_from_beside(&start) {
             Ok(found) => {
                 self.tracker.solver.iterations += found.iterations;

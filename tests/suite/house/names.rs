@@ -1,0 +1,174 @@
+//! Names and comments of the source, counted: `cargo test --release --test suite house::names -- --nocapture`.
+
+use super::source::{bare, is_test, sources, without_words};
+use std::collections::HashMap;
+
+/// Rooms whose functions compute.
+const NUMERIC: [&str; 5] = [
+    "analysis/",
+    "clearance/",
+    "kinematics/",
+    "linalg/",
+    "numbers/",
+];
+
+/// Lines of code from which on a function is long.
+const LONG: usize = 20;
+
+/// Words that may stand before `fn`, `struct` and the like.
+const BEFORE: [&str; 4] = ["const ", "unsafe ", "async ", "default "];
+
+/// A line without visibility and other words before the item's own.
+fn item(line: &str) -> &str {
+    let mut rest = line.trim_start();
+    if let Some(after) = rest.strip_prefix("pub") {
+        rest = match after.strip_prefix('(') {
+            Some(inside) => inside.split_once(')').map_or("", |(_, rest)| rest),
+            None => after,
+        };
+        rest = rest.trim_start();
+    }
+    while let Some(after) = BEFORE.iter().find_map(|word| rest.strip_prefix(word)) {
+        rest = after;
+    }
+    rest
+}
+
+/// The name of the item that a line begins with one of `words`.
+fn name_after<'l>(line: &'l str, words: &[&str]) -> Option<&'l str> {
+    let after = words
+        .iter()
+        .find_map(|word| item(line).strip_prefix(word))?;
+    let end = after.find(|c: char| !c.is_alphanumeric() && c != '_');
+    Some(&after[..end.unwrap_or(after.len())]).filter(|name| !name.is_empty())
+}
+
+/// Whether bare text that begins with `impl` implements a trait, whose names are not ours to choose.
+fn is_of_trait(from_impl: &str) -> bool {
+    let head = from_impl.split('{').next().unwrap_or_default();
+    head.split_whitespace().any(|word| word == "for")
+}
+
+/// The names of functions that are chosen here: not those of implemented traits.
+fn functions(bare: &str) -> Vec<&str> {
+    let mut names = Vec::new();
+    let (mut is_given, mut at) = (false, 0);
+    for line in bare.split_inclusive('\n') {
+        if line.starts_with("impl") {
+            is_given = is_of_trait(&bare[at..]);
+        } else if line.starts_with('}') {
+            is_given = false;
+        }
+        names.extend(name_after(line, &["fn "]).filter(|_| !is_given));
+        at += line.len();
+    }
+    names
+}
+
+/// The names of types and traits; associated types are indented and left out.
+fn types(bare: &str) -> impl Iterator<Item = &str> {
+    let lines = bare.lines().filter(|line| !line.starts_with(' '));
+    lines.filter_map(|line| name_after(line, &["struct ", "enum ", "trait ", "type ", "union "]))
+}
+
+/// Lines of code and of comments in the long functions of a text.
+fn comments_of_long_functions(text: &str) -> [usize; 2] {
+    let bare = without_words(text);
+    let lines: Vec<(&str, &str)> = text.lines().zip(bare.lines()).collect();
+    let mut sums = [0, 0];
+    let mut next = 0;
+    while next < lines.len() {
+        let begin = next;
+        next += 1;
+        if name_after(lines[begin].1, &["fn "]).is_none() {
+            continue;
+        }
+        let mut depth = 0;
+        let ends = |line: &str| {
+            let opens = line.matches('{').count() as i64;
+            depth += opens - line.matches('}').count() as i64;
+            depth == 0 && (opens > 0 || line.contains(['}', ';']))
+        };
+        let length = lines[begin..].iter().map(|(_, bare)| *bare).position(ends);
+        next = begin + length.map_or(1, |length| length + 1);
+        let own = lines[begin..next].iter();
+        let code = own.clone().filter(|(_, bare)| !bare.trim().is_empty());
+        let said = own.filter(|(text, bare)| {
+            let is_comment = text.contains("//") && !text.trim_start().starts_with("///");
+            is_comment && !bare.contains("//") && text.trim_end().len() > bare.trim_end().len()
+        });
+        let counts = [code.count(), said.count()];
+        if counts[0] >= LONG {
+            sums = [sums[0] + counts[0], sums[1] + counts[1]];
+        }
+    }
+    sums
+}
+
+fn share(part: usize, all: usize) -> f64 {
+    100.0 * part as f64 / all as f64
+}
+
+#[test]
+fn functions_of_one_word_are_the_fewer() {
+    let (mut all, mut short) = (0, 0);
+    for file in sources().iter().filter(|file| !is_test(&file.name)) {
+        let bare = bare(&file.text);
+        let names = functions(&bare);
+        all += names.len();
+        short += names.iter().filter(|name| !name.contains('_')).count();
+    }
+    println!(
+        "functions of one word: {short} of {all}, {:.1} %",
+        share(short, all)
+    );
+    assert!(all > 2000 && share(short, all) <= 45.0, "{short} of {all}");
+    let planted = "impl fmt::Display for A {\n    fn fmt() {}\n}\nimpl A {\n    pub(super) const fn b_c() {}\n}\nfn d() {}\n";
+    assert_eq!(functions(planted), ["b_c", "d"]);
+}
+
+#[test]
+fn types_have_names_of_their_own() {
+    let mut places: HashMap<String, Vec<String>> = HashMap::new();
+    for file in sources().iter().filter(|file| !is_test(&file.name)) {
+        for name in types(&bare(&file.text)) {
+            places
+                .entry(name.to_owned())
+                .or_default()
+                .push(file.name.clone());
+        }
+    }
+    let all: usize = places.values().map(Vec::len).sum();
+    let shared: Vec<_> = places.iter().filter(|(_, files)| files.len() > 1).collect();
+    let count: usize = shared.iter().map(|(_, files)| files.len()).sum();
+    println!(
+        "types that share a name: {count} of {all}, {:.1} %: {shared:?}",
+        share(count, all)
+    );
+    assert!(all > 500 && share(count, all) <= 10.0, "{shared:?}");
+}
+
+#[test]
+fn long_numeric_functions_say_what_they_do() {
+    let files = sources().into_iter().filter(|file| {
+        let is_numeric = NUMERIC.iter().any(|room| file.name.starts_with(room));
+        is_numeric && !is_test(&file.name)
+    });
+    let mut sums = [0, 0];
+    for file in files {
+        let code = file.text.split("#[cfg(test)]\nmod tests {").next();
+        let counts = comments_of_long_functions(code.unwrap_or_default());
+        sums = [sums[0] + counts[0], sums[1] + counts[1]];
+    }
+    let [code, said] = sums;
+    println!(
+        "comments in numeric functions of {LONG} lines or more: {said} to {code} lines, {:.1} %",
+        share(said, code)
+    );
+    assert!(code > 5000 && share(said, code) >= 3.0, "{said} of {code}");
+    let planted = format!(
+        "fn a() {{\n    // One.\n    let b = \"// {{\"; // Two.\n{}}}\n",
+        "    c();\n".repeat(LONG)
+    );
+    assert_eq!(comments_of_long_functions(&planted), [LONG + 3, 2]);
+}
