@@ -9,6 +9,9 @@
 #[allow(dead_code)]
 mod driven;
 
+#[path = "../tests/suite/solids/parry.rs"]
+mod parry;
+
 use driven::{check, frame_times, knots, solve};
 use glam::{DMat3, DVec3};
 
@@ -19,6 +22,7 @@ use mechanim::distance::pair::signed_distance;
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};
 use mechanim::scene::{Overrides, load_scene};
+use parry::Peer;
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -47,6 +51,21 @@ fn pose(k: usize) -> Pose {
     Pose::from_translation(DVec3::new(3.0 * t.sin(), 2.0 * (1.3 * t).cos(), 2.6)) * turn
 }
 
+/// The same queries of parry, each a distance and, of solids that overlap, a depth; `None` for shapes that it has not.
+fn parry_micros(a: &Solid, b: &Solid, queries: usize) -> Option<f64> {
+    let first = Peer::new(a, &Pose::IDENTITY)?;
+    let placed: Option<Vec<Peer>> = (0..queries).map(|k| Peer::new(b, &pose(k))).collect();
+    let placed = placed?;
+    let round = |_| {
+        let start = Instant::now();
+        for other in &placed {
+            black_box(black_box(&first).distance(other));
+        }
+        start.elapsed().as_secs_f64() * 1e6 / queries as f64
+    };
+    Some((0..ROUNDS).map(round).fold(f64::INFINITY, f64::min))
+}
+
 fn micros(a: &Element, b: &Element, queries: usize) -> f64 {
     let placed: Vec<Element> = (0..queries).map(|k| b.moved(&pose(k))).collect();
     let round = |_| {
@@ -57,6 +76,16 @@ fn micros(a: &Element, b: &Element, queries: usize) -> f64 {
         start.elapsed().as_secs_f64() * 1e6 / queries as f64
     };
     (0..ROUNDS).map(round).fold(f64::INFINITY, f64::min)
+}
+
+/// A line of the table: ours beside parry's.
+fn pair(name: &str, a: &Solid, b: &Solid, queries: usize) {
+    let ours = micros(&element(a.clone()), &element(b.clone()), queries);
+    let parry = parry_micros(a, b, queries).map(|time| format!(", parry {time:>8.3}"));
+    println!(
+        "{name:<20} {ours:>8.3} us a query{}",
+        parry.unwrap_or_default()
+    );
 }
 
 /// A sphere of triangles, `rings` from pole to pole and twice as many around.
@@ -103,13 +132,12 @@ fn sphere_mesh(rings: u32, radius: f64) -> Solid {
 }
 
 /// Meshes against solids and against each other, at fewer poses; `benches/peers/clearance.py` has the same pairs.
-fn mesh_pairs(solids: [(&str, &Element); 3]) {
+fn mesh_pairs(solids: [(&str, &Solid); 3]) {
     for rings in [16, 50, 158] {
-        let mesh = element(sphere_mesh(rings, 1.0));
+        let mesh = sphere_mesh(rings, 1.0);
         let count = 4 * rings * (rings - 1);
         for (name, solid) in solids.into_iter().chain([("mesh", &mesh)]) {
-            let name = format!("{name}-mesh {count}");
-            println!("{name:<20} {:>8.3} us a query", micros(solid, &mesh, 500));
+            pair(&format!("{name}-mesh {count}"), solid, &mesh, 500);
         }
     }
 }
@@ -262,26 +290,26 @@ fn main() {
         return pairs_of_a_file(&path);
     }
     let (o, z) = (DVec3::ZERO, DVec3::Z);
-    let torus = element(Solid::Torus {
+    let torus = Solid::Torus {
         center: o,
         axis: z,
         ring: 2.0,
         tube: 0.2,
-    });
-    let capsule = element(Solid::Capsule {
+    };
+    let capsule = Solid::Capsule {
         from: -z,
         to: z,
         radius: 0.3,
-    });
-    let cylinder = element(Solid::Cylinder {
+    };
+    let cylinder = Solid::Cylinder {
         from: -z,
         to: z,
         radius: 0.3,
-    });
-    let cuboid = element(Solid::Box {
+    };
+    let cuboid = Solid::Box {
         center: o,
         size: DVec3::new(1.0, 0.7, 0.5),
-    });
+    };
     for (name, a, b) in [
         ("torus-torus", &torus, &torus),
         ("torus-capsule", &torus, &capsule),
@@ -291,7 +319,7 @@ fn main() {
         ("box-box", &cuboid, &cuboid),
         ("cylinder-cylinder", &cylinder, &cylinder),
     ] {
-        println!("{name:<20} {:>8.3} us a query", micros(a, b, QUERIES));
+        pair(name, a, b, QUERIES);
     }
     mesh_pairs([
         ("capsule", &capsule),

@@ -7,6 +7,7 @@ mod clearance_mesh_motion;
 mod clearance_meshes;
 mod clearance_motion;
 mod clearance_pairs;
+mod clearance_parry;
 mod clearance_reference;
 mod clearance_scenes;
 mod clearance_times;

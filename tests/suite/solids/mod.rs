@@ -1,5 +1,7 @@
 //! Solids of clearance tests: their short names, and random ones that are the same in every run.
 
+pub mod parry;
+
 use glam::{DMat3, DQuat, DVec3};
 use mechanim::distance::core::{Element, shape_elements};
 use mechanim::math::Pose;
