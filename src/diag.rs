@@ -274,9 +274,9 @@ mod tests {
     #[test]
     fn nearest_name_is_offered_only_when_near() {
         let known = ["gearshift", "slider-crank", "seven-r"];
-        assert_eq!(nearest("gearshfit", known), Some("gearshift"));
-        assert_eq!(nearest("slidercrank", known), Some("slider-crank"));
-        assert_eq!(nearest("quux", known), None);
+        assert_eq!(nearest_name("gearshfit", known), Some("gearshift"));
+        assert_eq!(nearest_name("slidercrank", known), Some("slider-crank"));
+        assert_eq!(nearest_name("quux", known), None);
     }
 
     #[test]
@@ -298,7 +298,7 @@ mod tests {
             (-1e-9, "-1e-9"),
             (f64::INFINITY, "inf"),
         ] {
-            assert_eq!(shown(value), text);
+            assert_eq!(shown_number(value), text);
         }
     }
 
@@ -336,8 +336,8 @@ mod tests {
         let said = shorten_text(&message);
         assert!(said.chars().count() < 200, "{said}");
         assert!(said.ends_with("is not a value for `phi`"), "{said}");
-        assert_eq!(shortened(&value).chars().count(), MOST_SAID + 1);
-        assert_eq!(shortened("`short`"), "`short`");
+        assert_eq!(shorten_text(&value).chars().count(), MOST_SAID + 1);
+        assert_eq!(shorten_text("`short`"), "`short`");
     }
 
     #[test]

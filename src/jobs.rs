@@ -125,7 +125,7 @@ mod tests {
             assert_eq!(squares, (0..20).map(|k| (k, k * k)).collect::<Vec<_>>());
             let watched = share_watched(20, threads, || (), |_, k| Some(k * k), &|_| ());
             assert_eq!(watched, squares);
-            assert!(share(0, threads, || (), |_, k| Some(k)).is_empty());
+            assert!(share_work(0, threads, || (), |_, k| Some(k)).is_empty());
         }
     }
 

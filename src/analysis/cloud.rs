@@ -31,7 +31,7 @@ pub struct Spread {
 
 /// Paths of all traced points along all tracks, with those of the batch's pieces; `None` if `cancel` was raised.
 ///
-/// Empty without traced points. Piece n is that of [`super::tolerance::pieces`].
+/// Empty without traced points. Piece n is that of [`super::tolerance::sample_pieces`].
 pub fn path_clouds(
     family: &ParametricMechanism,
     nominal: &TrackPoses,

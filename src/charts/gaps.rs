@@ -120,15 +120,24 @@ mod tests {
             to,
             word: word.to_owned(),
         };
-        assert_eq!(shades(&marked, &none, &x), [shade(1.0, 3.0, "no pose")]);
-        assert_eq!(shades(&none, &marked, &x), [shade(1.0, 3.0, "no value")]);
-        assert_eq!(shades(&[true; 7], &none, &x), [shade(0.0, 3.0, "no pose")]);
-        assert!(shades(&none, &none, &x).is_empty());
+        assert_eq!(gap_shades(&marked, &none, &x), [shade(1.0, 3.0, "no pose")]);
+        assert_eq!(
+            gap_shades(&none, &marked, &x),
+            [shade(1.0, 3.0, "no value")]
+        );
+        assert_eq!(
+            gap_shades(&[true; 7], &none, &x),
+            [shade(0.0, 3.0, "no pose")]
+        );
+        assert!(gap_shades(&none, &none, &x).is_empty());
         // Both runs reach into each other on the axis: the motion comes back.
         let twice = [true, false, false, false, false, false, true];
-        assert_eq!(shades(&twice, &none, &x), [shade(0.0, 1.5, "no pose")]);
+        assert_eq!(gap_shades(&twice, &none, &x), [shade(0.0, 1.5, "no pose")]);
         let beside = [false, true, false, false, false, false, false];
-        assert_eq!(shades(&marked, &beside, &x), [shade(0.0, 3.0, "no pose")]);
+        assert_eq!(
+            gap_shades(&marked, &beside, &x),
+            [shade(0.0, 3.0, "no pose")]
+        );
     }
 
     #[test]
@@ -139,17 +148,17 @@ mod tests {
             (1234567.0, "1234567"),
             (0.0, "0"),
         ] {
-            assert_eq!(short(value), text);
+            assert_eq!(short_number(value), text);
         }
     }
 
     #[test]
     fn only_lonely_giants_are_left_out() {
         let series = |values: Vec<f64>| Panel {
-            series: vec![Series {
+            series: vec![PlotSeries {
                 name: "a".into(),
                 points: values.into_iter().map(|v| Some([0.0, v])).collect(),
-                ..Series::default()
+                ..PlotSeries::default()
             }],
             ..Panel::default()
         };

@@ -60,6 +60,7 @@ impl<'a> AskedPair<'a> {
             return found;
         }
         let joints = &motion.system.mechanism().joints;
+        // Neighbours leave out what touches at their joint; all other parts are judged.
         let near = joint_neighbours(motion, joints, self.bodies, self.hulls, minimum);
         if let Some(ignored) = self.ignored {
             self.ignore(motion, ignored, near.as_ref(), &mut found);
@@ -153,6 +154,7 @@ impl<'a> AskedPair<'a> {
     ) {
         let minimum = self.minimum();
         let mut out = self.sweep(motion);
+        // Some shapes only: the others of the pair are judged as if nothing were ignored.
         if !ignored.shapes.is_empty() {
             let left_out = self.elements_of(&ignored.shapes);
             let excluded = self.sweep(motion).without(&left_out).complement_pairs();
@@ -174,6 +176,7 @@ impl<'a> AskedPair<'a> {
             }
             out = out.without(&excluded);
         }
+        // A depth that is allowed is a minimum of its own.
         if let Some(down_to) = ignored.down_to {
             let deep = out.with_minimum(down_to);
             let report = judge_minimum(motion, &deep, down_to).filter(|r| r.is_deeper());
@@ -223,6 +226,7 @@ impl<'a> AskedPair<'a> {
                 .without(&region.touching),
             None => self.sweep(motion),
         };
+        // At the samples first, which is cheap; the proof comes last.
         let samples = motion.samples.clone();
         match rest.sampled(motion, &samples, None) {
             Some(least) if least.distance < self.minimum() => return None,
@@ -328,6 +332,7 @@ fn reconcile_reports(
     let lowest = seen.min_by(|p, q| p.distance.total_cmp(&q.distance));
     let lower = lowest.filter(|v| v.distance < report.least.distance);
     let lower = lower.and_then(|v| motion.instants.iter().position(|i| i.time == v.time));
+    // A violation may have seen a lower pose than the search for the least distance.
     if let Some(least) = lower.and_then(|instant| sweep.sampled(motion, &[instant], None)) {
         report.least = Least {
             bound: report.least.bound.min(least.distance),
@@ -339,6 +344,7 @@ fn reconcile_reports(
             report.judgement = Judgement::Failed;
         }
     }
+    // And the other way round.
     let Least { distance, time, .. } = report.least;
     let holds = |v: &&mut Violation| (v.from..=v.to).contains(&time) && distance < v.distance;
     for violation in violations.list.iter_mut().filter(holds) {

@@ -52,6 +52,7 @@ impl PairSweep<'_> {
             let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
             found.map_or(f64::INFINITY, |f| f.proximity.distance)
         };
+        // Compass search along the stretch, with steps that are halved.
         let (mut at, mut lowest) = (start, distance(start));
         for halving in 1..=HALVINGS {
             let step = 0.5_f64.powi(halving as i32);

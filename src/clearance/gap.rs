@@ -209,11 +209,11 @@ mod tests {
             let chain = Chain {
                 steps: vec![
                     fixed[0],
-                    joint(Motion::Rotation, 2, 0),
+                    joint(ElementaryMotion::Rotation, 2, 0),
                     fixed[1],
-                    joint(Motion::Translation, 0, 1),
+                    joint(ElementaryMotion::Translation, 0, 1),
                     fixed[2],
-                    joint(Motion::Rotation, 1, 2),
+                    joint(ElementaryMotion::Rotation, 1, 2),
                     fixed[3],
                 ],
             };

@@ -147,6 +147,7 @@ fn longest_axis(half: DVec3) -> usize {
 
 /// A part of a long element: between two shares of its length.
 fn element_part(element: &Element, low: f64, high: f64) -> Element {
+    // The part of a primitive between two shares of its longest direction.
     let core = match &element.core {
         Primitive::Segment([a, b]) => Primitive::Segment([a.lerp(*b, low), a.lerp(*b, high)]),
         Primitive::Frustum(f) => {

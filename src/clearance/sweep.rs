@@ -28,7 +28,7 @@ const SMALLEST_SCALE: f64 = 1e-4;
 /// The least distance of two bodies over the motion.
 #[derive(Clone, Debug)]
 pub struct Least {
-    /// Signed distance, as [`distance`](crate::distance::pair::distance) defines it.
+    /// Signed distance, as [`signed_distance`](crate::distance::pair::signed_distance) defines it.
     pub distance: f64,
     /// When, seconds.
     pub time: f64,

@@ -109,8 +109,8 @@ mod tests {
     /// The other codes are tested from outside, in `tests/suite/verbs/cli.rs`; no known input leads to this one.
     #[test]
     fn a_fault_of_the_program_has_its_own_code() {
-        assert_eq!(guarded(|| 4), 4);
-        assert_eq!(guarded(|| panic!("a planted fault")), 70);
+        assert_eq!(run_guarded(|| 4), 4);
+        assert_eq!(run_guarded(|| panic!("a planted fault")), 70);
         assert_eq!(Failure::Internal("planted".to_owned()).code(), 70);
     }
 }

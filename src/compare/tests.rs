@@ -34,7 +34,7 @@ fn equal_pictures_have_no_difference() {
         (0, [0; 8], 0.0, 0)
     );
     assert_eq!((d.psnr, d.worst_at, d.bounds), (f64::INFINITY, None, None));
-    assert!(compare(&picture(true, 0), &picture(true, 0), 0).is_within(0));
+    assert!(compare_pictures(&picture(true, 0), &picture(true, 0), 0).is_within(0));
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn a_missing_thin_line_is_not_lost_in_the_mean() {
     let d = difference(&b, 32);
     assert_eq!(d.over, 48);
     assert_eq!(d.bounds, Some([10, 0, 25, 47]));
-    assert!(!compare(&picture(true, 0), &b, 32).is_within(47));
+    assert!(!compare_pictures(&picture(true, 0), &b, 32).is_within(47));
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn one_pixel_in_a_triptych_has_a_mark_around_it() {
     assert!(marked(1).is_empty());
     // The mark does not hide what it marks.
     assert_eq!(
-        triptych(&a, &b, 0).get_pixel(68 + 30, 20),
+        difference_triptych(&a, &b, 0).get_pixel(68 + 30, 20),
         &Rgba([0, 8, 0, 255])
     );
 }

@@ -81,7 +81,7 @@ mod tests {
                 let area = PixelArea::changed(&before, &after, w).unwrap();
                 assert_eq!(
                     area,
-                    Area {
+                    PixelArea {
                         left: x0,
                         top: y0,
                         width: x1 - x0 + 1,
@@ -90,6 +90,6 @@ mod tests {
                 );
             }
         }
-        assert_eq!(Area::changed(&before, &before, w), None);
+        assert_eq!(PixelArea::changed(&before, &before, w), None);
     }
 }

@@ -242,7 +242,7 @@ mod tests {
             (1000.0, (1000, 1)),
             (100.0 / 3.0, (100, 3)),
         ] {
-            assert_eq!(fraction(rate, 65535), expected, "{rate}");
+            assert_eq!(rate_fraction(rate, 65535), expected, "{rate}");
         }
         for rate in [std::f64::consts::PI, 0.1234567, 47.11081547] {
             let (n, d) = rate_fraction(rate, 65535);

@@ -57,12 +57,12 @@ mod tests {
         let items = [7, 3, 7, 7, 1, 3, 9];
         let mut first = first_equal(items.len(), |k| items[k]);
         assert_eq!(first, [0, 1, 0, 0, 4, 1, 6]);
-        assert_eq!(number(&mut first), 4);
+        assert_eq!(number_first(&mut first), 4);
         assert_eq!(first, [0, 1, 0, 0, 2, 1, 3]);
         assert!(first_equal(0, |k| k).is_empty());
         assert_eq!(
-            bits(DVec3::new(-0.0, 1.0, 0.0)),
-            bits(DVec3::new(0.0, 1.0, -0.0))
+            point_bits(DVec3::new(-0.0, 1.0, 0.0)),
+            point_bits(DVec3::new(0.0, 1.0, -0.0))
         );
     }
 

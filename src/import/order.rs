@@ -78,7 +78,11 @@ mod tests {
                 } else {
                     i.cmp(&j)
                 };
-                assert_eq!(natural(Path::new(a), Path::new(b)), expected, "{a} {b}");
+                assert_eq!(
+                    natural_order(Path::new(a), Path::new(b)),
+                    expected,
+                    "{a} {b}"
+                );
             }
         }
     }

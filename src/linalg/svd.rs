@@ -115,7 +115,7 @@ mod tests {
     fn diagonal_matrices_show_their_entries() {
         let c = jacobian_conditioning(&[3.0, 0.0, 0.0, 0.5], 2, 2);
         assert_eq!((c.sigma_max, c.sigma_min, c.rank), (3.0, 0.5, 2));
-        assert_eq!(conditioning(&[1.0, 0.0, 0.0, 0.0], 2, 2).rank, 1);
+        assert_eq!(jacobian_conditioning(&[1.0, 0.0, 0.0, 0.0], 2, 2).rank, 1);
     }
 
     #[test]

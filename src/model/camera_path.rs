@@ -130,12 +130,12 @@ mod tests {
     #[test]
     fn the_curve_meets_its_points_and_stands_still_beyond_them() {
         for (time, value) in POINTS {
-            assert_eq!(interpolate(&POINTS, time), Some(value));
+            assert_eq!(interpolate_points(&POINTS, time), Some(value));
         }
-        assert_eq!(interpolate(&POINTS, -3.0), Some(1.0));
-        assert_eq!(interpolate(&POINTS, 9.0), Some(-2.0));
-        assert_eq!(interpolate(&[(2.0, 5.0)], 0.0), Some(5.0));
-        assert_eq!(interpolate(&[], 0.0), None);
+        assert_eq!(interpolate_points(&POINTS, -3.0), Some(1.0));
+        assert_eq!(interpolate_points(&POINTS, 9.0), Some(-2.0));
+        assert_eq!(interpolate_points(&[(2.0, 5.0)], 0.0), Some(5.0));
+        assert_eq!(interpolate_points(&[], 0.0), None);
     }
 
     #[test]

@@ -164,7 +164,7 @@ mod tests {
             assert_eq!(found, always, "{motions:?}");
             // The inverse moves in the same group wherever the group is a whole one.
             let inverse = pattern.inverse();
-            let holds = |p: &Pattern| (0..6).map(|k| p.always_holds(k)).collect::<Vec<_>>();
+            let holds = |p: &RowPattern| (0..6).map(|k| p.always_holds(k)).collect::<Vec<_>>();
             if always.len() == 3 {
                 assert_eq!(holds(&inverse), holds(&pattern));
             }

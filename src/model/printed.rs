@@ -1,7 +1,7 @@
 //! Numbers as tables print them: in the scene's unit, as the shortest decimal that reads back as the same f64.
 //!
 //! A table's `40` degrees is not the f64 that was computed with. Bounds that stand beside printed numbers count the
-//! difference: of an input all its digits ([`rest`]), of everything else a bound ([`rounding`]).
+//! difference: of an input all its digits ([`printing_error`]), of everything else a bound ([`printing_unit`]).
 
 use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
@@ -64,7 +64,7 @@ mod tests {
             f64::MIN_POSITIVE,
             -1.5e15,
         ] {
-            assert_eq!(shortest(value).parse::<f64>().unwrap(), value);
+            assert_eq!(shortest_decimal(value).parse::<f64>().unwrap(), value);
         }
     }
 
@@ -86,8 +86,8 @@ mod tests {
         // 40 degrees, computed as anybody would, and the decimal 40.
         let forty = 40.0 * degree.number();
         let meant = (degree * Constant::exact(40.0) - Constant::exact(forty)).number();
-        assert_eq!(rest(forty, degree), meant);
-        assert_eq!(rest(0.5, Constant::exact(1.0)), 0.0);
-        assert_eq!(rest(f64::NAN, degree), 0.0);
+        assert_eq!(printing_error(forty, degree), meant);
+        assert_eq!(printing_error(0.5, Constant::exact(1.0)), 0.0);
+        assert_eq!(printing_error(f64::NAN, degree), 0.0);
     }
 }

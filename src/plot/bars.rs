@@ -307,7 +307,7 @@ mod tests {
             (1234.0, "1234"),
             (6.5e-5, "6.50e\u{2212}5"),
         ] {
-            assert_eq!(three(value), text);
+            assert_eq!(three_digits(value), text);
         }
     }
 }

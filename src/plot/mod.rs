@@ -1,6 +1,6 @@
 //! Charts: values in, SVG text or pixels out. Knows nothing of mechanisms, files or 3-D pictures.
 //!
-//! A [`Chart`] says what is shown; [`draw`] turns it into a [`Drawing`], a list of lines, areas and
+//! A [`Chart`] says what is shown; [`draw_chart`] turns it into a [`Drawing`], a list of lines, areas and
 //! texts at places in pixels; [`svg`] and [`raster`] write that list.
 
 pub mod bars;

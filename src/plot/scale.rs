@@ -153,11 +153,11 @@ mod tests {
         let [low, high] = value_limits(ScaleKind::Linear, noise.into_iter(), false);
         assert!(high - low > 100.0);
         assert_eq!(
-            limits(ScaleKind::Linear, [0.0].into_iter(), false),
+            value_limits(ScaleKind::Linear, [0.0].into_iter(), false),
             [-1.0, 1.0]
         );
         assert_eq!(
-            limits(ScaleKind::Linear, [f64::NAN].into_iter(), false),
+            value_limits(ScaleKind::Linear, [f64::NAN].into_iter(), false),
             [0.0, 1.0]
         );
     }

@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn texts_cannot_break_the_document() {
         assert_eq!(
-            escaped("a<b & \"c\"\u{0}\n>"),
+            escape_text("a<b & \"c\"\u{0}\n>"),
             "a&lt;b &amp; &quot;c&quot;  &gt;"
         );
     }
@@ -194,7 +194,7 @@ mod tests {
             (12.5, "12.5"),
             (100.0, "100"),
         ] {
-            assert_eq!(number(value), text);
+            assert_eq!(short_number(value), text);
         }
     }
 }

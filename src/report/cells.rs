@@ -74,7 +74,7 @@ mod tests {
             ("-2", "-2"),
             ("+-0", "\"+-0\""),
         ] {
-            assert_eq!(quoted(text), cell);
+            assert_eq!(quoted_cell(text), cell);
         }
     }
 }

@@ -357,8 +357,8 @@ mod tests {
     #[test]
     fn values_that_do_not_exist_are_empty_cells_and_null() {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!(number(value), "");
-            assert_eq!(json_cell(Cell::Number(value)), Value::Null);
+            assert_eq!(csv_number(value), "");
+            assert_eq!(json_cell(TableCell::Number(value)), Value::Null);
         }
     }
 }

@@ -190,7 +190,7 @@ mod tests {
             (&[], &[], 0.0),
         ];
         for (before, after, place) in cases {
-            assert_eq!(shift(before, after), place, "{before:?} {after:?}");
+            assert_eq!(stretch_shift(before, after), place, "{before:?} {after:?}");
         }
     }
 

@@ -46,6 +46,7 @@ pub fn allowed_motion(
         .collect();
     let mut measures = plan.family.measures.list.iter();
     let measure = measures.position(|m| m.name == name);
+    // How far the output reaches with all tolerances times a factor.
     let reach: Box<dyn Fn(f64) -> f64> = if !wanted.is_empty() {
         Box::new(|factor| of_motion(&plan.scaled(factor), &wanted, times, threads))
     } else if let Some(index) = measure {

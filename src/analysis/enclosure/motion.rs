@@ -128,6 +128,7 @@ fn coordinate_bands<const N: usize>(
         let function = enclosure.slot(slot);
         let range = function.range();
         let nominal = function.value;
+        // Pieces at the ends of the band, closed one by one, say how wide it must be at least.
         let mut found = [nominal; 2];
         if search {
             for place in [&range.lowest, &range.highest] {

@@ -160,7 +160,7 @@ fn evolution_finds_the_deepest_of_many_valleys_and_repeats() {
     near(&found.x, &[0.0; 4], 1e-4);
     assert_eq!(
         found,
-        evolution::minimise(&mut rastrigin(), &[4.5; 4], &bounds, limits)
+        evolution::minimise_by_evolution(&mut rastrigin(), &[4.5; 4], &bounds, limits)
     );
 }
 

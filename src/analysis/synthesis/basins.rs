@@ -122,9 +122,9 @@ mod tests {
     #[test]
     fn better_basins_are_tried_first_and_more_often_but_not_only() {
         let mut starts = vec![
-            start(Origin::Random, 1.0, [0.0, 0.0]),
-            start(Origin::Random, 2.0, [50.0, 0.0]),
-            start(Origin::Random, 3.0, [0.0, 50.0]),
+            basin_start(Origin::Random, 1.0, [0.0, 0.0]),
+            basin_start(Origin::Random, 2.0, [50.0, 0.0]),
+            basin_start(Origin::Random, 3.0, [0.0, 50.0]),
         ];
         let mut tried = Vec::new();
         for _ in 0..12 {

@@ -158,9 +158,9 @@ mod tests {
     #[test]
     fn lists_are_split_outside_of_parentheses() {
         assert_eq!(
-            split("h, d(h, phi, 2),atan2(a,b)"),
+            split_list("h, d(h, phi, 2),atan2(a,b)"),
             ["h", "d(h, phi, 2)", "atan2(a,b)"]
         );
-        assert_eq!(split(" , "), Vec::<String>::new());
+        assert_eq!(split_list(" , "), Vec::<String>::new());
     }
 }

@@ -56,21 +56,21 @@ mod tests {
     #[test]
     fn intervals_are_told_from_formulas() {
         assert_eq!(
-            interval("L", "880+-0.2").unwrap().unwrap(),
+            named_interval("L", "880+-0.2").unwrap().unwrap(),
             ("880".to_owned(), 0.2)
         );
         assert_eq!(
-            interval("L", "2*k ± 1").unwrap().unwrap(),
+            named_interval("L", "2*k ± 1").unwrap().unwrap(),
             ("2*k".to_owned(), 1.0)
         );
         let (middle, half) = named_interval("L", "879.8..880.2").unwrap().unwrap();
         let middle: f64 = middle.parse().unwrap();
         assert!(middle - half <= 879.8 && middle + half >= 880.2 && half < 0.2001);
         for none in ["880", "2*(k + -1)", "-3"] {
-            assert_eq!(interval("L", none).unwrap(), None);
+            assert_eq!(named_interval("L", none).unwrap(), None);
         }
         for wrong in ["2..1", "880+-x", "880+--1", "a..b", "1..inf"] {
-            assert!(interval("L", wrong).is_err(), "{wrong}");
+            assert!(named_interval("L", wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -25,7 +25,7 @@ pub fn open_scene(args: &SceneArgs, term: &Term) -> Result<OpenScene, Failure> {
     open_with_plot(args, None, term)
 }
 
-/// As [`open`], with a plot asked for in place of the scene's own.
+/// As [`open_scene`], with a plot asked for in place of the scene's own.
 pub fn open_with_plot(
     args: &SceneArgs,
     plot: Option<PlotText>,

@@ -122,13 +122,13 @@ mod tests {
         };
         // Along the axes before and behind a constant nothing is moved apart.
         let met = run([shift(3.0, -2.0, 0.0), shift(0.0, 2.0, 5.0)]);
-        assert_eq!(centre(&met, 1.0), Some(DVec3::new(0.0, 0.0, -5.0)));
+        assert_eq!(ball_centre(&met, 1.0), Some(DVec3::new(0.0, 0.0, -5.0)));
         for [one, other] in [
             [shift(0.0, 0.0, 1.0), Pose::IDENTITY],
             [Pose::IDENTITY, shift(1.0, 0.0, 0.0)],
             [shift(3.0, -2.0, 0.0), shift(0.0, 0.0, 5.0)],
         ] {
-            assert_eq!(centre(&run([one, other]), 1.0), None);
+            assert_eq!(ball_centre(&run([one, other]), 1.0), None);
         }
         assert!(axes_of(&run([turn(2, 0.5), Pose::IDENTITY])).is_none());
         assert!(axes_of(&run([turn(0, 0.5), turn(1, 0.7)])).is_some());

@@ -94,6 +94,7 @@ pub fn enclose_block<const N: usize>(
 ) -> Result<(), Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
     let (n, m) = (centre.n, region.count);
+    // A first box from the rates along the dimensions and the Newton step.
     let mut box_of: Vec<f64> = (0..n)
         .map(|i| {
             let slot = layout.block.unknowns[i];
@@ -104,6 +105,7 @@ pub fn enclose_block<const N: usize>(
     let mut farthest = None;
     let mut passed: Option<(Mapped<N>, Vec<f64>)> = None;
     for _ in 0..ATTEMPTS {
+        // The map of the whole box; where its image lies inside, every piece has a root there.
         centre.place(layout, region, &box_of);
         let mapped = centre.map(layout, basis, region)?;
         farthest = farthest.or_else(|| mapped.farthest());
@@ -112,6 +114,7 @@ pub fn enclose_block<const N: usize>(
         if !inside && passed.is_some() {
             break;
         }
+        // Not inside: the box is widened. Inside: it is narrowed while that pays.
         let share = image_ratio(&image, &box_of);
         if !inside {
             let wider = image.iter().zip(&box_of);

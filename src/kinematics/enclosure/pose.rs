@@ -88,6 +88,7 @@ fn show_traces<const N: usize>(mechanism: &Mechanism, region: &mut Region<N>, ce
         );
         let twists = Twists::new(&chain.steps, &values);
         let point = twists.end.point(trace.point.to_array());
+        // Velocity of the point by every coordinate, summed over the joints that it moves.
         let mut gradients: [Vec<(usize, AffineForm<N>)>; 3] = Default::default();
         twists.velocities(point, |argument, velocity| {
             for (slot, rate) in rates.of(argument) {

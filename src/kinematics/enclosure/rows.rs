@@ -67,6 +67,7 @@ impl<'m> Layout<'m> {
         };
         let values = output_arguments(self.mechanism, &self.block.arguments, coordinates);
         let rates = Rates::new(self.mechanism, &self.block.arguments, coordinates);
+        // Loops: residual and columns of the joints' twists, by the chain rule.
         for part in &self.block.loops {
             let item = &self.mechanism.loops[part.index];
             let twists = Twists::new(&item.chain.steps, &values);
@@ -86,6 +87,7 @@ impl<'m> Layout<'m> {
                 }
             });
         }
+        // Scalar equations: value and gradient.
         for index in &self.block.equations {
             let expression = &self.mechanism.equations[*index].expression;
             let weight = self.mechanism.weight_of(*index);

@@ -221,7 +221,7 @@ mod tests {
             let found = value(taking, 2.0, &path[..taking.width()]);
             assert!((found - expected).abs() < 1e-15 * 8.0, "{name}: {found}");
         }
-        assert!(reduce(Taking::Mean, 2.0, &[Vec::new()]).is_none());
+        assert!(reduce_values(Taking::Mean, 2.0, &[Vec::new()]).is_none());
         let crossing = [1.0, -1.0, -3.0, 1.0, 1.0];
         let share = value(Taking::Positive, 2.0, &[crossing.to_vec()]);
         assert!((share - (0.5 + 0.25 + 1.0) / 4.0).abs() < 1e-15, "{share}");

@@ -360,8 +360,8 @@ mod tests {
         let chain: Vec<Vec<usize>> = (0..200_000)
             .map(|k| if k > 0 { vec![k - 1] } else { vec![] })
             .collect();
-        assert_eq!(components(&chain).len(), 200_000);
+        assert_eq!(strong_components(&chain).len(), 200_000);
         let back: Vec<Vec<usize>> = (0..200_000).map(|k| vec![(k + 1) % 200_000]).collect();
-        assert_eq!(components(&back).len(), 1);
+        assert_eq!(strong_components(&back).len(), 1);
     }
 }

@@ -99,11 +99,11 @@ mod tests {
         assert!(part.corners().iter().all(|c| c.position[2] <= -1.0));
         assert_eq!(part.corners()[2].position, [0.75, 0.25, -1.0]);
         assert!(
-            clip(triangle, &[[0.0, 0.0, -1.0, -3.0]])
+            clip_triangle(triangle, &[[0.0, 0.0, -1.0, -3.0]])
                 .corners()
                 .is_empty()
         );
         let broken = [triangle[0], triangle[1], corner(f32::NAN, 0.0, 0.0)];
-        assert!(clip(broken, &[near]).corners().is_empty());
+        assert!(clip_triangle(broken, &[near]).corners().is_empty());
     }
 }

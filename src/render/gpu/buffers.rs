@@ -146,7 +146,7 @@ mod tests {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.2, 1.0, -4.0)],
             ..Mesh::default()
         };
-        assert_eq!(middle(&mesh), DVec3::new(0.5, 0.5, -2.0));
-        assert_eq!(middle(&Mesh::default()), DVec3::ZERO);
+        assert_eq!(mesh_middle(&mesh), DVec3::new(0.5, 0.5, -2.0));
+        assert_eq!(mesh_middle(&Mesh::default()), DVec3::ZERO);
     }
 }

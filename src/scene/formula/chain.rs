@@ -370,19 +370,19 @@ mod tests {
         assert_eq!(
             shapes[0],
             (
-                Motion::Translation,
+                ElementaryMotion::Translation,
                 1,
                 NodeKind::Number(Constant::exact(-2.0))
             )
         );
         assert!(matches!(
             shapes[1],
-            (Motion::Rotation, 2, NodeKind::Negate(_))
+            (ElementaryMotion::Rotation, 2, NodeKind::Negate(_))
         ));
         assert_eq!(
             shapes[2],
             (
-                Motion::Translation,
+                ElementaryMotion::Translation,
                 0,
                 NodeKind::Number(Constant::exact(-1.0))
             )

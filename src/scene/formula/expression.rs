@@ -359,15 +359,19 @@ mod tests {
             ("foo(1)", 0..3),
             ("a b", 2..3),
         ] {
-            assert_eq!(parse(text, 0).unwrap_err().span, Some(place), "{text}");
+            assert_eq!(
+                parse_expression(text, 0).unwrap_err().span,
+                Some(place),
+                "{text}"
+            );
         }
     }
 
     #[test]
     fn hostile_nesting_is_refused() {
-        assert!(parse(&"(".repeat(50_000), 0).is_err());
-        assert!(parse(&"-".repeat(50_000), 0).is_err());
-        assert!(parse(&"2^".repeat(40_000), 0).is_err());
-        assert!(parse(&format!("1{}", "+1".repeat(40_000)), 0).is_err());
+        assert!(parse_expression(&"(".repeat(50_000), 0).is_err());
+        assert!(parse_expression(&"-".repeat(50_000), 0).is_err());
+        assert!(parse_expression(&"2^".repeat(40_000), 0).is_err());
+        assert!(parse_expression(&format!("1{}", "+1".repeat(40_000)), 0).is_err());
     }
 }

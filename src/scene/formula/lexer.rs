@@ -127,8 +127,18 @@ mod tests {
 
     #[test]
     fn bad_characters_and_numbers_are_named() {
-        assert_eq!(tokenize("a $ b", 0).unwrap_err().span, Some(2..3));
-        assert!(tokenize("1.2.3", 0).unwrap_err().message.contains("1.2.3"));
-        assert!(tokenize("1e999", 0).unwrap_err().message.contains("finite"));
+        assert_eq!(tokenize_text("a $ b", 0).unwrap_err().span, Some(2..3));
+        assert!(
+            tokenize_text("1.2.3", 0)
+                .unwrap_err()
+                .message
+                .contains("1.2.3")
+        );
+        assert!(
+            tokenize_text("1e999", 0)
+                .unwrap_err()
+                .message
+                .contains("finite")
+        );
     }
 }

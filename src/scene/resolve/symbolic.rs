@@ -1,6 +1,6 @@
 //! The frame of a chain as formulas of the coordinates: for distances and directions that are no joint's.
 //!
-//! A [`Term`] is a kind of number: what is computed with it is written down as operations of one shared list. Zeros and
+//! A [`SymbolicTerm`] is a kind of number: what is computed with it is written down as operations of one shared list. Zeros and
 //! ones are left out as they arise.
 
 use crate::model::chain::{

@@ -4,9 +4,10 @@ use super::source::{bare, is_test, sources, without_words};
 use std::collections::HashMap;
 
 /// Rooms whose functions compute.
-const NUMERIC: [&str; 5] = [
+const NUMERIC: [&str; 6] = [
     "analysis/",
     "clearance/",
+    "distance/",
     "kinematics/",
     "linalg/",
     "numbers/",

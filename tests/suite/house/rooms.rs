@@ -21,7 +21,11 @@ const FLOORS: &[&[&str]] = &[
     &["kinematics/ball/", "kinematics/loops/"],
     &["kinematics/solve/"],
     &["kinematics/rates/"],
-    &["kinematics/freedoms/", "kinematics/certificate/"],
+    &[
+        "kinematics/freedoms/",
+        "kinematics/certificate/",
+        "kinematics/enclosure/",
+    ],
     &["kinematics/assemblies/"],
     &["kinematics/motion/tracker/"],
     &["kinematics/motion/"],

@@ -188,8 +188,11 @@ fn the_skew_residual_takes_a_half_turn_for_closed() {
 
 #[test]
 fn distances_see_what_is_no_number() {
-    assert_eq!(distance(&[1.0, 2.0], &[1.5, 2.0]), 0.5);
-    assert_eq!(distance(&[1.0, f64::NAN], &[1.0, 2.0]), f64::INFINITY);
+    assert_eq!(largest_distance(&[1.0, 2.0], &[1.5, 2.0]), 0.5);
+    assert_eq!(
+        largest_distance(&[1.0, f64::NAN], &[1.0, 2.0]),
+        f64::INFINITY
+    );
 }
 
 const BLOCKED: &str = r#"

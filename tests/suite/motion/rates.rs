@@ -300,7 +300,7 @@ fn a_singular_pose_has_no_rates() {
     ]
     .concat();
     let input = TaylorSeries::linear(FRAC_PI_2, 1.0, 2);
-    assert_eq!(rates(&system, &coordinates, &[input], 2), None);
+    assert_eq!(higher_rates(&system, &coordinates, &[input], 2), None);
 }
 
 /// beta2' by beta1 of the torus pair, 40-digit arithmetic; and second derivatives in the scene's own degrees.

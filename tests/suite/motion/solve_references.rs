@@ -198,7 +198,7 @@ fn slider_crank_finds_the_true_pose_from_the_lecture_starts_and_the_crossed_one_
 fn printed_root_of_the_lecture_is_named_a_half_turn() {
     let scene = scene_with("slider-crank", |o| o.inputs = pairs(&[("phi", "0.5")]));
     let printed = judge_pose(&scene.mechanism, &[2.8837, -0.2421, 42.5642, 0.5], 1e-9);
-    assert_eq!(printed[0].verdict, Verdict::HalfTurn);
+    assert_eq!(printed[0].verdict, LoopVerdict::HalfTurn);
     let OfferedGap::Loop { angle, .. } = printed[0].gap else {
         panic!("{printed:?}")
     };
@@ -213,7 +213,7 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
         ],
         1e-9,
     );
-    assert_eq!(all_digits[0].verdict, Verdict::HalfTurn);
+    assert_eq!(all_digits[0].verdict, LoopVerdict::HalfTurn);
     let closed = judge_pose(
         &scene.mechanism,
         &[
@@ -224,9 +224,9 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
         ],
         1e-9,
     );
-    assert_eq!(closed[0].verdict, Verdict::Closed);
+    assert_eq!(closed[0].verdict, LoopVerdict::Closed);
     let open = judge_pose(&scene.mechanism, &[-0.7, 0.2, 112.0, 0.5], 1e-9);
-    assert_eq!(open[0].verdict, Verdict::Open);
+    assert_eq!(open[0].verdict, LoopVerdict::Open);
 }
 
 #[test]

@@ -375,7 +375,7 @@ fn samples_come_in_order_and_are_not_drawn_again() {
     let nobody: Vec<Draw> = Vec::new();
     let sink = frames::sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
     assert!(matches!(
-        pump(nobody, 20, Vec::new(), sink, &|_, _| {}, &cancel),
+        pump_frames(nobody, 20, Vec::new(), sink, &|_, _| {}, &cancel),
         Err(PumpError::NoWorkers)
     ));
 }

@@ -306,7 +306,7 @@ fn pixels_show_the_curve_where_it_is() {
         assert_eq!(picture.dimensions(), (size[0], size[1]));
         assert_eq!(
             picture,
-            Painter::default().picture(&drawing),
+            ChartPainter::default().picture(&drawing),
             "the same bytes again"
         );
         let [r, g, b, _] = theme.colour(0);
@@ -351,7 +351,9 @@ fn the_playhead_stands_on_the_curves() {
     let blocked = charted(&crank(80.0, 60.0), 5);
     let marks = playhead_marks(&blocked, &drawn(&blocked), 1);
     assert!(
-        marks.iter().all(|m| matches!(m, Primitive::Line { .. })),
+        marks
+            .iter()
+            .all(|m| matches!(m, DrawnPrimitive::Line { .. })),
         "no dot without a pose"
     );
     assert_eq!(marks.len(), blocked.panels.len());
@@ -379,7 +381,7 @@ fn texts_do_not_overlap() {
 }
 
 /// Left, right, top, bottom of a text.
-fn extent(primitive: &Primitive) -> Option<[f64; 4]> {
+fn extent(primitive: &DrawnPrimitive) -> Option<[f64; 4]> {
     use mechanim::plot::primitive::TextAnchor;
     use mechanim::render::text::{Face, set_text};
     let DrawnPrimitive::Text {
@@ -415,10 +417,10 @@ proptest! {
         let chart = Chart {
             panels: vec![Panel {
                 y: Axis { scale, ..Axis::default() },
-                series: vec![Series {
+                series: vec![PlotSeries {
                     name: "random".into(),
                     points: points.iter().copied().map(Some).collect(),
-                    ..Series::default()
+                    ..PlotSeries::default()
                 }],
                 ..Panel::default()
             }],

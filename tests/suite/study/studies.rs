@@ -191,7 +191,7 @@ fn small_tolerances_scatter_as_the_linear_rule_says() {
     let stand = evaluator.nominal(family.nominal().unwrap().poses);
     let gradients = evaluator.gradients(&stand).unwrap();
     let tolerances = [0.5; DIMENSIONS.len()];
-    let batch = Batch {
+    let batch = SampleBatch {
         samples: 3000,
         first: 0,
         seed: 1,

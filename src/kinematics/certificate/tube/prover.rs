@@ -371,12 +371,7 @@ impl<'m> Prover<'m> {
     }
 
     /// Cubic curves of the unknowns through both ends, with the rates there as far as they are known.
-    fn first_guess(
-        &self,
-        here: &Station,
-        next: &Station,
-        before: Option<&Tube>,
-    ) -> Vec<Polynomial> {
+    fn first_guess(&self, here: &Station, next: &Station, past: Option<&Tube>) -> Vec<Polynomial> {
         let half = 0.5 * (next.time - here.time);
         let rate = |place: &Station, k: usize| {
             let rate = half * place.rates.as_ref()?.get(k)?;

@@ -58,7 +58,7 @@ pub fn solve_with_ends(
     recorder.with_edges().run(times)
 }
 
-/// [`solve`] without certificates of the poses.
+/// [`solve_motion`] without certificates of the poses.
 pub fn solve_unproved(system: &System, actuation: &Actuation, times: &[f64]) -> Trajectory {
     solve_until(system, actuation, times, None, &|| false)
 }
