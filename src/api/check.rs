@@ -3,13 +3,11 @@
 use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
-use crate::clearance::check::{ClearanceReport, Closely, PairReport, check_clearance};
-use crate::kinematics::motion::proved::{Proofs, solve_proved};
-use crate::kinematics::motion::sampling::knot_times;
-use crate::report::check::{MotionReport, without_pose};
+use crate::clearance::check::{ClearanceReport, Closely, PairReport};
+use crate::report::clearance;
 use crate::report::junit::to_junit;
+use crate::report::motion_check::{MotionAnswer, MotionCheck};
 use crate::report::verdict::{Asked, Status, Verdict};
-use crate::report::{clearance, closure, measures};
 use std::time::Instant;
 
 /// What is asked of a check beside what the scene asks.
@@ -67,60 +65,52 @@ pub struct Check {
 
 impl Check {
     pub(super) fn run(loaded: &Loaded, options: &CheckOptions) -> Result<Self, Error> {
-        let (scene, system) = (&loaded.scene, &loaded.system);
-        let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
         let [times, _] = options.samples.times(loaded)?;
-        let proofs = match options.motion {
-            true => Proofs::Motion,
-            false => Proofs::Poses,
-        };
-        let begun = Instant::now();
-        let never = || false;
-        let all = knot_times(actuation, &times);
-        let trajectory = solve_proved(system, actuation, &all, proofs, &never);
-        let solving = begun.elapsed().as_secs_f64();
-        if trajectory.poses().next().is_none() {
-            let verdict = Verdict {
-                title: mechanism.title.clone(),
-                cases: vec![closure::closing_case(mechanism, &trajectory)],
-            };
-            let json = without_pose(mechanism, &trajectory, &verdict);
-            return Ok(Self {
-                text: format!("{}\n  result: {}\n", mechanism.title, verdict.sentence()),
-                json: format!("{json:#}\n"),
-                verdict,
-                seconds: solving,
-                pairs: Vec::new(),
-            });
-        }
-        let tolerance = options.tolerance;
-        let measured = measures::take_whole(system, scene, &trajectory, &times, tolerance);
-        let clearances = scene.clearance.as_ref().map(|rules| {
+        let check = MotionCheck {
+            scene: &loaded.scene,
+            system: &loaded.system,
+            times: &times,
+            asked: Asked {
+                closure: options.closure,
+                poses: true,
+                motion: options.motion,
+                estimates: false,
+                empty: false,
+                band: None,
+            },
             // All pairs are handed out, one by one.
-            let closely = Closely {
+            closely: Closely {
                 tolerance: options.tolerance,
                 pairs: usize::MAX,
                 times: true,
-            };
-            check_clearance(system, actuation, rules, &trajectory, closely, &|_, _| {})
-        });
-        let asked = Asked {
-            closure: options.closure,
-            poses: true,
-            motion: options.motion,
-            estimates: false,
-            empty: false,
-            band: None,
+            },
+            is_swept: false,
+            worst: usize::MAX,
         };
-        let found = clearances.as_ref();
-        let report = MotionReport::new((system, actuation), &trajectory, asked, &measured, found);
-        let verdict = report.verdict(solving);
+        let begun = Instant::now();
+        let trajectory = check.solve(&|| false)?;
+        let solving = begun.elapsed().as_secs_f64();
+        let (answer, pairs) = if trajectory.poses().next().is_none() {
+            (check.without_pose(&trajectory, None), Vec::new())
+        } else {
+            let found = check.clearances(&trajectory, &|_, _| {})?;
+            let answer = check.answer(&trajectory, found.as_ref(), solving);
+            (
+                answer,
+                found.map_or_else(Vec::new, |found| pairs(loaded, &found)),
+            )
+        };
+        let MotionAnswer {
+            text,
+            document,
+            verdict,
+        } = answer;
         Ok(Self {
-            text: report.text(&verdict, usize::MAX),
-            json: format!("{:#}\n", report.json(&verdict)),
+            text,
+            json: format!("{document:#}\n"),
             seconds: begun.elapsed().as_secs_f64(),
             verdict,
-            pairs: found.map_or_else(Vec::new, |found| pairs(loaded, found)),
+            pairs,
         })
     }
 

@@ -13,6 +13,7 @@ pub mod inputs_box;
 pub mod iterates;
 pub mod junit;
 pub mod measures;
+pub mod motion_check;
 pub mod precision;
 pub mod proof;
 pub mod rounded;

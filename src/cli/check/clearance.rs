@@ -1,7 +1,7 @@
 //! The clearance part of `mechanim check`: what is asked, and the files.
 
 use crate::charts;
-use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
+use crate::clearance::check::ClearanceReport;
 use crate::cli::args::files::ProgressArg;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::files::chart;
@@ -12,10 +12,10 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::limits::{Resource, current_limits};
 use crate::model::mechanism::Mechanism;
 use crate::plot::{ChartTheme, Drawing, matrix};
 use crate::report::clearance::to_csv;
+use crate::report::motion_check::MotionCheck;
 use crate::scene::Scene;
 use std::path::Path;
 
@@ -44,41 +44,22 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
 pub fn check_pairs(
     args: &CheckArgs,
     opened: &OpenScene,
+    check: &MotionCheck,
     trajectory: &Trajectory,
     term: &Term,
 ) -> Result<Option<ClearanceReport>, Failure> {
-    let OpenScene { scene, system } = opened;
-    let Some(rules) = &scene.clearance else {
+    if opened.scene.clearance.is_none() {
+        return Ok(None);
+    }
+    let mechanism = &opened.scene.mechanism;
+    let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
+    let found = check.clearances(trajectory, &|done, all| {
+        progress.show(done, all);
+    })?;
+    progress.end();
+    let Some(found) = found else {
         return Ok(None);
     };
-    let mechanism = &scene.mechanism;
-    let bodies = mechanism
-        .bodies
-        .iter()
-        .filter(|b| !b.shapes.is_empty())
-        .count();
-    let pairs = bodies as f64 * (bodies as f64 - 1.0) / 2.0;
-    current_limits().allow(
-        Resource::Pairs,
-        pairs,
-        &format!("[clearance] of {bodies} bodies"),
-    )?;
-    let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
-    let found = check_clearance(
-        system,
-        &scene.actuation,
-        rules,
-        trajectory,
-        Closely {
-            tolerance: args.tolerance,
-            pairs: args.worst.max(Closely::PAIRS),
-            times: true,
-        },
-        &|done, all| {
-            progress.show(done, all);
-        },
-    );
-    progress.end();
     for warning in &found.warnings {
         term.warning(warning);
     }

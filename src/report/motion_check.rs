@@ -1,0 +1,132 @@
+//! The check of a whole motion, put together once: the program and the library ask it, each with its own words about
+//! progress and failure.
+
+use super::check::{MotionReport, without_pose};
+use super::verdict::{Asked, Verdict};
+use super::{closure, measures};
+use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
+use crate::kinematics::motion::proved::{Proofs, solve_proved};
+use crate::kinematics::motion::sampling::{allow_samples, knot_times};
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
+use crate::limits::{LimitExceeded, Resource, current_limits};
+use crate::scene::Scene;
+use serde_json::Value;
+
+/// What is checked, and what is asked of it.
+pub struct MotionCheck<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its mechanism, ready to be solved.
+    pub system: &'a System,
+    /// Seconds at which the motion is sampled.
+    pub times: &'a [f64],
+    /// What must be so, and what must be proved.
+    pub asked: Asked,
+    /// How near bounds of distances must come to the distances.
+    pub closely: Closely,
+    /// What bodies sweep is asked for as well, which is made of tubes.
+    pub is_swept: bool,
+    /// Rows of the table of pairs in the text.
+    pub worst: usize,
+}
+
+/// What a check found.
+pub struct MotionAnswer {
+    /// Lines for people.
+    pub text: String,
+    /// The JSON report.
+    pub document: Value,
+    /// The one verdict.
+    pub verdict: Verdict,
+}
+
+impl MotionCheck<'_> {
+    /// Tubes, which clearances are bounded by, join certified poses: more may be proved than is asked for.
+    fn proofs(&self) -> Proofs {
+        let needs_tubes = self.scene.clearance.is_some()
+            || self.is_swept
+            || measures::needs_certified_poses(self.scene);
+        match (self.asked.motion, self.asked.poses || needs_tubes) {
+            (true, _) => Proofs::Motion,
+            (false, true) => Proofs::Poses,
+            (false, false) => Proofs::None,
+        }
+    }
+
+    /// The motion at the asked times and at the keys of its drives, until `cancelled` says so.
+    ///
+    /// Errors: more samples than a run may have.
+    pub fn solve(&self, cancelled: &dyn Fn() -> bool) -> Result<Trajectory, LimitExceeded> {
+        let actuation = &self.scene.actuation;
+        let times = knot_times(actuation, self.times);
+        allow_samples(self.system.mechanism(), times.len())?;
+        let proofs = self.proofs();
+        Ok(solve_proved(
+            self.system,
+            actuation,
+            &times,
+            proofs,
+            cancelled,
+        ))
+    }
+
+    /// The clearances that the scene asks for; `None` if it asks for none. `progress` hears of pairs done and of all.
+    ///
+    /// Errors: more pairs than a run may have.
+    pub fn clearances(
+        &self,
+        trajectory: &Trajectory,
+        progress: &dyn Fn(usize, usize),
+    ) -> Result<Option<ClearanceReport>, LimitExceeded> {
+        let Some(rules) = &self.scene.clearance else {
+            return Ok(None);
+        };
+        let bodies = self.scene.mechanism.bodies.iter();
+        let bodies = bodies.filter(|body| !body.shapes.is_empty()).count();
+        let pairs = bodies as f64 * (bodies as f64 - 1.0) / 2.0;
+        let who = format!("[clearance] of {bodies} bodies");
+        current_limits().allow(Resource::Pairs, pairs, &who)?;
+        let actuation = &self.scene.actuation;
+        let closely = self.closely;
+        let found = check_clearance(self.system, actuation, rules, trajectory, closely, progress);
+        Ok(Some(found))
+    }
+
+    /// Everything that was asked with its answer, of a motion that has poses and took `seconds` to solve.
+    pub fn answer(
+        &self,
+        trajectory: &Trajectory,
+        clearances: Option<&ClearanceReport>,
+        seconds: f64,
+    ) -> MotionAnswer {
+        let (system, scene, tolerance) = (self.system, self.scene, self.closely.tolerance);
+        let measured = measures::take_whole(system, scene, trajectory, self.times, tolerance);
+        let driven = (system, &scene.actuation);
+        let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances);
+        let verdict = report.verdict(seconds);
+        MotionAnswer {
+            text: report.text(&verdict, self.worst),
+            document: report.json(&verdict),
+            verdict,
+        }
+    }
+
+    /// The answer where no sample has a pose; `why` says more of it.
+    pub fn without_pose(&self, trajectory: &Trajectory, why: Option<&str>) -> MotionAnswer {
+        let mechanism = &self.scene.mechanism;
+        let mut case = closure::closing_case(mechanism, trajectory);
+        if let Some(why) = why {
+            case.text = format!("{}; {why}", case.text);
+        }
+        let verdict = Verdict {
+            title: mechanism.title.clone(),
+            cases: vec![case],
+        };
+        MotionAnswer {
+            text: format!("{}\n  result: {}\n", mechanism.title, verdict.sentence()),
+            document: without_pose(mechanism, trajectory, &verdict),
+            verdict,
+        }
+    }
+}
