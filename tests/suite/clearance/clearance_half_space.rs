@@ -143,10 +143,13 @@ fn two_half_spaces_have_a_distance_only_where_they_face_each_other() {
         })
     };
     let floor = half(0.0, DVec3::Z);
-    assert_eq!(distance(&floor, &half(3.0, -DVec3::Z)).distance, 3.0);
-    assert_eq!(distance(&floor, &half(-3.0, -DVec3::Z)).distance, -3.0);
+    assert_eq!(signed_distance(&floor, &half(3.0, -DVec3::Z)).distance, 3.0);
+    assert_eq!(
+        signed_distance(&floor, &half(-3.0, -DVec3::Z)).distance,
+        -3.0
+    );
     let tilted = half(9.0, DVec3::X);
-    assert_eq!(distance(&floor, &tilted).distance, f64::NEG_INFINITY);
+    assert_eq!(signed_distance(&floor, &tilted).distance, f64::NEG_INFINITY);
     assert!(is_inside(&half(-1.0, DVec3::Z), &floor) && !is_inside(&half(1.0, DVec3::Z), &floor));
 }
 

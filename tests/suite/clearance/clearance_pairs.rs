@@ -468,14 +468,17 @@ fn meshes_have_distances_but_no_depth() {
         );
     }
     assert!(apart > 300);
-    assert_eq!(MeshTree::new(&cube(1.0, false)).enclosure, Enclosure::Solid);
+    assert_eq!(
+        MeshTree::new(&cube(1.0, false)).enclosure,
+        ShellEnclosure::Solid
+    );
     assert_eq!(
         MeshTree::new(&cube(1.0, true)).enclosure,
-        Enclosure::InsideOut
+        ShellEnclosure::InsideOut
     );
     let mut open = cube(1.0, false);
     open.triangles.pop();
-    assert_eq!(MeshTree::new(&open).enclosure, Enclosure::Open);
+    assert_eq!(MeshTree::new(&open).enclosure, ShellEnclosure::Open);
 }
 
 /// A small ring at a large one: the least of the distances of many points of both circles.

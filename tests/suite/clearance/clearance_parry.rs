@@ -6,7 +6,7 @@
 use crate::slow_distance::{known, size};
 use crate::solids::parry::Peer;
 use crate::solids::{Random, element};
-use mechanim::clearance::pair::signed_distance;
+use mechanim::distance::pair::signed_distance;
 use mechanim::math::Pose;
 use mechanim::model::shape::Solid;
 use std::collections::BTreeMap;

@@ -117,7 +117,7 @@ struct Tally {
 }
 
 fn off_surfaces(elements: [&Element; 2], found: &Proximity) -> f64 {
-    let is_ring = |e: &Element| matches!(e.core, Core::Circle(_));
+    let is_ring = |e: &Element| matches!(e.core, Primitive::Circle(_));
     let off = |k: usize| {
         let inside = inside_by(elements[k], found.points[k]);
         // The deepest point of a ring below an edge of a solid has two ways out, neither of them square to the ring.

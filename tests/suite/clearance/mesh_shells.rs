@@ -123,7 +123,11 @@ fn flaps_take_nothing_from_a_closed_shell() {
             triangles.splice(5..5, extra.iter().copied());
             let mesh = tree(&triangles);
             let known = (mesh.enclosure, mesh.flaps, mesh.open_edges);
-            assert_eq!(known, (Enclosure::Solid, count, 0), "{name}, {turned:?}");
+            assert_eq!(
+                known,
+                (ShellEnclosure::Solid, count, 0),
+                "{name}, {turned:?}"
+            );
             assert_eq!(mesh.len(), triangles.len());
             judges_the_cube(&mesh);
         }
@@ -160,7 +164,11 @@ fn what_has_a_hole_has_no_inside() {
         ("a sheet alone", cube()[..2].to_vec()),
     ] {
         let mesh = tree(&triangles);
-        assert_eq!((mesh.enclosure, mesh.flaps), (Enclosure::Open, 0), "{name}");
+        assert_eq!(
+            (mesh.enclosure, mesh.flaps),
+            (ShellEnclosure::Open, 0),
+            "{name}"
+        );
         assert!(
             mesh.open_edges > 0 && !mesh.encloses(v(0.1, 0.0, 0.0)),
             "{name}"
@@ -188,7 +196,7 @@ fn cracks_are_closed_as_far_as_a_file_can_be_wrong() {
         let mesh = tree(&triangles);
         assert_eq!(mesh.enclosure, known, "{crack} {shift}");
         let middle = v(shift, shift, 0.0);
-        assert_eq!(mesh.encloses(middle), known == Enclosure::Solid);
+        assert_eq!(mesh.encloses(middle), known == ShellEnclosure::Solid);
         assert!(!mesh.encloses(middle + DVec3::X * 1.1));
     }
 }
