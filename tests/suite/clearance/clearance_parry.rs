@@ -23,7 +23,7 @@ const ALLOWED: f64 = 1e-12;
 const NEAR: f64 = 1e-7;
 
 /// Largest share of the pairs that may differ by more.
-const MOST: f64 = 0.25;
+const MOST: f64 = 0.02;
 
 fn solid(random: &mut Random, kind: usize) -> Solid {
     let (from, to) = (random.vector(2.0), random.vector(2.0));

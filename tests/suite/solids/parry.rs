@@ -51,7 +51,12 @@ impl Peer {
     }
 
     /// The distance, or less the depth; `None` where parry finds neither.
+    ///
+    /// A half-space goes first: in 0.31 `contact_support_map_halfspace` takes the pose the wrong way round.
     pub fn distance(&self, other: &Self) -> Option<f64> {
+        if other.is_half_space() && !self.is_half_space() {
+            return other.distance(self);
+        }
         let (a, b) = (&*self.shape, &*other.shape);
         let apart = query::distance(&self.place, a, &other.place, b).ok()?;
         if apart.distance > 0.0 {
@@ -59,6 +64,10 @@ impl Peer {
         }
         let contact = query::contact(&self.place, a, &other.place, b, 0.0).ok()??;
         Some(contact.dist)
+    }
+
+    fn is_half_space(&self) -> bool {
+        self.shape.as_shape::<HalfSpace>().is_some()
     }
 }
 
