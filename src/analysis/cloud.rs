@@ -54,6 +54,7 @@ pub fn path_clouds(
             clouds.push((poses.clone(), index, cloud));
         }
     }
+    // One random piece after the other, the same pieces that the statistics are made of.
     for item in 0..batch.samples {
         if cancel.load(Ordering::Relaxed) {
             return None;

@@ -103,6 +103,7 @@ impl<'a> AskedPair<'a> {
         let judgement = Judgement::Neighbours(words);
         let mut kept: Vec<PairReport> = Vec::new();
         let mut left_out: Vec<[usize; 2]> = Vec::new();
+        // Parts that touch at the joint may come no deeper than they are as assembled, but for what they grow.
         for pair in region
             .touching
             .iter()
@@ -136,6 +137,7 @@ impl<'a> AskedPair<'a> {
         }
         left_out.sort_unstable();
         left_out.dedup();
+        // Of those that stay out, the nearest one is reported.
         let lowest = |p: &PairReport, q: &PairReport| p.least.distance.total_cmp(&q.least.distance);
         found.excluded.extend(
             kept.into_iter()

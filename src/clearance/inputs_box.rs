@@ -210,6 +210,7 @@ fn motion_along<'m>(
     sides: [Side; 2],
     range: [f64; 2],
 ) -> Option<(Actuation, ProvedMotion<'m>)> {
+    // From the start of the drives to the beginning of the strip, then along it.
     let middle = 0.5 * (range[0] + range[1]);
     let start = actuation.inputs_at(0.0);
     let mut from = start.clone();
@@ -229,10 +230,12 @@ fn motion_along<'m>(
         .nth(1)?
         .pose?;
     let along = Actuation::straight(&from, &to, reached.unknowns);
+    // The strip itself, solved in the middle of the second input.
     let times: Vec<f64> = (0..SAMPLES)
         .map(|k| k as f64 / (SAMPLES - 1) as f64)
         .collect();
     let trajectory = solve_motion(system, &along, &times);
+    // The second input may be anywhere in the strip at every instant.
     let mut play = vec![0.0; start.len()];
     if sides[0].input != sides[1].input {
         play[sides[1].input] = 0.5 * (range[1] - range[0]) * (1.0 + 1e-12);

@@ -52,6 +52,7 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
         Kind::Number => 0.0,
     };
     let mut end = |sign: f64| greatest(motion, formula, sign);
+    // Greatest values are searched; a least one is the greatest of the opposite.
     let (found, sign) = match taking {
         Taking::Max => (end(1.0)?, 1.0),
         Taking::Min => (end(-1.0)?, -1.0),

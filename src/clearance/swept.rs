@@ -133,6 +133,7 @@ fn poses(
         .map(|k| chain.pose(&motion.instants[k].arguments))
         .collect();
     for stretch in &motion.stretches[..motion.roots] {
+        // Halved in time until between two poses no point moves farther than a step.
         let mut open = vec![(0.0, 1.0, 0)];
         while let Some((s, half, depth)) = open.pop() {
             let moved = chain.around(&stretch.arguments, s, half);
@@ -187,6 +188,7 @@ impl Field<'_> {
                 .iter()
                 .map(|pose| pose.transform_point(self.hull.ball.0))
         };
+        // A box of cells around everything that is swept, as a power of two.
         let low = centers().reduce(DVec3::min).unwrap_or(DVec3::ZERO);
         let high = centers().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
         let margin = DVec3::splat(self.hull.ball.1 + self.level + self.cell);
@@ -205,6 +207,7 @@ impl Field<'_> {
             cuts: HashMap::new(),
         };
         let all: Vec<u32> = (0..self.poses.len() as u32).collect();
+        // The octree looks only where the surface can be.
         surface.look(IVec3::ZERO, side, &all);
         surface.finish()
     }

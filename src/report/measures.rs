@@ -189,7 +189,7 @@ impl TakenMeasure<'_> {
         let Some(value) = self.value else {
             return "no value: a pose is missing on the way, or a formula has none".to_owned();
         };
-        let mut text = format!("{} {}", digits(value * self.factor), self.unit);
+        let mut text = format!("{} {}", measure_digits(value * self.factor), self.unit);
         text.push_str(&self.where_taken());
         if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
             text.push_str(&format!(" is {word} the limit {}", limit * self.factor));

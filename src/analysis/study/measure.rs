@@ -146,6 +146,7 @@ impl Evaluator<'_> {
         numbers[own..].copy_from_slice(&stand.values);
         let mut scratch = Vec::new();
         let mut reductions = Vec::with_capacity(self.family.measures.list.len());
+        // Measures in the order of the scene: formulas may use those before them.
         for measure in &self.family.measures.list {
             let (value, reduced) = match &measure.source {
                 MeasureSource::Formula(formula) => {

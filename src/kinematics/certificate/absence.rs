@@ -93,6 +93,7 @@ fn polygon_sides(
     };
     let turns_freely = |step: &ChainStep| matches!(step, ChainStep::Joint { motion: ElementaryMotion::Rotation, argument, .. } if is_free(*argument));
     let steps = &item.chain.steps;
+    // A closed chain may be read from any joint on; beginning with a turn no side is cut in two.
     let first = match item.closes {
         Closes::Frame => steps.iter().position(turns_freely).unwrap_or(0),
         Closes::Point => 0,

@@ -80,6 +80,7 @@ impl KeptJacobians {
             return iterated(inverse, before, rows, columns) <= MOST_CHANGE;
         }
         let stride = lane_groups(columns);
+        // The change I - A J is squared until its norm tells the spectral radius.
         change_into(&mut self.change, inverse, before, rows);
         for power in 0..=SQUARINGS {
             let size = dot_lanes(&self.change, &self.change).sqrt();
@@ -142,6 +143,7 @@ fn subtract_from_unit(column: &mut [Lanes], index: usize) {
 
 /// Largest eigenvalue of E, by what its powers make of a vector without a pattern.
 fn iterated(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -> f64 {
+    // Power iteration on I - A J, from a vector that no symmetry favours.
     let mut vector: Vec<f64> = (1..=columns).map(|k| (k as f64 * 2.4).sin()).collect();
     let mut image = vec![[0.0; 4]; inverse.stride()];
     let mut grown = 0.0;
@@ -152,6 +154,7 @@ fn iterated(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -
                 *sum += factor * entry;
             }
         }
+        // v - A (J v), and how much longer it got.
         combine_rows(&mut image, &product, inverse.groups());
         let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let next: Vec<f64> = vector

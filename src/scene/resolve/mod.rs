@@ -22,6 +22,7 @@ mod study;
 mod symbolic;
 mod varied;
 mod view;
+mod words;
 
 use super::file::SceneFile;
 use super::loaded::Scene;

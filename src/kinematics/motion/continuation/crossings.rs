@@ -46,6 +46,7 @@ pub(crate) fn zero_between(
     let block = pairs.position(|(a, b)| a * b < 0)?;
     let mut low = crossing_node(tracker, before, block);
     let mut high = crossing_node(tracker, after, block);
+    // Secant first, then inverse interpolation through points on both sides, nearer every round.
     let mut zero =
         low.point.time + (high.point.time - low.point.time) * low.value / (low.value - high.value);
     let mut spread = CLOSER * (high.point.time - low.point.time);

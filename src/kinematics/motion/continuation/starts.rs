@@ -49,6 +49,7 @@ impl Recorder<'_> {
         let inputs = self.tracker.inputs(beside).ok()?;
         let mut best: Option<(f64, PathPoint)> = None;
         let mut met: Vec<String> = Vec::new();
+        // Of the branches that leave the singular start the one nearest to the start values is taken.
         for attempt in 0..STARTS {
             let Some(beyond) = self.branch_beyond(from, (beside, &inputs), attempt) else {
                 continue;

@@ -150,6 +150,7 @@ impl ArcWalk<'_, '_> {
                 continue;
             };
             gone += step;
+            // Time turns back: a fold lies in this step.
             if self.speed(&next) <= -BACKWARD {
                 let fold = self.extremum(&here, step)?;
                 if self.is_reached(&fold, time) {
@@ -161,6 +162,7 @@ impl ArcWalk<'_, '_> {
                 return self.at_time(&here, step, time);
             }
             here = next;
+            // Far enough behind the singular pose, and forward in time: the drive may lead again.
             if gone >= FAR_ENOUGH && (here.time - end.time) * self.unit > 0.0 {
                 let found = self.closed(&here)?;
                 if self.tracker.is_trusted(&found.branch) {
