@@ -110,7 +110,7 @@ fn help_and_version_are_no_errors_and_bad_usage_is() {
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         help.contains("Exit codes: 0 done; 1 a check failed or could not prove")
-            && help.contains("4 the mechanism could not be closed"),
+            && help.contains("4 the motion does not close all the way"),
         "{help}"
     );
     w.run(&["--version"]).exits(0).says_nothing();
