@@ -30,6 +30,10 @@ const SMALL_DAMPING: f64 = 2e-5;
 /// Share of a step that damping may change and be left out: far below what the curvature changes.
 const NEGLIGIBLE: f64 = 1e-2;
 
+/// Largest sum of squares of an inverse that counts as regular, a smallest singular value of about 0.01. Near a singular pose
+/// the damped steps choose between the branches that meet.
+const REGULAR: f64 = 1e4;
+
 /// Buffers and choices of a descent.
 pub struct Descent {
     most: u32,
@@ -167,7 +171,7 @@ impl Descent {
             .rows()
             .map(|column| dot_lanes(column, column))
             .sum();
-        if damping * square > NEGLIGIBLE {
+        if square > REGULAR || damping * square > NEGLIGIBLE {
             return false;
         }
         self.step.clear();
