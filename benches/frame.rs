@@ -162,6 +162,7 @@ fn stage(scale: u32, samples: u32, ground: bool) -> Stage {
         camera: camera(),
         background: [245, 246, 248],
         rim: Rim::DARK,
+        edges: None,
         ground: ground.then_some(Ground {
             center: DVec3::new(0.0, 0.0, -1.45),
             normal: DVec3::Z,
@@ -182,6 +183,7 @@ fn frame(number: u32, colours: &[[u8; 3]]) -> Frame {
             opacity: 1.0,
             triangles: 0..u32::MAX,
             casts_shadow: true,
+            outline: None,
             flat: 0.0,
         },
     );

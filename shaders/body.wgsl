@@ -1,11 +1,18 @@
 // Meshes: posed instances, lit by the common look, opaque or translucent.
 
 struct BodyVertex {
-    @builtin(position) clip: vec4<f32>,
+    @builtin(position) @invariant clip: vec4<f32>,
     @location(0) place: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) @interpolate(flat) colour: vec4<f32>,
     @location(3) @interpolate(flat) flatness: f32,
+    @location(4) @interpolate(flat) surface: u32,
+}
+
+// What a sample shows: its colour and, for lines, its surface.
+struct Painted {
+    @location(0) colour: vec4<f32>,
+    @location(1) surface: vec4<u32>,
 }
 
 @vertex
@@ -17,6 +24,9 @@ fn body_vertex(
     @location(4) pose_z: vec4<f32>,
     @location(5) colour: vec4<f32>,
     @location(6) flatness: f32,
+    @location(7) patch_number: u32,
+    // The surface of the first patch, and the step from patch to patch.
+    @location(8) surface: vec2<u32>,
 ) -> BodyVertex {
     let point = vec4<f32>(position, 1.0);
     let place = vec3<f32>(dot(pose_x, point), dot(pose_y, point), dot(pose_z, point));
@@ -31,6 +41,7 @@ fn body_vertex(
     out.normal = vec3<f32>(dot(pose_x.xyz, normal), dot(pose_y.xyz, normal), dot(pose_z.xyz, normal));
     out.colour = colour;
     out.flatness = flatness;
+    out.surface = surface.x + surface.y * patch_number;
     return out;
 }
 
@@ -48,19 +59,25 @@ fn seen_normal(normal: vec3<f32>, front: bool) -> vec3<f32> {
     return select(-unit, unit, front);
 }
 
-@fragment
-fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    let normal = seen_normal(in.normal, front);
-    let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
-    return vec4<f32>(colour, 1.0);
+// What lines need to know of a fragment.
+fn line_words(in: BodyVertex) -> vec4<u32> {
+    let nearness = select(in.place.z, -1.0 / in.place.z, globals.up.w > 0.5);
+    return surface_store(in.surface, nearness);
 }
 
 @fragment
-fn body_translucent(in: BodyVertex, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> Painted {
+    let normal = seen_normal(in.normal, front);
+    let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
+    return Painted(vec4<f32>(colour, 1.0), line_words(in));
+}
+
+@fragment
+fn body_translucent(in: BodyVertex, @builtin(front_facing) front: bool) -> Painted {
     let normal = seen_normal(in.normal, front);
     let to_viewer = viewer_direction(in.place);
     let colour = shade(normal, to_viewer, globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
     let edge = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
     let opacity = mix(edge, in.colour.a, in.flatness);
-    return vec4<f32>(colour, opacity);
+    return Painted(vec4<f32>(colour, opacity), line_words(in));
 }

@@ -21,7 +21,7 @@ fn ground_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) ins
 }
 
 @fragment
-fn ground_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
+fn ground_fragment(in: GroundVertex) -> Painted {
     // A pixel more than the part in front, since the other instance ends within pixels.
     let nearest = in.depth + fwidth(in.depth);
     if (in.in_near_plane == 1u && nearest <= 1.0) {
@@ -51,5 +51,5 @@ fn ground_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
     let shadow = textureSampleLevel(shadow_texels, shadow_sampler, 0.5 + 0.5 * plane, 0.0).r;
     let shade = vec2<f32>(globals.ground_u.w, globals.ground_v.w);
     let factor = ground_factor(ground_fade(share), lines, shadow, shade);
-    return vec4<f32>(globals.background.rgb * factor, 1.0);
+    return Painted(vec4<f32>(globals.background.rgb * factor, 1.0), surface_store(BACKDROP, 0.0));
 }

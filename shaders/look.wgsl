@@ -39,7 +39,8 @@ fn shade(
     let gain = gain_loss.x * (away * away);
 
     let light = (mix(GROUND_COLOUR, SKY_COLOUR, sky) + KEY_COLOUR * key + FILL_COLOUR * fill) * kept;
-    let gloss = KEY_COLOUR * glint + SKY_COLOUR * gain;
+    let tinted = glint * mix(vec3<f32>(1.0), albedo, GLOSS_TINT);
+    let gloss = KEY_COLOUR * tinted + SKY_COLOUR * gain;
     let lit = saturate(EXPOSURE * (albedo * light + gloss));
     return mix(lit, albedo, flatness);
 }

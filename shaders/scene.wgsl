@@ -16,6 +16,10 @@ struct Globals {
     ground_w: vec4<f32>,
     // Depth buffer value of the ground as a form in clip coordinates; w is the pitch of the grid, 0 for none.
     ground_depth: vec4<f32>,
+    // Colour of lines.
+    ink: vec4<f32>,
+    // Square of half their width in pixels, whole pixels that they reach, and the depth that is a step.
+    lines: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> globals: Globals;

@@ -14,6 +14,7 @@ use mechanim::model::shape::Solid;
 use mechanim::render::adapter::{AdapterChoice, AdapterInfo};
 use mechanim::render::camera::{ViewDirection, fit_camera};
 use mechanim::render::cpu::CpuRenderer;
+use mechanim::render::edges::Edges;
 use mechanim::render::gpu::GpuRenderer;
 use mechanim::render::look::Rim;
 use mechanim::render::open::list_adapters;
@@ -84,6 +85,10 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
         camera: fit_camera((0..8).map(corner), &view, projection, aspect, 0.06),
         background: [0xf4, 0xf5, 0xf7],
         rim: Rim::DARK,
+        edges: Some(Edges {
+            creases: true,
+            ink: [0x1b, 0x1f, 0x26],
+        }),
         ground: Some(Ground {
             center: DVec3::ZERO,
             normal: DVec3::Z,
@@ -105,6 +110,7 @@ fn frame(stage: &Stage) -> Frame {
             opacity,
             triangles: 0..stage.meshes[mesh].triangles.len() as u32,
             casts_shadow: true,
+            outline: Some(mesh as u32),
             flat: 0.0,
         };
     let mut instances = vec![

@@ -4,19 +4,17 @@ use super::apng::{ApngSettings, ApngSink};
 use super::error::ExportError;
 use super::format::FramePattern;
 use super::gif::{GifSettings, GifSink, Quality, sample_indices};
-use super::palette::Palette;
+use super::histogram::Histogram;
+use super::palette::{MOST_COLOURS, Palette};
 use super::png::{Effort, PngSettings, SequenceSink, StillSink};
-use super::pump::{DrawnSamples, PumpError, draw_samples, pump_frames};
+use super::pump::{DrawnSamples, PumpError, draw_samples, look_at, pump_frames};
 use super::raw::{Chroma, RawKind, RawSink};
-use super::timing::{Clamp, FrameTimes, Schedule};
+use super::timing::{FrameTimes, Schedule};
 use super::{ExportSummary, Format, FrameSink, Output, Target};
 use image::RgbaImage;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-/// One of the 256 entries of a GIF's palette stands for "unchanged".
-const PALETTE_COLOURS: usize = 255;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where the bytes go; opened before anything is drawn, so that a bad path is found at once.
 pub enum Destination {
@@ -50,7 +48,9 @@ pub struct FilmSettings<'a> {
     /// Frames a second.
     pub fps: f64,
     /// Colours that a palette must hold exactly.
-    pub flat_colours: Vec<[u8; 3]>,
+    pub needed_colours: Vec<[u8; 3]>,
+    /// Frames cost little to get twice: a palette is made from all of them.
+    pub at_hand: bool,
     /// Whether frames may be translucent.
     pub alpha: bool,
     /// Fidelity of a GIF against its size.
@@ -67,8 +67,8 @@ pub struct FilmSettings<'a> {
 pub struct Prepared {
     sink: Box<dyn FrameSink>,
     samples: DrawnSamples,
-    /// Set where a GIF cannot show the frames as fast as asked.
-    pub clamp: Option<Clamp>,
+    /// Frames that a GIF leaves out, because it cannot show them as fast as asked.
+    pub left_out: usize,
 }
 
 impl Prepared {
@@ -76,7 +76,7 @@ impl Prepared {
         Self {
             sink,
             samples: Vec::new(),
-            clamp: None,
+            left_out: 0,
         }
     }
 }
@@ -148,12 +148,9 @@ impl FilmSettings<'_> {
         W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
         E: std::error::Error + Send + 'static,
     {
-        let indices = sample_indices(self.count);
-        let samples = draw_samples(workers, &indices, self.size, cancel)?;
-        let drawn = samples.iter().map(|(_, image)| image);
-        let palette = Palette::from_samples(drawn, &self.flat_colours, PALETTE_COLOURS);
+        let (palette, samples) = self.palette(workers, cancel)?;
         let schedule = Schedule::new(self.times(), 0.0)?;
-        let clamp = schedule.clamp();
+        let left_out = schedule.left_out();
         let settings = GifSettings {
             size: self.size,
             schedule,
@@ -164,8 +161,39 @@ impl FilmSettings<'_> {
         Ok(Prepared {
             sink: Box::new(sink),
             samples,
-            clamp,
+            left_out,
         })
+    }
+
+    /// The palette of the whole film, and the frames that were drawn for it.
+    fn palette<W, E>(
+        &self,
+        workers: &mut [W],
+        cancel: &AtomicBool,
+    ) -> Result<(Palette, DrawnSamples), PumpError<E>>
+    where
+        W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+        E: std::error::Error + Send + 'static,
+    {
+        let indices = sample_indices(self.count);
+        if !self.at_hand || indices.len() == self.count {
+            let samples = draw_samples(workers, &indices, self.size, cancel)?;
+            let drawn = samples.iter().map(|(_, image)| image);
+            let palette = Palette::from_samples(drawn, &self.needed_colours, MOST_COLOURS);
+            return Ok((palette, samples));
+        }
+        // Counts are whole numbers: their sums do not depend on the order.
+        let histogram = Mutex::new(Histogram::new(MOST_COLOURS));
+        let count = |_: usize, image: &mut RgbaImage| {
+            let mut histogram = histogram.lock().unwrap_or_else(PoisonError::into_inner);
+            histogram.add(image);
+        };
+        let all: Vec<usize> = (0..self.count).collect();
+        look_at(workers, &all, self.size, cancel, &count)?;
+        let histogram = histogram.into_inner();
+        let histogram = histogram.unwrap_or_else(PoisonError::into_inner);
+        let palette = Palette::from_histogram(histogram, &self.needed_colours, MOST_COLOURS);
+        Ok((palette, DrawnSamples::new()))
     }
 
     fn times(&self) -> FrameTimes {

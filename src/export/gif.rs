@@ -1,11 +1,12 @@
-//! Animated GIF: one palette, changed rectangles, absolute times. The container, LZW and colour live next door.
+//! Animated GIF: one palette and further ones for frames that it misses, changed rectangles, absolute times. The container, LZW and colour live next door.
 
 use super::costs::{Loss, Pixel};
 use super::delta::PixelArea;
 use super::error::ExportError;
-use super::gif_file::GifFile;
+use super::gif_file::{Block, GifFile, table};
 use super::mapping::Mapper;
 use super::matching::Matcher;
+use super::own_table::{OwnTable, translation};
 use super::palette::Palette;
 use super::screen::Screen;
 use super::target::Output;
@@ -35,7 +36,8 @@ pub fn sample_indices(frame_count: usize) -> Vec<usize> {
 /// How closely the frames are followed, against the size of the file: 1 (small) to 100.
 ///
 /// Below 100, and a little at 100, a pixel may show a palette colour other than its nearest where that shortens
-/// the file. Animations of at most 255 colours are exact at any quality.
+/// the file. Animations of at most 255 colours are exact at any quality: a frame with colours that no sample showed
+/// brings a table of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Quality(u8);
 
@@ -79,11 +81,12 @@ pub struct GifSink {
     file: GifFile,
     settings: GifSettings,
     palette: Arc<Palette>,
+    /// What is coded with the palette.
+    table: Table,
     screen: Screen,
-    matcher: Matcher,
     sent: Vec<u8>,
-    /// The frame waiting for its delay, where and as LZW: equal frames that follow lengthen it.
-    pending: (PixelArea, Vec<u8>),
+    /// The frame waiting for its delay: equal frames that follow lengthen it.
+    pending: Block,
     delay: u32,
     summary: ExportSummary,
 }
@@ -117,26 +120,18 @@ impl GifSink {
                 got: 0,
             });
         }
-        let colours = palette.colours();
-        // The first index after the colours means "as before"; there is always room for it.
-        let bits = ((colours.len() + 1).next_power_of_two().trailing_zeros() as u8).clamp(1, 8);
-        let loss = if palette.is_exact() {
-            Loss::NONE
-        } else {
-            settings.quality.loss()
-        };
+        let table = Table::new(&palette, settings.quality);
         let size = settings.size.map(|s| s as u16);
-        let file = GifFile::new(output, size, colours, bits, settings.repeat && frames > 1)?;
-        let transparent = file.transparent();
+        let repeat = settings.repeat && frames > 1;
+        let file = GifFile::new(output, size, palette.colours(), table.bits, repeat)?;
         Ok(Self {
             file,
-            screen: Screen::new(settings.size.map(|s| s as usize), transparent),
-            // LZW needs two bits even where one would do.
-            matcher: Matcher::new(colours, transparent, bits.max(2), loss),
+            screen: Screen::new(settings.size.map(|s| s as usize), table.transparent),
+            pending: table.unchanged(),
+            table,
             settings,
             palette,
             sent: Vec::new(),
-            pending: (PixelArea::whole([1, 1]), Vec::new()),
             delay: 0,
             summary: ExportSummary::default(),
         })
@@ -151,8 +146,7 @@ impl GifSink {
             if self.delay - delay == 1 {
                 delay -= 1;
             }
-            let (area, codes) = &self.pending;
-            self.file.add_frame(area, delay as u16, codes)?;
+            self.file.add_frame(&self.pending, delay as u16)?;
             self.delay -= delay;
             if self.delay > 0 {
                 self.keep_unchanged();
@@ -163,11 +157,83 @@ impl GifSink {
 
     /// Lets a frame of one transparent pixel wait.
     fn keep_unchanged(&mut self) {
-        let (area, codes) = &mut self.pending;
-        *area = PixelArea::whole([1, 1]);
-        codes.clear();
-        self.matcher
-            .encode(&[Pixel::STRETCH], &mut self.sent, codes);
+        self.pending = self.table.unchanged();
+        let codes = &mut self.pending.codes;
+        let matcher = &mut self.table.matcher;
+        matcher.encode(&[Pixel::STRETCH], &mut self.sent, codes);
+    }
+
+    /// A frame in the colours of the palette; `None` if nothing changes.
+    fn plain(&mut self, pixels: &[[u8; 4]]) -> Option<Block> {
+        let mut block = self.table.unchanged();
+        let (area, pixels) = self.screen.changes(pixels, None)?;
+        let matcher = &mut self.table.matcher;
+        matcher.encode(pixels, &mut self.sent, &mut block.codes);
+        self.screen.show(&area, &self.sent);
+        Some(Block { area, ..block })
+    }
+
+    /// A frame with a table of its own.
+    fn with_table(&mut self, pixels: &[[u8; 4]], own: &OwnTable) -> Option<Block> {
+        let mut local = Table::new(&own.palette, self.settings.quality);
+        let (global, colours) = (self.palette.colours(), own.palette.colours());
+        let into = translation(global, colours, local.transparent);
+        self.screen.change_table(&into, local.transparent);
+        let mut block = local.unchanged();
+        let changes = self.screen.changes(pixels, Some(&own.nearest));
+        let changed = changes.map(|(area, pixels)| {
+            let matcher = &mut local.matcher;
+            matcher.encode(pixels, &mut self.sent, &mut block.codes);
+            area
+        });
+        if let Some(area) = &changed {
+            self.screen.show(area, &self.sent);
+        }
+        let back = translation(colours, global, self.table.transparent);
+        self.screen.change_table(&back, self.table.transparent);
+        Some(Block {
+            area: changed?,
+            table: Some(table(colours, local.bits)),
+            ..block
+        })
+    }
+}
+
+/// A table of colours with what codes pixels in it.
+struct Table {
+    matcher: Matcher,
+    /// The first index after the colours, which means "as before"; there is always room for it.
+    transparent: u8,
+    /// The table has 2 to this power entries.
+    bits: u8,
+}
+
+impl Table {
+    fn new(palette: &Palette, quality: Quality) -> Self {
+        let colours = palette.colours();
+        let transparent = colours.len().min(255) as u8;
+        let bits = ((colours.len() + 1).next_power_of_two().trailing_zeros() as u8).clamp(1, 8);
+        let loss = if palette.is_exact() {
+            Loss::NONE
+        } else {
+            quality.loss()
+        };
+        Self {
+            // LZW needs two bits even where one would do.
+            matcher: Matcher::new(colours, transparent, bits.max(2), loss),
+            transparent,
+            bits,
+        }
+    }
+
+    /// A block of one pixel without codes.
+    fn unchanged(&self) -> Block {
+        Block {
+            area: PixelArea::whole([1, 1]),
+            codes: Vec::new(),
+            transparent: self.transparent,
+            table: None,
+        }
     }
 }
 
@@ -185,19 +251,22 @@ impl FrameSink for GifSink {
     }
 
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {
-        let (pixels, _) = coded.as_chunks::<4>();
-        // Whether there is anything to send decides if the waiting frame is complete.
-        let changed = self.screen.changes(pixels).map(|(area, pixels)| {
-            let mut codes = Vec::new();
-            self.matcher.encode(pixels, &mut self.sent, &mut codes);
-            (area, codes)
-        });
-        if let Some((area, codes)) = changed {
-            self.screen.show(&area, &self.sent);
-            self.flush_pending()?;
-            self.pending = (area, codes);
-        }
         let delay = self.settings.schedule.delay(index);
+        if delay == 0 {
+            return Ok(());
+        }
+        let [width, height] = self.settings.size.map(|s| s as usize);
+        let own = OwnTable::read(coded, width * height);
+        let (pixels, _) = coded[..4 * width * height].as_chunks::<4>();
+        // Whether there is anything to send decides if the waiting frame is complete.
+        let block = match &own {
+            Some(own) => self.with_table(pixels, own),
+            None => self.plain(pixels),
+        };
+        if let Some(block) = block {
+            self.flush_pending()?;
+            self.pending = block;
+        }
         self.delay = self.delay.saturating_add(delay);
         self.summary.frames += 1;
         self.summary.seconds += self.settings.schedule.delay_seconds(index);
@@ -221,6 +290,9 @@ impl FrameCoder for GifCoder {
     fn code(&mut self, frame: &RgbaImage, coded: &mut Vec<u8>) -> Result<(), ExportError> {
         super::check_frame(frame, self.size)?;
         self.mapper.map(frame, coded);
+        if let Some(missed) = self.mapper.missed() {
+            OwnTable::new(frame, missed).append(coded);
+        }
         Ok(())
     }
 }

@@ -10,8 +10,27 @@ use std::io::{self, Write};
 /// A GIF under construction.
 pub(super) struct GifFile {
     encoder: Encoder<CountedOutput>,
+}
+
+/// A frame as it is stored.
+#[derive(Clone, Debug)]
+pub(super) struct Block {
+    /// What it covers.
+    pub(super) area: PixelArea,
+    /// The size of the symbols in bits and the LZW stream.
+    pub(super) codes: Vec<u8>,
     /// The index that leaves a pixel as it is.
-    transparent: u8,
+    pub(super) transparent: u8,
+    /// Its own table of colours, in place of the global one.
+    pub(super) table: Option<Vec<u8>>,
+}
+
+/// A table of 2^`bits` colours; those that are not used are black.
+pub(super) fn table(colours: &[[u8; 3]], bits: u8) -> Vec<u8> {
+    let mut table = colours.as_flattened().to_vec();
+    // Room for the transparent index, which may be the first after the colours.
+    table.resize(3 << bits, 0);
+    table
 }
 
 impl GifFile {
@@ -25,9 +44,7 @@ impl GifFile {
         repeat: bool,
     ) -> Result<Self, ExportError> {
         let name = output.name().to_owned();
-        let mut table = colours.as_flattened().to_vec();
-        // Room for the transparent index, which may be the first after the colours.
-        table.resize(3 << bits, 0);
+        let table = table(colours, bits);
         let file = CountedOutput {
             output,
             bytes: 0,
@@ -43,32 +60,22 @@ impl GifFile {
         };
         Ok(Self {
             encoder: start().map_err(|error| encoding_error(&name, error))?,
-            transparent: colours.len().min(255) as u8,
         })
     }
 
-    /// The index that leaves a pixel as it is.
-    pub(super) fn transparent(&self) -> u8 {
-        self.transparent
-    }
-
-    /// Adds a frame over `area`, shown for `delay` hundredths and left in place: `codes` is the size of the symbols in bits
-    /// and the LZW stream.
-    pub(super) fn add_frame(
-        &mut self,
-        area: &PixelArea,
-        delay: u16,
-        codes: &[u8],
-    ) -> Result<(), ExportError> {
+    /// Adds a frame, shown for `delay` hundredths and left in place.
+    pub(super) fn add_frame(&mut self, block: &Block, delay: u16) -> Result<(), ExportError> {
+        let area = &block.area;
         let frame = Frame {
             delay,
             dispose: DisposalMethod::Keep,
-            transparent: Some(self.transparent),
+            transparent: Some(block.transparent),
+            palette: block.table.clone(),
             left: area.left as u16,
             top: area.top as u16,
             width: area.width as u16,
             height: area.height as u16,
-            buffer: Cow::Borrowed(codes),
+            buffer: Cow::Borrowed(&block.codes),
             ..Frame::default()
         };
         self.encoder.get_mut().open = true;

@@ -8,23 +8,70 @@ use std::sync::Arc;
 /// shaded surfaces touch few of them, and untouched pages cost nothing.
 const ENTRIES: usize = 1 << 24;
 
+/// sRGB levels from which on a colour is seen to be another one: a colour difference of about 3.
+const NOTICED: u8 = 6;
+
+/// Squared levels, summed over the pixels of one missed colour, from which on it is an area and not the chance of some
+/// edges: 100 pixels that are 10 levels off. Rendered frames have up to 5000.
+const AREA_ERROR: u64 = 100 * 10 * 10;
+
+/// The same over all that is missed in a frame of 640 by 480 pixels; rendered frames have 200 000, on their edges, which
+/// grow with the root of the pixels.
+const LARGE_ERROR: f64 = 5e5;
+const LARGE_ERROR_PIXELS: f64 = 640.0 * 480.0;
+
 /// Pixels compared at once: 64 bytes.
 const BLOCK: usize = 16;
 
 /// Maps frames with one palette.
 pub struct Mapper {
     palette: Arc<Palette>,
-    /// Index plus one by colour, 0 for not yet known; palettes have at most 255 colours.
-    known: Vec<u8>,
+    /// By colour: index plus one, 0 for not yet known (palettes have at most 255 colours), and above these eight bits
+    /// how far off it is.
+    known: Vec<u16>,
+    /// Most levels that a colour may be off by.
+    tolerance: u8,
+    /// Colours of the last frame that are farther off than the palette may be, an entry a pixel.
+    missed: Vec<[u8; 3]>,
+    /// Squares of how far off they are, added up.
+    missed_by: u64,
+    /// Pixels of the last frame.
+    pixels: usize,
 }
 
 impl Mapper {
     /// A mapper that knows no colour yet.
     pub fn new(palette: Arc<Palette>) -> Self {
+        let tolerance = if palette.is_exact() { 0 } else { NOTICED };
         Self {
             palette,
+            tolerance,
             known: vec![0; ENTRIES],
+            missed: Vec::new(),
+            missed_by: 0,
+            pixels: 0,
         }
+    }
+
+    /// Colours of the last frame that its palette misses, an entry a pixel, if they are worth a table of their own.
+    pub fn missed(&mut self) -> Option<&[[u8; 3]]> {
+        let is_seen = if self.palette.is_exact() {
+            !self.missed.is_empty()
+        } else {
+            let larger = (self.pixels as f64 / LARGE_ERROR_PIXELS).sqrt();
+            self.missed_by as f64 >= LARGE_ERROR * larger || self.has_area()
+        };
+        is_seen.then_some(&self.missed)
+    }
+
+    /// Whether one missed colour alone fills an area.
+    fn has_area(&mut self) -> bool {
+        self.missed.sort_unstable();
+        let mut same = self.missed.chunk_by(|a, b| a == b);
+        same.any(|same| {
+            let off = u64::from(self.palette.miss(same[0], self.palette.map(same[0])));
+            same.len() as u64 * off * off >= AREA_ERROR
+        })
     }
 
     /// Replaces `indexed` by the pixels of `frame` with the palette index of each in the place of its alpha.
@@ -32,16 +79,22 @@ impl Mapper {
         let (pixels, _) = frame.as_raw().as_chunks::<4>();
         indexed.clear();
         indexed.reserve(frame.as_raw().len());
+        self.missed.clear();
+        self.missed_by = 0;
+        self.pixels = pixels.len();
         let (blocks, rest) = pixels.as_chunks::<BLOCK>();
         let mut mapped = [[0; 4]; BLOCK];
         let mut before: Option<&[[u8; 4]; BLOCK]> = None;
+        let mut misses = false;
         for block in blocks {
             // Flat areas repeat whole blocks: one comparison instead of as many look-ups.
-            if before != Some(block) {
+            if before != Some(block) || misses {
+                let missed = self.missed.len();
                 for (pixel, place) in block.iter().zip(&mut mapped) {
                     *place = self.indexed(*pixel);
                 }
                 before = Some(block);
+                misses = self.missed.len() > missed;
             }
             indexed.extend_from_slice(mapped.as_flattened());
         }
@@ -60,9 +113,16 @@ impl Mapper {
     fn index(&mut self, rgb: [u8; 3]) -> u8 {
         let entry = &mut self.known[cache_place(rgb)];
         if *entry == 0 {
-            *entry = self.palette.map(rgb).saturating_add(1);
+            let index = self.palette.map(rgb);
+            let off = self.palette.miss(rgb, index);
+            *entry = u16::from_be_bytes([off, index.saturating_add(1)]);
         }
-        *entry - 1
+        let [off, index] = entry.to_be_bytes();
+        if off > self.tolerance {
+            self.missed.push(rgb);
+            self.missed_by += u64::from(off) * u64::from(off);
+        }
+        index - 1
     }
 }
 

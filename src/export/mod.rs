@@ -27,6 +27,7 @@ pub mod mapping;
 mod matching;
 pub mod model;
 mod nearest;
+mod own_table;
 pub mod palette;
 pub mod png;
 pub mod pump;

@@ -15,6 +15,9 @@ pub const MOST_COLOURS: usize = 255;
 /// Rounds of k-means; 20 gain 0.01 dB over these.
 const STEPS: usize = 5;
 
+/// The pixels of a frame weigh this many times what its missed colours do together.
+const MISSED_SHARE: u64 = 3;
+
 /// Up to 255 colours and the rule that maps every colour to one of them. The rule depends on the colour alone,
 /// so a pixel that does not change never changes its index.
 #[derive(Clone)]
@@ -27,28 +30,60 @@ pub struct Palette {
 impl Palette {
     /// Builds a palette of at most `limit` (1 to 255) colours from sampled frames.
     ///
-    /// It is exact when the samples and `required` together have no more colours than that; else it is clustered. Each colour in `required` takes part even if no sample shows it.
+    /// It is exact when the samples and `required` together have no more colours than that; else it is clustered, and
+    /// holds the colours in `required` as they are, as far as they take half of it.
     pub fn from_samples<'a>(
         samples: impl IntoIterator<Item = &'a RgbaImage>,
         required: &[[u8; 3]],
         limit: usize,
     ) -> Self {
-        let limit = limit.clamp(1, MOST_COLOURS);
-        let mut histogram = Histogram::new(limit);
+        let mut histogram = Histogram::new(limit.clamp(1, MOST_COLOURS));
         for frame in samples {
             histogram.add(frame);
         }
+        Self::from_histogram(histogram, required, limit)
+    }
+
+    /// The same from colours that were counted; the histogram must remember `limit` colours.
+    pub fn from_histogram(mut histogram: Histogram, required: &[[u8; 3]], limit: usize) -> Self {
+        let limit = limit.clamp(1, MOST_COLOURS);
         for &colour in required {
             histogram.add_colour(colour, 1);
         }
         match histogram.distinct() {
             Some([]) => Self::new(vec![[0; 3]], true),
             Some(colours) => Self::new(colours.to_vec(), true),
-            None => Self::new(cluster_colours(&histogram, limit), false),
+            None => {
+                let mut colours: Vec<[u8; 3]> = Vec::new();
+                for colour in required {
+                    if colours.len() < limit / 2 && !colours.contains(colour) {
+                        colours.push(*colour);
+                    }
+                }
+                let rest = cluster_colours(&histogram, limit - colours.len());
+                colours.extend(rest);
+                Self::new(colours, false)
+            }
         }
     }
 
-    fn new(colours: Vec<[u8; 3]>, exact: bool) -> Self {
+    /// The palette of one frame alone, for the sake of the colours in `missed`, an entry a pixel.
+    ///
+    /// Exact up to 255 colours. Among more, what is missed weighs a third of the rest: however few its pixels are, the
+    /// clusters come to it.
+    pub fn of_frame(frame: &RgbaImage, missed: &[[u8; 3]]) -> Self {
+        let mut histogram = Histogram::new(MOST_COLOURS);
+        histogram.add(frame);
+        let pixels = u64::from(frame.width()) * u64::from(frame.height());
+        let weight = (pixels / (MISSED_SHARE * missed.len().max(1) as u64)).max(1);
+        for colour in missed {
+            histogram.add_colour(*colour, weight);
+        }
+        Self::from_histogram(histogram, &[], MOST_COLOURS)
+    }
+
+    /// The palette of these colours; `exact` if they are all there are.
+    pub(super) fn new(colours: Vec<[u8; 3]>, exact: bool) -> Self {
         let places: Vec<[f32; 3]> = colours.iter().map(|c| c.map(f32::from)).collect();
         Self {
             nearest: Nearest::new(&places),
@@ -65,6 +100,15 @@ impl Palette {
     /// True when every sampled colour is in the palette unchanged.
     pub fn is_exact(&self) -> bool {
         self.exact
+    }
+
+    /// How far the nearest colour is, in sRGB levels, rounded up; 255 at most.
+    pub fn miss(&self, rgb: [u8; 3], index: u8) -> u8 {
+        let colour = self.colours.get(usize::from(index)).copied();
+        let squared = colour.unwrap_or_default().into_iter().zip(rgb);
+        let squared: u32 = squared.map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum();
+        let level = squared.isqrt();
+        (level + u32::from(level * level < squared)).min(255) as u8
     }
 
     /// Index of the nearest colour. Slow; [`super::mapping::Mapper`] remembers the answers.

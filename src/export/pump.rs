@@ -55,20 +55,49 @@ where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
     E: std::error::Error + Send + 'static,
 {
+    let drawn = Mutex::new(Vec::new());
+    let take = |place: usize, image: &mut RgbaImage| {
+        let empty = RgbaImage::new(size[0], size[1]);
+        lock_mutex(&drawn).push((place, std::mem::replace(image, empty)));
+    };
+    look_at(workers, indices, size, cancel, &take)?;
+    let mut drawn = drawn.into_inner().unwrap_or_else(PoisonError::into_inner);
+    drawn.sort_by_key(|d| d.0);
+    let frames = drawn.into_iter();
+    Ok(frames
+        .map(|(place, image)| (indices[place], image))
+        .collect())
+}
+
+/// Draws the frames `indices` (pixels `size`) with all `workers` at once and shows each to `take`, with its place in
+/// `indices` and in whatever order they are done.
+///
+/// Errors: the first a worker reports, or the cancel flag.
+pub fn look_at<W, E>(
+    workers: &mut [W],
+    indices: &[usize],
+    size: [u32; 2],
+    cancel: &AtomicBool,
+    take: &(dyn Fn(usize, &mut RgbaImage) + Sync),
+) -> Result<(), PumpError<E>>
+where
+    W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
+    E: std::error::Error + Send + 'static,
+{
     let next = Mutex::new(indices.iter().copied().enumerate());
-    let results = Mutex::new((Vec::new(), None));
+    let failed = Mutex::new(None);
     let work = |draw: &mut W| {
+        let mut image = RgbaImage::new(size[0], size[1]);
         loop {
             let Some((place, frame)) = lock_mutex(&next).next() else {
                 break;
             };
-            if cancel.load(Ordering::Relaxed) || lock_mutex(&results).1.is_some() {
+            if cancel.load(Ordering::Relaxed) || lock_mutex(&failed).is_some() {
                 break;
             }
-            let mut image = RgbaImage::new(size[0], size[1]);
             match draw(frame, &mut image) {
-                Ok(()) => lock_mutex(&results).0.push((place, frame, image)),
-                Err(source) => lock_mutex(&results).1 = Some(PumpError::Draw { frame, source }),
+                Ok(()) => take(place, &mut image),
+                Err(source) => *lock_mutex(&failed) = Some(PumpError::Draw { frame, source }),
             }
         }
     };
@@ -85,18 +114,11 @@ where
         }
         own.into_iter().for_each(work);
     });
-    let (mut drawn, failure) = results.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if let Some(failure) = failure {
-        return Err(failure);
+    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(failure) => Err(failure),
+        None if cancel.load(Ordering::Relaxed) => Err(PumpError::Cancelled),
+        None => Ok(()),
     }
-    if cancel.load(Ordering::Relaxed) {
-        return Err(PumpError::Cancelled);
-    }
-    drawn.sort_by_key(|d| d.0);
-    Ok(drawn
-        .into_iter()
-        .map(|(_, frame, image)| (frame, image))
-        .collect())
 }
 
 /// Draws frames 0 to `frame_count - 1` with `workers` (each on its own thread) and writes them with `sink`.

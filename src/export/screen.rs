@@ -33,8 +33,22 @@ impl Screen {
         }
     }
 
-    /// The smallest rectangle that changes in `frame` and its pixels, row by row; `None` if nothing does.
-    pub(super) fn changes(&mut self, frame: &[[u8; 4]]) -> Option<(PixelArea, &[Pixel])> {
+    /// Goes over to another table of colours: what is shown of the one before has the index `indices` there, or
+    /// `transparent` where no entry is that colour.
+    pub(super) fn change_table(&mut self, indices: &[u8; 256], transparent: u8) {
+        for shown in &mut self.shown {
+            *shown = indices[usize::from(*shown)];
+        }
+        self.transparent = transparent;
+    }
+
+    /// The smallest rectangle that changes in `frame` and its pixels, row by row; `None` if nothing does. `nearest`
+    /// holds the indices of the nearest colours if those in `frame` are of another table.
+    pub(super) fn changes(
+        &mut self,
+        frame: &[[u8; 4]],
+        nearest: Option<&[u8]>,
+    ) -> Option<(PixelArea, &[Pixel])> {
         let width = self.size[0];
         self.pixels.clear();
         let area = if self.source.is_empty() {
@@ -55,6 +69,13 @@ impl Screen {
         };
         self.source.clear();
         self.source.extend_from_slice(frame);
+        if let Some(nearest) = nearest {
+            let own = area.rows(nearest, width).flatten();
+            let changed = self.pixels.iter_mut().zip(own);
+            for (pixel, index) in changed.filter(|(p, _)| p.change != PixelChange::Stretch) {
+                pixel.wanted[3] = *index;
+            }
+        }
         Some((area, &self.pixels))
     }
 

@@ -33,20 +33,10 @@ pub enum FrameTimes {
 /// Delays of all frames of an animation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    times: FrameTimes,
-    hold: f64,
     ticks_per_second: f64,
-    shortest: u32,
-    clamp: Option<Clamp>,
-}
-
-/// The frames come faster than a GIF can show them, so it plays slower than asked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clamp {
-    /// Duration asked for, in seconds.
-    pub asked_seconds: f64,
-    /// Duration of the file, in seconds.
-    pub written_seconds: f64,
+    /// Ticks that each frame is shown for, 0 for those that are left out.
+    delays: Vec<u32>,
+    left_out: usize,
 }
 
 impl FrameTimes {
@@ -100,27 +90,41 @@ impl Schedule {
                 frame: times.count(),
             });
         }
+        let ticks = |seconds: f64| (seconds * ticks_per_second).round();
+        let count = times.count();
         let mut schedule = Self {
-            times,
-            hold,
             ticks_per_second,
-            shortest,
-            clamp: None,
+            delays: vec![0; count],
+            left_out: 0,
         };
-        schedule.clamp = schedule.find_clamp();
+        let mut shown = 0;
+        let mut since = 0.0;
+        // Differences of rounded absolute times, so that rounding never adds up.
+        for k in 1..=count {
+            let last = if k == count { hold } else { 0.0 };
+            let start = ticks(times.start(k) - times.start(0) + last);
+            if k < count && start - since < f64::from(shortest) {
+                schedule.left_out += 1;
+                continue;
+            }
+            let delay = (start - since).clamp(f64::from(shortest), f64::from(u32::MAX));
+            if let Some(own) = schedule.delays.get_mut(shown) {
+                *own = delay as u32;
+            }
+            (shown, since) = (k, start);
+        }
         Ok(schedule)
     }
 
     /// Number of frames.
     pub fn count(&self) -> usize {
-        self.times.count()
+        self.delays.len()
     }
 
-    /// Delay of frame `k` in ticks (hundredths in a GIF): the difference of rounded absolute times, so that
-    /// rounding never adds up.
+    /// Delay of frame `k` in ticks (hundredths in a GIF); 0 if it is left out, because the next comes sooner than the
+    /// format can show.
     pub fn delay(&self, k: usize) -> u32 {
-        let delay = self.instant(k + 1) - self.instant(k);
-        delay.clamp(f64::from(self.shortest), f64::from(u32::MAX)) as u32
+        self.delays.get(k).copied().unwrap_or(0)
     }
 
     /// The same in seconds.
@@ -128,27 +132,9 @@ impl Schedule {
         f64::from(self.delay(k)) / self.ticks_per_second
     }
 
-    /// Set when some delay had to be lengthened.
-    pub fn clamp(&self) -> Option<Clamp> {
-        self.clamp
-    }
-
-    /// Rounded start of frame `k` in ticks.
-    fn instant(&self, k: usize) -> f64 {
-        let hold = if k >= self.count() { self.hold } else { 0.0 };
-        ((self.times.start(k) - self.times.start(0) + hold) * self.ticks_per_second).round()
-    }
-
-    fn find_clamp(&self) -> Option<Clamp> {
-        let shortest = f64::from(self.shortest);
-        let clamped = (0..self.count()).any(|k| self.instant(k + 1) - self.instant(k) < shortest);
-        clamped.then(|| Clamp {
-            asked_seconds: self.times.start(self.count()) - self.times.start(0) + self.hold,
-            written_seconds: (0..self.count())
-                .map(|k| f64::from(self.delay(k)))
-                .sum::<f64>()
-                / self.ticks_per_second,
-        })
+    /// Number of frames that are left out.
+    pub fn left_out(&self) -> usize {
+        self.left_out
     }
 }
 
@@ -207,17 +193,22 @@ mod tests {
             shown += schedule.delay(k);
         }
         assert_eq!(shown, 3333);
-        assert_eq!(schedule.clamp(), None);
+        assert_eq!(schedule.left_out(), 0);
     }
 
     #[test]
-    fn fifty_is_the_fastest_rate_without_a_clamp() {
-        assert_eq!(uniform(50.0, 500).clamp(), None);
-        assert_eq!(uniform(45.0, 500).clamp(), None);
-        let fast = uniform(100.0, 200);
-        assert!((0..200).all(|k| fast.delay(k) == 2));
-        let clamp = fast.clamp().unwrap();
-        assert_eq!((clamp.asked_seconds, clamp.written_seconds), (2.0, 4.0));
+    fn above_fifty_frames_are_left_out_and_the_time_is_kept() {
+        assert_eq!(uniform(50.0, 500).left_out(), 0);
+        assert_eq!(uniform(45.0, 500).left_out(), 0);
+        for (fps, count) in [(60.0, 240), (100.0, 200), (1000.0, 4000)] {
+            let fast = uniform(fps, count);
+            let delays: Vec<u32> = (0..count).map(|k| fast.delay(k)).collect();
+            let shown = delays.iter().filter(|d| **d > 0).count();
+            assert_eq!(shown + fast.left_out(), count);
+            assert!(delays[0] > 0 && delays.iter().all(|d| *d == 0 || *d >= 2));
+            let whole = (100.0 * count as f64 / fps).round() as u32;
+            assert!(delays.iter().sum::<u32>().abs_diff(whole) <= 1, "{fps}");
+        }
     }
 
     #[test]
@@ -261,7 +252,7 @@ mod tests {
         };
         let schedule = Schedule::in_ticks(times, 30000).unwrap();
         assert!((0..100_000).all(|k| schedule.delay(k) == 1001));
-        assert_eq!(schedule.clamp(), None);
+        assert_eq!(schedule.left_out(), 0);
     }
 
     #[test]

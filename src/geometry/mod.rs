@@ -65,5 +65,27 @@ pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
     if finite { mesh } else { Mesh::default() }
 }
 
+/// The mesh of a solid whose facets are off by `share` of its own largest radius.
+pub fn coarse_mesh_of(solid: &Solid, share: f64) -> Mesh {
+    mesh_of(solid, share * largest_radius(solid).unwrap_or(1.0))
+}
+
+/// The largest radius of a solid's round surfaces; `None` if all of it is flat.
+pub fn largest_radius(solid: &Solid) -> Option<f64> {
+    match solid {
+        Solid::Sphere { radius, .. }
+        | Solid::Capsule { radius, .. }
+        | Solid::Cylinder { radius, .. }
+        | Solid::Tube { radius, .. } => Some(*radius),
+        Solid::Cone {
+            radius_from,
+            radius_to,
+            ..
+        } => Some(radius_from.max(*radius_to)),
+        Solid::Torus { ring, tube, .. } => Some(ring + tube),
+        Solid::Box { .. } | Solid::HalfSpace { .. } | Solid::Triangles(_) => None,
+    }
+}
+
 #[cfg(test)]
 mod tests;

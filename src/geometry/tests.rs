@@ -259,6 +259,31 @@ fn tubes_have_no_pinch_at_any_corner() {
     }
 }
 
+/// The space of a bent tube is counted once: two legs up to the plane that halves the corner, a wedge of a ball outside,
+/// and round ends. No two of its triangles have no area.
+#[test]
+fn bent_tubes_do_not_pass_through_themselves() {
+    let r = 0.3;
+    for angle in [0.7, 0.5 * PI, 2.2] {
+        let end = DVec3::X * 2.0 + DVec3::new(angle.cos(), angle.sin(), 0.0) * 2.0;
+        let solid = Solid::Tube {
+            points: vec![DVec3::ZERO, DVec3::X * 2.0, end],
+            radius: r,
+            closed: false,
+        };
+        let mesh = mesh_of(&solid, 1e-4);
+        assert_eq!(euler(&mesh), 2);
+        let ball = 4.0 / 3.0 * PI * r.powi(3);
+        let cut = 4.0 / 3.0 * r.powi(3) * (0.5 * angle).tan();
+        let exact = PI * r * r * 4.0 + ball * (1.0 + angle / (2.0 * PI)) - cut;
+        assert!((volume(&mesh) / exact - 1.0).abs() < 2e-3, "{angle}");
+        for [a, b, c] in &mesh.triangles {
+            let [a, b, c] = [a, b, c].map(|i| mesh.positions[*i as usize]);
+            assert!((b - a).cross(c - a).length() > 1e-12, "{a} {b} {c}");
+        }
+    }
+}
+
 #[test]
 fn closed_tubes_meet_without_twist() {
     // A closed space curve with torsion, so that the carried frame comes back turned.

@@ -14,8 +14,9 @@ const STRAIGHT: f64 = 1e-12;
 
 /// All points within `radius` of the polyline, as one closed surface.
 ///
-/// At a corner the ring turns about the corner point, so that its outer half sweeps the ball that joins
-/// the two straight parts and its inner half stays inside the tube: no pinching at any angle.
+/// At a corner the ring turns about the corner point, so that its outer half sweeps the ball that joins the two
+/// straight parts; its inner half stays where both parts meet, on the plane that halves the corner. So no facet passes
+/// through another one. Where the legs are too short for that the inner half turns, too, and stays inside the tube.
 pub(super) fn tube_mesh(points: &[DVec3], radius: f64, closed: bool, tolerance: f64) -> Mesh {
     if !is_positive(radius) {
         return Mesh::default();
@@ -99,10 +100,35 @@ impl RingFrame {
     }
 }
 
+/// Depth over the radius above which a vertex belongs to a corner's inner side: those on the axis of the turn, which
+/// stay where they are, must be the same vertex to the bit.
+const ON_AXIS: f64 = 1e-9;
+
 /// A ring before its vertices are made.
 struct TubeRing {
     center: DVec3,
     frame: RingFrame,
+    mitre: Option<Mitre>,
+}
+
+/// Where the inner half of a corner's rings lies.
+#[derive(Clone, Copy)]
+struct Mitre {
+    /// Before the corner.
+    frame: RingFrame,
+    /// Unit direction from the corner point to its inner side, square to the leg before.
+    inward: DVec3,
+    /// Tangent of half the angle.
+    slope: f64,
+}
+
+impl Mitre {
+    /// The place of the vertex whose normal before the corner is `normal`, from the corner point and in radii;
+    /// `None` on the outer half.
+    fn place(&self, normal: DVec3) -> Option<DVec3> {
+        let depth = normal.dot(self.inward);
+        (depth > -ON_AXIS).then(|| normal - self.frame.direction() * (self.slope * depth))
+    }
 }
 
 struct Sweep {
@@ -131,13 +157,17 @@ impl Sweep {
             rings.push(TubeRing {
                 center: points[0],
                 frame,
+                mitre: None,
             });
         }
+        let length = |leg: usize| (points[(leg + 1) % count]).distance(points[leg % count]);
         for (leg, point) in points.iter().enumerate().take(legs).skip(1) {
-            frame = self.corner(*point, frame, direction(leg), &mut rings);
+            let room = 0.5 * length(leg - 1).min(length(leg));
+            frame = self.corner((*point, room), frame, direction(leg), &mut rings);
         }
         if closed {
-            frame = self.corner(points[0], frame, direction(0), &mut rings);
+            let room = 0.5 * length(count - 1).min(length(0));
+            frame = self.corner((points[0], room), frame, direction(0), &mut rings);
             let (sin, cos) = {
                 let start = RingFrame::across(direction(0));
                 (start.second.dot(frame.first), start.first.dot(frame.first))
@@ -147,6 +177,7 @@ impl Sweep {
             rings.push(TubeRing {
                 center: points[count - 1],
                 frame,
+                mitre: None,
             });
         }
         for ring in &rings {
@@ -165,10 +196,10 @@ impl Sweep {
         self.mesh
     }
 
-    /// Rings that turn about the corner until the tube points in `direction`.
+    /// Rings that turn about the corner until the tube points in `direction`; its inner side may take `room` of the legs.
     fn corner(
         &self,
-        center: DVec3,
+        (center, room): (DVec3, f64),
         frame: RingFrame,
         direction: DVec3,
         rings: &mut Vec<TubeRing>,
@@ -178,12 +209,26 @@ impl Sweep {
         if angle <= step {
             // A bend this slight is as good as a mitre; its error is within the chords' tolerance.
             let frame = frame.turned(axis, 0.5 * angle);
-            rings.push(TubeRing { center, frame });
+            rings.push(TubeRing {
+                center,
+                frame,
+                mitre: None,
+            });
         } else {
+            let (sin, cos) = sin_cos(0.5 * angle);
+            let mitre = (self.radius * sin <= room * cos).then(|| Mitre {
+                frame,
+                inward: axis.cross(frame.direction()),
+                slope: sin / cos,
+            });
             let steps = (angle / step).ceil() as u32;
             for k in 0..=steps {
                 let frame = frame.turned(axis, angle * f64::from(k) / f64::from(steps));
-                rings.push(TubeRing { center, frame });
+                rings.push(TubeRing {
+                    center,
+                    frame,
+                    mitre,
+                });
             }
         }
         frame.turned(axis, angle)
@@ -200,16 +245,22 @@ impl Sweep {
         let length = travelled[travelled.len() - 1] + last.distance(centers[0]);
         for (ring, way) in rings.iter_mut().zip(travelled) {
             let share = if length > 0.0 { way / length } else { 0.0 };
-            ring.frame = ring.frame.turned(ring.frame.direction(), -twist * share);
+            let untwisted = |frame: RingFrame| frame.turned(frame.direction(), -twist * share);
+            ring.frame = untwisted(ring.frame);
+            if let Some(mitre) = &mut ring.mitre {
+                mitre.frame = untwisted(mitre.frame);
+            }
         }
     }
 
     fn push_ring(&mut self, ring: &TubeRing) {
         for k in 0..self.around {
             let (sin, cos) = sin_cos(TAU * f64::from(k) / f64::from(self.around));
-            let normal = ring.frame.first * cos + ring.frame.second * sin;
-            self.mesh
-                .push_vertex(ring.center + normal * self.radius, normal);
+            let around = |frame: &RingFrame| frame.first * cos + frame.second * sin;
+            let normal = around(&ring.frame);
+            let inner = ring.mitre.and_then(|m| m.place(around(&m.frame)));
+            let place = ring.center + inner.unwrap_or(normal) * self.radius;
+            self.mesh.push_vertex(place, normal);
         }
     }
 
@@ -219,7 +270,13 @@ impl Sweep {
             let next = (k + 1) % self.around;
             let [a, b] = [from * self.around + k, from * self.around + next];
             let [d, c] = [to * self.around + k, to * self.around + next];
-            self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            for triangle in [[a, b, c], [a, c, d]] {
+                let [p, q, r] = triangle.map(|i| self.mesh.positions[i as usize]);
+                // The inner sides of a corner's rings are one line.
+                if p != q && q != r && r != p {
+                    self.mesh.triangles.push(triangle);
+                }
+            }
         }
     }
 

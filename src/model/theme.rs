@@ -34,6 +34,14 @@ impl Theme {
         }
     }
 
+    /// sRGB colour of the lines between surfaces.
+    pub const fn line(self) -> [u8; 3] {
+        match self {
+            Self::Light => [0x1b, 0x1f, 0x26],
+            Self::Dark => [0x05, 0x07, 0x0a],
+        }
+    }
+
     /// sRGB colour of warnings.
     pub const fn warning(self) -> [u8; 3] {
         match self {

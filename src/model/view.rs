@@ -59,12 +59,26 @@ pub enum Ghosts {
 /// How traced paths are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trails {
-    /// From the start of the motion on.
-    Full,
+    /// The whole path, thin and pale, and over it what has been travelled.
+    Whole,
+    /// What has been travelled since the start of the motion.
+    Grow,
     /// The last stretch only, fading into the background; its length in seconds, a quarter of the motion if `None`.
     Fading(Option<f64>),
     /// Not at all.
     None,
+}
+
+/// Lines between surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EdgeLines {
+    /// None.
+    None,
+    /// Around bodies: silhouettes and where one body meets another.
+    Outline,
+    /// Also at creases and where the solids of a body meet.
+    #[default]
+    All,
 }
 
 /// Which frames show their axes.
@@ -100,7 +114,7 @@ impl Default for Decor {
     fn default() -> Self {
         Self {
             ghosts: Ghosts::Count(0),
-            trails: Trails::Full,
+            trails: Trails::Whole,
             arrows: false,
             arrow_scale: None,
             axes: ShownAxes::None,
@@ -171,6 +185,8 @@ pub struct View {
     pub transparent: bool,
     /// sRGB background.
     pub background: [u8; 3],
+    /// Lines between surfaces.
+    pub edges: EdgeLines,
     /// Height of the ground along the up axis; `Auto` puts it below the motion.
     pub ground: GroundPlace,
     /// Frames a second unless asked otherwise.

@@ -2,7 +2,9 @@
 
 use super::camera_path::CameraPath;
 use super::theme::Theme;
-use super::view::{Ghosts, GroundPlace, NamedView, ShownAxes, Trails, View, ViewProjection};
+use super::view::{
+    EdgeLines, Ghosts, GroundPlace, NamedView, ShownAxes, Trails, View, ViewProjection,
+};
 
 /// Changes; what is `None` stays as the scene says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +21,8 @@ pub struct ViewChange {
     pub parallel: Option<bool>,
     /// Theme, with its background.
     pub theme: Option<Theme>,
+    /// Lines between surfaces.
+    pub edges: Option<EdgeLines>,
     /// sRGB.
     pub background: Option<[u8; 3]>,
     /// No background at all.
@@ -33,7 +37,7 @@ pub struct ViewChange {
     pub trails: Option<Trails>,
     /// Velocity arrows.
     pub arrows: Option<bool>,
-    /// Axes of frames.
+    /// ShownAxes of frames.
     pub axes: Option<ShownAxes>,
     /// Gauges of the inputs.
     pub gauge: Option<bool>,
@@ -73,6 +77,7 @@ impl ViewChange {
             view.theme = theme;
             view.background = theme.background();
         }
+        view.edges = self.edges.unwrap_or(view.edges);
         view.background = self.background.unwrap_or(view.background);
         view.transparent = self.transparent.unwrap_or(view.transparent);
         view.captions = self.captions.unwrap_or(view.captions);

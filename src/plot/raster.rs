@@ -60,7 +60,7 @@ impl ChartPainter {
         // Whole pixels: letters on a baseline between two rows are blurred.
         let (left, baseline) = ((at[0] - back).round() as i64, at[1].round() as i64);
         for glyph in &setting.glyphs {
-            let mask = self.face.mask(glyph.id, size, glyph.phase);
+            let mask = self.face.mask(glyph.id, size, [glyph.phase, 0]);
             let column = left + i64::from(glyph.column) + i64::from(mask.left);
             let row = baseline + i64::from(mask.top);
             for y in 0..mask.height {

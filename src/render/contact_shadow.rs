@@ -1,13 +1,13 @@
 //! The soft shadow that bodies throw on the ground below them, as a small texture for both renderers.
 //!
-//! Computed on the CPU once a frame from the casting instances. It is the darkening near a contact,
-//! straight below a body and growing softer with its height, not the shadow of the key light.
+//! Computed on the CPU once a frame from the casting instances: the darkening near a contact, straight below a body and
+//! growing softer with its height, and the shadow of the key light, which falls aslant.
 
 use super::ground::ground_axes;
-use super::look::{larger_of, smaller_of};
-use super::{Frame, Ground, Instance, Stage};
+use super::look::{KEY_DIRECTION, larger_of, smaller_of};
+use super::{Camera, Frame, Ground, Instance, Stage};
 use crate::math::{Pose, narrow_pose, narrow_vector};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// Texels along each side of the map. A texel is then 1/64 of the ground's radius, which the blur hides.
@@ -17,8 +17,16 @@ pub const SHADOW_SIZE: u32 = 128;
 const REACH: [f32; 2] = [0.12, 0.60];
 /// Darkness right at the ground.
 const DEPTH: [f32; 2] = [0.70, 0.50];
+/// What a translucent body's shadow has of an opaque one's darkness.
+const PALE: f32 = 0.45;
 /// Half width of the averaging window in texels; it is passed twice along each axis.
 const BLUR: [usize; 2] = [1, 4];
+/// The same of the shadow of the key light: the height at which it is gone, its darkness and its averaging.
+const KEY_REACH: f32 = 1.6;
+const KEY_DEPTH: f32 = 0.30;
+const KEY_BLUR: usize = 1;
+/// Sine of the key light's height above the ground below which it throws no shadow that would end on the map.
+const LEAST_HEIGHT: f64 = 0.3;
 /// The largest of them.
 const MOST_BLUR: usize = 4;
 
@@ -132,9 +140,11 @@ pub struct ShadowCaster {
     axes: DMat3,
     /// Shared by copies.
     casters: Arc<[Caster]>,
-    /// Least height over each texel in radii; infinite where nothing is above.
-    heights: Vec<f32>,
-    layers: [Vec<f32>; 2],
+    /// Least height over each texel in radii, of opaque and of translucent bodies; infinite where nothing is above.
+    heights: [Vec<f32>; 2],
+    /// The same over the places that the key light throws them to.
+    thrown: [Vec<f32>; 2],
+    layers: [Vec<f32>; 3],
     scratch: Vec<f32>,
     shadow: ContactShadow,
 }
@@ -170,8 +180,9 @@ impl ShadowCaster {
             ground,
             axes: ground_axes(&ground),
             casters: casters.collect(),
-            heights: vec![f32::INFINITY; area],
-            layers: [vec![0.0; area], vec![0.0; area]],
+            heights: [vec![f32::INFINITY; area], vec![f32::INFINITY; area]],
+            thrown: [vec![f32::INFINITY; area], vec![f32::INFINITY; area]],
+            layers: [vec![0.0; area], vec![0.0; area], vec![0.0; area]],
             scratch: vec![0.0; area],
             shadow: ContactShadow {
                 size: SHADOW_SIZE,
@@ -181,43 +192,79 @@ impl ShadowCaster {
         })
     }
 
-    /// The shadow of a frame's casting instances.
-    pub fn cast(&mut self, frame: &Frame) -> &ContactShadow {
-        self.heights.fill(f32::INFINITY);
-        let mut reach = HeightMap {
-            heights: &mut self.heights,
-        };
+    /// The shadow of a frame's casting instances; the key light stands as `camera` says.
+    pub fn cast(&mut self, frame: &Frame, camera: &Camera) -> &ContactShadow {
         let ground_from_world = Pose {
             rotation: self.axes,
             translation: self.ground.center,
         }
         .inverse();
-        for instance in frame.instances.iter().filter(|i| i.casts_shadow) {
-            if let Some(caster) = self.casters.get(instance.mesh) {
-                let pose = ground_from_world * instance.world_from_mesh;
-                caster.drop_on(&mut reach, instance, &pose, self.ground.radius);
+        let slant = self.slant(camera);
+        let maps = self.heights.iter_mut().zip(&mut self.thrown);
+        for ((below, thrown), translucent) in maps.zip([false, true]) {
+            below.fill(f32::INFINITY);
+            thrown.fill(f32::INFINITY);
+            let mut below = HeightMap {
+                heights: below,
+                slant: [0.0; 2],
+            };
+            let mut thrown = slant.map(|slant| HeightMap {
+                heights: thrown,
+                slant,
+            });
+            let casts = |i: &&Instance| i.casts_shadow && (i.opacity < 1.0) == translucent;
+            for instance in frame.instances.iter().filter(casts) {
+                if let Some(caster) = self.casters.get(instance.mesh) {
+                    let pose = ground_from_world * instance.world_from_mesh;
+                    let maps = std::iter::once(&mut below).chain(thrown.as_mut());
+                    for map in maps {
+                        caster.drop_on(map, instance, &pose, self.ground.radius);
+                    }
+                }
             }
         }
         self.darken();
         &self.shadow
     }
 
+    /// How far the key light throws the shadow of a point for each unit of its height, along the ground's axes; `None`
+    /// for a light that is too low.
+    fn slant(&self, camera: &Camera) -> Option<[f32; 2]> {
+        let light = DVec3::from(KEY_DIRECTION.map(f64::from));
+        let light = self.axes.transpose() * (camera.world_from_camera.rotation * light);
+        let away = [-light.x / light.z, -light.y / light.z];
+        (light.z > LEAST_HEIGHT).then(|| away.map(|a| a as f32))
+    }
+
     /// From heights to blurred darkness.
     fn darken(&mut self) {
         let size = SHADOW_SIZE as usize;
-        for (k, layer) in self.layers.iter_mut().enumerate() {
-            for (dark, height) in layer.iter_mut().zip(&self.heights) {
-                let near = larger_of(1.0 - height / REACH[k], 0.0);
-                *dark = DEPTH[k] * near * near;
+        let [contacts @ .., key] = &mut self.layers;
+        let [opaque, translucent] = &self.thrown;
+        for ((dark, height), pale) in key.iter_mut().zip(opaque).zip(translucent) {
+            let [near, pale] = [height, pale].map(|h| larger_of(1.0 - h / KEY_REACH, 0.0));
+            *dark = KEY_DEPTH * larger_of(near, PALE * pale);
+        }
+        for _ in 0..2 {
+            blur_rows(key, &mut self.scratch, KEY_BLUR);
+            blur_columns(&self.scratch, key, KEY_BLUR);
+        }
+        for (k, layer) in contacts.iter_mut().enumerate() {
+            let [opaque, translucent] = &self.heights;
+            for ((dark, height), pale) in layer.iter_mut().zip(opaque).zip(translucent) {
+                let [near, pale] =
+                    [height, pale].map(|height| larger_of(1.0 - height / REACH[k], 0.0));
+                *dark = DEPTH[k] * larger_of(near * near, PALE * pale * pale);
             }
             for _ in 0..2 {
                 blur_rows(layer, &mut self.scratch, BLUR[k]);
                 blur_columns(&self.scratch, layer, BLUR[k]);
             }
         }
-        let [near, wide] = &self.layers;
-        for ((texel, near), wide) in self.shadow.texels.iter_mut().zip(near).zip(wide) {
-            let light = (1.0 - near) * (1.0 - wide);
+        let [near, wide, key] = &self.layers;
+        let layers = near.iter().zip(wide).zip(key);
+        for (texel, ((near, wide), key)) in self.shadow.texels.iter_mut().zip(layers) {
+            let light = (1.0 - near) * (1.0 - wide) * (1.0 - key);
             // Adding 2^23 rounds to the nearest integer in the low bits.
             *texel = ((1.0 - light) * 255.0 + 8_388_608.0).to_bits() as u8;
         }
@@ -252,12 +299,14 @@ impl Caster {
         let radius = radius as f32;
         let half = 0.5 * SHADOW_SIZE as f32;
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3];
+        let [right, ahead] = map.slant;
         // Texel coordinates and height in radii.
         let place = |p: [f32; 3]| {
+            let height = row(z, p);
             [
-                row(x, p) / radius * half + half,
-                row(y, p) / radius * half + half,
-                row(z, p) / radius,
+                (row(x, p) + right * height) / radius * half + half,
+                (row(y, p) + ahead * height) / radius * half + half,
+                height / radius,
             ]
         };
         let count = self.triangles.len() as u32;
@@ -282,6 +331,8 @@ impl Caster {
 
 struct HeightMap<'a> {
     heights: &'a mut [f32],
+    /// How far a point is shifted for each unit of its height.
+    slant: [f32; 2],
 }
 
 impl HeightMap<'_> {

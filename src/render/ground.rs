@@ -152,6 +152,24 @@ impl GroundView {
         (w > 0.0).then(|| form_value(&self.distance, x, y) / w)
     }
 
+    /// Nearness of the plane over the picture as vertices measure it, a form of the pixel coordinate: one over the
+    /// distance, or minus the distance in a parallel projection.
+    pub fn nearness(&self, perspective: bool) -> [f64; 3] {
+        if perspective {
+            self.w.map(|w| w / self.distance[2])
+        } else {
+            self.distance.map(|d| -d)
+        }
+    }
+
+    /// Whether the pixel with centre (x, y) sees the ground.
+    pub fn is_seen(&self, x: f64, y: f64) -> bool {
+        let w = form_value(&self.w, x, y);
+        let (u, v) = (form_value(&self.u, x, y), form_value(&self.v, x, y));
+        // Not a number is not seen.
+        w > 0.0 && u * u + v * v < w * w
+    }
+
     /// What the pixel with centre (x, y) shows; `None` where it sees no ground.
     pub fn at(&self, x: f64, y: f64) -> Option<GroundPoint> {
         let w = form_value(&self.w, x, y);

@@ -26,7 +26,10 @@ pub const GROUND_COLOUR: Rgb = [0.155, 0.15, 0.143];
 /// Strength of the wide sheen, `(n·h)^8`.
 pub const SHEEN: f32 = 0.05;
 /// Strength of the small highlight, `(n·h)^64`.
-pub const HIGHLIGHT: f32 = 0.36;
+pub const HIGHLIGHT: f32 = 0.22;
+/// How much of a highlight takes the colour of its surface. White ones on flat faces, which flash as a whole while they
+/// turn, would wash their colour out.
+pub const GLOSS_TINT: f32 = 0.6;
 /// Factor on everything a lit surface sends.
 pub const EXPOSURE: f32 = 1.02;
 /// How much of its missing opacity a translucent surface regains where it is seen edge-on.
@@ -144,7 +147,8 @@ pub fn shade_surface(
             + KEY_COLOUR[c] * key
             + FILL_COLOUR[c] * fill;
         let light = light * kept;
-        let gloss = KEY_COLOUR[c] * glint + SKY_COLOUR[c] * gain;
+        let tinted = glint * mix_values(1.0, albedo[c], GLOSS_TINT);
+        let gloss = KEY_COLOUR[c] * tinted + SKY_COLOUR[c] * gain;
         let lit = clamp_unit(EXPOSURE * (albedo[c] * light + gloss));
         mix_values(lit, albedo[c], flat)
     };

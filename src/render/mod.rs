@@ -7,6 +7,7 @@ pub mod camera;
 pub mod colour;
 pub mod contact_shadow;
 pub mod cpu;
+pub mod edges;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod ground;
@@ -14,10 +15,12 @@ pub mod look;
 pub mod matte;
 pub mod open;
 pub mod overlay;
+pub mod ramp;
 pub mod text;
 
 use crate::geometry::Mesh;
 use crate::math::Pose;
+use edges::Edges;
 use glam::DVec3;
 use image::RgbaImage;
 use look::Rim;
@@ -40,6 +43,8 @@ pub struct Stage {
     pub rim: Rim,
     /// The ground, if any.
     pub ground: Option<Ground>,
+    /// Lines between surfaces, if any.
+    pub edges: Option<Edges>,
 }
 
 /// Projection of the camera.
@@ -102,12 +107,14 @@ pub struct Instance {
     pub world_from_mesh: Pose,
     /// sRGB colour.
     pub colour: [u8; 3],
-    /// 1 opaque, below 1 translucent (drawn after everything opaque, back to front).
+    /// 1 opaque, below 1 translucent (every sample blends what it sees, far to near).
     pub opacity: f64,
     /// Which of the mesh's triangles are drawn; a growing trace draws a growing range.
     pub triangles: Range<u32>,
-    /// Whether it darkens the ground below it.
+    /// Whether it darkens the ground below it; palely if it is translucent.
     pub casts_shadow: bool,
+    /// The body that it belongs to, for lines between bodies; `None` draws no lines.
+    pub outline: Option<u32>,
     /// 0 lit like matter, 1 its flat colour whatever the light (traces, markers).
     pub flat: f64,
 }
@@ -119,6 +126,16 @@ pub enum Anchor {
     World(DVec3),
     /// A point of the world, projected; the label stands up and to the right of it, with a line to it.
     Beside(DVec3),
+    /// A point of the world, projected; the middle of the text stands `offset` pixels right of and below it, or as near
+    /// to that as the picture has room.
+    Placed {
+        /// The point.
+        point: DVec3,
+        /// In pixels.
+        offset: [f64; 2],
+        /// A line leads from the text to the point.
+        line: bool,
+    },
     /// Fractions of the picture's width and height from the top left; the label starts there.
     Screen([f64; 2]),
 }

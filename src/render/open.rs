@@ -123,6 +123,7 @@ mod tests {
             background: [1, 2, 3],
             rim: Rim::DARK,
             ground: None,
+            edges: None,
         })
     }
 

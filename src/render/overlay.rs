@@ -4,12 +4,12 @@
 //! correctly rounded arithmetic only, so that the bytes are the same on every machine. Draws nothing of the
 //! scene.
 
-mod border;
+pub mod border;
 mod paint;
 mod patch;
 mod plate;
 
-use super::text::{Face, Setting, set_text};
+use super::text::{Face, PHASES, Setting, set_text};
 use super::{Anchor, Camera, Frame, Label};
 use image::RgbaImage;
 use paint::OverlayPainter;
@@ -23,7 +23,7 @@ pub struct Overlay {
     face: Face,
     plate_colour: [u8; 3],
     /// Left, top, right and bottom of the labels drawn so far in this frame.
-    taken: Vec<[i32; 4]>,
+    taken: Vec<[f64; 4]>,
 }
 
 impl Overlay {
@@ -54,6 +54,18 @@ impl Overlay {
         }
     }
 
+    /// The texts of a frame with their rectangles (left, top, right, bottom in pixels) in a picture of `size`.
+    pub fn rectangles(frame: &Frame, camera: &Camera, size: [u32; 2]) -> Vec<(String, [f64; 4])> {
+        let face = Face::new();
+        let labels = frame.labels.iter().filter_map(|label| {
+            let setting = set_text(&face, &label.text, label.size.min(LARGEST_SIZE));
+            let [left, top] = place_label(label, &setting, camera, size)?;
+            let own = [left, top, left + setting.width, top + setting.height];
+            Some((label.text.clone(), own))
+        });
+        labels.collect()
+    }
+
     fn draw_label(&mut self, label: &Label, camera: &Camera, image: &mut RgbaImage) {
         if label.size.is_nan() || label.size <= 0.0 {
             return;
@@ -63,73 +75,88 @@ impl Overlay {
         let Some([left, top]) = place_label(label, &setting, camera, size) else {
             return;
         };
-        let [width, high] = [setting.width, setting.height].map(|n| n.ceil() as i32);
-        let own = [
-            left,
-            top,
-            left.saturating_add(width),
-            top.saturating_add(high),
-        ];
+        let own = [left, top, left + setting.width, top + setting.height];
         if label.yields && self.taken.iter().any(|other| boxes_overlap(&own, other)) {
             return;
         }
         self.taken.push(own);
         let mut painter = OverlayPainter::new(image);
-        if let Anchor::Beside(point) = label.anchor
+        if let Anchor::Beside(point)
+        | Anchor::Placed {
+            point, line: true, ..
+        } = label.anchor
             && let Some([x, y, _]) = camera.project(point, size)
         {
-            let foot = [f64::from(left) - 2.0, f64::from(top) + 0.5 * setting.height];
+            // From the nearest point of the text, with some air.
+            let foot = [
+                x.clamp(own[0] - AIR, own[2] + AIR),
+                y.clamp(own[1] - AIR, own[3] + AIR),
+            ];
             patch::draw_leader(&mut painter, [[x, y], foot], label.colour);
         }
         if label.plate && !setting.glyphs.is_empty() {
-            plate::draw_plate(&mut painter, &setting, [left, top], self.plate_colour);
+            let corner = [left, top].map(|c| c.round() as i32);
+            plate::draw_plate(&mut painter, &setting, corner, self.plate_colour);
         }
         let in_world = !matches!(label.anchor, Anchor::Screen(_));
         if in_world && !label.plate {
             // A seam of the background's colour keeps the text readable in front of dark bodies.
             for shift in SEAM {
-                let place = [left.saturating_add(shift[0]), top.saturating_add(shift[1])];
+                let place = [left + shift[0], top + shift[1]];
                 self.draw_glyphs(&setting, place, self.plate_colour, &mut painter);
             }
         }
         self.draw_glyphs(&setting, [left, top], label.colour, &mut painter);
     }
 
+    /// The glyphs from `left`, `top` on, in quarters of a pixel: a label that moves slowly does not jump.
     fn draw_glyphs(
         &mut self,
         setting: &Setting,
-        [left, top]: [i32; 2],
+        corner: [f64; 2],
         colour: [u8; 3],
         painter: &mut OverlayPainter,
     ) {
+        let phases = PHASES as i32;
+        let quarters = corner.map(|c| (c * f64::from(phases)).round() as i32);
         for glyph in &setting.glyphs {
-            let mask = self.face.mask(glyph.id, setting.size, glyph.phase);
+            let x = quarters[0] + glyph.phase as i32;
+            let phase = [x, quarters[1]].map(|q| q.rem_euclid(phases) as u32);
+            let mask = self.face.mask(glyph.id, setting.size, phase);
             let origin = [
-                left.saturating_add(glyph.column),
-                top.saturating_add(glyph.baseline),
+                x.div_euclid(phases).saturating_add(glyph.column),
+                quarters[1]
+                    .div_euclid(phases)
+                    .saturating_add(glyph.baseline),
             ];
             painter.blend_mask(mask, origin, colour);
         }
     }
 }
 
-fn boxes_overlap(a: &[i32; 4], b: &[i32; 4]) -> bool {
+fn boxes_overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
+
+/// Room between a text and the line that leads to it, in pixels.
+const AIR: f64 = 2.5;
+
+/// Room between a placed text and the border of the picture, in pixels.
+const BORDER: f64 = 3.0;
 
 /// How far right of and above its point a label with a line stands, in heights of its capitals.
 const BESIDE: [f64; 2] = [2.2, 2.2];
 
 /// Shifts in pixels that draw a seam around a text.
-const SEAM: [[i32; 2]; 8] = [
-    [-1, -1],
-    [0, -1],
-    [1, -1],
-    [-1, 0],
-    [1, 0],
-    [-1, 1],
-    [0, 1],
-    [1, 1],
+const SEAM: [[f64; 2]; 8] = [
+    [-1.0, -1.0],
+    [0.0, -1.0],
+    [1.0, -1.0],
+    [-1.0, 0.0],
+    [1.0, 0.0],
+    [-1.0, 1.0],
+    [0.0, 1.0],
+    [1.0, 1.0],
 ];
 
 /// Top left pixel of a label's text; `None` when it cannot be seen.
@@ -138,7 +165,7 @@ fn place_label(
     setting: &Setting,
     camera: &Camera,
     size: [u32; 2],
-) -> Option<[i32; 2]> {
+) -> Option<[f64; 2]> {
     let picture = size.map(f64::from);
     let corner = match label.anchor {
         Anchor::World(point) => {
@@ -152,6 +179,17 @@ fn place_label(
             let left = (x + away[0]).min(picture[0] - setting.width - 2.0);
             [left, (y - away[1] - 0.5 * setting.height).max(2.0)]
         }
+        Anchor::Placed { point, offset, .. } => {
+            let [x, y, _] = camera.project(point, size)?;
+            let within = |middle: f64, extent: f64, limit: f64| {
+                let low = (limit - BORDER - extent).min(middle - 0.5 * extent);
+                low.max(BORDER)
+            };
+            [
+                within(x + offset[0], setting.width, picture[0]),
+                within(y + offset[1], setting.height, picture[1]),
+            ]
+        }
         Anchor::Screen([x, y]) => {
             let inset = if label.plate {
                 plate::plate_padding(setting.size)
@@ -164,7 +202,7 @@ fn place_label(
     // Far outside is as good as nowhere, and keeps the conversion to i32 exact.
     let reach = 4.0 * (picture[0] + picture[1] + setting.width + setting.height) + 1e4;
     let near = |c: f64| c.abs() <= reach.min(1e9);
-    (near(corner[0]) && near(corner[1])).then(|| corner.map(|c| c.round() as i32))
+    (near(corner[0]) && near(corner[1])).then_some(corner)
 }
 
 #[cfg(test)]

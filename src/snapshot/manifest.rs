@@ -7,7 +7,9 @@ use crate::model::view::{Ghosts, ViewProjection};
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FoundValue, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
-use crate::scene::resolve::choices::{AXES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, chosen_word};
+use crate::scene::resolve::choices::{
+    AXES, EDGES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, chosen_word,
+};
 use crate::scene::values::FormulaText;
 use std::collections::HashSet;
 use toml::de::DeTable;
@@ -230,12 +232,14 @@ fn read_view(r: &mut TableReader) -> ViewChange {
     }
     let from = read_word(r, "from", &NAMED_VIEWS);
     let theme = read_word(r, "theme", &THEMES);
+    let edges = read_word(r, "edges", &EDGES);
     ViewChange {
         from,
         azimuth,
         elevation,
         projection,
         theme,
+        edges,
         background: r.colour("background"),
         captions: r.boolean("captions"),
         ground: r.boolean("ground"),

@@ -56,6 +56,12 @@ impl AxisSigns {
         }
     }
 
+    /// Colours of the axes that are shown.
+    pub fn colours(&self) -> impl Iterator<Item = [u8; 3]> {
+        let shown = self.world.or(self.bodies).is_some();
+        COLOURS.into_iter().filter(move |_| shown)
+    }
+
     /// The axes at a pose.
     pub fn instances(&self, pose: &ClosedPose, meshes: &[Mesh]) -> Vec<Instance> {
         let world = self.world.map(|first| (first, Pose::IDENTITY));

@@ -1,6 +1,7 @@
 //! The room a motion takes: points that the camera must hold.
 
-use crate::geometry::mesh_of;
+use super::link_signs;
+use crate::geometry::coarse_mesh_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
@@ -9,7 +10,7 @@ use glam::DVec3;
 /// Samples looked at: more do not widen the bounds visibly.
 const MAX_SAMPLES: usize = 64;
 
-/// Facet error of the bounding meshes over the mechanism's size: a coarse hull is enough, the margin covers it.
+/// Facet error of the bounding meshes over a solid's radius: a coarse hull is enough, the margin covers it.
 const COARSE: f64 = 0.02;
 
 /// Points of a mesh beyond which only outermost ones are looked at: at every sample of a motion all would fill the memory.
@@ -58,7 +59,7 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
                     outermost_points(&soup.vertices).iter().map(place).collect()
                 }
                 solid => {
-                    let mesh = mesh_of(solid, COARSE * mechanism.size);
+                    let mesh = coarse_mesh_of(solid, COARSE);
                     mesh.positions.iter().map(place).collect()
                 }
             };
@@ -75,6 +76,9 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
     }
     points.extend(poses.iter().flat_map(|pose| pose.traces.iter().copied()));
     points.retain(|p| p.is_finite());
+    if mechanism.bodies.is_empty() {
+        points.extend(link_signs::moving_points(mechanism, trajectory));
+    }
     points
 }
 

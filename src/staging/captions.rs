@@ -1,10 +1,11 @@
 //! Texts of a frame: labels of the scene, title, values of the inputs, and why there is no pose.
 
-use super::gauge;
+use super::fitting::{self, Fitted, fit};
+use super::gauge::{self, Gauges};
+use super::symbols::symbol;
 use super::value_text::{VALUE_SIZE, value_text};
-use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
-use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};
 use crate::render::{Anchor, Frame, Label};
 use crate::scene::Scene;
@@ -22,80 +23,117 @@ const INSET_IN_HATCHING: f64 = 0.05;
 /// Smallest height in pixels at which captions can be read; smaller pictures go without.
 const SMALLEST_READABLE: f64 = 7.0;
 
-/// Adds title, input values (as text or gauges) and the notice of a missing pose to `frame`.
-pub fn add_captions(
-    scene: &Scene,
-    trajectory: &Trajectory,
-    index: usize,
-    size: [u32; 2],
-    frame: &mut Frame,
-) {
-    let height = f64::from(size[1]);
-    if VALUE_SIZE * height < SMALLEST_READABLE {
-        return;
+/// Between the values of two inputs.
+const VALUE_GAP: &str = "    ";
+
+/// From baseline to baseline of a caption's lines, in heights of its capitals.
+const LINE: f64 = 1.82;
+
+/// Room that lines of a caption take above and below their capitals, in heights of these.
+const AIR: f64 = 0.6;
+
+/// Title, values and gauges as they fit into the picture, the same over the whole motion.
+pub struct Captions {
+    size: [f64; 2],
+    title: Vec<String>,
+    title_fit: Fitted,
+    values_fit: Fitted,
+    gauges: Gauges,
+}
+
+impl Captions {
+    /// Captions of a picture of `size` pixels.
+    pub fn new(scene: &Scene, trajectory: &Trajectory, size: [u32; 2]) -> Self {
+        let size = size.map(f64::from);
+        let room = size[0] - 2.0 * INSET_IN_HATCHING * size[1];
+        let mechanism = &scene.mechanism;
+        let ranges = gauge::ranges(scene, trajectory);
+        // The widest that the values can get.
+        let [low, high] = [0, 1].map(|end| {
+            let at: Vec<f64> = ranges.iter().map(|range| range[end]).collect();
+            input_captions(mechanism, &at)
+        });
+        let wider = |(a, b): (String, String)| {
+            let is_wider = fitting::extent(&a, 1.0)[0] > fitting::extent(&b, 1.0)[0];
+            if is_wider { a } else { b }
+        };
+        let widest: Vec<String> = low.into_iter().zip(high).map(wider).collect();
+        let title = fitting::words(&mechanism.title);
+        Self {
+            size,
+            title_fit: fit(&title, " ", TITLE_SIZE * size[1], room),
+            values_fit: fit(&widest, VALUE_GAP, VALUE_SIZE * size[1], room),
+            gauges: Gauges::new(mechanism, ranges, size),
+            title,
+        }
     }
-    let sample = &trajectory.samples[index];
-    let (view, theme) = (&scene.view, scene.view.theme);
-    let inset = if sample.pose.is_some() {
-        INSET
-    } else {
-        INSET_IN_HATCHING
-    };
-    let left = inset * height / f64::from(size[0]);
-    let line = |text: String, y: f64, size: f64, colour| Label {
-        text,
-        anchor: Anchor::Screen([left, y]),
-        size: size * height,
-        colour,
-        plate: false,
-        yields: false,
-    };
-    let values = input_captions(&scene.mechanism, &sample.inputs);
-    if view.captions {
-        let title = scene.mechanism.title.clone();
-        frame
-            .labels
-            .push(line(title, inset, TITLE_SIZE, theme.ink()));
-    }
-    if view.decor.gauge {
-        let place = (size.map(f64::from), inset);
-        let inputs = &sample.inputs;
-        let gauges = gauge::of_inputs(&scene.mechanism, trajectory, inputs, place, theme);
-        frame.patches.extend(gauges.0);
-        frame.labels.extend(gauges.1);
-    } else if view.captions && !values.is_empty() {
-        let y = 1.0 - inset - 1.6 * VALUE_SIZE;
-        let values = values.clone();
-        frame
-            .labels
-            .push(line(values, y, VALUE_SIZE, theme.faint_ink()));
-    }
-    if view.captions && sample.pose.is_none() {
-        let text = format!("no pose here: {values}");
-        let y = inset + 1.8 * TITLE_SIZE;
-        frame
-            .labels
-            .push(line(text, y, VALUE_SIZE, theme.warning()));
+
+    /// Adds title, input values (as text or gauges) and the notice of a missing pose to `frame`.
+    pub fn add_captions(&self, scene: &Scene, sample: &Sample, frame: &mut Frame) {
+        let [width, height] = self.size;
+        if VALUE_SIZE * height < SMALLEST_READABLE {
+            return;
+        }
+        let (view, theme) = (&scene.view, scene.view.theme);
+        let inset = if sample.pose.is_some() {
+            INSET
+        } else {
+            INSET_IN_HATCHING
+        };
+        let left = inset * height / width;
+        let line = |text: String, y: f64, size: f64, colour| Label {
+            text,
+            anchor: Anchor::Screen([left, y]),
+            size,
+            colour,
+            plate: false,
+            yields: false,
+        };
+        let rows = |text: &str| text.matches('\n').count() as f64;
+        let mut top = inset;
+        if view.captions {
+            let (text, size) = (self.title_fit.text(&self.title), self.title_fit.size);
+            top += (1.8 + LINE * rows(&text)) * size / height;
+            frame.labels.push(line(text, inset, size, theme.ink()));
+        }
+        let values = input_captions(&scene.mechanism, &sample.inputs);
+        if view.decor.gauge {
+            let inputs = &sample.inputs;
+            let gauges = self.gauges.at(&scene.mechanism, inputs, inset, theme);
+            frame.patches.extend(gauges.0);
+            frame.labels.extend(gauges.1);
+        } else if view.captions && !values.is_empty() {
+            let (text, size) = (self.values_fit.text(&values), self.values_fit.size);
+            let y = 1.0 - inset - (1.0 + AIR + LINE * rows(&text)) * size / height;
+            frame.labels.push(line(text, y, size, theme.faint_ink()));
+        }
+        if view.captions && sample.pose.is_none() {
+            let mut notice = fitting::words("no pose here:");
+            notice.extend(values);
+            let room = width - 2.0 * INSET_IN_HATCHING * height;
+            let fitted = fit(&notice, " ", VALUE_SIZE * height, room);
+            let text = fitted.text(&notice);
+            frame
+                .labels
+                .push(line(text, top, fitted.size, theme.warning()));
+        }
     }
 }
 
-/// `p = -17.0 mm   phi = 0.200 rad`.
-fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> String {
+/// `p = −17.0 mm`, `φ = 0.200 rad`, a text an input.
+fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> Vec<String> {
     let inputs = mechanism.inputs.iter().zip(inputs);
-    let texts =
-        inputs.map(|(input, v)| format!("{} = {}", input.name, value_text(mechanism, input, *v)));
-    texts.collect::<Vec<_>>().join("    ")
+    let texts = inputs.map(|(input, v)| {
+        let value = value_text(mechanism, input, *v);
+        format!("{} = {value}", symbol(&input.name))
+    });
+    texts.collect()
 }
 
-/// Where a label on a trace stays: the traced point of the sample nearest to its time. `None` for a label on a body,
-/// or where there is no pose at all.
+/// The traced point of the sample nearest to a label's time, where it stays. `None` for a label on a body, or where
+/// there is no pose at all.
 pub fn place_on_trace(label: &SceneLabel, trajectory: &Trajectory) -> Option<DVec3> {
-    let LabelPlace::OnTrace {
-        trace,
-        time,
-        offset,
-    } = label.place
-    else {
+    let LabelPlace::OnTrace { trace, time, .. } = label.place else {
         return None;
     };
     let points = trajectory.samples.iter().filter_map(|sample| {
@@ -104,31 +142,14 @@ pub fn place_on_trace(label: &SceneLabel, trajectory: &Trajectory) -> Option<DVe
     });
     points
         .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, point)| point + offset)
+        .map(|(_, point)| point)
 }
 
-/// A label of the scene at a pose; `on_trace` is its fixed place. `None` where its point does not exist.
-pub fn in_world(
-    label: &SceneLabel,
-    on_trace: Option<DVec3>,
-    pose: &ClosedPose,
-    height: f64,
-    theme: Theme,
-) -> Option<Label> {
-    let point = match label.place {
-        LabelPlace::OnBody { body, point } => pose.bodies[body].transform_point(point),
-        LabelPlace::OnTrace { .. } => on_trace?,
-    };
-    Some(Label {
-        text: label.text.clone(),
-        anchor: if label.leader {
-            Anchor::Beside(point)
-        } else {
-            Anchor::World(point)
-        },
-        size: label.size * height,
-        colour: label.colour.unwrap_or(theme.ink()),
-        plate: false,
-        yields: label.yields,
-    })
+/// The point that a label of the scene belongs to at a pose; `on_trace` is its fixed place. `None` where it does not
+/// exist.
+pub fn anchor(label: &SceneLabel, on_trace: Option<DVec3>, pose: &ClosedPose) -> Option<DVec3> {
+    match label.place {
+        LabelPlace::OnBody { body, point } => Some(pose.bodies[body].transform_point(point)),
+        LabelPlace::OnTrace { .. } => on_trace,
+    }
 }

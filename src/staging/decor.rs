@@ -34,7 +34,8 @@ impl DecorParts {
     ) -> Self {
         let (mechanism, decor) = (&scene.mechanism, &scene.view.decor);
         let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
-        let joints = if decor.joints {
+        // A scene without bodies draws its joints and links instead.
+        let joints = if decor.joints || mechanism.bodies.is_empty() {
             JointSigns::new(mechanism, trajectory, (extent, up), meshes)
         } else {
             JointSigns::default()
@@ -54,11 +55,11 @@ impl DecorParts {
         }
     }
 
-    /// What is as thick as some pixels; `pixel` is the length of one.
+    /// What is as thick as some pixels; `pixel` is the length of one in a picture `height` pixels high.
     pub fn after_camera(
         &mut self,
         (scene, trajectory): MovingDecor,
-        pixel: f64,
+        (pixel, height): (f64, f64),
         meshes: &mut Vec<Mesh>,
     ) {
         let (mechanism, view) = (&scene.mechanism, &scene.view);
@@ -66,6 +67,7 @@ impl DecorParts {
             trails: view.decor.trails,
             background: view.background,
             pixel,
+            height,
         };
         self.traces = trails::of_traces(scene, trajectory, look, meshes);
         let traces = &mechanism.traces;
@@ -75,7 +77,12 @@ impl DecorParts {
 
     /// Colours that appear as they are.
     pub fn flat_colours(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
-        self.traces.iter().flat_map(|trace| trace.shades().to_vec())
+        self.traces.iter().flat_map(TracePart::colours)
+    }
+
+    /// Colours of signs, before any light falls on them.
+    pub fn lit_colours(&self) -> impl Iterator<Item = [u8; 3]> + '_ {
+        self.axes.colours()
     }
 
     /// What is drawn at sample `index`, which shows the pose `pose` of sample `shown`.

@@ -1,10 +1,14 @@
 //! Gauges of the inputs: a bar with the range of the motion, filled up to the present value.
 
+use super::fitting;
+use super::symbols::symbol;
 use super::value_text::{VALUE_SIZE, value_text};
+use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::model::theme::Theme;
 use crate::render::{Anchor, Label, Patch};
+use crate::scene::Scene;
 
 /// Width of a bar as a share of the picture's height, and its height.
 const WIDTH: f64 = 0.20;
@@ -22,55 +26,129 @@ const FILL: [u8; 3] = [0x2b, 0x74, 0xb8];
 /// How much of a bar's empty part is seen.
 const EMPTY: f64 = 0.25;
 
-/// Bars and texts of all inputs at the values `inputs`, in the lower left corner, `inset` heights from it.
-pub fn of_inputs(
-    mechanism: &Mechanism,
-    trajectory: &Trajectory,
-    inputs: &[f64],
-    (size, inset): ([f64; 2], f64),
-    theme: Theme,
-) -> (Vec<Patch>, Vec<Label>) {
-    let across = |heights: f64| heights * size[1] / size[0];
-    let (mut patches, mut labels) = (Vec::new(), Vec::new());
-    let count = mechanism.inputs.len();
-    for (row, (input, value)) in mechanism.inputs.iter().zip(inputs).enumerate() {
-        let middle = 1.0 - inset - PITCH * ((count - row) as f64 - 0.5);
-        let [low, high] = input_range(trajectory, row);
-        let share = if high > low {
-            ((value - low) / (high - low)).clamp(0.0, 1.0)
-        } else {
-            1.0
-        };
-        let corner = [across(inset), middle - 0.5 * HEIGHT];
-        let mut bar = |width: f64, colour, opacity| {
-            patches.push(Patch {
-                corner,
-                size: [across(width), HEIGHT],
-                colour,
-                opacity,
-            });
-        };
-        bar(WIDTH, theme.faint_ink(), EMPTY);
-        bar(WIDTH * share, FILL, 1.0);
-        let [low, high] = [low, high].map(|v| value_text(mechanism, input, v));
-        let own = value_text(mechanism, input, *value);
-        labels.push(Label {
-            text: format!("{} = {own}   ({low} … {high})", input.name),
-            anchor: Anchor::Screen([across(inset + WIDTH + GAP), middle - 0.5 * VALUE_SIZE]),
-            size: VALUE_SIZE * size[1],
-            colour: theme.faint_ink(),
-            plate: false,
-            yields: false,
-        });
-    }
-    (patches, labels)
+/// The greatest distance of the gauges from the border, as a share of the picture's height.
+const FARTHEST_INSET: f64 = 0.05;
+
+/// Texts go without their range before they get smaller than this share of their usual size.
+const READABLE: f64 = 0.8;
+
+/// Colours of the bars, if there are any.
+pub fn flat_colours(shown: bool) -> Option<[u8; 3]> {
+    shown.then_some(FILL)
 }
 
-/// Least and greatest value of input `input` over the motion.
-fn input_range(trajectory: &Trajectory, input: usize) -> [f64; 2] {
-    let values = trajectory.samples.iter().map(|sample| sample.inputs[input]);
-    let values = values.filter(|value| value.is_finite());
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-        [low.min(v), high.max(v)]
-    })
+/// The gauges of all inputs, as they fit into a picture.
+pub struct Gauges {
+    size: [f64; 2],
+    ranges: Vec<[f64; 2]>,
+    /// Height of the texts in pixels.
+    text_size: f64,
+    /// Whether the ranges are written as well.
+    with_range: bool,
+}
+
+impl Gauges {
+    /// Gauges with these ranges in a picture of `size` pixels.
+    pub fn new(mechanism: &Mechanism, ranges: Vec<[f64; 2]>, size: [f64; 2]) -> Self {
+        let room = size[0] - (2.0 * FARTHEST_INSET + WIDTH + GAP) * size[1];
+        let usual = VALUE_SIZE * size[1];
+        let mut gauges = Self {
+            size,
+            ranges,
+            text_size: usual,
+            with_range: true,
+        };
+        for with_range in [true, false] {
+            gauges.with_range = with_range;
+            let texts = (0..gauges.ranges.len()).flat_map(|row| {
+                let ends = gauges.ranges[row];
+                ends.map(|end| gauges.text(mechanism, row, end))
+            });
+            let widest = texts
+                .map(|text| fitting::extent(&text, usual)[0])
+                .fold(room.min(1.0), f64::max);
+            gauges.text_size = usual * (room / widest).min(1.0);
+            if gauges.text_size >= READABLE * usual {
+                break;
+            }
+        }
+        gauges
+    }
+
+    fn text(&self, mechanism: &Mechanism, row: usize, value: f64) -> String {
+        let input = &mechanism.inputs[row];
+        let own = value_text(mechanism, input, value);
+        let name = symbol(&input.name);
+        if !self.with_range {
+            return format!("{name} = {own}");
+        }
+        let [low, high] = self.ranges[row].map(|v| value_text(mechanism, input, v));
+        format!("{name} = {own}   ({low} … {high})")
+    }
+
+    /// Bars and texts at the values `inputs`, in the lower left corner, `inset` heights from it.
+    pub fn at(
+        &self,
+        mechanism: &Mechanism,
+        inputs: &[f64],
+        inset: f64,
+        theme: Theme,
+    ) -> (Vec<Patch>, Vec<Label>) {
+        let [width, height] = self.size;
+        let across = |heights: f64| heights * height / width;
+        let (mut patches, mut labels) = (Vec::new(), Vec::new());
+        let count = self.ranges.len();
+        for (row, (value, [low, high])) in inputs.iter().zip(&self.ranges).enumerate() {
+            let middle = 1.0 - inset - PITCH * ((count - row) as f64 - 0.5);
+            let share = if high > low {
+                ((value - low) / (high - low)).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            let corner = [across(inset), middle - 0.5 * HEIGHT];
+            let mut bar = |width: f64, colour, opacity| {
+                patches.push(Patch {
+                    corner,
+                    size: [across(width), HEIGHT],
+                    colour,
+                    opacity,
+                });
+            };
+            bar(WIDTH, theme.faint_ink(), EMPTY);
+            bar(WIDTH * share, FILL, 1.0);
+            let top = middle - 0.5 * self.text_size / height;
+            labels.push(Label {
+                text: self.text(mechanism, row, *value),
+                anchor: Anchor::Screen([across(inset + WIDTH + GAP), top]),
+                size: self.text_size,
+                colour: theme.faint_ink(),
+                plate: false,
+                yields: false,
+            });
+        }
+        (patches, labels)
+    }
+}
+
+/// Instants of the drive that are looked at beside the samples, its ends and its keys: between them an input goes by less
+/// than what a gauge shows.
+const LOOKS: usize = 1000;
+
+/// Least and greatest value of every input over the whole drive, whatever its samples are.
+pub fn ranges(scene: &Scene, trajectory: &Trajectory) -> Vec<[f64; 2]> {
+    let actuation = &scene.actuation;
+    let looks = (0..=LOOKS).map(|k| actuation.duration * k as f64 / LOOKS as f64);
+    let driven = knot_times(actuation, &looks.collect::<Vec<_>>());
+    let driven = driven.iter().map(|time| actuation.inputs_at(*time));
+    let sampled = trajectory
+        .samples
+        .iter()
+        .map(|sample| sample.inputs.clone());
+    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; scene.mechanism.inputs.len()];
+    for inputs in driven.chain(sampled) {
+        for ([low, high], value) in ranges.iter_mut().zip(inputs) {
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+    }
+    ranges
 }

@@ -1,14 +1,14 @@
 //! Where along its axis the sign of a joint stands: a chain fixes the axis only, the bodies say where it is borne.
 
 use super::joints::PlacedJoint;
-use crate::geometry::mesh_of;
+use crate::geometry::coarse_mesh_of;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain};
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
-/// Facet error of the meshes that are looked at over the mechanism's size.
+/// Facet error of the meshes that are looked at over a solid's radius.
 const COARSE: f64 = 0.02;
 
 /// A body belongs to a frame if it moves in it by less than this share of the mechanism's size.
@@ -43,7 +43,7 @@ impl Outlines {
     pub fn new(mechanism: &Mechanism) -> Self {
         let bodies = mechanism.bodies.iter().map(|body| {
             let solids = body.shapes.iter().map(|shape| {
-                let mesh = mesh_of(&shape.solid, COARSE * mechanism.size);
+                let mesh = coarse_mesh_of(&shape.solid, COARSE);
                 let points = mesh.positions.iter();
                 points
                     .map(|p| shape.body_from_shape.transform_point(*p))

@@ -3,6 +3,7 @@
 
 use super::joint_places::Outlines;
 use super::joints::{self, PlacedJoint};
+use super::link_signs;
 use super::solids::{merged_mesh, sign_instance};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -25,8 +26,14 @@ const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
 /// How near to a joint's axis a body must come to hold it, in radii of a pin.
 const HOLD: f64 = 3.0;
 
+/// Radius of the rod that stands for a link without bodies, over that of a pin.
+const ROD: f64 = 0.9;
+
 /// Facet error over the radius of a pin.
 const FACETS: f64 = 0.02;
+
+/// Signs are outlined like bodies; their numbers follow those of any bodies.
+const FIRST_OUTLINE: u32 = 1 << 30;
 
 /// Samples looked at for the stroke of a slider.
 const MAX_SAMPLES: usize = 64;
@@ -59,6 +66,16 @@ impl JointSigns {
         };
         let radius = RADIUS * extent;
         let mut signs = Self::default();
+        if mechanism.bodies.is_empty() {
+            for link in link_signs::drawn(mechanism, ROD * radius) {
+                meshes.push(merged_mesh(&link.solids, FACETS * radius));
+                signs.pieces.push(SignPiece {
+                    mesh: meshes.len() - 1,
+                    carrier: Some(mechanism.joints.links[link.link].world_from_link.clone()),
+                    colour: link.colour,
+                });
+            }
+        }
         let outlines = Outlines::new(mechanism);
         for joint in joints::placed_joints(mechanism) {
             let place = outlines.place(mechanism, &joint, &values, HOLD * radius);
@@ -120,6 +137,7 @@ impl JointSigns {
                 let at = at.unwrap_or(Pose::IDENTITY);
                 let mut instance = sign_instance(piece.mesh, meshes, at, piece.colour, 0.0);
                 instance.casts_shadow = true;
+                instance.outline = Some(FIRST_OUTLINE + piece.mesh as u32);
                 instance
             })
             .collect()

@@ -63,6 +63,16 @@ pub struct Marks {
 }
 
 impl Marks {
+    /// Colours that parts turn to.
+    pub fn colours(&self) -> Vec<[u8; 3]> {
+        let turns = self.alarmed.iter().any(|bodies| !bodies.is_empty());
+        match &self.measure {
+            Some(measure) if measure.is_alarm => PAIR.to_vec(),
+            Some(_) => KEPT.to_vec(),
+            None => turns.then_some(ALARM).into_iter().collect(),
+        }
+    }
+
     /// Changes how a part of `body` looks in sample `index`.
     pub fn colour(&self, index: usize, body: usize, instance: &mut Instance) {
         if let Some(measure) = &self.measure {

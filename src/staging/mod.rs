@@ -8,11 +8,15 @@ mod bounds;
 mod cameras;
 mod captions;
 mod decor;
+mod fitting;
 mod gauge;
 mod ghosts;
 mod joint_places;
 mod joint_signs;
 pub mod joints;
+pub mod lettering;
+mod letters;
+mod link_signs;
 pub mod marks;
 pub mod model;
 pub mod outlook;
@@ -20,18 +24,25 @@ pub mod panes;
 mod parts;
 mod sight;
 mod solids;
+mod symbols;
 mod trails;
 mod value_text;
 
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
-use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View};
+use crate::model::view::{EdgeLines, GroundPlace, LabelPlace, SceneLabel, UpAxis, View};
+use crate::render::edges::Edges;
 use crate::render::look::Rim;
-use crate::render::{Anchor, Camera, Frame, Ground, Instance, Label, Stage};
+use crate::render::overlay::border;
+use crate::render::ramp::ramp;
+use crate::render::{Camera, Frame, Ground, Instance, Label, Stage};
 use crate::scene::Scene;
 use cameras::Cameras;
+use captions::Captions;
 use decor::DecorParts;
 use glam::DVec3;
+use lettering::Rectangle;
+use letters::Letters;
 use marks::Marks;
 use parts::StagedPart;
 use std::sync::Arc;
@@ -58,8 +69,9 @@ pub struct Staging<'a> {
     /// Mesh of the marked distance.
     measure: Option<usize>,
     decor: DecorParts,
-    /// Places of the labels that stay on a trace, one entry per label.
-    label_places: Vec<Option<DVec3>>,
+    captions: Captions,
+    /// The scene's labels, one entry per label.
+    letters: Vec<Letters>,
     /// For every sample the sample whose pose is drawn: itself, or the nearest one that has a pose.
     shown: Vec<Option<usize>>,
 }
@@ -69,6 +81,9 @@ const GROUND_GAP: f64 = 0.01;
 
 /// Radius of the ground over half the extent of the motion.
 const GROUND_REACH: f64 = 1.9;
+
+/// What is left of the bodies' opacity where joints are shown, so that those inside of them are seen.
+const FADED_BY_JOINTS: f64 = 0.35;
 
 /// Grid lines across the extent of the motion, about.
 const GRID_LINES: f64 = 9.0;
@@ -99,7 +114,8 @@ impl<'a> Staging<'a> {
         let ground = view_ground(view, &bounds, up);
         let pixel = parts::pixel_size(cameras.all(), options.size, &bounds);
         let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
-        decor.after_camera(moving, pixel, &mut meshes);
+        let height = f64::from(options.size[1]);
+        decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
         let stage = Stage {
             meshes,
@@ -112,8 +128,9 @@ impl<'a> Staging<'a> {
                 Theme::Dark => Rim::LIGHT,
             },
             ground,
+            edges: edges(view),
         };
-        Self {
+        let mut staging = Self {
             stage: Arc::new(stage),
             scene,
             trajectory,
@@ -122,14 +139,27 @@ impl<'a> Staging<'a> {
             marks,
             measure,
             decor,
-            label_places: scene
-                .view
-                .labels
-                .iter()
-                .map(|label| captions::place_on_trace(label, trajectory))
-                .collect(),
+            captions: Captions::new(scene, trajectory, options.size),
+            letters: Vec::new(),
             shown: shown_samples(trajectory),
+        };
+        staging.place_letters(&[]);
+        staging
+    }
+
+    /// Finds the places of the scene's labels, clear of the rectangles `reserved` (pixels).
+    fn place_letters(&mut self, reserved: &[Rectangle]) {
+        if self.scene.view.labels.is_empty() {
+            return;
         }
+        let points = bounds::moving_points(&self.scene.mechanism, self.trajectory);
+        let moving = (self.scene, self.trajectory);
+        let cameras = |index: usize| self.cameras.get(index).copied();
+        let camera = |index: usize| cameras(index).unwrap_or(self.stage.camera);
+        let mut captions = Frame::default();
+        self.add_captions(0, &mut captions);
+        let taken = (&captions, reserved);
+        self.letters = letters::place(moving, &camera, self.stage.size, taken, &points);
     }
 
     /// Colours of texts and background.
@@ -142,10 +172,22 @@ impl<'a> Staging<'a> {
         self.trajectory.samples.len()
     }
 
-    /// Colours that appear as they are, whatever the light: a palette should hold them exactly.
-    pub fn flat_colours(&self) -> Vec<[u8; 3]> {
-        let mut colours = vec![self.stage.background];
+    /// Colours that a palette must hold, in however few frames they appear: those that no light changes, and what the
+    /// light makes of those that point something out.
+    pub fn needed_colours(&self) -> Vec<[u8; 3]> {
+        let theme = self.theme();
+        let mut colours = vec![self.stage.background, theme.ink(), theme.faint_ink()];
         colours.extend(self.decor.flat_colours());
+        colours.extend(gauge::flat_colours(self.scene.view.decor.gauge));
+        if self.trajectory.samples.iter().any(|s| s.pose.is_none()) {
+            colours.extend(border::COLOURS);
+        }
+        let lit = self
+            .marks
+            .colours()
+            .into_iter()
+            .chain(self.decor.lit_colours());
+        colours.extend(lit.flat_map(|colour| ramp(colour, self.stage.rim)));
         colours
     }
 
@@ -170,22 +212,21 @@ impl<'a> Staging<'a> {
             frame.instances = self.instances(index, pose);
             frame.labels = self.labels(pose, &frame.camera(&self.stage));
         }
-        captions::add_captions(
-            self.scene,
-            self.trajectory,
-            index,
-            self.stage.size,
-            &mut frame,
-        );
+        self.add_captions(index, &mut frame);
         frame
     }
 
     /// Title and values of sample `index` alone.
     pub fn captions(&self, index: usize) -> Frame {
         let mut frame = Frame::default();
-        let size = self.stage.size;
-        captions::add_captions(self.scene, self.trajectory, index, size, &mut frame);
+        self.add_captions(index, &mut frame);
         frame
+    }
+
+    fn add_captions(&self, index: usize, frame: &mut Frame) {
+        if let Some(sample) = self.trajectory.samples.get(index) {
+            self.captions.add_captions(self.scene, sample, frame);
+        }
     }
 
     fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
@@ -193,6 +234,9 @@ impl<'a> Staging<'a> {
         let solids = self.parts.iter().map(|part| {
             let mut instance = part.instance(pose, meshes);
             self.marks.colour(index, part.body(), &mut instance);
+            if self.scene.view.decor.joints {
+                instance.opacity *= FADED_BY_JOINTS;
+            }
             instance
         });
         let line = self.measure.map(|mesh| Marks::line(mesh, meshes));
@@ -213,10 +257,11 @@ impl<'a> Staging<'a> {
         let labels = &self.scene.view.labels;
         labels
             .iter()
-            .zip(&self.label_places)
-            .filter_map(|(label, place)| {
-                let shown = captions::in_world(label, *place, pose, height, theme)?;
-                (!label.hides || !self.is_hidden(label, &shown, pose, camera)).then_some(shown)
+            .zip(&self.letters)
+            .filter_map(|(label, letters)| {
+                let point = captions::anchor(label, letters.on_trace, pose)?;
+                let is_seen = !label.hides || !self.is_hidden(label, point, pose, camera);
+                is_seen.then(|| letters.label(label, point, height, theme))
             })
             .chain(self.decor.letters(height))
             .chain(self.marks.labels(height))
@@ -227,13 +272,10 @@ impl<'a> Staging<'a> {
     fn is_hidden(
         &self,
         label: &SceneLabel,
-        shown: &Label,
+        point: DVec3,
         pose: &ClosedPose,
         camera: &Camera,
     ) -> bool {
-        let (Anchor::World(point) | Anchor::Beside(point)) = shown.anchor else {
-            return false;
-        };
         let own = match label.place {
             LabelPlace::OnBody { body, .. } => Some(body),
             LabelPlace::OnTrace { .. } => None,
@@ -255,6 +297,19 @@ fn shown_samples(trajectory: &Trajectory) -> Vec<Option<usize>> {
             last
         })
         .collect()
+}
+
+/// Lines in the scene's colours.
+fn edges(view: &View) -> Option<Edges> {
+    let creases = match view.edges {
+        EdgeLines::None => return None,
+        EdgeLines::Outline => false,
+        EdgeLines::All => true,
+    };
+    Some(Edges {
+        creases,
+        ink: view.theme.line(),
+    })
 }
 
 /// Width over height.

@@ -1,20 +1,25 @@
 //! From a solved scene to shapes in space with their motion, for 3-D files.
 
+use super::bounds;
 use crate::export::model::{ExportModel, ModelBody, ModelCamera, ModelPart, ModelTrace};
-use crate::geometry::{Mesh, mesh_of};
+use crate::geometry::{Mesh, largest_radius, mesh_of};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::mechanism::Mechanism;
-use crate::model::shape::Shape;
+use crate::model::shape::{Shape, Solid};
 use crate::model::view::UpAxis;
 use crate::render::{Camera, Projection};
 use crate::scene::Scene;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// Largest distance between a round surface and its facets over the mechanism's size: a tenth of a millimetre for a
-/// machine of a metre, which neither a printer nor a viewer shows.
+/// Largest distance between a round surface and its facets over the extent of what is drawn: a tenth of a millimetre
+/// for a machine of a metre, which neither a printer nor a viewer shows.
 const FACET_ERROR: f64 = 1e-4;
+
+/// The same over a solid's own radius, at least and at most: no part is an octagon beside a large one (36 segments
+/// around), and none is finer than a tool's mark (142).
+const FACET_ERROR_OF_RADIUS: [f64; 2] = [5e-4, 8e-3];
 
 /// sRGB colour of a mesh that is no body's.
 const SURFACE: [u8; 3] = [150, 170, 190];
@@ -31,7 +36,8 @@ const METRES: [(&str, f64); 8] = [
     ("ft", 0.3048),
 ];
 
-/// The shapes of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures.
+/// The shapes of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures, and
+/// `resolution` is the greatest distance between a round surface and its facets, if it is not left to this function.
 ///
 /// Where a sample has no pose the one before is held until the next: nothing is interpolated over a gap.
 pub fn of_motion(
@@ -39,8 +45,18 @@ pub fn of_motion(
     trajectory: &Trajectory,
     samples: Range<usize>,
     camera: Option<(Camera, f64)>,
+    resolution: Option<f64>,
 ) -> ExportModel {
     let mechanism = &scene.mechanism;
+    let extent = bounds::box_of(&bounds::moving_points(mechanism, trajectory))
+        .map_or(mechanism.size, |[low, high]| (high - low).length());
+    let tolerance = |solid: &Solid| {
+        resolution.unwrap_or_else(|| {
+            let radius = largest_radius(solid).unwrap_or(extent);
+            let [fine, coarse] = FACET_ERROR_OF_RADIUS.map(|share| share * radius);
+            (FACET_ERROR * extent).clamp(fine, coarse)
+        })
+    };
     let keys = pose_keys(trajectory, samples);
     let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
         let poses = keys.iter().filter_map(|key| {
@@ -52,7 +68,7 @@ pub fn of_motion(
             parts: body
                 .shapes
                 .iter()
-                .map(|s| model_part(s, mechanism))
+                .map(|s| model_part(s, tolerance(&s.solid)))
                 .collect(),
             poses: poses.collect(),
         }
@@ -137,8 +153,8 @@ fn push_key(keys: &mut Vec<PoseKey>, key: PoseKey) {
     }
 }
 
-fn model_part(shape: &Shape, mechanism: &Mechanism) -> ModelPart {
-    let mesh = mesh_of(&shape.solid, FACET_ERROR * mechanism.size);
+fn model_part(shape: &Shape, tolerance: f64) -> ModelPart {
+    let mesh = mesh_of(&shape.solid, tolerance);
     ModelPart {
         mesh: placed_mesh(mesh, &shape.body_from_shape),
         colour: shape.colour,

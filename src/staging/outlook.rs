@@ -39,6 +39,7 @@ impl Staging<'_> {
         });
         // One camera for all stands still.
         self.cameras.clear();
+        self.place_letters(&[]);
         self
     }
 }

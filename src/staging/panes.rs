@@ -109,6 +109,11 @@ pub fn pane_stagings<'a>(
             let up = camera.world_from_camera.rotation.y_axis;
             camera.world_from_camera.translation += up * (0.5 * (free[0] - free[1]) * tallest);
         }
+        let [width, height] = pane.stage.size.map(f64::from);
+        // Where the texts over the panes stand.
+        let above = [0.0, 0.0, width, free[0] * height];
+        let below = [0.0, height - free[1] * height, width, height];
+        pane.place_letters(&[above, below]);
     }
     panes
 }

@@ -34,7 +34,8 @@ impl StagedPart {
             colour: self.colour,
             opacity: self.opacity,
             triangles: 0..meshes[self.mesh].triangles.len() as u32,
-            casts_shadow: self.opacity >= 1.0,
+            casts_shadow: true,
+            outline: Some(self.body as u32),
             flat: 0.0,
         }
     }

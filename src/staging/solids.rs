@@ -55,6 +55,7 @@ pub fn sign_instance(
         opacity: 1.0,
         triangles: 0..meshes[mesh].triangles.len() as u32,
         casts_shadow: false,
+        outline: None,
         flat,
     }
 }

@@ -11,8 +11,13 @@ use crate::scene::Scene;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Radius of a trace in pixels where the scene gives none.
-const TRACE_RADIUS_PIXELS: f64 = 1.7;
+/// Radius of a trace in 480ths of the picture's height where the scene gives none, and its least in pixels.
+const TRACE_RADIUS: f64 = 1.7;
+const LEAST_RADIUS_PIXELS: f64 = 0.7;
+
+/// Of a path that is still to be travelled: its radius over that of a trace, and its share of the trace's colour.
+const AHEAD_RADIUS: f64 = 0.55;
+const AHEAD_SHADE: f64 = 0.45;
 
 /// Points of a trace nearer together than this, in pixels, are one: long runs of samples draw no hair's breadths.
 const TRACE_STEP_PIXELS: f64 = 0.5;
@@ -29,6 +34,8 @@ const LENGTH: f64 = 0.25;
 /// A path as it is drawn from frame to frame.
 pub struct TracePart {
     mesh: usize,
+    /// The whole path, thin and pale: its mesh, number of triangles and colour.
+    ahead: Option<(usize, u32, [u8; 3])>,
     /// Triangles up to each sample.
     triangles: Vec<u32>,
     /// Shades, from the oldest to the colour of the trace; one for a path that does not fade.
@@ -43,14 +50,19 @@ impl TracePart {
     /// The path at sample `index`.
     pub fn instances(&self, index: usize) -> Vec<Instance> {
         if self.shades.len() == 1 {
-            return vec![self.piece(0..self.triangles[index], self.shades[0])];
+            let past = piece(self.mesh, 0..self.triangles[index], self.shades[0]);
+            let ahead = self.ahead;
+            let ahead = ahead.map(|(mesh, count, shade)| piece(mesh, 0..count, shade));
+            return ahead.into_iter().chain([past]).collect();
         }
         let shades = self.shades.len();
         let bands = self.shades.iter().enumerate().flat_map(|(k, shade)| {
             // Samples before the present one at which the band ends and begins.
             let back = [shades - k, shades - k - 1].map(|n| n * self.length / shades);
             let ranges = self.between(index, back);
-            ranges.into_iter().map(|range| self.piece(range, *shade))
+            ranges
+                .into_iter()
+                .map(|range| piece(self.mesh, range, *shade))
         });
         bands.filter(|piece| !piece.triangles.is_empty()).collect()
     }
@@ -82,21 +94,23 @@ impl TracePart {
         self.triangles[per_sample - 1] + TRIANGLES_OF_LINK * u32::from(self.closed)
     }
 
-    fn piece(&self, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
-        Instance {
-            mesh: self.mesh,
-            world_from_mesh: Pose::IDENTITY,
-            colour,
-            opacity: 1.0,
-            triangles,
-            casts_shadow: false,
-            flat: 1.0,
-        }
-    }
-
     /// Colours it is drawn in.
-    pub fn shades(&self) -> &[[u8; 3]] {
-        &self.shades
+    pub fn colours(&self) -> impl Iterator<Item = [u8; 3]> {
+        let ahead = self.ahead.map(|(_, _, shade)| shade);
+        self.shades.iter().copied().chain(ahead)
+    }
+}
+
+fn piece(mesh: usize, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
+    Instance {
+        mesh,
+        world_from_mesh: Pose::IDENTITY,
+        colour,
+        opacity: 1.0,
+        triangles,
+        casts_shadow: false,
+        outline: None,
+        flat: 1.0,
     }
 }
 
@@ -112,6 +126,8 @@ pub struct TrailLook {
     pub background: [u8; 3],
     /// In the scene's unit.
     pub pixel: f64,
+    /// Height of the picture in pixels.
+    pub height: f64,
 }
 
 /// One part per trace that is to be seen.
@@ -125,7 +141,7 @@ pub fn of_traces(
     let count = trajectory.samples.len();
     let fading = match look.trails {
         Trails::None => return Vec::new(),
-        Trails::Full => None,
+        Trails::Whole | Trails::Grow => None,
         Trails::Fading(seconds) => {
             let share = seconds.map_or(LENGTH, |s| s / scene.actuation.duration);
             Some(((share * count as f64) as usize).clamp(SHADES.min(count), count))
@@ -136,7 +152,8 @@ pub fn of_traces(
         fading.is_some() && complete && count > 2 && is_cyclic(mechanism, &scene.actuation);
     let mut parts = Vec::new();
     for (index, trace) in mechanism.traces.iter().enumerate() {
-        let radius = trace.radius.unwrap_or(TRACE_RADIUS_PIXELS * look.pixel);
+        let usual = (TRACE_RADIUS / 480.0 * look.height).max(LEAST_RADIUS_PIXELS);
+        let radius = trace.radius.unwrap_or(usual * look.pixel);
         if radius <= 0.0 {
             continue;
         }
@@ -148,10 +165,19 @@ pub fn of_traces(
         if closed {
             kept.push(kept[0]);
         }
+        let ahead = (look.trails == Trails::Whole).then(|| {
+            let thin = (AHEAD_RADIUS * radius).max(LEAST_RADIUS_PIXELS * look.pixel);
+            let path = trace_mesh(&kept, thin, TRACE_SIDES).mesh;
+            let triangles = path.triangles.len() as u32;
+            meshes.push(path);
+            let shade = mixed(look.background, trace.colour, AHEAD_SHADE);
+            (meshes.len() - 1, triangles, shade)
+        });
         let path = trace_mesh(&kept, radius, TRACE_SIDES);
         meshes.push(path.mesh);
         parts.push(TracePart {
             mesh: meshes.len() - 1,
+            ahead,
             triangles: steps
                 .iter()
                 .map(|step| step * path.triangles_per_step)
@@ -169,14 +195,16 @@ pub fn of_traces(
 
 /// From nearly the background to the colour itself.
 fn trail_shades(colour: [u8; 3], background: [u8; 3]) -> Vec<[u8; 3]> {
-    let shade = |k: usize| {
-        let share = (k + 1) as f64 / SHADES as f64;
-        std::array::from_fn(|c| {
-            let [from, to] = [background[c], colour[c]].map(f64::from);
-            (from + (to - from) * share).round() as u8
-        })
-    };
+    let shade = |k: usize| mixed(background, colour, (k + 1) as f64 / SHADES as f64);
     (0..SHADES).map(shade).collect()
+}
+
+/// `share` of the way from one colour to another.
+fn mixed(from: [u8; 3], to: [u8; 3], share: f64) -> [u8; 3] {
+    std::array::from_fn(|c| {
+        let [from, to] = [from[c], to[c]].map(f64::from);
+        (from + (to - from) * share).round() as u8
+    })
 }
 
 /// The points that are at least `apart` from the one kept before (gaps and the last point are always kept), and for

@@ -13,10 +13,15 @@ pub fn value_text(mechanism: &Mechanism, input: &Coordinate, value: f64) -> Stri
         let unit = 10f64.powi(digits);
         (in_file * unit).round() / unit + 0.0
     };
-    match input.kind {
+    let text = match input.kind {
         Kind::Angle if mechanism.angle_unit.name == "deg" => format!("{:+.1}°", tidy(1)),
         Kind::Angle => format!("{:+.3} rad", tidy(3)),
         Kind::Length => format!("{:+.1} {}", tidy(1), mechanism.length_unit),
         Kind::Number => format!("{:+.3}", tidy(3)),
+    };
+    // As wide as a plus, so that nothing jumps at zero.
+    match text.strip_prefix('-') {
+        Some(amount) => format!("−{amount}"),
+        None => text,
     }
 }

@@ -2,6 +2,7 @@
 
 use super::files::FileArgs;
 use super::scene::SceneArgs;
+use super::study::positive_number;
 use super::values::{frame_count, frame_rate, name_and_text, picture_size, rate_order};
 use super::view::ViewArgs;
 use clap::{Args, ValueEnum};
@@ -40,6 +41,9 @@ pub struct RenderArgs {
     /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+    /// Of models: the greatest distance between a round surface and its facets, in the scene's unit.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = positive_number)]
+    pub resolution: Option<f64>,
     /// Point something out: bodies that come nearer to each other than the scene's `[clearance]` allows turn red.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub show: Option<ShowArg>,

@@ -4,7 +4,7 @@ use super::values::{ThemeArg, hex_colour};
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
 use crate::model::theme::Theme;
-use crate::model::view::{Ghosts, NamedView, ShownAxes, Trails};
+use crate::model::view::{EdgeLines, Ghosts, NamedView, ShownAxes, Trails};
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;
 use crate::scene::resolve::camera::MOST_ORBIT;
@@ -33,6 +33,9 @@ pub struct ViewArgs {
     /// Colours of background, text and ground.
     #[arg(long, value_enum)]
     pub theme: Option<ThemeArg>,
+    /// Lines between surfaces: around bodies, at creases as well, or none.
+    #[arg(long, value_enum)]
+    pub edges: Option<EdgesArg>,
     /// Colour of the background.
     #[arg(long, value_name = "#rrggbb", value_parser = hex_colour)]
     pub background: Option<[u8; 3]>,
@@ -63,7 +66,7 @@ pub struct ViewArgs {
     /// Seconds of motion that a velocity arrow is long.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub arrow_scale: Option<f64>,
-    /// Axes of frames.
+    /// ShownAxes of frames.
     #[arg(long, value_enum)]
     pub axes: Option<AxesArg>,
     /// Gauges of the inputs with their ranges, in place of their values.
@@ -100,8 +103,18 @@ pub enum ProjectionArg {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[allow(missing_docs)]
 pub enum TrailsArg {
-    Full,
+    Whole,
+    Grow,
     Fading,
+    None,
+}
+
+/// `--edges`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs)]
+pub enum EdgesArg {
+    All,
+    Outline,
     None,
 }
 
@@ -133,6 +146,11 @@ impl ViewArgs {
                 ThemeArg::Light => Theme::Light,
                 ThemeArg::Dark => Theme::Dark,
             }),
+            edges: self.edges.map(|edges| match edges {
+                EdgesArg::All => EdgeLines::All,
+                EdgesArg::Outline => EdgeLines::Outline,
+                EdgesArg::None => EdgeLines::None,
+            }),
             background: self.background,
             // A background that is asked for is drawn, whatever the scene says.
             transparent: yes(self.transparent).or(self.background.map(|_| false)),
@@ -142,7 +160,8 @@ impl ViewArgs {
                 .map(Ghosts::Count)
                 .or_else(|| self.ghost_times.clone().map(Ghosts::Times)),
             trails: self.trails.map(|trails| match trails {
-                TrailsArg::Full => Trails::Full,
+                TrailsArg::Whole => Trails::Whole,
+                TrailsArg::Grow => Trails::Grow,
                 TrailsArg::Fading => Trails::Fading(None),
                 TrailsArg::None => Trails::None,
             }),

@@ -38,8 +38,8 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let destination = sinks::open_sink(&args.file, &format)?;
     let alpha = frames.opaque.is_none() && frames.are_translucent()?;
-    let film =
-        OpenFilm::new(&args.file, &format, frames.size, paths.len(), args.fps).with_alpha(alpha);
+    let film = OpenFilm::new(&args.file, &format, frames.size, paths.len(), args.fps);
+    let film = film.with_alpha(alpha).at_hand();
     let cores = crate::jobs::core_count();
     let count = args.file.threads.unwrap_or(cores);
     let mut workers: Vec<_> = (0..count)

@@ -105,7 +105,8 @@ impl<'a> OpenFilm<'a> {
             size,
             count,
             fps,
-            flat_colours: Vec::new(),
+            needed_colours: Vec::new(),
+            at_hand: false,
             alpha: false,
             quality: args.quality.and_then(Quality::new).unwrap_or(Quality::BEST),
             effort: args.compression.map(|compression| match compression {
@@ -123,8 +124,14 @@ impl<'a> OpenFilm<'a> {
     }
 
     /// Colours that a palette must hold exactly.
-    pub fn with_flat_colours(mut self, colours: Vec<[u8; 3]>) -> Self {
-        self.settings.flat_colours = colours;
+    pub fn with_needed_colours(mut self, colours: Vec<[u8; 3]>) -> Self {
+        self.settings.needed_colours = colours;
+        self
+    }
+
+    /// Frames that cost little to get twice.
+    pub fn at_hand(mut self) -> Self {
+        self.settings.at_hand = true;
         self
     }
 
@@ -148,10 +155,10 @@ impl<'a> OpenFilm<'a> {
     {
         let prepared = self.settings.open(destination, workers, &CANCEL);
         let prepared = prepared.map_err(pump_failure)?;
-        if let Some(clamp) = prepared.clamp {
+        if prepared.left_out > 0 {
             term.warning(&format!(
-                "a GIF shows at most 50 frames a second: it will last {:.2} s instead of {:.2} s; an .apng keeps its rate",
-                clamp.written_seconds, clamp.asked_seconds
+                "a GIF shows at most 50 frames a second: {} of {} frames are left out; an .apng keeps them",
+                prepared.left_out, self.settings.count
             ));
         }
         Ok(prepared)

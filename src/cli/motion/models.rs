@@ -9,6 +9,7 @@ use crate::export::glb::write_glb;
 use crate::export::solid::{Library, write_obj, write_stl};
 use crate::export::{ExportSummary, Format, Target};
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::model::view::{Ghosts, ShownAxes};
 use crate::report::sentences::input_sentence;
 use crate::scene::Scene;
 use crate::staging::Staging;
@@ -19,7 +20,7 @@ use std::ops::Range;
 ///
 /// Errors: a still of an instant without a pose; a failed write.
 pub fn write_model(
-    args: &FileArgs,
+    (args, resolution): (&FileArgs, Option<f64>),
     format: &Format,
     scene: &Scene,
     trajectory: &Trajectory,
@@ -32,19 +33,41 @@ pub fn write_model(
     }
     let [width, height] = staging.stage.size.map(f64::from);
     let camera = Some((staging.stage.camera, width / height));
-    let model = of_motion(scene, trajectory, samples, camera);
+    let model = of_motion(scene, trajectory, samples, camera, resolution);
     let output = sinks::open_file(args)?;
     let summary = match format {
         Format::Stl => write_stl(&model, output)?,
         Format::Obj => write_obj(&model, output, material_library(args)?)?,
         _ => write_glb(&model, output)?,
     };
+    if let Some(left_out) = left_out(scene) {
+        let name = format.name();
+        term.note(&format!(
+            "{name} holds shapes and their motion, not {left_out}"
+        ));
+    }
     if !to_stdout(args) {
         let parts = model.bodies.iter().flat_map(|body| &body.parts);
         let triangles: usize = parts.map(|part| part.mesh.triangles.len()).sum();
         tell_model(args, &summary, model.bodies.len(), triangles, term);
     }
     Ok(())
+}
+
+/// What pictures of the scene show beside its shapes and paths.
+fn left_out(scene: &Scene) -> Option<String> {
+    let (view, decor) = (&scene.view, &scene.view.decor);
+    let shown = [
+        (!view.labels.is_empty(), "labels"),
+        (decor.ghosts != Ghosts::Count(0), "ghosts"),
+        (decor.arrows, "arrows"),
+        (decor.axes != ShownAxes::None, "axes"),
+        (decor.gauge, "gauges"),
+        (decor.joints, "signs of joints"),
+    ];
+    let shown = shown.iter().filter(|(is_shown, _)| *is_shown);
+    let names: Vec<&str> = shown.map(|(_, name)| *name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// Name and file of an OBJ's materials: beside it, under its name. `None` where the OBJ has no name to go by.

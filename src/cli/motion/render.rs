@@ -38,6 +38,11 @@ const ITERATES_A_SECOND: f64 = 1.0;
 pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut clock = Clock::new(args.timings);
     let format = kind_of_output(args)?;
+    if args.resolution.is_some() && !format.is_model() {
+        let message = format!("--resolution means nothing to {}", format.name());
+        let hint = "it is for GLB, STL and OBJ".to_owned();
+        return Err(Failure::usage(message, vec![hint]));
+    }
     io::refuse_input(&args.scene, &args.file.out)?;
     let OpenScene { mut scene, system } = open_scene::open_scene(&args.scene, term)?;
     args.view.apply(&format, &mut scene)?;
@@ -88,7 +93,7 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     if format.is_model() {
         let samples = plan.samples();
         models::write_model(
-            &args.file,
+            (&args.file, args.resolution),
             &format,
             &scene,
             &trajectory,
@@ -188,7 +193,7 @@ fn draw_film(
     clock.lap("renderer");
     let destination = sinks::open_sink(&args.file, format)?;
     let film = OpenFilm::new(&args.file, format, args.size, plan.count, plan.fps)
-        .with_flat_colours(pictures.staging.flat_colours())
+        .with_needed_colours(pictures.staging.needed_colours())
         .with_alpha(pictures.scene.view.transparent);
     let prepared = film.sink(destination, &mut workers.list, term)?;
     clock.lap("palette");

@@ -136,7 +136,7 @@ pub fn write_search_film(
     let mut workers: Vec<_> = (0..threads).map(|_| draw).collect();
     let count = shots.len() + LAST;
     let film = OpenFilm::new(args, &format, OPTIONS.size, count, FPS)
-        .with_flat_colours(vec![first.scene.view.background]);
+        .with_needed_colours(vec![first.scene.view.background]);
     let destination = sinks::open_sink(args, &format)?;
     let prepared = film.sink(destination, &mut workers, term)?;
     let summary = film.write(prepared, workers, term)?;

@@ -5,7 +5,7 @@ use crate::geometry::mesh_of;
 use crate::model::shape::Solid;
 use crate::render::look::Rim;
 use crate::render::{Camera, Projection};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// A ball and a plate over a ground of radius 4 that is tilted against the world.
 fn caster() -> (ShadowCaster, Pose) {
@@ -30,6 +30,7 @@ fn caster() -> (ShadowCaster, Pose) {
         },
         background: [255; 3],
         rim: Rim::DARK,
+        edges: None,
         ground: Some(Ground {
             center: tilt.translation,
             normal: tilt.transform_vector(DVec3::Z),
@@ -51,7 +52,23 @@ fn caster() -> (ShadowCaster, Pose) {
 
 /// The shadow of one mesh with its origin at a point over the ground.
 fn shadow_of(mesh: usize, at: DVec3) -> ContactShadow {
+    // Seen from below: the key light is under the ground and throws nothing on it.
+    lit_shadow_of(mesh, at, DMat3::from_rotation_x(std::f64::consts::PI))
+}
+
+/// The same with the key light as a camera with these axes over the ground has it.
+fn lit_shadow_of(mesh: usize, at: DVec3, camera: DMat3) -> ContactShadow {
     let (mut caster, world_from_ground) = caster();
+    let camera = Camera {
+        world_from_camera: world_from_ground
+            * Pose {
+                rotation: camera,
+                translation: DVec3::ZERO,
+            },
+        projection: Projection::Orthographic { height: 1.0 },
+        near: 0.1,
+        far: 10.0,
+    };
     let frame = Frame {
         instances: vec![Instance {
             mesh,
@@ -60,11 +77,30 @@ fn shadow_of(mesh: usize, at: DVec3) -> ContactShadow {
             opacity: 1.0,
             triangles: 0..u32::MAX,
             casts_shadow: true,
+            outline: None,
             flat: 0.0,
         }],
         ..Frame::default()
     };
-    caster.cast(&frame).clone()
+    caster.cast(&frame, &camera).clone()
+}
+
+/// The light comes from the upper left of who looks along the ground: the shadow lies behind to the right.
+#[test]
+fn the_key_light_throws_shadows_aslant() {
+    let level = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y);
+    let [x, y, z] = KEY_DIRECTION.map(f64::from);
+    for height in [0.8, 1.6] {
+        let at = DVec3::new(-0.5, -0.5, height);
+        let shadow = lit_shadow_of(0, at, level);
+        // Camera y is up and camera z points towards the viewer, along -y of the ground.
+        let thrown = [at.x - x / y * height, at.y + z / y * height];
+        let dark = |[u, v]: [f64; 2]| shadow.sample((u / 4.0) as f32, (v / 4.0) as f32);
+        assert!(dark(thrown) > 0.08, "{height}: {}", dark(thrown));
+        assert!(dark([at.x + x / y * height, at.y]) < 0.5 * dark(thrown));
+    }
+    let without = shadow_of(0, DVec3::new(-0.5, -0.5, 2.4));
+    assert_eq!(without.dark, None);
 }
 
 #[test]

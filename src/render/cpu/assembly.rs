@@ -2,13 +2,15 @@
 
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
+use super::outlines::apron;
 use super::samples::SamplePattern;
 use super::solid::SolidPixels;
-use super::window::TILE;
+use super::window::{Window, pitch};
 use crate::math::narrow_pose;
 use crate::render::colour::ToneCurve;
+use crate::render::edges::{self, BACKDROP};
 use crate::render::look::Rgb;
-use crate::render::{Frame, Instance};
+use crate::render::{Frame, Instance, Stage};
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
@@ -16,9 +18,11 @@ const BACK: u32 = 1 << 31;
 /// A triangle that is seen, its corners counter-clockwise on the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
-    /// Indices into [`Assembly::vertices`].
+    /// Indices into [`TriangleAssembly::vertices`].
     pub(super) corners: [u32; 3],
     instance: u32,
+    /// What lines part from others.
+    surface: u32,
 }
 
 impl Facet {
@@ -42,11 +46,10 @@ pub(super) struct Paint {
     pub(super) opacity: f32,
 }
 
-/// Facets of one tile, as indices into [`Assembly::facets`].
+/// Facets of one tile, as indices into [`TriangleAssembly::facets`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileBin {
     pub(super) opaque: Vec<u32>,
-    /// In drawing order, farthest instance first, its back faces before its front faces.
     pub(super) translucent: Vec<u32>,
 }
 
@@ -59,23 +62,33 @@ pub(super) struct TriangleAssembly {
     pub(super) bins: Vec<TileBin>,
     columns: usize,
     size: [i32; 2],
+    /// Pixels from tile to tile, and those around one that its lines depend on.
+    pitch: i32,
+    apron: i32,
+    /// Lines stand at creases, too.
+    creases: bool,
     first_vertex: Vec<u32>,
-    order: Vec<(f64, usize)>,
+    /// The first surface of each instance, and the step from patch to patch.
+    first_surface: Vec<[u32; 2]>,
+    surfaces: u32,
 }
 
 /// Which faces of an instance a sweep takes.
 #[derive(Clone, Copy, PartialEq)]
 enum FacesDrawn {
     Front,
-    Back,
     Both,
 }
 
 impl TriangleAssembly {
-    pub(super) fn new(size: [u32; 2]) -> Self {
-        let columns = size[0].div_ceil(TILE as u32) as usize;
-        let rows = size[1].div_ceil(TILE as u32) as usize;
+    pub(super) fn new(stage: &Stage) -> Self {
+        let size = stage.size;
+        let pitch = pitch(stage);
+        let [columns, rows] = size.map(|n| n.div_ceil(pitch) as usize);
         Self {
+            pitch: pitch as i32,
+            apron: apron(stage),
+            creases: stage.edges.is_some_and(|edges| edges.creases),
             bins: vec![TileBin::default(); columns * rows],
             columns,
             size: size.map(|n| n as i32),
@@ -93,9 +106,35 @@ impl TriangleAssembly {
         ]
     }
 
-    /// Top left pixel of a tile.
-    pub(super) fn origin(&self, tile: usize) -> [i32; 2] {
-        [tile % self.columns, tile / self.columns].map(|k| (k * TILE) as i32)
+    /// The pixels of a tile.
+    pub(super) fn window(&self, tile: usize) -> Window {
+        let [column, row] = [tile % self.columns, tile / self.columns].map(|k| k as i32);
+        let range = |k: i32, size: i32| [k * self.pitch, ((k + 1) * self.pitch).min(size) - 1];
+        Window {
+            x: range(column, self.size[0]),
+            y: range(row, self.size[1]),
+        }
+    }
+
+    /// The pixels of a tile and those around it that its lines depend on.
+    pub(super) fn with_apron(&self, inner: Window) -> Window {
+        let grown = |[first, last]: [i32; 2], size: i32| {
+            [
+                (first - self.apron).max(0),
+                (last + self.apron).min(size - 1),
+            ]
+        };
+        Window {
+            x: grown(inner.x, self.size[0]),
+            y: grown(inner.y, self.size[1]),
+        }
+    }
+
+    /// The surface of a facet, or what is behind all of them.
+    #[inline(always)]
+    pub(super) fn surface(&self, facet: i32) -> u32 {
+        let facet = self.facets.get(facet as usize);
+        facet.map_or(BACKDROP, |facet| facet.surface)
     }
 
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
@@ -125,23 +164,8 @@ impl TriangleAssembly {
                 };
                 self.sweep(index, instance, solid, lens, pattern, faces);
             } else if instance.opacity > 0.0 {
-                let middle = (solid.bounds[0] + solid.bounds[1]) * 0.5;
-                let pose = lens.camera_from_world * instance.world_from_mesh;
-                let height = pose.transform_point(middle).z;
-                if height.is_finite() {
-                    self.order.push((height, index));
-                }
+                self.sweep(index, instance, solid, lens, pattern, FacesDrawn::Both);
             }
-        }
-        // Lowest along the viewer's axis is farthest; equal ones keep the order of the frame.
-        self.order
-            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        for k in 0..self.order.len() {
-            let index = self.order[k].1;
-            let instance = &frame.instances[index];
-            let solid = &solids[instance.mesh];
-            self.sweep(index, instance, solid, lens, pattern, FacesDrawn::Back);
-            self.sweep(index, instance, solid, lens, pattern, FacesDrawn::Front);
         }
     }
 
@@ -150,7 +174,8 @@ impl TriangleAssembly {
         self.facets.clear();
         self.paints.clear();
         self.first_vertex.clear();
-        self.order.clear();
+        self.first_surface.clear();
+        self.surfaces = 0;
         for bin in &mut self.bins {
             bin.opaque.clear();
             bin.translucent.clear();
@@ -166,7 +191,10 @@ impl TriangleAssembly {
             flat: instance.flat.clamp(0.0, 1.0) as f32,
             opacity: instance.opacity.clamp(0.0, 1.0) as f32,
         });
+        let surface = edges::surface(instance, self.creases, self.surfaces);
+        self.first_surface.push(surface);
         let Some(solid) = solid else { return };
+        self.surfaces += solid.patch_count;
         let [x, y, z] = narrow_pose(&(lens.camera_from_world * instance.world_from_mesh));
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let points = solid.positions.iter().zip(&solid.normals);
@@ -198,9 +226,17 @@ impl TriangleAssembly {
                 self.clipped(index, instance, solid, lens, pattern, faces, start + offset);
             } else {
                 let places = [[a.x, a.y], [b.x, b.y], [c.x, c.y]];
-                self.facet(corners, places, index, pattern, faces);
+                let surface = self.surface_of(index, solid, triangle[0]);
+                self.facet(corners, places, (index, surface), pattern, faces);
             }
         }
+    }
+
+    /// The surface of the patch of an instance that a vertex belongs to.
+    #[inline(always)]
+    fn surface_of(&self, index: usize, solid: &SolidPixels, vertex: u32) -> u32 {
+        let [first, step] = self.first_surface[index];
+        first + step * solid.patches[vertex as usize]
     }
 
     /// Adds a triangle whose corners are all on the screen's plane, if its side is asked for and it can
@@ -210,17 +246,14 @@ impl TriangleAssembly {
         &mut self,
         [i, j, k]: [u32; 3],
         [a, b, c]: [[i32; 2]; 3],
-        index: usize,
+        (index, surface): (usize, u32),
         pattern: &SamplePattern<G>,
         faces: FacesDrawn,
     ) {
         let product = |p: i32, q: i32| i64::from(p) * i64::from(q);
         let area = product(c[0] - a[0], b[1] - a[1]) - product(b[0] - a[0], c[1] - a[1]);
         let front = area > 0;
-        if area == 0
-            || (faces == FacesDrawn::Front && !front)
-            || (faces == FacesDrawn::Back && front)
-        {
+        if area == 0 || (faces == FacesDrawn::Front && !front) {
             return;
         }
         let [left, right] = [a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0])];
@@ -239,11 +272,17 @@ impl TriangleAssembly {
         self.facets.push(Facet {
             corners: if front { [i, j, k] } else { [i, k, j] },
             instance: index as u32 | if front { 0 } else { BACK },
+            surface,
         });
         let opaque = self.paints[index].opacity >= 1.0;
-        let tile = |pixel: i32| pixel as usize / TILE;
-        for row in tile(y0)..=tile(y1) {
-            for column in tile(x0)..=tile(x1) {
+        let tiles = |first: i32, last: i32, size: i32| {
+            let first = (first - self.apron).max(0) / self.pitch;
+            let last = (last + self.apron).min(size - 1) / self.pitch;
+            first as usize..=last as usize
+        };
+        let columns = tiles(x0, x1, self.size[0]);
+        for row in tiles(y0, y1, self.size[1]) {
+            for column in columns.clone() {
                 let bin = &mut self.bins[row * self.columns + column];
                 if opaque {
                     bin.opaque.push(number);
@@ -287,7 +326,8 @@ impl TriangleAssembly {
             let fan = [first, first + k - 1, first + k];
             let places = fan.map(|i| &self.vertices[i as usize]).map(|v| [v.x, v.y]);
             if places.iter().all(|p| p[0] != OUTSIDE) {
-                self.facet(fan, places, index, pattern, faces);
+                let surface = self.surface_of(index, solid, solid.triangles[triangle][0]);
+                self.facet(fan, places, (index, surface), pattern, faces);
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! All but the shadow is the same in every frame and made once.
 
-use super::window::TILE;
+use super::window::pitch;
 use crate::render::colour::ToneCurve;
 use crate::render::contact_shadow::{ContactShadow, TexelPlace};
 use crate::render::ground::GroundView;
@@ -24,6 +24,8 @@ struct ShadowSpot {
 #[derive(Clone, Debug)]
 pub(super) struct Backdrop {
     size: [usize; 2],
+    /// Pixels from tile to tile.
+    pitch: usize,
     background: Rgb,
     /// Code of the background.
     bare: [u8; 4],
@@ -43,6 +45,7 @@ impl Backdrop {
         let [r, g, b] = stage.background;
         let mut backdrop = Self {
             size,
+            pitch: pitch(stage) as usize,
             background,
             bare: [r, g, b, 255],
             codes: Vec::new(),
@@ -75,8 +78,9 @@ impl Backdrop {
             ..ShadowSpot::default()
         };
         self.spots.resize(width * height, none);
-        let columns = width.div_ceil(TILE);
-        self.reach.resize(columns * height.div_ceil(TILE), None);
+        let pitch = self.pitch;
+        let columns = width.div_ceil(pitch);
+        self.reach.resize(columns * height.div_ceil(pitch), None);
         for y in 0..height {
             for x in 0..width {
                 let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {
@@ -91,7 +95,7 @@ impl Backdrop {
                 };
                 let code = self.background.map(|c| curve.encode(c * factor));
                 self.codes[y * width + x] = [code[0], code[1], code[2], 255];
-                let reach = &mut self.reach[y / TILE * columns + x / TILE];
+                let reach = &mut self.reach[y / pitch * columns + x / pitch];
                 let [low, high] = reach.unwrap_or([point.at, point.at]);
                 *reach = Some([
                     [low[0].min(u), low[1].min(v)],
@@ -129,18 +133,5 @@ impl Backdrop {
         let factor = spot.factor * (1.0 - darkness);
         let [r, g, b] = self.background;
         ([r * factor, g * factor, b * factor], darkness > 0.0)
-    }
-
-    /// Nearness of the ground at a place in the picture (pixels), as vertices measure it; minus infinity
-    /// where there is none.
-    pub(super) fn depth(&self, x: f64, y: f64, perspective: bool) -> f32 {
-        let Some(view) = &self.view else {
-            return f32::NEG_INFINITY;
-        };
-        match (view.at(x, y), view.distance_at(x, y)) {
-            (Some(_), Some(distance)) if perspective => (1.0 / distance) as f32,
-            (Some(_), Some(distance)) => -distance as f32,
-            _ => f32::NEG_INFINITY,
-        }
     }
 }

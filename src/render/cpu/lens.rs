@@ -51,6 +51,12 @@ impl Lens {
         }
     }
 
+    /// Size of a pixel in camera units: at distance 1 of a perspective, or anywhere.
+    #[inline(always)]
+    pub(super) fn pixel(&self) -> f32 {
+        self.slope
+    }
+
     /// Screen place of a point of camera space with its normal; `x` is [`OUTSIDE`] where it must be clipped first.
     #[inline(always)]
     pub(super) fn project(&self, point: [f32; 3], normal: [f32; 3]) -> LensVertex {

@@ -1,6 +1,6 @@
 //! The built-in renderer: no driver, no window, the same bytes on every machine.
 //!
-//! A frame goes through three steps. Assembly transforms the vertices, leaves out what cannot be seen and
+//! A frame goes through three steps. TriangleAssembly transforms the vertices, leaves out what cannot be seen and
 //! sorts the rest into tiles that fit the cache. Each tile then finds the nearest facet of every sample,
 //! lights each facet once in each pixel, and encodes the mean of a pixel's samples. One renderer works on
 //! one thread; frames are shared out by giving each thread a renderer of its own.
@@ -11,6 +11,7 @@ mod blocks;
 mod cell;
 mod clip;
 mod lens;
+mod outlines;
 mod raster;
 mod rasterise;
 mod samples;
@@ -32,10 +33,15 @@ use solid::SolidPixels;
 use std::sync::Arc;
 use tile::Tile;
 use view::RasterView;
-use window::{TILE, Window};
 
 /// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits.
 pub const MAX_SIDE: u32 = 8192;
+
+/// Places of `samples` in a pixel from its top left corner, in pixels: those of graphics interfaces.
+#[cfg(feature = "gpu")]
+pub(super) fn sample_places(samples: u32) -> Vec<[f32; 2]> {
+    samples::sample_places(samples)
+}
 
 /// Draws frames of a stage on the processor.
 #[derive(Clone, Debug)]
@@ -78,9 +84,9 @@ impl CpuRenderer {
         let lens = Lens::new(&stage.camera, stage.size);
         let backdrop = Backdrop::new(&stage);
         let tile = match stage.samples {
-            16 => AnyTile::Four(Tile::new(16)),
-            8 => AnyTile::Two(Tile::new(8)),
-            fewer => AnyTile::One(Tile::new(fewer)),
+            16 => AnyTile::Four(Tile::new(&stage)),
+            8 => AnyTile::Two(Tile::new(&stage)),
+            _ => AnyTile::One(Tile::new(&stage)),
         };
         Ok(Self {
             solids: stage.meshes.iter().map(SolidPixels::new).collect(),
@@ -88,7 +94,7 @@ impl CpuRenderer {
             around: lens_surroundings(&lens, &stage),
             lens,
             backdrop,
-            assembly: TriangleAssembly::new(stage.size),
+            assembly: TriangleAssembly::new(&stage),
             tile,
             caster: ShadowCaster::new(&stage),
             stage,
@@ -153,7 +159,7 @@ impl Renderer for CpuRenderer {
         let below_ground = self.below_ground(frame);
         let seen = self.backdrop.view.is_some();
         let caster = self.caster.as_mut().filter(|_| seen);
-        let shadow = caster.map(|caster| caster.cast(frame));
+        let shadow = caster.map(|caster| caster.cast(frame, &self.camera));
         let scene = DrawnScene {
             frame,
             solids: &self.solids,
@@ -205,17 +211,12 @@ impl DrawnScene<'_> {
             around: self.around,
             below_ground: self.below_ground,
         };
-        let [width, height] = self.size.map(|n| n as i32);
-        let stride = width as usize * 4;
+        let stride = self.size[0] as usize * 4;
         let bytes: &mut [u8] = image;
         for number in 0..view.assembly.bins.len() {
-            let [x, y] = view.assembly.origin(number);
-            let window = Window {
-                x: [x, (x + TILE as i32).min(width) - 1],
-                y: [y, (y + TILE as i32).min(height) - 1],
-            };
-            let rows = &mut bytes[y as usize * stride..];
-            tile.draw(&view, number, window, rows, stride);
+            let inner = view.assembly.window(number);
+            let rows = &mut bytes[inner.y[0] as usize * stride..];
+            tile.draw(&view, number, inner, rows, stride);
         }
     }
 }

@@ -43,6 +43,25 @@ const SIXTEEN: [[i32; 2]; 16] = [
     [1, 0],
 ];
 
+/// Places of `samples` in a pixel from its top left corner, in pixels.
+#[cfg(feature = "gpu")]
+pub(super) fn sample_places(samples: u32) -> Vec<[f32; 2]> {
+    let places = places(samples).iter();
+    places
+        .map(|place| place.map(|sixteenths| sixteenths as f32 / 16.0))
+        .collect()
+}
+
+fn places(samples: u32) -> &'static [[i32; 2]] {
+    match samples {
+        2 => &TWO,
+        4 => &FOUR,
+        8 => &EIGHT,
+        16 => &SIXTEEN,
+        _ => &ONE,
+    }
+}
+
 /// Lanes of a vector.
 pub(super) const LANES: usize = 4;
 
@@ -71,13 +90,7 @@ pub(super) struct SamplePattern<const G: usize> {
 impl<const G: usize> SamplePattern<G> {
     /// The pattern of `samples` a pixel, which must fill `G` vectors or divide one.
     pub(super) fn new(samples: u32) -> Self {
-        let places: &[[i32; 2]] = match samples {
-            2 => &TWO,
-            4 => &FOUR,
-            8 => &EIGHT,
-            16 => &SIXTEEN,
-            _ => &ONE,
-        };
+        let places = places(samples);
         let unit = SUBPIXELS / 16;
         let lane = |axis: usize, lane: usize| {
             let pixel = (lane / places.len()) as i32 * SUBPIXELS;

@@ -2,6 +2,7 @@
 
 use crate::geometry::Mesh;
 use crate::math::narrow_vector;
+use crate::render::edges;
 use glam::DVec3;
 
 /// A mesh as the frame loop reads it.
@@ -11,6 +12,9 @@ pub(super) struct SolidPixels {
     pub(super) normals: Vec<[f32; 3]>,
     /// Indices are within the vertices; a triangle that was not is all zeros and has no area.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// The smooth patch of each vertex, and how many there are.
+    pub(super) patches: Vec<u32>,
+    pub(super) patch_count: u32,
     /// Back faces of a closed mesh are never seen.
     pub(super) closed: bool,
     /// Corners of the box around it.
@@ -27,7 +31,10 @@ impl SolidPixels {
                 [0; 3]
             }
         };
+        let (patches, patch_count) = edges::patches(mesh);
         Self {
+            patches,
+            patch_count,
             positions: mesh.positions[..count]
                 .iter()
                 .map(|p| narrow_vector(*p))

@@ -6,6 +6,7 @@ use crate::geometry::{Mesh, mesh_of};
 use crate::math::Pose;
 use crate::model::shape::Solid as Shape;
 use crate::render::colour::ToneCurve;
+use crate::render::edges::Edges;
 use crate::render::look::{Rim, Surroundings};
 use crate::render::{Camera, Ground, Instance, Projection, look};
 use glam::DVec3;
@@ -31,6 +32,7 @@ fn flat_stage(size: [u32; 2], samples: u32, meshes: Vec<Mesh>) -> Stage {
         rim: Rim::DARK,
         background: WHITE,
         ground: None,
+        edges: None,
     }
 }
 
@@ -42,6 +44,7 @@ fn instance(mesh: usize, colour: [u8; 3]) -> Instance {
         opacity: 1.0,
         triangles: 0..u32::MAX,
         casts_shadow: true,
+        outline: None,
         flat: 1.0,
     }
 }
@@ -207,6 +210,107 @@ fn translucent_layers_blend_in_linear_light() {
     assert!(image.pixels().all(|p| p.0[..3] == second));
 }
 
+/// Two veils that cross: on either side of where they meet another one is in front, whatever their order.
+#[test]
+fn translucent_bodies_may_cross() {
+    let curve = ToneCurve::shared();
+    let (red, blue) = ([230, 20, 20], [20, 20, 230]);
+    let mut slanted = rectangle([-9.0, -9.0], [9.0, 9.0], 0.0);
+    for place in &mut slanted.positions {
+        place.z = place.x;
+    }
+    let level = rectangle([-9.0, -9.0], [9.0, 9.0], 0.0);
+    let veil = |mesh, colour| Instance {
+        opacity: 0.5,
+        ..instance(mesh, colour)
+    };
+    let over = |near: [u8; 3], far: [u8; 3]| {
+        [0, 1, 2].map(|k| {
+            let below = 0.5 + 0.5 * curve.decode(far[k]);
+            curve.encode(0.5 * below + 0.5 * curve.decode(near[k]))
+        })
+    };
+    for samples in [1, 4, 16] {
+        for order in [[(0, red), (1, blue)], [(1, blue), (0, red)]] {
+            let stage = flat_stage([12, 8], samples, vec![slanted.clone(), level.clone()]);
+            let image = draw(stage, order.map(|(mesh, c)| veil(mesh, c)).to_vec());
+            for (x, _, pixel) in image.enumerate_pixels() {
+                let expected = if x >= 6 {
+                    over(red, blue)
+                } else {
+                    over(blue, red)
+                };
+                for k in 0..3 {
+                    assert!(pixel.0[k].abs_diff(expected[k]) <= 1, "{x} {pixel:?}");
+                }
+            }
+        }
+    }
+}
+
+fn lined(mut stage: Stage, creases: bool) -> Stage {
+    stage.edges = Some(Edges {
+        creases,
+        ink: BLACK,
+    });
+    stage
+}
+
+/// A line runs along the border of a body, to both sides, and nowhere else; it does not depend on the tiles.
+#[test]
+fn lines_follow_the_borders_of_bodies() {
+    let square = rectangle([-30.0, -20.0], [30.0, 20.0], 0.0);
+    for samples in [1, 2, 4, 8, 16] {
+        let stage = lined(flat_stage([100, 80], samples, vec![square.clone()]), true);
+        let body = Instance {
+            outline: Some(0),
+            ..instance(0, [240, 200, 40])
+        };
+        let image = draw(stage, vec![body]);
+        for (x, y, pixel) in image.enumerate_pixels() {
+            let (dx, dy) = (
+                (f64::from(x) - 49.5).abs() - 30.0,
+                (f64::from(y) - 39.5).abs() - 20.0,
+            );
+            let off = dx.max(dy).abs();
+            let own = if dx.max(dy) < 0.0 {
+                [240, 200, 40]
+            } else {
+                WHITE
+            };
+            if off > 1.6 {
+                assert_eq!(pixel.0[..3], own, "{samples}: {x} {y}");
+            } else if off < 0.6 {
+                assert!(pixel.0[0] < own[0] - 30, "{samples}: {x} {y} {pixel:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_has_no_outline_takes_no_line_and_bodies_of_one_group_have_none_between_them() {
+    let left = rectangle([-30.0, -20.0], [0.0, 20.0], 0.0);
+    let right = rectangle([0.0, -20.0], [30.0, 20.0], 0.0);
+    let colour = [240, 200, 40];
+    let part = |mesh, outline| Instance {
+        outline,
+        ..instance(mesh, colour)
+    };
+    let middle = |creases, outlines: [Option<u32>; 2]| {
+        let stage = flat_stage([100, 80], 4, vec![left.clone(), right.clone()]);
+        let parts = vec![part(0, outlines[0]), part(1, outlines[1])];
+        *draw(lined(stage, creases), parts).get_pixel(50, 40)
+    };
+    assert_eq!(middle(true, [None, None]).0[..3], colour);
+    assert_eq!(middle(false, [Some(3), Some(3)]).0[..3], colour);
+    for dark in [
+        middle(false, [Some(3), Some(4)]),
+        middle(true, [Some(3), Some(3)]),
+    ] {
+        assert!(dark.0[0] < 180, "{dark:?}");
+    }
+}
+
 #[test]
 fn shared_edges_have_no_cracks_and_no_overlap() {
     let half = ToneCurve::shared().encode(0.5);
@@ -332,6 +436,7 @@ fn workshop(samples: u32) -> (Stage, Frame) {
         camera: crate::render::camera::fit_camera(corners.into_iter(), &view, projection, 1.6, 0.1),
         background: [245, 246, 248],
         rim: Rim::DARK,
+        edges: None,
         ground: Some(ground),
     };
     let mut frame = Frame::default();

@@ -2,12 +2,14 @@
 
 use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell, facets_of};
+use super::outlines::Outlines;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
 use super::shading::{ShadingBatch, normal_at};
 use super::translucent::Layers;
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_pixels};
+use super::window::{AREA, TILE, Window, for_inner, for_pixels};
+use crate::render::Stage;
 use crate::render::colour::ToneCurve;
 use wide::{f32x4, i32x4};
 
@@ -25,6 +27,7 @@ pub(super) struct Tile<const G: usize> {
     colour: Vec<[f32; 3]>,
     batch: ShadingBatch,
     layers: Layers,
+    outlines: Option<Outlines>,
 }
 
 /// Facets seen in a pixel, with the number of samples of each.
@@ -103,10 +106,11 @@ fn one_surface<const S: usize>(assembly: &TriangleAssembly, samples: &[i32; S]) 
 }
 
 impl<const G: usize> Tile<G> {
-    pub(super) fn new(samples: u32) -> Self {
-        let pattern = SamplePattern::new(samples);
+    pub(super) fn new(stage: &Stage) -> Self {
+        let pattern = SamplePattern::new(stage.samples);
         let cells = AREA >> pattern.cell_bits;
         Self {
+            outlines: Outlines::new(stage, &pattern),
             pattern,
             cells: vec![PixelCell::BARE; cells],
             colour: vec![[0.0; 3]; AREA],
@@ -115,13 +119,13 @@ impl<const G: usize> Tile<G> {
         }
     }
 
-    /// Draws tile number `number`, of which `window` is in the picture. `bytes` are the picture's from the
-    /// tile's first row on, `stride` bytes a row.
+    /// Draws tile number `number` with the pixels `inner`. `bytes` are the picture's from the tile's first row on,
+    /// `stride` bytes a row.
     pub(super) fn draw(
         &mut self,
         view: &RasterView,
         number: usize,
-        window: Window,
+        inner: Window,
         bytes: &mut [u8],
         stride: usize,
     ) {
@@ -131,21 +135,48 @@ impl<const G: usize> Tile<G> {
             .filter(|_| view.backdrop.shaded(number, view.shadow));
         let view = RasterView { shadow, ..*view };
         if bin.opaque.is_empty() && bin.translucent.is_empty() {
-            fill_background(&view, window, bytes, stride);
+            fill_background(&view, inner, bytes, stride);
             return;
         }
+        let window = view.assembly.with_apron(inner);
+        let parts = (window, inner);
         self.clear(&view, window);
         self.cover(&view, bin, window);
-        if bin.translucent.is_empty() {
-            self.light(&view, window);
-        } else {
-            let samples = self.pattern.samples;
-            self.begin_layers(&view, window);
-            self.layers
-                .blend(&view, bin, window, &self.pattern, &self.cells);
-            self.layers.resolve(samples, &mut self.colour);
+        if let Some(outlines) = &mut self.outlines {
+            outlines.read(view.assembly, &self.cells);
+            outlines.find(view.lens, window, inner, false);
         }
-        self.write(&view, window, bytes, stride);
+        let translucent = !bin.translucent.is_empty();
+        if translucent {
+            let cells = &self.cells;
+            self.layers
+                .collect(&view, bin, window, &self.pattern, cells);
+        }
+        self.light(&view, parts, translucent);
+        self.ink(&view, parts);
+        if translucent {
+            self.blend(&view, parts);
+        }
+        self.write(&view, parts, bytes, stride);
+    }
+
+    fn ink(&mut self, view: &RasterView, (window, inner): (Window, Window)) {
+        if let Some(outlines) = &self.outlines {
+            outlines.ink(view, window, inner, (&mut self.colour, BARE));
+        }
+    }
+
+    /// Blends the translucent layers over what is opaque, and finds the lines of what is nearest of both.
+    fn blend(&mut self, view: &RasterView, parts: (Window, Window)) {
+        self.lay_under(parts);
+        let lines = self.outlines.as_ref();
+        self.layers
+            .blend(view, parts, lines, &mut self.batch, &mut self.colour);
+        if let Some(outlines) = &mut self.outlines {
+            outlines.read_over(view.assembly, &self.layers);
+            outlines.find(view.lens, parts.0, parts.1, true);
+        }
+        self.ink(view, parts);
     }
 
     fn clear(&mut self, view: &RasterView, window: Window) {
@@ -153,30 +184,37 @@ impl<const G: usize> Tile<G> {
         if !view.below_ground {
             return;
         }
+        let Some(ground) = &view.backdrop.view else {
+            return;
+        };
         let samples = self.pattern.samples;
+        let [right, down, start] = ground.nearness(view.lens.perspective);
         for_pixels(window, |pixel, x, y| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            if !ground.is_seen(x + 0.5, y + 0.5) {
+                return;
+            }
             for s in 0..samples {
-                let place = |p: i32, offset: &[[i32; LANES]; G]| {
-                    f64::from(p) + f64::from(offset.as_flattened()[s]) / f64::from(SUBPIXELS)
+                let place = |p: f64, offset: &[[i32; LANES]; G]| {
+                    p + f64::from(offset.as_flattened()[s]) / f64::from(SUBPIXELS)
                 };
                 let (x, y) = (place(x, &self.pattern.x), place(y, &self.pattern.y));
                 let lane = pixel * samples + s;
                 let cell = &mut self.cells[lane / (LANES * G)];
                 cell.depth.as_flattened_mut()[lane % (LANES * G)] =
-                    view.backdrop.depth(x, y, view.lens.perspective);
+                    (right * x + down * y + start) as f32;
             }
         });
     }
 
-    /// Hands the opaque facets on to be drawn over.
-    fn begin_layers(&mut self, view: &RasterView, window: Window) {
+    fn lay_under(&mut self, parts: (Window, Window)) {
         let (layers, cells) = (&mut self.layers, self.cells.as_slice());
         match self.pattern.samples {
-            1 => layers.begin(view, window, |pixel| facets_of::<1, G>(cells, pixel)),
-            2 => layers.begin(view, window, |pixel| facets_of::<2, G>(cells, pixel)),
-            4 => layers.begin(view, window, |pixel| facets_of::<4, G>(cells, pixel)),
-            8 => layers.begin(view, window, |pixel| facets_of::<8, G>(cells, pixel)),
-            _ => layers.begin(view, window, |pixel| facets_of::<16, G>(cells, pixel)),
+            1 => layers.lay_under(parts, |pixel| facets_of::<1, G>(cells, pixel)),
+            2 => layers.lay_under(parts, |pixel| facets_of::<2, G>(cells, pixel)),
+            4 => layers.lay_under(parts, |pixel| facets_of::<4, G>(cells, pixel)),
+            8 => layers.lay_under(parts, |pixel| facets_of::<8, G>(cells, pixel)),
+            _ => layers.lay_under(parts, |pixel| facets_of::<16, G>(cells, pixel)),
         }
     }
 
@@ -200,28 +238,38 @@ impl<const G: usize> Tile<G> {
     }
 
     /// Lights each smooth surface once in each pixel where it is seen, weighted by its samples.
-    fn light(&mut self, view: &RasterView, window: Window) {
+    ///
+    /// Where something translucent is seen the layers do it, if they are there.
+    fn light(&mut self, view: &RasterView, parts: (Window, Window), layers: bool) {
         match self.pattern.samples {
-            1 => self.light_samples::<1>(view, window),
-            2 => self.light_samples::<2>(view, window),
-            4 => self.light_samples::<4>(view, window),
-            8 => self.light_samples::<8>(view, window),
-            _ => self.light_samples::<16>(view, window),
+            1 => self.light_samples::<1>(view, parts, layers),
+            2 => self.light_samples::<2>(view, parts, layers),
+            4 => self.light_samples::<4>(view, parts, layers),
+            8 => self.light_samples::<8>(view, parts, layers),
+            _ => self.light_samples::<16>(view, parts, layers),
         }
     }
 
     #[inline(never)]
-    fn light_samples<const S: usize>(&mut self, view: &RasterView, window: Window) {
+    fn light_samples<const S: usize>(
+        &mut self,
+        view: &RasterView,
+        (window, inner): (Window, Window),
+        layers: bool,
+    ) {
         let cells = self.cells.as_slice();
         let colour = self.colour.as_mut_slice();
-        for_pixels(window, |pixel, x, y| {
+        for_inner(window, inner, |pixel, x, y| {
             let own = &facets_of::<S, G>(cells, pixel);
             let first = own[0];
-            if *own == [NOTHING; S] {
+            if *own == [NOTHING; S] && !(layers && self.layers.touch(pixel)) {
                 colour[pixel] = BARE;
                 return;
             }
             colour[pixel] = [0.0; 3];
+            if layers && self.layers.touch(pixel) {
+                return;
+            }
             if one_surface(view.assembly, own) {
                 self.batch.add(view, first, x, y, 1.0, pixel, colour);
                 return;
@@ -244,17 +292,23 @@ impl<const G: usize> Tile<G> {
     }
 
     #[inline(never)]
-    fn write(&self, view: &RasterView, window: Window, bytes: &mut [u8], stride: usize) {
+    fn write(
+        &self,
+        view: &RasterView,
+        (window, inner): (Window, Window),
+        bytes: &mut [u8],
+        stride: usize,
+    ) {
         let curve = ToneCurve::shared();
-        for y in window.y[0]..=window.y[1] {
-            let row = (y - window.y[0]) as usize;
-            let first = window.x[0] as usize;
-            let count = (window.x[1] - window.x[0] + 1) as usize;
-            let start = row * stride + first * 4;
+        let first = inner.x[0] as usize;
+        let count = (inner.x[1] - inner.x[0] + 1) as usize;
+        for y in inner.y[0]..=inner.y[1] {
+            let start = (y - inner.y[0]) as usize * stride + first * 4;
             let Some(target) = bytes.get_mut(start..start + count * 4) else {
                 continue;
             };
-            let colours = &self.colour[row * TILE..row * TILE + count];
+            let own = (y - window.y[0]) as usize * TILE + (inner.x[0] - window.x[0]) as usize;
+            let colours = &self.colour[own..own + count];
             let targets = target.as_chunks_mut::<4>().0;
             for (k, (target, colour)) in targets.iter_mut().zip(colours).enumerate() {
                 let [r, g, b] = *colour;
@@ -272,7 +326,7 @@ impl ShadingBatch {
     /// Adds a facet in a pixel, lighting the batch when it is full.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn add(
+    pub(super) fn add(
         &mut self,
         view: &RasterView,
         number: i32,

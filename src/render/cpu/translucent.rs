@@ -1,63 +1,75 @@
-//! Translucent facets over an opaque tile: a colour for every sample, blended far to near.
+//! Translucent facets over an opaque tile: every sample keeps those that it sees and blends them by its own depths.
+//!
+//! What stands before what is decided sample by sample, so bodies may cross and reach around each other, and the order
+//! of the instances does not count.
 
 use super::assembly::TileBin;
 use super::cell::{NOTHING, PixelCell};
+use super::outlines::Outlines;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
-use super::shading::{light_surface, normal_at, unit_vector};
+use super::shading::{ShadingBatch, normal_at, unit_vector};
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_pixels};
+use super::window::{AREA, TILE, Window, for_inner};
 use crate::render::look::{self, Rgb};
 use wide::f32x4;
 
-/// Linear colours of the samples of one tile, pixel by pixel.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Layers {
-    colour: Vec<Rgb>,
+/// Ends a list of fragments.
+const NONE: u32 = u32::MAX;
+
+/// A facet at a sample.
+#[derive(Clone, Copy, Debug)]
+struct Fragment {
+    depth: f32,
+    /// What is seen, an index into the surfaces.
+    surface: u32,
+    /// The next nearer one.
+    next: u32,
 }
 
-/// Light on a facet in a pixel, and the cosine between its normal and the line of sight.
-fn lit_colour(view: &RasterView, number: usize, x: i32, y: i32) -> (Rgb, f32) {
-    let facet = &view.assembly.facets[number];
-    let paint = &view.assembly.paints[facet.instance()];
-    let normal = normal_at(view.assembly, facet, view.lens, x, y);
-    let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
-    let cosine = look::clamp_unit(look::dot_product(
-        unit_vector(normal),
-        unit_vector(to_viewer),
-    ));
-    let rgb = light_surface(normal, to_viewer, &view.around, paint.albedo, paint.flat);
-    (rgb, cosine)
+/// A facet in a pixel: it is lit once for all samples there.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    facet: i32,
+    pixel: u32,
+    opacity: f32,
+}
+
+/// The translucent fragments of one tile. Kept for its memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Layers {
+    /// The farthest fragment of each sample.
+    farthest: Vec<u32>,
+    fragments: Vec<Fragment>,
+    surfaces: Vec<Surface>,
+    /// Linear colours of the surfaces.
+    colours: Vec<Rgb>,
+    /// The opaque surface behind each sample of the pixels that are touched.
+    behind: Vec<u32>,
+    touched: Vec<bool>,
 }
 
 impl Layers {
-    /// Takes over the opaque facets of a tile, `S` for each pixel.
-    pub(super) fn begin<const S: usize>(
-        &mut self,
-        view: &RasterView,
-        window: Window,
-        facets: impl Fn(usize) -> [i32; S],
-    ) {
-        self.colour.resize(AREA * S, [0.0; 3]);
-        for_pixels(window, |pixel, x, y| {
-            let own = self.colour[pixel * S..(pixel + 1) * S].iter_mut();
-            let mut last: Option<(i32, Rgb)> = None;
-            for (colour, facet) in own.zip(&facets(pixel)) {
-                let rgb = match last {
-                    Some((known, rgb)) if known == *facet => rgb,
-                    _ if *facet == NOTHING => {
-                        view.backdrop.linear(x as usize, y as usize, view.shadow).0
-                    }
-                    _ => lit_colour(view, *facet as usize, x, y).0,
-                };
-                last = Some((*facet, rgb));
-                *colour = rgb;
-            }
-        });
+    /// Whether a pixel shows anything translucent.
+    #[inline(always)]
+    pub(super) fn touch(&self, pixel: usize) -> bool {
+        self.touched[pixel]
     }
 
-    /// Blends the translucent facets of a bin in its order; `cells` hold the depth of the opaque samples.
-    pub(super) fn blend<const G: usize>(
+    /// The nearest translucent facet at a sample and its nearness.
+    pub(super) fn nearest(&self, sample: usize) -> Option<(i32, f32)> {
+        let mut found = None;
+        let mut at = self.farthest[sample];
+        while let Some(fragment) = self.fragments.get(at as usize) {
+            let surface = &self.surfaces[fragment.surface as usize];
+            found = Some((surface.facet, fragment.depth));
+            at = fragment.next;
+        }
+        found
+    }
+
+    /// Finds the fragments of a bin's translucent facets that stand before the opaque samples of `cells`.
+    pub(super) fn collect<const G: usize>(
         &mut self,
         view: &RasterView,
         bin: &TileBin,
@@ -65,45 +77,155 @@ impl Layers {
         pattern: &SamplePattern<G>,
         cells: &[PixelCell<G>],
     ) {
+        self.fragments.clear();
+        self.surfaces.clear();
+        self.farthest.clear();
+        self.farthest.resize(AREA * pattern.samples, NONE);
+        self.touched.clear();
+        self.touched.resize(AREA, false);
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
-            let paint = view.assembly.paints[facet.instance()];
+            let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
             rasterise_block(corners, &window, pattern, |cell, g, covered, new| {
                 let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
+                let depths = new.to_array();
                 let mut lanes = seen.to_bitmask();
                 while lanes != 0 {
-                    let lane = (cell * G + g) * LANES + lanes.trailing_zeros() as usize;
-                    let pixel = lane / pattern.samples;
-                    // The lanes of one pixel are neighbours and share its light.
-                    let last = (pixel + 1) * pattern.samples;
-                    let x = window.x[0] + (pixel % TILE) as i32;
-                    let y = window.y[0] + (pixel / TILE) as i32;
-                    let (rgb, cosine) = lit_colour(view, *number as usize, x, y);
-                    let curved = look::edge_opacity(paint.opacity, cosine);
-                    let opacity = look::mix_values(curved, paint.opacity, paint.flat);
-                    while lanes != 0 {
-                        let bit = lanes.trailing_zeros();
-                        let sample = (cell * G + g) * LANES + bit as usize;
-                        if sample >= last {
-                            break;
-                        }
-                        lanes &= lanes - 1;
-                        let below = &mut self.colour[sample];
-                        *below = [0, 1, 2].map(|k| look::mix_values(below[k], rgb[k], opacity));
-                    }
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let sample = (cell * G + g) * LANES + lane;
+                    let pixel = (sample / pattern.samples) as u32;
+                    let surface = self.surface(*number as i32, pixel, opacity);
+                    self.insert(sample, depths[lane], surface);
                 }
             });
         }
     }
 
-    /// Mean colour of each pixel's samples.
-    pub(super) fn resolve(&self, samples: usize, pixels: &mut [Rgb]) {
-        for (pixel, own) in pixels.iter_mut().zip(self.colour.chunks_exact(samples)) {
-            let sum = own.iter().fold([0.0; 3], |sum: Rgb, c| {
-                [sum[0] + c[0], sum[1] + c[1], sum[2] + c[2]]
+    /// The surface of a facet in a pixel; the samples of a pixel come one after the other.
+    fn surface(&mut self, facet: i32, pixel: u32, opacity: f32) -> u32 {
+        let is_last = |s: &Surface| s.facet == facet && s.pixel == pixel;
+        if !self.surfaces.last().is_some_and(is_last) {
+            self.touched[pixel as usize] = true;
+            self.surfaces.push(Surface {
+                facet,
+                pixel,
+                opacity,
             });
-            *pixel = sum.map(|c| c / samples as f32);
+        }
+        self.surfaces.len() as u32 - 1
+    }
+
+    /// Puts a fragment before all that are farther; of equally far ones the later is in front.
+    fn insert(&mut self, sample: usize, depth: f32, surface: u32) {
+        let new = self.fragments.len() as u32;
+        let (mut before, mut next) = (NONE, self.farthest[sample]);
+        while let Some(other) = self.fragments.get(next as usize)
+            && other.depth <= depth
+        {
+            (before, next) = (next, other.next);
+        }
+        self.fragments.push(Fragment {
+            depth,
+            surface,
+            next,
+        });
+        match self.fragments.get_mut(before as usize) {
+            Some(other) => other.next = new,
+            None => self.farthest[sample] = new,
         }
     }
+
+    /// Adds what is opaque behind the fragments; `facets` are those of a pixel's samples.
+    pub(super) fn lay_under<const S: usize>(
+        &mut self,
+        (window, inner): (Window, Window),
+        facets: impl Fn(usize) -> [i32; S],
+    ) {
+        self.behind.clear();
+        self.behind.resize(AREA * S, NONE);
+        for_inner(window, inner, |pixel, _, _| {
+            if self.touched[pixel] {
+                for (sample, facet) in facets(pixel).into_iter().enumerate() {
+                    self.behind[pixel * S + sample] = self.surface(facet, pixel as u32, 1.0);
+                }
+            }
+        });
+    }
+
+    /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `lines` are those of
+    /// what is opaque.
+    pub(super) fn blend(
+        &mut self,
+        view: &RasterView,
+        (window, inner): (Window, Window),
+        lines: Option<&Outlines>,
+        batch: &mut ShadingBatch,
+        pixels: &mut [Rgb],
+    ) {
+        self.light(view, window, batch);
+        let samples = self.farthest.len() / AREA;
+        for_inner(window, inner, |pixel, _, _| {
+            if self.touched[pixel] {
+                let own = pixel * samples..(pixel + 1) * samples;
+                let mut sum = [0.0; 3];
+                for rgb in own.map(|sample| self.seen(sample, (pixel, lines))) {
+                    sum = [0, 1, 2].map(|k| sum[k] + rgb[k]);
+                }
+                pixels[pixel] = sum.map(|c| c / samples as f32);
+            }
+        });
+    }
+
+    /// The colour of a sample.
+    fn seen(&self, sample: usize, (pixel, lines): (usize, Option<&Outlines>)) -> Rgb {
+        let behind = self.behind[sample] as usize;
+        let mut rgb = self.colours.get(behind).copied().unwrap_or_default();
+        let mut at = self.farthest[sample];
+        if let Some(lines) = lines.filter(|_| at != NONE) {
+            rgb = lines.inked(pixel, rgb);
+        }
+        while let Some(fragment) = self.fragments.get(at as usize) {
+            let surface = fragment.surface as usize;
+            let (over, opacity) = (self.colours[surface], self.surfaces[surface].opacity);
+            rgb = [0, 1, 2].map(|k| look::mix_values(rgb[k], over[k], opacity));
+            at = fragment.next;
+        }
+        rgb
+    }
+
+    /// Colours of all surfaces, and more opacity for those that are seen edge-on.
+    fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
+        self.colours.clear();
+        self.colours.resize(self.surfaces.len(), [0.0; 3]);
+        for (index, surface) in self.surfaces.iter_mut().enumerate() {
+            let pixel = surface.pixel as usize;
+            let x = window.x[0] + (pixel % TILE) as i32;
+            let y = window.y[0] + (pixel / TILE) as i32;
+            if surface.facet == NOTHING {
+                self.colours[index] = view.backdrop.linear(x as usize, y as usize, view.shadow).0;
+                continue;
+            }
+            let facet = surface.facet;
+            batch.add(view, facet, x, y, 1.0, index, &mut self.colours);
+            if surface.opacity < 1.0 {
+                surface.opacity = seen_opacity(view, facet as usize, x, y, surface.opacity);
+            }
+        }
+        batch.flush(&view.around, &mut self.colours);
+    }
+}
+
+/// Opacity of a facet in a pixel.
+fn seen_opacity(view: &RasterView, number: usize, x: i32, y: i32, opacity: f32) -> f32 {
+    let facet = &view.assembly.facets[number];
+    let flat = view.assembly.paints[facet.instance()].flat;
+    let normal = normal_at(view.assembly, facet, view.lens, x, y);
+    let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
+    let cosine = look::clamp_unit(look::dot_product(
+        unit_vector(normal),
+        unit_vector(to_viewer),
+    ));
+    look::mix_values(look::edge_opacity(opacity, cosine), opacity, flat)
 }

@@ -1,5 +1,8 @@
 //! Tiles, and the part of one that lies in the picture.
 
+use super::outlines::apron;
+use crate::render::Stage;
+
 /// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
 /// cache holds.
 pub(super) const TILE: usize = 32;
@@ -13,6 +16,17 @@ pub(super) struct Window {
     pub(super) y: [i32; 2],
 }
 
+/// Calls `visit` with the index in the tile, x and y of every pixel of `inner`, a part of the tile's window.
+#[inline(always)]
+pub(super) fn for_inner(window: Window, inner: Window, mut visit: impl FnMut(usize, i32, i32)) {
+    for y in inner.y[0]..=inner.y[1] {
+        let row = (y - window.y[0]) as usize * TILE;
+        for x in inner.x[0]..=inner.x[1] {
+            visit(row + (x - window.x[0]) as usize, x, y);
+        }
+    }
+}
+
 /// Calls `visit` with the index in the tile, x and y of every pixel of the window, row by row.
 #[inline(always)]
 pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32)) {
@@ -22,4 +36,9 @@ pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32))
             visit(row + (x - window.x[0]) as usize, x, y);
         }
     }
+}
+
+/// Pixels from tile to tile: the samples of a tile's apron are its own as well.
+pub(super) fn pitch(stage: &Stage) -> u32 {
+    TILE as u32 - 2 * apron(stage).unsigned_abs()
 }

@@ -5,7 +5,7 @@ use super::frame::MeshSpan;
 use super::layout::{GpuVertex, InstanceData};
 use crate::geometry::Mesh;
 use crate::math::narrow_vector;
-use crate::render::RenderError;
+use crate::render::{RenderError, edges};
 use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -29,16 +29,19 @@ impl Meshes {
         let mut spans = Vec::new();
         for mesh in meshes {
             let base = vertices.len() as u32;
-            let pairs = mesh.positions.iter().zip(&mesh.normals);
-            vertices.extend(pairs.map(|(position, normal)| GpuVertex {
+            let (patches, patch_count) = edges::patches(mesh);
+            let pairs = mesh.positions.iter().zip(&mesh.normals).zip(patches);
+            vertices.extend(pairs.map(|((position, normal), patch)| GpuVertex {
                 position: narrow_vector(*position),
                 normal: narrow_vector(*normal),
+                patch,
             }));
             let count = vertices.len() as u32 - base;
             spans.push(MeshSpan {
                 first_index: indices.len() as u32,
                 triangles: mesh.triangles.len() as u32,
                 closed: mesh.hides_its_inside(),
+                patches: patch_count,
                 middle: mesh_middle(mesh),
             });
             let sound = mesh.triangles.iter().map(|t| sound_corners(*t, count));

@@ -15,6 +15,8 @@ pub struct Device {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
+    /// Whether fragments can be shaded sample by sample, and depths of samples be read.
+    pub shades_samples: bool,
     /// Samples per pixel the adapter can draw in our formats.
     pub sample_counts: Vec<u32>,
     fault: Fault,
@@ -70,9 +72,14 @@ impl Device {
         } else {
             supported_sample_counts(adapter)
         };
+        let flags = adapter.get_downlevel_capabilities().flags;
+        // GL has no textures of many samples to read depths from on every driver.
+        let shades_samples = flags.contains(wgpu::DownlevelFlags::MULTISAMPLED_SHADING)
+            && adapter.get_info().backend != wgpu::Backend::Gl;
         Ok(Self {
             device,
             queue,
+            shades_samples,
             sample_counts,
             fault,
         })
@@ -134,9 +141,12 @@ fn supported_sample_counts(adapter: &wgpu::Adapter) -> Vec<u32> {
     let depth = adapter
         .get_texture_format_features(super::formats::DEPTH_FORMAT)
         .flags;
+    let surface = adapter
+        .get_texture_format_features(super::formats::SURFACE_FORMAT)
+        .flags;
     let resolvable = wgpu::TextureFormatFeatureFlags::MULTISAMPLE_RESOLVE;
-    (colour & depth)
-        .supported_sample_counts()
+    let shared = (colour & depth & surface).supported_sample_counts();
+    shared
         .into_iter()
         .filter(|count| *count == 1 || colour.contains(resolvable))
         .collect()

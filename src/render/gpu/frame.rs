@@ -2,7 +2,7 @@
 
 use super::layout::{InstanceData, instance_data};
 use crate::math::Pose;
-use crate::render::{Frame, Instance};
+use crate::render::{Frame, Instance, edges};
 use glam::DVec3;
 
 /// Where a mesh lies in the index buffer, and what the order of drawing needs to know of it.
@@ -14,6 +14,8 @@ pub struct MeshSpan {
     pub triangles: u32,
     /// Whether the outside hides the inside completely.
     pub closed: bool,
+    /// Smooth patches.
+    pub patches: u32,
     /// Middle of the bounding box, in the mesh's frame.
     pub middle: DVec3,
 }
@@ -47,25 +49,29 @@ pub struct DrawPlan {
 impl DrawPlan {
     /// Orders a frame's instances. Triangle ranges are cut to the mesh; instances of opacity 0 or less and empty
     /// ranges are left out, and so are instances of a mesh that the stage lacks.
-    pub fn new(frame: &Frame, spans: &[MeshSpan], camera_from_world: &Pose) -> Self {
+    ///
+    /// Lines stand at creases too if `creases`: then every patch is a surface of its own.
+    pub fn new(frame: &Frame, spans: &[MeshSpan], camera_from_world: &Pose, creases: bool) -> Self {
         let mut plan = Self::default();
         let mut translucent = Vec::new();
+        let mut surfaces = 0;
         for instance in &frame.instances {
             let Some(span) = spans.get(instance.mesh).copied() else {
                 continue;
             };
+            let surface = edges::surface(instance, creases, surfaces);
+            surfaces += span.patches;
+            let data = instance_data(instance, camera_from_world, surface);
             if instance.opacity >= 1.0 {
-                let data = instance_data(instance, camera_from_world);
                 push_draw(&mut plan.opaque, &mut plan.instances, &span, instance, data);
             } else if instance.opacity > 0.0 {
                 let place = *camera_from_world * instance.world_from_mesh;
-                translucent.push((place.transform_point(span.middle).z, span, instance));
+                translucent.push((place.transform_point(span.middle).z, span, instance, data));
             }
         }
         // The camera looks along -z: the farthest have the least z. The sort is stable.
         translucent.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, span, instance) in translucent {
-            let data = instance_data(instance, camera_from_world);
+        for (_, span, instance, data) in translucent {
             let draws = &mut plan.translucent;
             push_draw(draws, &mut plan.instances, &span, instance, data);
         }
@@ -116,12 +122,14 @@ mod tests {
             first_index: 0,
             triangles: 10,
             closed: true,
+            patches: 1,
             middle: DVec3::ZERO,
         },
         MeshSpan {
             first_index: 30,
             triangles: 4,
             closed: false,
+            patches: 1,
             middle: DVec3::ZERO,
         },
     ];
@@ -134,6 +142,7 @@ mod tests {
             opacity,
             triangles: 0..SPANS[mesh.min(1)].triangles,
             casts_shadow: true,
+            outline: None,
             flat: 0.0,
         }
     }
@@ -143,7 +152,7 @@ mod tests {
             instances,
             ..Frame::default()
         };
-        DrawPlan::new(&frame, &SPANS, &Pose::IDENTITY)
+        DrawPlan::new(&frame, &SPANS, &Pose::IDENTITY, true)
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 use crate::math::{Pose, narrow_pose};
 use crate::render::colour::ToneCurve;
+use crate::render::edges::{Edges, JUMP};
 use crate::render::ground::{GroundView, ground_axes};
 use crate::render::{Camera, Instance, Projection, Stage};
 use bytemuck::{Pod, Zeroable};
@@ -17,6 +18,8 @@ pub struct GpuVertex {
     pub position: [f32; 3],
     /// Outward unit normal.
     pub normal: [f32; 3],
+    /// Smooth patch of its mesh.
+    pub patch: u32,
 }
 
 /// One instance, ready for the vertex shader.
@@ -27,8 +30,12 @@ pub struct InstanceData {
     pub camera_from_mesh: [[f32; 4]; 3],
     /// Linear colour and opacity.
     pub colour: [f32; 4],
-    /// 0 lit, 1 flat colour; the rest is padding.
-    pub flatness: [f32; 4],
+    /// 0 lit, 1 flat colour.
+    pub flatness: f32,
+    /// The surface of its first patch, and the step from patch to patch.
+    pub surface: [u32; 2],
+    /// Fills up to sixteen bytes.
+    pub padding: u32,
 }
 
 /// What all draws of a stage share.
@@ -51,12 +58,16 @@ pub struct Globals {
     pub ground_w: [f32; 4],
     /// Depth of the ground in clip coordinates, and the grid's pitch in radii.
     pub ground_depth: [f32; 4],
+    /// Linear colour of lines.
+    pub ink: [f32; 4],
+    /// Square of half a line's width, its reach in whole pixels, and the depth that is a step.
+    pub lines: [f32; 4],
 }
 
 // WGSL lays these out without gaps: vec4s in the uniform, tightly packed vertex attributes.
-const _: () = assert!(size_of::<Globals>() == 8 * 16);
+const _: () = assert!(size_of::<Globals>() == 10 * 16);
 const _: () = assert!(size_of::<InstanceData>() == 80);
-const _: () = assert!(size_of::<GpuVertex>() == 24);
+const _: () = assert!(size_of::<GpuVertex>() == 28);
 
 /// Depth as the buffer stores it: `(a d + b) / (c d + e)` of the distance d, 1 at the near plane and smaller
 /// behind (reversed, because floats are densest at 0).
@@ -83,8 +94,9 @@ impl DepthMap {
 }
 
 impl Globals {
-    /// The globals of a stage seen through `camera`; `ground` is the stage's ground seen through it.
-    pub fn new(stage: &Stage, camera: &Camera, ground: Option<&GroundView>) -> Self {
+    /// The globals of a stage seen through `camera` and drawn with `samples` a pixel; `ground` is the stage's ground seen
+    /// through it.
+    pub fn new(stage: &Stage, camera: &Camera, ground: Option<&GroundView>, samples: u32) -> Self {
         let size = stage.size.map(f64::from);
         let per_unit = camera.pixels_per_unit(stage.size);
         let depth = DepthMap::new(camera, ground_reach(stage, camera));
@@ -103,6 +115,12 @@ impl Globals {
             background: [r, g, b, 1.0],
             ..Self::zeroed()
         };
+        if let Some(edges) = stage.edges {
+            let [r, g, b] = ToneCurve::shared().decode_rgb(edges.ink);
+            let half = Edges::half_width(stage.size[1], samples);
+            globals.ink = [r, g, b, 0.0];
+            globals.lines = matrix_row([half * half, half.ceil(), f64::from(JUMP) / per_unit], 0.0);
+        }
         if let (Some(view), Some(ground)) = (ground, &stage.ground) {
             globals.ground_u = matrix_row(view.u, f64::from(ground.shade[0]));
             globals.ground_v = matrix_row(view.v, f64::from(ground.shade[1]));
@@ -134,14 +152,20 @@ fn up_in_camera(stage: &Stage, camera: &Camera) -> DVec3 {
     })
 }
 
-/// The instance as the shader takes it.
-pub fn instance_data(instance: &Instance, camera_from_world: &Pose) -> InstanceData {
+/// The instance as the shader takes it; `surface` is that of its first patch and the step from patch to patch.
+pub fn instance_data(
+    instance: &Instance,
+    camera_from_world: &Pose,
+    surface: [u32; 2],
+) -> InstanceData {
     let [r, g, b] = ToneCurve::shared().decode_rgb(instance.colour);
     let flatness = (instance.flat as f32).clamp(0.0, 1.0);
     InstanceData {
         camera_from_mesh: narrow_pose(&(*camera_from_world * instance.world_from_mesh)),
         colour: [r, g, b, (instance.opacity as f32).clamp(0.0, 1.0)],
-        flatness: [flatness, 0.0, 0.0, 0.0],
+        flatness,
+        surface,
+        padding: 0,
     }
 }
 
@@ -205,6 +229,7 @@ mod tests {
             camera: fit_camera(corners.into_iter(), &view, projection, 1.6, 0.1),
             background: [250, 250, 250],
             rim: Rim::DARK,
+            edges: None,
             ground: Some(Ground {
                 center: DVec3::new(0.0, 0.0, -1.0),
                 normal: DVec3::Z,
@@ -225,7 +250,7 @@ mod tests {
             let stage = stage(projection);
             let ground =
                 GroundView::new(&stage.ground.unwrap(), &stage.camera, stage.size).unwrap();
-            let globals = Globals::new(&stage, &stage.camera, Some(&ground));
+            let globals = Globals::new(&stage, &stage.camera, Some(&ground), 4);
             for point in [DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.7, -1.2, -1.0)] {
                 let seen = stage
                     .camera

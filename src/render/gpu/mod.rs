@@ -1,6 +1,6 @@
 //! The renderer on a graphics adapter: wgpu over Vulkan, Metal, DX12 or GL, off-screen.
 //!
-//! One pass a picture: opaque bodies, the ground, translucent bodies from back to front. The only room with
+//! Opaque bodies and the ground, lines, translucent bodies layer by layer, lines again. The only room with
 //! wgpu. The look is `look`'s: constants are generated from it, formulas are in `shaders/look.wgsl`.
 
 pub mod adapter;
@@ -9,6 +9,7 @@ mod device;
 mod formats;
 mod frame;
 mod layout;
+mod peel;
 mod pipelines;
 mod shader;
 mod shadow;
@@ -46,6 +47,9 @@ pub struct GpuRenderer {
     shadow: ShadowTexture,
     caster: Option<ShadowCaster>,
     bindings: wgpu::BindGroup,
+    surfaces: wgpu::BindGroup,
+    /// Depths of translucent layers, where the adapter draws by them.
+    layers: Option<peel::Layers>,
     /// The camera of the globals.
     camera: Camera,
     /// Whether the ground's upper side is seen through it.
@@ -85,7 +89,7 @@ impl GpuRenderer {
         (samples, pipelines, meshes): (u32, Pipelines, Meshes),
     ) -> Result<Self, RenderError> {
         let target = DrawTarget::new(&device, stage.size, samples)?;
-        let (globals, ground_seen) = globals_of(&stage, &stage.camera);
+        let (globals, ground_seen) = globals_of(&stage, &stage.camera, samples);
         let globals_buffer = device.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("globals"),
             contents: bytes_of(&globals),
@@ -100,8 +104,19 @@ impl GpuRenderer {
             &shadow,
             &sampler,
         );
+        let surfaces = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("surfaces"),
+            layout: &pipelines.surfaces,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&target.surfaces),
+            }],
+        });
+        let peel = pipelines.peel.as_ref();
+        let layers = peel.map(|peel| peel.layers(&device, &target));
         device.check()?;
         Ok(Self {
+            layers,
             camera: stage.camera,
             ground_seen,
             caster: ShadowCaster::new(&stage),
@@ -117,6 +132,7 @@ impl GpuRenderer {
             sampler,
             shadow,
             bindings,
+            surfaces,
         })
     }
 
@@ -131,7 +147,7 @@ impl GpuRenderer {
             return;
         }
         self.camera = camera;
-        (self.globals, self.ground_seen) = globals_of(&self.stage, &camera);
+        (self.globals, self.ground_seen) = globals_of(&self.stage, &camera, self.target.samples());
         let queue = &self.device.queue;
         queue.write_buffer(&self.globals_buffer, 0, bytes_of(&self.globals));
     }
@@ -141,7 +157,7 @@ impl GpuRenderer {
         let Some(caster) = self.caster.as_mut().filter(|_| self.ground_seen) else {
             return;
         };
-        let shadow = caster.cast(frame);
+        let shadow = caster.cast(frame, &self.camera);
         if !self.shadow.fits(shadow) {
             self.shadow = ShadowTexture::new(&self.device, shadow.size);
             self.bindings = bind_group(
@@ -156,18 +172,18 @@ impl GpuRenderer {
     }
 
     fn record(&mut self, plan: &DrawPlan) -> wgpu::CommandEncoder {
-        let instances = self.instances.write(&self.device, &plan.instances);
+        let instances = self.instances.write(&self.device, &plan.instances).clone();
+        let instances = &instances;
         let mut encoder =
             self.device
                 .device
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor {
                     label: Some("picture"),
                 });
-        let mut pass = self.target.begin(&mut encoder, self.globals.background);
-        pass.set_bind_group(0, &self.bindings, &[]);
-        pass.set_vertex_buffer(0, self.meshes.vertices.slice(..));
-        pass.set_vertex_buffer(1, instances.slice(..));
-        pass.set_index_buffer(self.meshes.indices.slice(..), wgpu::IndexFormat::Uint32);
+        let background = Some(self.globals.background);
+        let depth = &self.target.depth;
+        let mut pass = self.target.begin(&mut encoder, background, depth);
+        self.bind_bodies(&mut pass, instances);
         for draw in &plan.opaque {
             let pipeline = if draw.closed {
                 &self.pipelines.closed
@@ -180,21 +196,83 @@ impl GpuRenderer {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..self.globals.ground_layers());
         }
-        for draw in &plan.translucent {
-            run_pipeline(&mut pass, &self.pipelines.translucent_back, draw);
-            run_pipeline(&mut pass, &self.pipelines.translucent_front, draw);
-        }
         drop(pass);
+        let over = !plan.translucent.is_empty();
+        self.draw_lines(&mut encoder, &self.pipelines.lines, !over);
+        if over {
+            self.draw_translucent(&mut encoder, plan, instances);
+        }
+        if over {
+            self.draw_lines(&mut encoder, &self.pipelines.lines_over, true);
+        }
         encoder
+    }
+
+    /// Draws what is translucent: layer by layer, or body by body where the adapter cannot.
+    fn draw_translucent(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        plan: &DrawPlan,
+        instances: &wgpu::Buffer,
+    ) {
+        let (Some(peel), Some(layers)) = (&self.pipelines.peel, &self.layers) else {
+            let mut pass = self.target.begin(encoder, None, &self.target.depth);
+            self.bind_bodies(&mut pass, instances);
+            for draw in &plan.translucent {
+                run_pipeline(&mut pass, &self.pipelines.translucent_back, draw);
+                run_pipeline(&mut pass, &self.pipelines.translucent_front, draw);
+            }
+            return;
+        };
+        for layer in 0..peel::layers_of(&plan.translucent) {
+            let own = &layers.depths[layer % 2];
+            // Behind the first layer is what is opaque.
+            let behind = &layers.behind[if layer == 0 { 0 } else { 1 + (layer + 1) % 2 }];
+            let mut pass = self.target.begin_layer(encoder, own);
+            self.bind_bodies(&mut pass, instances);
+            pass.set_bind_group(1, behind, &[]);
+            for draw in &plan.translucent {
+                run_pipeline(&mut pass, &peel.depths, draw);
+            }
+            drop(pass);
+            let mut pass = self.target.begin(encoder, None, own);
+            self.bind_bodies(&mut pass, instances);
+            for draw in &plan.translucent {
+                run_pipeline(&mut pass, &peel.colours, draw);
+            }
+        }
+    }
+
+    fn bind_bodies(&self, pass: &mut wgpu::RenderPass<'_>, instances: &wgpu::Buffer) {
+        pass.set_bind_group(0, &self.bindings, &[]);
+        pass.set_vertex_buffer(0, self.meshes.vertices.slice(..));
+        pass.set_vertex_buffer(1, instances.slice(..));
+        pass.set_index_buffer(self.meshes.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+
+    /// Draws lines between the surfaces so far, if the stage has any; the `last` pass ends the picture.
+    fn draw_lines(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::RenderPipeline,
+        last: bool,
+    ) {
+        let mut pass = self.target.begin_lines(encoder, last);
+        if self.stage.edges.is_some() {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &self.bindings, &[]);
+            pass.set_bind_group(1, &self.surfaces, &[]);
+            pass.draw(0..3, 0..1);
+        }
     }
 }
 
 /// The globals of a stage seen through `camera`, and whether its ground is seen.
-fn globals_of(stage: &Stage, camera: &Camera) -> (Globals, bool) {
+fn globals_of(stage: &Stage, camera: &Camera, samples: u32) -> (Globals, bool) {
     let ground = stage.ground.as_ref();
     let ground = ground.and_then(|ground| GroundView::new(ground, camera, stage.size));
     (
-        Globals::new(stage, camera, ground.as_ref()),
+        Globals::new(stage, camera, ground.as_ref(), samples),
         ground.is_some(),
     )
 }
@@ -246,7 +324,9 @@ impl Renderer for GpuRenderer {
         }
         self.look_through(frame.camera(&self.stage));
         let camera_from_world = self.camera.world_from_camera.inverse();
-        let plan = DrawPlan::new(frame, &self.meshes.spans, &camera_from_world);
+        let creases = self.stage.edges.is_some_and(|edges| edges.creases);
+        let spans = &self.meshes.spans;
+        let plan = DrawPlan::new(frame, spans, &camera_from_world, creases);
         self.cast_shadow(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
@@ -284,6 +364,7 @@ mod tests {
             background: [250, 250, 250],
             rim: Rim::DARK,
             ground: None,
+            edges: None,
         });
         let mut renderer = GpuRenderer::open(stage, AdapterChoice::Any).unwrap();
         let mut image = RgbaImage::new(64, 48);

@@ -1,8 +1,9 @@
-//! The four ways of drawing: bodies with and without their back faces, translucent faces, and the ground.
+//! The ways of drawing: bodies with and without their back faces, translucent faces, the ground, and lines over all.
 
 use super::device::Device;
-use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT};
+use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT, SURFACE_FORMAT};
 use super::layout::{GpuVertex, InstanceData};
+use super::peel::Peel;
 use wgpu::Face;
 
 /// All pipelines of one number of samples; clones are the same ones.
@@ -18,24 +19,45 @@ pub struct Pipelines {
     pub translucent_front: wgpu::RenderPipeline,
     /// The ground.
     pub ground: wgpu::RenderPipeline,
+    /// Translucent bodies layer by layer, where the adapter can.
+    pub peel: Option<Peel>,
+    /// Lines between the surfaces that were drawn.
+    pub lines: wgpu::RenderPipeline,
+    /// Lines with a translucent side.
+    pub lines_over: wgpu::RenderPipeline,
     /// Layout of group 0: globals, shadow, sampler.
     pub bindings: wgpu::BindGroupLayout,
+    /// Layout of group 1, for lines: the surfaces.
+    pub surfaces: wgpu::BindGroupLayout,
 }
 
 /// What tells one pipeline from another.
-struct Recipe {
-    label: &'static str,
-    vertex: &'static str,
-    fragment: &'static str,
-    cull: Option<Face>,
-    blend: Option<wgpu::BlendState>,
-    instanced: bool,
+pub(super) struct Recipe {
+    pub(super) label: &'static str,
+    pub(super) vertex: &'static str,
+    pub(super) fragment: &'static str,
+    pub(super) cull: Option<Face>,
+    pub(super) blend: Option<wgpu::BlendState>,
+    pub(super) compare: wgpu::CompareFunction,
+    pub(super) instanced: bool,
 }
 
-const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
-    2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Float32
+/// Opaque bodies, both sides.
+pub(super) const BODY: Recipe = Recipe {
+    label: "open bodies",
+    vertex: "body_vertex",
+    fragment: "body_opaque",
+    cull: None,
+    blend: None,
+    // Reversed depth: greater is nearer.
+    compare: wgpu::CompareFunction::Greater,
+    instanced: true,
+};
+
+const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 7 => Uint32];
+const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+    2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Float32, 8 => Uint32x2
 ];
 
 impl Pipelines {
@@ -45,7 +67,7 @@ impl Pipelines {
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("mechanim"),
-                source: wgpu::ShaderSource::Wgsl(super::shader::shader_source().into()),
+                source: wgpu::ShaderSource::Wgsl(super::shader::shader_source(sample_count).into()),
             });
         let bindings = bind_layout(&device.device);
         let layout = device
@@ -55,16 +77,18 @@ impl Pipelines {
                 bind_group_layouts: &[Some(&bindings)],
                 immediate_size: 0,
             });
+        let surfaces = surface_layout(&device.device, sample_count > 1);
+        let ink = |fragment| {
+            let layouts = [&bindings, &surfaces];
+            lines_pipeline(&device.device, &module, layouts, (fragment, sample_count))
+        };
         let make = |recipe: &Recipe| {
             render_pipeline(&device.device, &layout, &module, sample_count, recipe)
         };
         let opaque = |label, cull| Recipe {
             label,
-            vertex: "body_vertex",
-            fragment: "body_opaque",
             cull,
-            blend: None,
-            instanced: true,
+            ..BODY
         };
         let translucent = |label, cull| Recipe {
             fragment: "body_translucent",
@@ -73,7 +97,7 @@ impl Pipelines {
         };
         Self {
             closed: make(&opaque("closed bodies", Some(Face::Back))),
-            open: make(&opaque("open bodies", None)),
+            open: make(&BODY),
             translucent_back: make(&translucent("translucent back faces", Face::Front)),
             translucent_front: make(&translucent("translucent front faces", Face::Back)),
             ground: make(&Recipe {
@@ -82,7 +106,11 @@ impl Pipelines {
                 instanced: false,
                 ..opaque("ground", None)
             }),
+            peel: Peel::new(device, &bindings, (&layout, &module), sample_count),
+            lines: ink("lines_fragment"),
+            lines_over: ink("lines_over_fragment"),
             bindings,
+            surfaces,
         }
     }
 }
@@ -117,14 +145,9 @@ fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
-fn render_pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    module: &wgpu::ShaderModule,
-    sample_count: u32,
-    recipe: &Recipe,
-) -> wgpu::RenderPipeline {
-    let buffers = [
+/// Buffers of vertices and of instances.
+pub(super) fn body_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+    [
         Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<GpuVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -135,7 +158,18 @@ fn render_pipeline(
             step_mode: wgpu::VertexStepMode::Instance,
             attributes: &INSTANCE_ATTRIBUTES,
         }),
-    ];
+    ]
+}
+
+/// A pipeline into colours and surfaces.
+pub(super) fn render_pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+    sample_count: u32,
+    recipe: &Recipe,
+) -> wgpu::RenderPipeline {
+    let buffers = body_buffers();
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(recipe.label),
         layout: Some(layout),
@@ -152,8 +186,7 @@ fn render_pipeline(
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(recipe.blend.is_none()),
-            // Reversed depth: greater is nearer.
-            depth_compare: Some(wgpu::CompareFunction::Greater),
+            depth_compare: Some(recipe.compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
@@ -165,11 +198,78 @@ fn render_pipeline(
             module,
             entry_point: Some(recipe.fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOUR_FORMAT,
-                blend: recipe.blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
+            targets: &[
+                target(COLOUR_FORMAT, recipe.blend),
+                target(SURFACE_FORMAT, None),
+            ],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn target(
+    format: wgpu::TextureFormat,
+    blend: Option<wgpu::BlendState>,
+) -> Option<wgpu::ColorTargetState> {
+    Some(wgpu::ColorTargetState {
+        format,
+        blend,
+        write_mask: wgpu::ColorWrites::ALL,
+    })
+}
+
+fn surface_layout(device: &wgpu::Device, multisampled: bool) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("surfaces"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled,
+            },
+            count: None,
+        }],
+    })
+}
+
+/// One triangle over the whole picture, without depth.
+fn lines_pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    layouts: [&wgpu::BindGroupLayout; 2],
+    (fragment, sample_count): (&str, u32),
+) -> wgpu::RenderPipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("lines"),
+        bind_group_layouts: &layouts.map(Some),
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("lines"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("lines_vertex"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState {
+            count: sample_count,
+            ..wgpu::MultisampleState::default()
+        },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[target(
+                COLOUR_FORMAT,
+                Some(wgpu::BlendState::ALPHA_BLENDING),
+            )],
         }),
         multiview_mask: None,
         cache: None,

@@ -1,20 +1,74 @@
 //! The shader text: constants generated from `look`, then the formulas and entry points of `shaders/`.
 
-use crate::render::look;
+use crate::render::cpu::sample_places;
+use crate::render::{edges, look};
 use std::fmt::Write;
 
-/// The text of one module with every entry point.
-pub fn shader_source() -> String {
+/// The text of one module with every entry point, for `samples` a pixel.
+pub fn shader_source(samples: u32) -> String {
     let mut text = shader_constants();
+    text.push_str(&surfaces(samples));
     for part in [
         include_str!("../../../shaders/look.wgsl"),
         include_str!("../../../shaders/scene.wgsl"),
+        include_str!("../../../shaders/lines.wgsl"),
         include_str!("../../../shaders/body.wgsl"),
         include_str!("../../../shaders/ground.wgsl"),
     ] {
         text.push('\n');
         text.push_str(part);
     }
+    text
+}
+
+/// The text of the module that finds the layers of what is translucent.
+pub fn peel_source(samples: u32) -> String {
+    let (kind, sample, index) = if samples > 1 {
+        let sample = ", @builtin(sample_index) sample: u32";
+        ("texture_depth_multisampled_2d", sample, "i32(sample)")
+    } else {
+        ("texture_depth_2d", "", "0")
+    };
+    let mut text = shader_source(samples);
+    let _ = writeln!(text, "@group(1) @binding(1) var behind: {kind};");
+    let _ = writeln!(
+        text,
+        "fn behind_at(pixel: vec2<i32>, index: i32) -> f32 {{ return textureLoad(behind, pixel, index); }}"
+    );
+    let peel = include_str!("../../../shaders/peel.wgsl");
+    text + &peel.replace(" SAMPLE", sample).replace("INDEX", index)
+}
+
+/// The texture of surfaces, which is another type with one sample, and where the samples of a pixel are.
+fn surfaces(samples: u32) -> String {
+    let mut text = String::new();
+    let places: Vec<String> = sample_places(samples)
+        .iter()
+        .map(|[x, y]| format!("vec2<f32>({x:?}, {y:?})"))
+        .collect();
+    let count = places.len();
+    let _ = writeln!(text, "const SAMPLES: i32 = {count};");
+    let _ = writeln!(
+        text,
+        "var<private> PLACES: array<vec2<f32>, {count}> = array<vec2<f32>, {count}>({});",
+        places.join(", ")
+    );
+    let kind = if count > 1 {
+        "texture_multisampled_2d"
+    } else {
+        "texture_2d"
+    };
+    let index = if count > 1 { "index" } else { "0" };
+    let _ = writeln!(text, "@group(1) @binding(0) var surfaces: {kind}<u32>;");
+    let _ = writeln!(
+        text,
+        "fn surface_words(pixel: vec2<i32>, index: i32) -> vec4<u32> {{ return textureLoad(surfaces, pixel, {index}); }}"
+    );
+    let _ = writeln!(text, "const NO_LINES: u32 = {}u;", edges::NO_LINES);
+    let _ = writeln!(text, "const BACKDROP: u32 = {}u;", edges::BACKDROP);
+    let _ = writeln!(text, "const FIRST: u32 = {}u;", edges::FIRST);
+    let _ = writeln!(text, "const TRANSLUCENT: u32 = {}u;", edges::TRANSLUCENT);
+    let _ = writeln!(text, "const STRENGTH: f32 = {:?};", edges::STRENGTH);
     text
 }
 
@@ -40,7 +94,14 @@ fn shader_constants() -> String {
         SKY_COLOUR,
         GROUND_COLOUR
     );
-    scalars!(KEY_WRAP, SHEEN, HIGHLIGHT, EXPOSURE, EDGE_OPACITY);
+    scalars!(
+        KEY_WRAP,
+        SHEEN,
+        HIGHLIGHT,
+        GLOSS_TINT,
+        EXPOSURE,
+        EDGE_OPACITY
+    );
     scalars!(GRID_HALF_WIDTH, GRID_MAX_FOOTPRINT);
     scalars!(FADE_START_SQUARED, SHADOW_DARKNESS);
     text
@@ -52,8 +113,8 @@ mod tests {
     use super::*;
     use wgpu::naga;
 
-    fn module() -> naga::Module {
-        let text = shader_source();
+    fn module(samples: u32) -> naga::Module {
+        let text = shader_source(samples);
         naga::front::wgsl::parse_str(&text)
             .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)))
     }
@@ -62,14 +123,20 @@ mod tests {
     fn the_shaders_are_valid_without_any_extension() {
         let flags = naga::valid::ValidationFlags::all();
         let capabilities = naga::valid::Capabilities::empty();
-        naga::valid::Validator::new(flags, capabilities)
-            .validate(&module())
-            .unwrap();
+        for samples in [1, 4, 16] {
+            naga::valid::Validator::new(flags, capabilities)
+                .validate(&module(samples))
+                .unwrap();
+            let peel = naga::front::wgsl::parse_str(&peel_source(samples)).unwrap();
+            naga::valid::Validator::new(flags, naga::valid::Capabilities::MULTISAMPLED_SHADING)
+                .validate(&peel)
+                .unwrap();
+        }
     }
 
     #[test]
     fn all_entry_points_are_there() {
-        let module = module();
+        let module = module(4);
         let names: Vec<&str> = module
             .entry_points
             .iter()
@@ -81,6 +148,9 @@ mod tests {
             "body_translucent",
             "ground_vertex",
             "ground_fragment",
+            "lines_vertex",
+            "lines_fragment",
+            "lines_over_fragment",
         ] {
             assert!(names.contains(&name), "{name} of {names:?}");
         }
@@ -90,7 +160,7 @@ mod tests {
     #[test]
     fn no_constant_of_the_look_is_missing() {
         let constants = shader_constants();
-        let shaders = shader_source().split_off(constants.len());
+        let shaders = shader_source(4).split_off(constants.len());
         let names = include_str!("../look.rs")
             .lines()
             .filter_map(|line| line.strip_prefix("pub const ")?.split(':').next());

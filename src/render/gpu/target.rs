@@ -1,8 +1,9 @@
 //! The textures a picture is drawn into and the buffer it is read back through.
 
 use super::device::Device;
-use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT};
+use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT, SURFACE_FORMAT};
 use crate::render::RenderError;
+use crate::render::edges::BACKDROP;
 use image::RgbaImage;
 
 /// Bytes of a pixel.
@@ -14,7 +15,10 @@ pub struct DrawTarget {
     sample_count: u32,
     /// Many samples a pixel; `None` when there is one.
     samples: Option<wgpu::TextureView>,
-    depth: wgpu::TextureView,
+    /// Depth of what is opaque.
+    pub depth: wgpu::TextureView,
+    /// Surface and nearness of every sample.
+    pub surfaces: wgpu::TextureView,
     picture: wgpu::Texture,
     picture_view: wgpu::TextureView,
     buffer: wgpu::Buffer,
@@ -40,7 +44,9 @@ impl DrawTarget {
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let copied = drawn | wgpu::TextureUsages::COPY_SRC;
         let picture = texture("picture", COLOUR_FORMAT, 1, copied);
-        let depth = texture("depth", DEPTH_FORMAT, sample_count, drawn);
+        let read = drawn | wgpu::TextureUsages::TEXTURE_BINDING;
+        let depth = texture("depth", DEPTH_FORMAT, sample_count, read);
+        let surfaces = texture("surfaces", SURFACE_FORMAT, sample_count, read);
         let samples = (sample_count > 1)
             .then(|| view(&texture("samples", COLOUR_FORMAT, sample_count, drawn)));
         let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
@@ -55,6 +61,7 @@ impl DrawTarget {
             sample_count,
             samples,
             depth: view(&depth),
+            surfaces: view(&surfaces),
             picture_view: view(&picture),
             picture,
             buffer,
@@ -66,37 +73,100 @@ impl DrawTarget {
         self.sample_count
     }
 
-    /// Begins the one pass of a picture, cleared to `background` (linear).
+    /// Begins a pass that draws bodies: the first, cleared to `background` (linear), or one over what is there. They are
+    /// compared with `depths`.
     pub fn begin<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
-        background: [f32; 4],
+        background: Option<[f32; 4]>,
+        depths: &wgpu::TextureView,
     ) -> wgpu::RenderPass<'e> {
-        let [r, g, b, a] = background.map(f64::from);
-        let (view, resolve_target, store) = match &self.samples {
-            Some(samples) => (samples, Some(&self.picture_view), wgpu::StoreOp::Discard),
-            None => (&self.picture_view, None, wgpu::StoreOp::Store),
+        let clear = |[r, g, b, a]: [f64; 4]| wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a });
+        let words = [BACKDROP & 0xffff, BACKDROP >> 16, 0, 0].map(f64::from);
+        let (colour, surface, depth) = match background {
+            Some(background) => (
+                clear(background.map(f64::from)),
+                clear(words),
+                wgpu::LoadOp::Clear(0.0),
+            ),
+            None => (wgpu::LoadOp::Load, wgpu::LoadOp::Load, wgpu::LoadOp::Load),
         };
+        let store = wgpu::StoreOp::Store;
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                    store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
+            color_attachments: &[
+                self.colour(colour, None),
+                Some(wgpu::RenderPassColorAttachment {
+                    view: &self.surfaces,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: surface,
+                        store,
+                    },
                 }),
-                stencil_ops: None,
-            }),
+            ],
+            depth_stencil_attachment: Some(depth_attachment(depths, depth)),
             ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+
+    /// One more texture for depths.
+    pub fn depths(&self, device: &Device) -> wgpu::TextureView {
+        let texture = device.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("depths of a layer"),
+            size: target_extent(self.size),
+            mip_level_count: 1,
+            sample_count: self.sample_count,
+            dimension: wgpu::TextureDimension::D2,
+            format: DEPTH_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    /// Begins a pass that finds the depths of a layer.
+    pub fn begin_layer<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        depths: &wgpu::TextureView,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("depths of a layer"),
+            depth_stencil_attachment: Some(depth_attachment(depths, wgpu::LoadOp::Clear(1.0))),
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+
+    /// Begins a pass over the colours alone; the `last` one brings them into the picture.
+    pub fn begin_lines<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        last: bool,
+    ) -> wgpu::RenderPass<'e> {
+        let resolved = (last && self.samples.is_some()).then_some(&self.picture_view);
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("lines"),
+            color_attachments: &[self.colour(wgpu::LoadOp::Load, resolved)],
+            depth_stencil_attachment: None,
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+
+    fn colour<'a>(
+        &'a self,
+        load: wgpu::LoadOp<wgpu::Color>,
+        resolve_target: Option<&'a wgpu::TextureView>,
+    ) -> Option<wgpu::RenderPassColorAttachment<'a>> {
+        Some(wgpu::RenderPassColorAttachment {
+            view: self.samples.as_ref().unwrap_or(&self.picture_view),
+            depth_slice: None,
+            resolve_target,
+            ops: wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            },
         })
     }
 
@@ -129,6 +199,20 @@ impl DrawTarget {
                 }
             }
         })
+    }
+}
+
+fn depth_attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<f32>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
     }
 }
 

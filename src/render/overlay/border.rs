@@ -14,6 +14,9 @@ const PITCH_IN_BANDS: u32 = 2;
 const AMBER: [u8; 3] = [0xf2, 0xa9, 0x1c];
 const DARK: [u8; 3] = [0x2e, 0x2c, 0x2a];
 
+/// Both.
+pub const COLOURS: [[u8; 3]; 2] = [AMBER, DARK];
+
 /// Draws the band along the four edges.
 pub fn draw_border(image: &mut RgbaImage) {
     let (width, height) = image.dimensions();

@@ -28,8 +28,8 @@ struct GlyphKey {
     glyph: Option<GlyphId>,
     /// `f64::to_bits` of the height of the capitals.
     size: u64,
-    /// Phase, 0 to `PHASES` - 1.
-    phase: u32,
+    /// Phases to the right and down, 0 to `PHASES` - 1.
+    phase: [u32; 2],
 }
 
 /// The face and the masks made of it so far.
@@ -61,9 +61,9 @@ impl Face {
         f64::from(font.h_advance_unscaled(glyph)) * pixels_per_unit(font, size)
     }
 
-    /// The mask of a glyph for capitals `size` pixels high, its origin `phase` / `PHASES` right of a pixel's
-    /// left edge.
-    pub fn mask(&mut self, glyph: Option<GlyphId>, size: f64, phase: u32) -> &Mask {
+    /// The mask of a glyph for capitals `size` pixels high, its origin `phase` / `PHASES` right of and below a pixel's
+    /// upper left corner.
+    pub fn mask(&mut self, glyph: Option<GlyphId>, size: f64, phase: [u32; 2]) -> &Mask {
         let key = GlyphKey {
             glyph,
             size: size.to_bits(),
@@ -74,7 +74,7 @@ impl Face {
         }
         let font = self.font.as_ref();
         self.masks.entry(key).or_insert_with(|| {
-            let shift = f64::from(phase) / f64::from(PHASES);
+            let shift = phase.map(|p| f64::from(p) / f64::from(PHASES));
             match (font, glyph) {
                 (Some(font), Some(glyph)) => {
                     let em_height = pixels_per_unit(font, size) * f64::from(font.height_unscaled());
@@ -136,7 +136,7 @@ mod tests {
         let mut face = Face::new();
         let h = face.glyph('H');
         for size in [8.0, 20.0, 100.0] {
-            let mask = face.mask(h, size, 0);
+            let mask = face.mask(h, size, [0, 0]);
             assert_eq!(
                 mask.top + mask.height as i32,
                 0,
@@ -181,7 +181,7 @@ mod tests {
         let mut face = Face::new();
         let glyph = face.glyph('漢');
         assert!(glyph.is_none());
-        let mask = face.mask(glyph, 20.0, 0);
+        let mask = face.mask(glyph, 20.0, [0, 0]);
         let covered = mask.coverage.iter().filter(|c| **c > 127).count();
         assert!(covered > 40, "a visible outline");
         assert!(mask.at(mask.width / 2, mask.height / 2) == 0, "hollow");
@@ -191,11 +191,11 @@ mod tests {
     fn cache_does_not_change_a_mask() {
         let mut face = Face::new();
         let glyph = face.glyph('ř');
-        let first = face.mask(glyph, 13.0, 1).clone();
+        let first = face.mask(glyph, 13.0, [1, 0]).clone();
         for k in 0..CACHE_MASKS {
-            face.mask(glyph, 1.0 + k as f64 * 1e-3, 0);
+            face.mask(glyph, 1.0 + k as f64 * 1e-3, [0, 0]);
         }
-        assert_eq!(*face.mask(glyph, 13.0, 1), first);
+        assert_eq!(*face.mask(glyph, 13.0, [1, 0]), first);
         assert!(face.masks.len() <= CACHE_MASKS);
     }
 }

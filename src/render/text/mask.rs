@@ -28,19 +28,19 @@ impl Mask {
     }
 }
 
-/// Rasterises a glyph whose face is `face_height` pixels from descent to ascent, `shift` pixels to the right.
+/// Rasterises a glyph whose face is `face_height` pixels from descent to ascent, `shift` pixels to the right and down.
 ///
 /// The rasteriser adds in f32 without fused operations, so the bytes are the same on every machine.
 pub fn rasterise_glyph(
     font: &FontRef<'static>,
     glyph: GlyphId,
     face_height: f64,
-    shift: f64,
+    shift: [f64; 2],
 ) -> Mask {
     let placed = Glyph {
         id: glyph,
         scale: PxScale::from(face_height as f32),
-        position: point(shift as f32, 0.0),
+        position: point(shift[0] as f32, shift[1] as f32),
     };
     let Some(outline) = font.outline_glyph(placed) else {
         return Mask::default(); // a space
@@ -65,16 +65,16 @@ pub fn rasterise_glyph(
 
 /// A hollow box on the baseline, as high as the capitals, for a character without glyph.
 ///
-/// `advance` is the room it takes in pixels; `shift` moves it right by less than a pixel.
-pub fn missing_box(size: f64, advance: f64, shift: f64) -> Mask {
+/// `advance` is the room it takes in pixels; `shift` moves it right and down by less than a pixel.
+pub fn missing_box(size: f64, advance: f64, [right_by, down_by]: [f64; 2]) -> Mask {
     let stroke = (0.09 * size).max(1.0);
-    let (left, right) = (shift + 0.1 * advance, shift + 0.9 * advance);
-    let top = -size;
+    let (left, right) = (right_by + 0.1 * advance, right_by + 0.9 * advance);
+    let (top, bottom) = (down_by - size, down_by);
     let mut mask = Mask {
         left: left.floor() as i32,
         top: top.floor() as i32,
         width: 0,
-        height: (-top.floor()) as u32,
+        height: (bottom.ceil() - top.floor()) as u32,
         coverage: Vec::new(),
     };
     mask.width = (right.ceil() - left.floor()).max(1.0) as u32;
@@ -82,9 +82,9 @@ pub fn missing_box(size: f64, advance: f64, shift: f64) -> Mask {
         let y = f64::from(mask.top) + f64::from(row);
         for column in 0..mask.width {
             let x = f64::from(mask.left) + f64::from(column);
-            let outer = pixel_overlap(x, left, right) * pixel_overlap(y, top, 0.0);
+            let outer = pixel_overlap(x, left, right) * pixel_overlap(y, top, bottom);
             let inner = pixel_overlap(x, left + stroke, right - stroke)
-                * pixel_overlap(y, top + stroke, -stroke);
+                * pixel_overlap(y, top + stroke, bottom - stroke);
             mask.coverage.push(((outer - inner) * 255.0 + 0.5) as u8);
         }
     }

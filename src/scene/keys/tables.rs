@@ -313,11 +313,16 @@ static VIEW: Keys = Keys::new(
             "direction by name",
         ),
         table_key("theme", Word(&["light", "dark"]), "colours around bodies"),
+        table_key(
+            "edges",
+            Word(&["all", "outline", "none"]),
+            "lines between surfaces",
+        ),
         table_key("background", Colour, "in place of the theme's"),
         table_key("transparent", Flag, "no background, in PNG and APNG"),
         table_key(
             "trails",
-            Word(&["full", "fading", "none"]),
+            Word(&["whole", "grow", "fading", "none"]),
             "how traced paths are drawn",
         ),
         table_key("trail_length", Formula, "seconds that a fading trail holds"),

@@ -3,7 +3,7 @@
 use super::super::reader::Spanned;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::theme::Theme;
-use crate::model::view::{NamedView, ShownAxes, Trails};
+use crate::model::view::{EdgeLines, NamedView, ShownAxes, Trails};
 
 /// Most ghosts: more of them hide what they are to show.
 pub const MOST_GHOSTS: usize = 60;
@@ -17,10 +17,18 @@ pub const AXES: [(&str, ShownAxes); 4] = [
 ];
 
 /// The words of `trails`; how long a fading one is stands elsewhere.
-pub const TRAILS: [(&str, Trails); 3] = [
-    ("full", Trails::Full),
+pub const TRAILS: [(&str, Trails); 4] = [
+    ("whole", Trails::Whole),
+    ("grow", Trails::Grow),
     ("fading", Trails::Fading(None)),
     ("none", Trails::None),
+];
+
+/// The words of `edges`.
+pub const EDGES: [(&str, EdgeLines); 3] = [
+    ("all", EdgeLines::All),
+    ("outline", EdgeLines::Outline),
+    ("none", EdgeLines::None),
 ];
 
 /// The words of `theme`.

@@ -2,7 +2,7 @@
 
 use super::super::file::{LabelFile, SceneFile};
 use super::bodies::{BodyConstants, body_index};
-use super::choices::{NAMED_VIEWS, THEMES, chosen_word};
+use super::choices::{EDGES, NAMED_VIEWS, THEMES, chosen_word};
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::CameraPath;
@@ -91,6 +91,7 @@ pub fn resolve_view(
         theme,
         transparent: view.transparent.unwrap_or(false),
         background: view.background.unwrap_or(theme.background()),
+        edges: chosen_word(&view.edges, &EDGES, "kind of edges", diagnostics),
         ground,
         fps,
         captions: view.captions.unwrap_or(true),

@@ -102,6 +102,8 @@ pub struct Shown {
     pub areas: Vec<[u16; 4]>,
     pub repeat: gif::Repeat,
     pub colours: Vec<[u8; 3]>,
+    /// Frames with a table of their own.
+    pub own_tables: usize,
 }
 
 impl Shown {
@@ -116,15 +118,19 @@ impl Shown {
             .to_vec();
         let mut canvas = RgbaImage::new(decoder.width().into(), decoder.height().into());
         let (mut frames, mut areas) = (Vec::new(), Vec::new());
+        let mut own_tables = 0;
         while let Some(frame) = decoder.read_next_frame().unwrap() {
-            assert!(frame.palette.is_none() && frame.dispose == gif::DisposalMethod::Keep);
+            assert!(frame.dispose == gif::DisposalMethod::Keep);
+            let own = frame.palette.as_ref().map(|table| table.as_chunks::<3>().0);
+            own_tables += usize::from(own.is_some());
+            let table = own.unwrap_or(&palette);
             for (i, &index) in frame.buffer.iter().enumerate() {
                 let (x, y) = (
                     i as u32 % u32::from(frame.width),
                     i as u32 / u32::from(frame.width),
                 );
                 if Some(index) != frame.transparent {
-                    let [r, g, b] = palette[usize::from(index)];
+                    let [r, g, b] = table[usize::from(index)];
                     let place = (x + u32::from(frame.left), y + u32::from(frame.top));
                     canvas.put_pixel(place.0, place.1, Rgba([r, g, b, 255]));
                 }
@@ -137,6 +143,7 @@ impl Shown {
             areas,
             repeat: decoder.repeat(),
             colours: palette,
+            own_tables,
         }
     }
 

@@ -140,6 +140,102 @@ fn few_colours_are_exact_at_any_quality() {
     }
 }
 
+/// Few colours, of which one shows in a single frame that the palette never saw.
+#[test]
+fn few_colours_are_exact_whichever_frames_show_them() {
+    for odd in [17, 91, 163] {
+        let picture = move |k: usize| {
+            let mut image = flat(k);
+            if k == odd {
+                image.put_pixel(3, 4, Rgba([255, 0, 0, 255]));
+                image.put_pixel(18, 13, Rgba([9, 90, 200, 255]));
+            }
+            image
+        };
+        let shown = shown_of(200, picture, 60);
+        assert_eq!(shown.own_tables, 1);
+        for k in 0..200 {
+            assert_eq!(shown.at(4 * k as u32), &picture(k), "frame {k}");
+        }
+    }
+}
+
+/// A small ball of another colour, lit, in one frame of 200: nothing like it is in the palette.
+#[test]
+fn a_colour_of_one_frame_survives() {
+    for (odd, colour) in [
+        (37, [193, 31, 37]),
+        (118, [20, 60, 230]),
+        (199 - 7, [240, 240, 20]),
+    ] {
+        let picture = move |k: usize| {
+            let mut image = shaded(k);
+            if k == odd {
+                for (x, y, pixel) in image.enumerate_pixels_mut() {
+                    let (dx, dy) = (f64::from(x) - 80.0, f64::from(y) - 60.0);
+                    if dx.hypot(dy) < 7.0 {
+                        let light = 1.0 - 0.03 * dx;
+                        let lit = |c: u8| (f64::from(c) * light).min(255.0) as u8;
+                        *pixel = Rgba([lit(colour[0]), lit(colour[1]), lit(colour[2]), 255]);
+                    }
+                }
+            }
+            image
+        };
+        let shown = shown_of(200, picture, 100);
+        let got = shown.at(4 * odd as u32);
+        for (want, got) in picture(odd).pixels().zip(got.pixels()) {
+            assert!(
+                colour_difference(want, got) < 3.0,
+                "frame {odd}: {want:?} {got:?}"
+            );
+        }
+        assert!(shown.own_tables <= 3, "{}", shown.own_tables);
+    }
+}
+
+/// What `picture` looks like as a GIF of `count` frames, with the palette that a caller would sample.
+fn shown_of(count: usize, picture: impl Fn(usize) -> RgbaImage, quality: u8) -> Shown {
+    let memory = Memory::default();
+    let output = Box::new(Stream::new("memory", memory.clone()));
+    let settings = settings(&picture(0), 25.0, count, quality);
+    let palette = Arc::new(palette(&picture, count));
+    let frames: Vec<RgbaImage> = (0..count).map(&picture).collect();
+    feed(GifSink::new(output, settings, palette).unwrap(), &frames).unwrap();
+    let bytes = memory.0.lock().unwrap().clone();
+    Shown::decode(&bytes)
+}
+
+/// CIE 1976 colour difference of two sRGB pixels.
+fn colour_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> f64 {
+    let lab = |c: &Rgba<u8>| {
+        let linear = |k: usize| {
+            let v = f64::from(c.0[k]) / 255.0;
+            if v <= 0.040_45 {
+                v / 12.92
+            } else {
+                ((v + 0.055) / 1.055).powf(2.4)
+            }
+        };
+        let [r, g, b] = [0, 1, 2].map(linear);
+        let xyz = [
+            (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.950_47,
+            0.2126 * r + 0.7152 * g + 0.0722 * b,
+            (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.088_83,
+        ];
+        let [x, y, z] = xyz.map(|t: f64| {
+            if t > 216.0 / 24_389.0 {
+                t.cbrt()
+            } else {
+                (24_389.0 / 27.0 * t + 16.0) / 116.0
+            }
+        });
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    };
+    let (a, b) = (lab(a), lab(b));
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
 #[test]
 fn the_palette_is_exact_up_to_255_colours_and_clustered_above() {
     let ramp = |n: u32| {

@@ -4,6 +4,7 @@ mod export_files;
 mod export_formats;
 mod export_gif;
 mod iterate_films;
+mod lettering;
 mod pictures;
 mod plots;
 mod scene_pictures;

@@ -223,7 +223,7 @@ fn bodies_stay_apart_in_a_palette() {
         let sampled = (0..count).step_by(count / 10);
         let frames = sampled.map(|k| draw(&staging, &mut renderer, k));
         let frames: Vec<RgbaImage> = frames.collect();
-        let palette = Palette::from_samples(&frames, &staging.flat_colours(), 255);
+        let palette = Palette::from_samples(&frames, &staging.needed_colours(), 255);
         let between = draw(&staging, &mut renderer, count / 7);
         let mut moved: Vec<f64> = between
             .pixels()

@@ -29,7 +29,7 @@ fn model(scene: &Scene, trajectory: &Trajectory) -> ExportModel {
     };
     let camera = Staging::new(scene, trajectory, options).stage.camera;
     let samples = 0..trajectory.samples.len();
-    of_motion(scene, trajectory, samples, Some((camera, 4.0 / 3.0)))
+    of_motion(scene, trajectory, samples, Some((camera, 4.0 / 3.0)), None)
 }
 
 fn written(
@@ -296,7 +296,7 @@ fn nothing_is_invented_where_there_is_no_pose() {
 
 fn pose(name: &str, sample: usize) -> (Scene, ExportModel) {
     let (scene, trajectory) = solved(name);
-    let model = of_motion(&scene, &trajectory, sample..sample + 1, None);
+    let model = of_motion(&scene, &trajectory, sample..sample + 1, None, None);
     (scene, model)
 }
 

@@ -1,0 +1,358 @@
+//! Lines between the surfaces of one tile: which samples lie on one, and the colours mixed with the ink.
+
+use super::assembly::TriangleAssembly;
+use super::cell::{NOTHING, PixelCell};
+use super::lens::Lens;
+use super::samples::{LANES, SUBPIXELS, SamplePattern};
+use super::translucent::Layers;
+use super::view::RasterView;
+use super::window::{AREA, TILE, Window, for_inner};
+use crate::render::Stage;
+use crate::render::colour::ToneCurve;
+use crate::render::edges::{BACKDROP, Edges, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
+use crate::render::look::{Rgb, mix_values};
+
+/// The samples of a pixel show several surfaces.
+const MIXED: u32 = 2;
+
+/// Another sample near one of a pixel: columns and rows away, and which of that pixel's.
+type Neighbour = (i32, i32, usize);
+
+/// Finds the lines of tiles; kept for its memory.
+#[derive(Clone, Debug)]
+pub(super) struct Outlines {
+    samples: usize,
+    /// Pixels that a line reaches into beside the border that it follows.
+    reach: i32,
+    ink: Rgb,
+    /// For each sample of a pixel all others within half a line's width.
+    near: Vec<Vec<Neighbour>>,
+    /// Surface and nearness of every sample.
+    surface: Vec<u32>,
+    depth: Vec<f32>,
+    /// The surface of each pixel, or `MIXED`.
+    whole: Vec<u32>,
+    /// The surface of a pixel if those beside it in its row show it too, or `MIXED`.
+    steady: Vec<u32>,
+    /// The surface of all pixels of a row, or `MIXED`.
+    rows: [u32; TILE],
+    /// For each pixel the samples on a line, a bit each.
+    marks: Vec<u16>,
+}
+
+/// Pixels around a tile that its lines depend on; 0 without lines.
+pub(super) fn apron(stage: &Stage) -> i32 {
+    match stage.edges {
+        Some(_) => Edges::half_width(stage.size[1], stage.samples).ceil() as i32,
+        None => 0,
+    }
+}
+
+impl Outlines {
+    pub(super) fn new<const G: usize>(stage: &Stage, pattern: &SamplePattern<G>) -> Option<Self> {
+        let edges = stage.edges?;
+        let reach = apron(stage);
+        let half_width = Edges::half_width(stage.size[1], stage.samples);
+        let samples = pattern.samples;
+        let place = |s: usize| {
+            let unit = f64::from(SUBPIXELS);
+            let (x, y) = (pattern.x.as_flattened()[s], pattern.y.as_flattened()[s]);
+            [f64::from(x) / unit, f64::from(y) / unit]
+        };
+        let near = (0..samples).map(|s| {
+            let own = place(s);
+            let mut list = Vec::new();
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    for other in 0..samples {
+                        let there = place(other);
+                        let x = f64::from(dx) + there[0] - own[0];
+                        let y = f64::from(dy) + there[1] - own[1];
+                        let itself = (dx, dy, other) == (0, 0, s);
+                        if !itself && x * x + y * y <= half_width * half_width {
+                            list.push((dx, dy, other));
+                        }
+                    }
+                }
+            }
+            list
+        });
+        Some(Self {
+            samples,
+            reach,
+            ink: ToneCurve::shared().decode_rgb(edges.ink),
+            near: near.collect(),
+            surface: vec![BACKDROP; AREA * samples],
+            depth: vec![0.0; AREA * samples],
+            whole: vec![BACKDROP; AREA],
+            steady: vec![MIXED; AREA],
+            rows: [MIXED; TILE],
+            marks: vec![0; AREA],
+        })
+    }
+
+    /// Takes over what the opaque samples of a tile show.
+    pub(super) fn read<const G: usize>(
+        &mut self,
+        assembly: &TriangleAssembly,
+        cells: &[PixelCell<G>],
+    ) {
+        let mut known = (NOTHING, BACKDROP);
+        let own = self.surface.chunks_exact_mut(LANES * G);
+        let own = own.zip(self.depth.chunks_exact_mut(LANES * G));
+        for ((surfaces, depths), cell) in own.zip(cells) {
+            depths.copy_from_slice(cell.depth.as_flattened());
+            for (surface, facet) in surfaces.iter_mut().zip(cell.facet.as_flattened()) {
+                if *facet != known.0 {
+                    known = (*facet, assembly.surface(*facet));
+                }
+                *surface = known.1;
+            }
+        }
+    }
+
+    /// Takes over what is nearest of the translucent layers.
+    pub(super) fn read_over(&mut self, assembly: &TriangleAssembly, layers: &Layers) {
+        for pixel in (0..AREA).filter(|pixel| layers.touch(*pixel)) {
+            for sample in pixel * self.samples..(pixel + 1) * self.samples {
+                if let Some((facet, depth)) = layers.nearest(sample) {
+                    self.surface[sample] = assembly.surface(facet);
+                    self.depth[sample] = depth;
+                }
+            }
+        }
+    }
+
+    /// A colour in a pixel with the share of ink that is on it.
+    #[inline(always)]
+    pub(super) fn inked(&self, pixel: usize, rgb: Rgb) -> Rgb {
+        let share = self.marks[pixel].count_ones() as f32 / self.samples as f32;
+        [0, 1, 2].map(|k| mix_values(rgb[k], self.ink[k], STRENGTH * share))
+    }
+
+    /// Finds the samples of `inner` that are on a line; with `over` only lines with a translucent side.
+    pub(super) fn find(&mut self, lens: &Lens, window: Window, inner: Window, over: bool) {
+        let least = if over { TRANSLUCENT } else { FIRST };
+        self.read_pixels(window);
+        let jump = JUMP * lens.pixel();
+        for y in inner.y[0]..=inner.y[1] {
+            let row = Window { y: [y; 2], ..inner };
+            if self.is_bare(window, y, least) {
+                for_inner(window, row, |pixel, _, _| self.marks[pixel] = 0);
+                continue;
+            }
+            for_inner(window, row, |pixel, x, y| {
+                let at = (pixel, x, y);
+                let own = self.whole[pixel];
+                let calm = self.is_calm(window, pixel, y, own);
+                self.marks[pixel] = match own {
+                    _ if calm && own < least => 0,
+                    _ if calm => self.steps(lens, window, at, jump),
+                    _ => {
+                        self.borders(window, at, over) | self.jumps(lens, window, at, (jump, least))
+                    }
+                };
+            });
+        }
+    }
+
+    /// Whether no line can come into a row: it and the rows that a line could come from show one surface below `least`.
+    fn is_bare(&self, window: Window, y: i32, least: u32) -> bool {
+        let first = (y - self.reach).max(window.y[0]) - window.y[0];
+        let last = (y + self.reach).min(window.y[1]) - window.y[0];
+        let rows = &self.rows[first as usize..=last as usize];
+        rows[0] != MIXED && rows[0] < least && rows.iter().all(|row| *row == rows[0])
+    }
+
+    fn read_pixels(&mut self, window: Window) {
+        match self.samples {
+            4 => self.read_pixels_of::<4>(window),
+            8 => self.read_pixels_of::<8>(window),
+            16 => self.read_pixels_of::<16>(window),
+            2 => self.read_pixels_of::<2>(window),
+            _ => self.read_pixels_of::<1>(window),
+        }
+    }
+
+    fn read_pixels_of<const S: usize>(&mut self, window: Window) {
+        let columns = (window.x[1] - window.x[0] + 1) as usize;
+        let reach = self.reach as usize;
+        let (samples, _) = self.surface.as_chunks::<S>();
+        for row in 0..(window.y[1] - window.y[0] + 1) as usize {
+            let pixels = row * TILE..row * TILE + columns;
+            let whole = &mut self.whole[pixels.clone()];
+            for (whole, own) in whole.iter_mut().zip(&samples[pixels.clone()]) {
+                *whole = if *own == [own[0]; S] { own[0] } else { MIXED };
+            }
+            let steady = &mut self.steady[pixels];
+            self.rows[row] = whole[0];
+            // A run of one surface is steady but for its ends, where these are not the picture's.
+            let mut start = 0;
+            while start < columns {
+                let own = whole[start];
+                let run = whole[start..].iter().take_while(|w| **w == own);
+                let end = start + run.count();
+                steady[start..end].fill(MIXED);
+                let first = if start == 0 { 0 } else { start + reach };
+                let last = if end == columns {
+                    end
+                } else {
+                    end.saturating_sub(reach)
+                };
+                if first < last {
+                    steady[first..last].fill(own);
+                }
+                if start > 0 {
+                    self.rows[row] = MIXED;
+                }
+                start = end;
+            }
+        }
+    }
+
+    /// Whether all pixels that a line could come from show the surface `own`.
+    #[inline(always)]
+    fn is_calm(&self, window: Window, pixel: usize, y: i32, own: u32) -> bool {
+        let up = (y - window.y[0]).min(self.reach) as usize;
+        let down = (window.y[1] - y).min(self.reach) as usize;
+        let column = (pixel - up * TILE..=pixel + down * TILE).step_by(TILE);
+        own != MIXED && column.into_iter().all(|p| self.steady[p] == own)
+    }
+
+    /// Samples near to another surface.
+    fn borders(&self, window: Window, (pixel, x, y): (usize, i32, i32), over: bool) -> u16 {
+        let mut marks = 0;
+        for (s, near) in self.near.iter().enumerate() {
+            let own = self.surface[pixel * self.samples + s];
+            if own == NO_LINES {
+                continue;
+            }
+            let other = near.iter().any(|(dx, dy, other)| {
+                let (x, y) = (x + dx, y + dy);
+                let within =
+                    window.x[0] <= x && x <= window.x[1] && window.y[0] <= y && y <= window.y[1];
+                let there = pixel as i32 + dy * TILE as i32 + dx;
+                within && {
+                    let surface = self.surface[there as usize * self.samples + other];
+                    let is_over = surface.max(own) >= TRANSLUCENT;
+                    surface != own && surface != NO_LINES && (!over || is_over)
+                }
+            });
+            marks |= u16::from(other) << s;
+        }
+        marks
+    }
+
+    /// What [`Self::jumps`] finds in a pixel around which all is one surface.
+    #[inline(always)]
+    fn steps(
+        &self,
+        lens: &Lens,
+        window: Window,
+        (pixel, x, y): (usize, i32, i32),
+        jump: f32,
+    ) -> u16 {
+        match self.samples {
+            4 => self.steps_of::<4>(lens, window, (pixel, x, y), jump),
+            8 => self.steps_of::<8>(lens, window, (pixel, x, y), jump),
+            16 => self.steps_of::<16>(lens, window, (pixel, x, y), jump),
+            2 => self.steps_of::<2>(lens, window, (pixel, x, y), jump),
+            _ => self.steps_of::<1>(lens, window, (pixel, x, y), jump),
+        }
+    }
+
+    #[inline(always)]
+    fn steps_of<const S: usize>(
+        &self,
+        lens: &Lens,
+        window: Window,
+        (pixel, x, y): (usize, i32, i32),
+        jump: f32,
+    ) -> u16 {
+        let step = self.reach;
+        let (depths, _) = self.depth.as_chunks::<S>();
+        let own = &depths[pixel];
+        let bends = |away: usize| {
+            let (before, after) = (&depths[pixel - away], &depths[pixel + away]);
+            let mut least = [0.0f32; S];
+            for s in 0..S {
+                let limit = if lens.perspective {
+                    jump * own[s]
+                } else {
+                    jump
+                };
+                least[s] = before[s] + after[s] - 2.0 * own[s] + limit;
+            }
+            least
+        };
+        let mut marks = 0;
+        let mut add = |bends: [f32; S]| {
+            if bends.iter().any(|bend| *bend < 0.0) {
+                for (s, bend) in bends.iter().enumerate() {
+                    marks |= u16::from(*bend < 0.0) << s;
+                }
+            }
+        };
+        if x - step >= window.x[0] && x + step <= window.x[1] {
+            add(bends(step as usize));
+        }
+        if y - step >= window.y[0] && y + step <= window.y[1] {
+            add(bends(step as usize * TILE));
+        }
+        marks
+    }
+
+    /// Samples before which their own surface falls back: the part of the nearness that is not affine over the screen.
+    fn jumps(
+        &self,
+        lens: &Lens,
+        window: Window,
+        (pixel, x, y): (usize, i32, i32),
+        (jump, least): (f32, u32),
+    ) -> u16 {
+        let step = self.reach;
+        let across = x - step >= window.x[0] && x + step <= window.x[1];
+        let along = y - step >= window.y[0] && y + step <= window.y[1];
+        let mut marks = 0;
+        for s in 0..self.samples {
+            let sample = pixel * self.samples + s;
+            let (own, depth) = (self.surface[sample], self.depth[sample]);
+            if own < least {
+                continue;
+            }
+            let limit = if lens.perspective { jump * depth } else { jump };
+            let falls = |possible: bool, pixels: usize| {
+                let away = pixels * self.samples;
+                possible && {
+                    let (before, after) = (sample - away, sample + away);
+                    let bend = self.depth[before] + self.depth[after] - 2.0 * depth;
+                    bend < -limit && self.surface[before] == own && self.surface[after] == own
+                }
+            };
+            let falls = falls(across, step as usize) || falls(along, step as usize * TILE);
+            marks |= u16::from(falls) << s;
+        }
+        marks
+    }
+
+    /// Mixes the ink into the pixels of `inner`; `bare` marks a pixel whose colour is still the backdrop's.
+    pub(super) fn ink(
+        &self,
+        view: &RasterView,
+        window: Window,
+        inner: Window,
+        (colours, bare): (&mut [Rgb], Rgb),
+    ) {
+        for_inner(window, inner, |pixel, x, y| {
+            let marks = self.marks[pixel];
+            if marks == 0 {
+                return;
+            }
+            let colour = &mut colours[pixel];
+            if *colour == bare {
+                *colour = view.backdrop.linear(x as usize, y as usize, view.shadow).0;
+            }
+            *colour = self.inked(pixel, *colour);
+        });
+    }
+}

@@ -1,0 +1,158 @@
+//! Lines that part surfaces: silhouettes, creases and the borders between bodies. What both renderers share of them.
+//!
+//! Every sample of a picture knows the surface it shows. A sample is on a line if another surface is nearer to it than
+//! half the line's width, or if the depth of its own surface jumps beside it. Lines are mixed in where samples are: in
+//! linear light, a share of each pixel.
+
+use super::Instance;
+use crate::geometry::Mesh;
+
+/// Width of a line in 480ths of the picture's height.
+const WIDTH: f64 = 1.15;
+
+/// Least half width in pixels by which samples of a pixel see their neighbours: 1, 2, 4 and more samples.
+const LEAST_HALF_WIDTH: [(u32, f64); 4] = [(1, 1.01), (2, 0.75), (4, 0.6), (u32::MAX, 0.5)];
+
+/// Greatest half width in pixels, which those of pictures of some 14 000 rows have.
+const MOST_HALF_WIDTH: f64 = 8.0;
+
+/// Share of a pixel's light that a line takes where it covers all of it.
+pub const STRENGTH: f32 = 0.82;
+
+/// A step of one surface's depth within a line's half width is a silhouette from this many pixels on.
+pub const JUMP: f32 = 8.0;
+
+/// The surface of what draws no lines and takes none, such as a trace.
+pub const NO_LINES: u32 = 0;
+
+/// The surface of what is behind all bodies.
+pub const BACKDROP: u32 = 1;
+
+/// The first surface of bodies; one number before it is for the renderers' own use.
+pub const FIRST: u32 = 3;
+
+/// Set in translucent surfaces. Lines of what is opaque are drawn first and seen through them; over them only lines with
+/// a translucent side are drawn.
+pub const TRANSLUCENT: u32 = 1 << 31;
+
+/// The surface of the first patch of an instance, and the step from patch to patch. With `creases` patches are surfaces
+/// of their own, of which `before` belong to the instances before.
+pub fn surface(instance: &Instance, creases: bool, before: u32) -> [u32; 2] {
+    let flag = if instance.opacity < 1.0 {
+        TRANSLUCENT
+    } else {
+        0
+    };
+    let number = |n: u32| ((n % (TRANSLUCENT - FIRST)) + FIRST) | flag;
+    match instance.outline {
+        None => [NO_LINES, 0],
+        Some(_) if creases => [number(before), 1],
+        Some(body) => [number(body), 0],
+    }
+}
+
+/// The lines of a stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edges {
+    /// Creases and the borders between the solids of a body as well, not only outlines of bodies.
+    pub creases: bool,
+    /// sRGB colour.
+    pub ink: [u8; 3],
+}
+
+impl Edges {
+    /// Half the width of the lines in pixels, in a picture `height` pixels high with `samples` a pixel.
+    pub fn half_width(height: u32, samples: u32) -> f64 {
+        let least = LEAST_HALF_WIDTH.iter().find(|(most, _)| samples <= *most);
+        let least = least.map_or(0.0, |(_, least)| *least);
+        (0.5 * WIDTH / 480.0 * f64::from(height)).clamp(least, MOST_HALF_WIDTH)
+    }
+}
+
+/// The smooth patch that each vertex of a mesh belongs to, and their number: two triangles are of one patch if a chain of
+/// common vertices joins them. Where a mesh has a crease, its sides have vertices of their own.
+pub fn patches(mesh: &Mesh) -> (Vec<u32>, u32) {
+    let count = mesh.positions.len();
+    let mut parent: Vec<u32> = (0..count as u32).collect();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| i as usize);
+        if a.max(b).max(c) < count {
+            join(&mut parent, a, b);
+            join(&mut parent, b, c);
+        }
+    }
+    let mut patch = vec![u32::MAX; count];
+    let mut number = 0;
+    let numbered = (0..count).map(|vertex| {
+        let root = root(&mut parent, vertex);
+        if patch[root] == u32::MAX {
+            patch[root] = number;
+            number += 1;
+        }
+        patch[root]
+    });
+    let numbered = numbered.collect();
+    (numbered, number)
+}
+
+fn root(parent: &mut [u32], mut vertex: usize) -> usize {
+    while parent[vertex] as usize != vertex {
+        // Halving the way for those who come later.
+        parent[vertex] = parent[parent[vertex] as usize];
+        vertex = parent[vertex] as usize;
+    }
+    vertex
+}
+
+fn join(parent: &mut [u32], a: usize, b: usize) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    let (low, high) = (a.min(b), a.max(b));
+    parent[high] = low as u32;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh_of;
+    use crate::model::shape::Solid;
+    use glam::DVec3;
+
+    #[test]
+    fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
+        let solid = [
+            Solid::Box {
+                center: DVec3::ZERO,
+                size: DVec3::ONE,
+            },
+            Solid::Cylinder {
+                from: DVec3::ZERO,
+                to: DVec3::Z,
+                radius: 0.3,
+            },
+            Solid::Sphere {
+                center: DVec3::X,
+                radius: 2.0,
+            },
+            Solid::Capsule {
+                from: DVec3::ZERO,
+                to: DVec3::Y,
+                radius: 0.2,
+            },
+            Solid::Torus {
+                center: DVec3::ZERO,
+                axis: DVec3::Z,
+                ring: 2.0,
+                tube: 0.5,
+            },
+        ];
+        let counts = solid.map(|solid| patches(&mesh_of(&solid, 0.01)).1);
+        assert_eq!(counts, [6, 3, 1, 1, 1]);
+    }
+
+    #[test]
+    fn lines_grow_with_the_picture() {
+        let widths = [240, 480, 2160].map(|height| Edges::half_width(height, 4));
+        assert!(widths.is_sorted() && widths[2] > 2.5);
+        assert!(Edges::half_width(480, 1) > 1.0);
+    }
+}

@@ -1,0 +1,92 @@
+//! Texts fitted into the picture: made smaller, then broken into lines, never cut.
+
+use crate::render::text::{Face, set_text};
+use std::sync::LazyLock;
+
+/// How small a text may get before it is broken into lines, over its usual size.
+const SMALLEST: f64 = 0.8;
+
+/// Measures texts; what it rasterises nobody sees.
+static FACE: LazyLock<Face> = LazyLock::new(Face::new);
+
+/// How pieces of text fit side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// Height of the capitals in pixels.
+    pub size: f64,
+    gap: &'static str,
+    /// Pieces that begin a line.
+    starts: Vec<usize>,
+}
+
+impl Fitted {
+    /// The pieces with their gaps and line breaks.
+    pub fn text(&self, pieces: &[String]) -> String {
+        let mut text = String::new();
+        for (index, piece) in pieces.iter().enumerate() {
+            if index > 0 {
+                let breaks = self.starts.contains(&index);
+                text.push_str(if breaks { "\n" } else { self.gap });
+            }
+            text.push_str(piece);
+        }
+        text
+    }
+}
+
+/// Width and height of a text with capitals `size` pixels high.
+pub fn extent(text: &str, size: f64) -> [f64; 2] {
+    let setting = set_text(&FACE, text, size);
+    [setting.width, setting.height]
+}
+
+/// `pieces` side by side with `gap` between them, in a room of `room` pixels: at `size` if they fit, smaller if that is
+/// enough, else in lines.
+pub fn fit(pieces: &[String], gap: &'static str, size: f64, room: f64) -> Fitted {
+    let fitted = |size: f64, starts: Vec<usize>| Fitted { size, gap, starts };
+    let width = extent(&pieces.join(gap), size)[0];
+    if width <= room || pieces.is_empty() {
+        return fitted(size, Vec::new());
+    }
+    if SMALLEST * width <= room {
+        return fitted(size * room / width, Vec::new());
+    }
+    let widest = pieces.iter().map(|piece| extent(piece, 1.0)[0]);
+    let widest = widest.fold(0.0, f64::max);
+    let size = (SMALLEST * size).min(room / widest.max(f64::MIN_POSITIVE));
+    let mut starts = Vec::new();
+    let mut line = String::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        let longer = format!("{line}{gap}{piece}");
+        if index > 0 && extent(&longer, size)[0] <= room {
+            line = longer;
+        } else {
+            starts.push(index);
+            line.clone_from(piece);
+        }
+    }
+    fitted(size, starts)
+}
+
+/// The words of a text, to be fitted with single blanks between them.
+pub fn words(text: &str) -> Vec<String> {
+    text.split_whitespace().map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_wider_than_its_room() {
+        let title = words("Truck gearshift, original dimensions, seen from the left");
+        for room in [40.0, 90.0, 200.0, 400.0, 900.0] {
+            let fitted = fit(&title, " ", 17.0, room);
+            let text = fitted.text(&title);
+            let [width, _] = extent(&text, fitted.size);
+            assert!(width <= room + 1e-9, "{room}: {width} {fitted:?}");
+            assert_eq!(words(&text), title);
+        }
+        assert_eq!(fit(&title, " ", 17.0, 900.0).size, 17.0);
+    }
+}

@@ -1,0 +1,92 @@
+//! Links of a scene without bodies: rods between the places of their joints, and the room that these take.
+
+use super::joints;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::model::chain::ArgumentValue;
+use crate::model::mechanism::Mechanism;
+use crate::model::shape::Solid;
+use glam::DVec3;
+
+/// Colours of links, apart in lightness too (Okabe and Ito, Color Universal Design, 2008).
+const COLOURS: [[u8; 3]; 7] = [
+    [0x00, 0x72, 0xb2],
+    [0xe6, 0x9f, 0x00],
+    [0x00, 0x9e, 0x73],
+    [0xcc, 0x79, 0xa7],
+    [0x56, 0xb4, 0xe9],
+    [0xd5, 0x5e, 0x00],
+    [0xf0, 0xe4, 0x42],
+];
+
+/// Samples looked at for the room of the joints.
+const MAX_SAMPLES: usize = 64;
+
+/// Places nearer together than this share of a rod's radius are one.
+const SAME: f64 = 1e-3;
+
+/// A link that is drawn: its number in the table of links, its solids in the link's frame, its colour.
+pub struct DrawnLink {
+    /// Index of the link.
+    pub link: usize,
+    /// Rods between the places of its joints.
+    pub solids: Vec<Solid>,
+    /// sRGB.
+    pub colour: [u8; 3],
+}
+
+/// All links with two joints or more but the frame, which is drawn as ground; rods have the radius `radius`.
+pub fn drawn(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
+    let table = &mechanism.joints;
+    let links = (1..table.links.len()).filter_map(|link| {
+        let mut places: Vec<DVec3> = Vec::new();
+        let frames = table
+            .list
+            .iter()
+            .flat_map(|joint| [&joint.before, &joint.after]);
+        for frame in frames.filter(|frame| frame.link == link) {
+            let place = frame.link_from_here.translation;
+            if places.iter().all(|p| p.distance(place) > SAME * radius) {
+                places.push(place);
+            }
+        }
+        let count = places.len();
+        // Three places or more make a closed polygon.
+        let rods = if count > 2 {
+            count
+        } else {
+            count.saturating_sub(1)
+        };
+        let rod = |k: usize| Solid::Capsule {
+            from: places[k],
+            to: places[(k + 1) % count],
+            radius,
+        };
+        let solids: Vec<Solid> = (0..rods).map(rod).collect();
+        (!solids.is_empty()).then(|| DrawnLink {
+            link,
+            solids,
+            colour: COLOURS[(link - 1) % COLOURS.len()],
+        })
+    });
+    links.collect()
+}
+
+/// Places of all joints over the motion.
+pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
+    let placed = joints::placed_joints(mechanism);
+    let closed = trajectory.samples.iter();
+    let closed: Vec<_> = closed.filter_map(|s| Some((s, s.pose.as_ref()?))).collect();
+    let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
+    let values = closed
+        .into_iter()
+        .step_by(stride)
+        .map(|(sample, pose)| joints::argument_values(mechanism, sample, pose));
+    let points = values.flat_map(|values: Vec<ArgumentValue>| {
+        let places = placed
+            .iter()
+            .flat_map(|joint| [&joint.before, &joint.after]);
+        let places = places.map(|chain| chain.pose(&values).translation);
+        places.collect::<Vec<DVec3>>()
+    });
+    points.filter(|point| point.is_finite()).collect()
+}
