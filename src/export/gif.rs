@@ -3,7 +3,7 @@
 use super::costs::{Loss, Pixel};
 use super::delta::PixelArea;
 use super::error::ExportError;
-use super::gif_file::{Block, GifFile, table};
+use super::gif_file::{GifBlock, GifFile, table};
 use super::mapping::Mapper;
 use super::matching::Matcher;
 use super::own_table::{OwnTable, translation};
@@ -82,11 +82,11 @@ pub struct GifSink {
     settings: GifSettings,
     palette: Arc<Palette>,
     /// What is coded with the palette.
-    table: Table,
+    table: ColourTable,
     screen: Screen,
     sent: Vec<u8>,
     /// The frame waiting for its delay: equal frames that follow lengthen it.
-    pending: Block,
+    pending: GifBlock,
     delay: u32,
     summary: ExportSummary,
 }
@@ -120,7 +120,7 @@ impl GifSink {
                 got: 0,
             });
         }
-        let table = Table::new(&palette, settings.quality);
+        let table = ColourTable::new(&palette, settings.quality);
         let size = settings.size.map(|s| s as u16);
         let repeat = settings.repeat && frames > 1;
         let file = GifFile::new(output, size, palette.colours(), table.bits, repeat)?;
@@ -164,18 +164,18 @@ impl GifSink {
     }
 
     /// A frame in the colours of the palette; `None` if nothing changes.
-    fn plain(&mut self, pixels: &[[u8; 4]]) -> Option<Block> {
+    fn plain(&mut self, pixels: &[[u8; 4]]) -> Option<GifBlock> {
         let mut block = self.table.unchanged();
         let (area, pixels) = self.screen.changes(pixels, None)?;
         let matcher = &mut self.table.matcher;
         matcher.encode(pixels, &mut self.sent, &mut block.codes);
         self.screen.show(&area, &self.sent);
-        Some(Block { area, ..block })
+        Some(GifBlock { area, ..block })
     }
 
     /// A frame with a table of its own.
-    fn with_table(&mut self, pixels: &[[u8; 4]], own: &OwnTable) -> Option<Block> {
-        let mut local = Table::new(&own.palette, self.settings.quality);
+    fn with_table(&mut self, pixels: &[[u8; 4]], own: &OwnTable) -> Option<GifBlock> {
+        let mut local = ColourTable::new(&own.palette, self.settings.quality);
         let (global, colours) = (self.palette.colours(), own.palette.colours());
         let into = translation(global, colours, local.transparent);
         self.screen.change_table(&into, local.transparent);
@@ -191,7 +191,7 @@ impl GifSink {
         }
         let back = translation(colours, global, self.table.transparent);
         self.screen.change_table(&back, self.table.transparent);
-        Some(Block {
+        Some(GifBlock {
             area: changed?,
             table: Some(table(colours, local.bits)),
             ..block
@@ -200,7 +200,7 @@ impl GifSink {
 }
 
 /// A table of colours with what codes pixels in it.
-struct Table {
+struct ColourTable {
     matcher: Matcher,
     /// The first index after the colours, which means "as before"; there is always room for it.
     transparent: u8,
@@ -208,7 +208,7 @@ struct Table {
     bits: u8,
 }
 
-impl Table {
+impl ColourTable {
     fn new(palette: &Palette, quality: Quality) -> Self {
         let colours = palette.colours();
         let transparent = colours.len().min(255) as u8;
@@ -227,8 +227,8 @@ impl Table {
     }
 
     /// A block of one pixel without codes.
-    fn unchanged(&self) -> Block {
-        Block {
+    fn unchanged(&self) -> GifBlock {
+        GifBlock {
             area: PixelArea::whole([1, 1]),
             codes: Vec::new(),
             transparent: self.transparent,

@@ -14,7 +14,7 @@ pub(super) struct GifFile {
 
 /// A frame as it is stored.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
+pub(super) struct GifBlock {
     /// What it covers.
     pub(super) area: PixelArea,
     /// The size of the symbols in bits and the LZW stream.
@@ -64,7 +64,7 @@ impl GifFile {
     }
 
     /// Adds a frame, shown for `delay` hundredths and left in place.
-    pub(super) fn add_frame(&mut self, block: &Block, delay: u16) -> Result<(), ExportError> {
+    pub(super) fn add_frame(&mut self, block: &GifBlock, delay: u16) -> Result<(), ExportError> {
         let area = &block.area;
         let frame = Frame {
             delay,

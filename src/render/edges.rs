@@ -4,7 +4,6 @@
 //! half the line's width, or if the depth of its own surface jumps beside it. Lines are mixed in where samples are: in
 //! linear light, a share of each pixel.
 
-use super::Instance;
 use crate::geometry::Mesh;
 
 /// Width of a line in 480ths of the picture's height.
@@ -35,16 +34,12 @@ pub const FIRST: u32 = 3;
 /// a translucent side are drawn.
 pub const TRANSLUCENT: u32 = 1 << 31;
 
-/// The surface of the first patch of an instance, and the step from patch to patch. With `creases` patches are surfaces
-/// of their own, of which `before` belong to the instances before.
-pub fn surface(instance: &Instance, creases: bool, before: u32) -> [u32; 2] {
-    let flag = if instance.opacity < 1.0 {
-        TRANSLUCENT
-    } else {
-        0
-    };
+/// The surface of the first patch of an instance of the body `outline`, and the step from patch to patch. With `creases`
+/// patches are surfaces of their own, of which `before` belong to the instances before.
+pub fn first_surface(outline: Option<u32>, opacity: f64, creases: bool, before: u32) -> [u32; 2] {
+    let flag = if opacity < 1.0 { TRANSLUCENT } else { 0 };
     let number = |n: u32| ((n % (TRANSLUCENT - FIRST)) + FIRST) | flag;
-    match instance.outline {
+    match outline {
         None => [NO_LINES, 0],
         Some(_) if creases => [number(before), 1],
         Some(body) => [number(body), 0],

@@ -2,10 +2,9 @@
 
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
-use super::outlines::apron;
 use super::samples::SamplePattern;
 use super::solid::SolidPixels;
-use super::window::{Window, pitch};
+use super::window::{Window, apron, pitch};
 use crate::math::narrow_pose;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
@@ -191,7 +190,12 @@ impl TriangleAssembly {
             flat: instance.flat.clamp(0.0, 1.0) as f32,
             opacity: instance.opacity.clamp(0.0, 1.0) as f32,
         });
-        let surface = edges::surface(instance, self.creases, self.surfaces);
+        let surface = edges::first_surface(
+            instance.outline,
+            instance.opacity,
+            self.creases,
+            self.surfaces,
+        );
         self.first_surface.push(surface);
         let Some(solid) = solid else { return };
         self.surfaces += solid.patch_count;

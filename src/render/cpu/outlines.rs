@@ -6,7 +6,7 @@ use super::lens::Lens;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
 use super::translucent::Layers;
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_inner};
+use super::window::{AREA, TILE, Window, apron, for_inner};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{BACKDROP, Edges, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
@@ -38,14 +38,6 @@ pub(super) struct Outlines {
     rows: [u32; TILE],
     /// For each pixel the samples on a line, a bit each.
     marks: Vec<u16>,
-}
-
-/// Pixels around a tile that its lines depend on; 0 without lines.
-pub(super) fn apron(stage: &Stage) -> i32 {
-    match stage.edges {
-        Some(_) => Edges::half_width(stage.size[1], stage.samples).ceil() as i32,
-        None => 0,
-    }
 }
 
 impl Outlines {

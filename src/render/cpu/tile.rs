@@ -170,8 +170,10 @@ impl<const G: usize> Tile<G> {
     fn blend(&mut self, view: &RasterView, parts: (Window, Window)) {
         self.lay_under(parts);
         let lines = self.outlines.as_ref();
+        let inked =
+            |pixel: usize, rgb: [f32; 3]| lines.map_or(rgb, |lines| lines.inked(pixel, rgb));
         self.layers
-            .blend(view, parts, lines, &mut self.batch, &mut self.colour);
+            .blend(view, parts, inked, &mut self.batch, &mut self.colour);
         if let Some(outlines) = &mut self.outlines {
             outlines.read_over(view.assembly, &self.layers);
             outlines.find(view.lens, parts.0, parts.1, true);

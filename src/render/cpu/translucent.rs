@@ -5,7 +5,6 @@
 
 use super::assembly::TileBin;
 use super::cell::{NOTHING, PixelCell};
-use super::outlines::Outlines;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
 use super::shading::{ShadingBatch, normal_at, unit_vector};
@@ -29,7 +28,7 @@ struct Fragment {
 
 /// A facet in a pixel: it is lit once for all samples there.
 #[derive(Clone, Copy, Debug)]
-struct Surface {
+struct LitSurface {
     facet: i32,
     pixel: u32,
     opacity: f32,
@@ -41,7 +40,7 @@ pub(super) struct Layers {
     /// The farthest fragment of each sample.
     farthest: Vec<u32>,
     fragments: Vec<Fragment>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<LitSurface>,
     /// Linear colours of the surfaces.
     colours: Vec<Rgb>,
     /// The opaque surface behind each sample of the pixels that are touched.
@@ -105,10 +104,10 @@ impl Layers {
 
     /// The surface of a facet in a pixel; the samples of a pixel come one after the other.
     fn surface(&mut self, facet: i32, pixel: u32, opacity: f32) -> u32 {
-        let is_last = |s: &Surface| s.facet == facet && s.pixel == pixel;
+        let is_last = |s: &LitSurface| s.facet == facet && s.pixel == pixel;
         if !self.surfaces.last().is_some_and(is_last) {
             self.touched[pixel as usize] = true;
-            self.surfaces.push(Surface {
+            self.surfaces.push(LitSurface {
                 facet,
                 pixel,
                 opacity,
@@ -154,13 +153,13 @@ impl Layers {
         });
     }
 
-    /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `lines` are those of
-    /// what is opaque.
+    /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `inked` lays
+    /// the lines of what is opaque over a colour in a pixel.
     pub(super) fn blend(
         &mut self,
         view: &RasterView,
         (window, inner): (Window, Window),
-        lines: Option<&Outlines>,
+        inked: impl Fn(usize, Rgb) -> Rgb,
         batch: &mut ShadingBatch,
         pixels: &mut [Rgb],
     ) {
@@ -170,7 +169,7 @@ impl Layers {
             if self.touched[pixel] {
                 let own = pixel * samples..(pixel + 1) * samples;
                 let mut sum = [0.0; 3];
-                for rgb in own.map(|sample| self.seen(sample, (pixel, lines))) {
+                for rgb in own.map(|sample| self.seen(sample, |rgb| inked(pixel, rgb))) {
                     sum = [0, 1, 2].map(|k| sum[k] + rgb[k]);
                 }
                 pixels[pixel] = sum.map(|c| c / samples as f32);
@@ -179,12 +178,12 @@ impl Layers {
     }
 
     /// The colour of a sample.
-    fn seen(&self, sample: usize, (pixel, lines): (usize, Option<&Outlines>)) -> Rgb {
+    fn seen(&self, sample: usize, inked: impl Fn(Rgb) -> Rgb) -> Rgb {
         let behind = self.behind[sample] as usize;
         let mut rgb = self.colours.get(behind).copied().unwrap_or_default();
         let mut at = self.farthest[sample];
-        if let Some(lines) = lines.filter(|_| at != NONE) {
-            rgb = lines.inked(pixel, rgb);
+        if at != NONE {
+            rgb = inked(rgb);
         }
         while let Some(fragment) = self.fragments.get(at as usize) {
             let surface = fragment.surface as usize;

@@ -1,7 +1,7 @@
 //! Tiles, and the part of one that lies in the picture.
 
-use super::outlines::apron;
 use crate::render::Stage;
+use crate::render::edges::Edges;
 
 /// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
 /// cache holds.
@@ -41,4 +41,12 @@ pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32))
 /// Pixels from tile to tile: the samples of a tile's apron are its own as well.
 pub(super) fn pitch(stage: &Stage) -> u32 {
     TILE as u32 - 2 * apron(stage).unsigned_abs()
+}
+
+/// Pixels around a tile that its lines depend on; 0 without lines.
+pub(super) fn apron(stage: &Stage) -> i32 {
+    match stage.edges {
+        Some(_) => Edges::half_width(stage.size[1], stage.samples).ceil() as i32,
+        None => 0,
+    }
 }

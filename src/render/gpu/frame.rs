@@ -59,7 +59,8 @@ impl DrawPlan {
             let Some(span) = spans.get(instance.mesh).copied() else {
                 continue;
             };
-            let surface = edges::surface(instance, creases, surfaces);
+            let surface =
+                edges::first_surface(instance.outline, instance.opacity, creases, surfaces);
             surfaces += span.patches;
             let data = instance_data(instance, camera_from_world, surface);
             if instance.opacity >= 1.0 {

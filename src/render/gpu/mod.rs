@@ -11,6 +11,7 @@ mod frame;
 mod layout;
 mod peel;
 mod pipelines;
+mod recipe;
 mod shader;
 mod shadow;
 mod target;
@@ -49,7 +50,7 @@ pub struct GpuRenderer {
     bindings: wgpu::BindGroup,
     surfaces: wgpu::BindGroup,
     /// Depths of translucent layers, where the adapter draws by them.
-    layers: Option<peel::Layers>,
+    layers: Option<peel::PeeledLayers>,
     /// The camera of the globals.
     camera: Camera,
     /// Whether the ground's upper side is seen through it.

@@ -7,11 +7,11 @@
 use super::device::Device;
 use super::formats::DEPTH_FORMAT;
 use super::frame::Draw;
-use super::pipelines::{BODY, Recipe, body_buffers, render_pipeline};
+use super::recipe::{BODY, Recipe, body_buffers, render_pipeline};
 use super::shader;
 use super::target::DrawTarget;
 
-/// Layers of a convex body are two, of a torus four; a body that has more loses its nearest ones.
+/// PeeledLayers of a convex body are two, of a torus four; a body that has more loses its nearest ones.
 const LAYERS_OF_BODY: usize = 4;
 
 /// Most layers of a picture.
@@ -73,7 +73,7 @@ impl Peel {
     }
 
     /// The depths of two layers and what the next one is found against.
-    pub fn layers(&self, device: &Device, target: &DrawTarget) -> Layers {
+    pub fn layers(&self, device: &Device, target: &DrawTarget) -> PeeledLayers {
         let depths = [0, 1].map(|_| target.depths(device));
         let group = |view: &wgpu::TextureView| {
             device.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -85,7 +85,7 @@ impl Peel {
                 }],
             })
         };
-        Layers {
+        PeeledLayers {
             behind: [group(&target.depth), group(&depths[0]), group(&depths[1])],
             depths,
         }
@@ -93,14 +93,14 @@ impl Peel {
 }
 
 /// Depths of layers in turn.
-pub struct Layers {
+pub struct PeeledLayers {
     /// Of the present layer and the one behind it, which change places.
     pub depths: [wgpu::TextureView; 2],
     /// The depths of what is opaque and of the two.
     pub behind: [wgpu::BindGroup; 3],
 }
 
-/// Layers that a picture with these translucent draws needs.
+/// PeeledLayers that a picture with these translucent draws needs.
 pub fn layers_of(translucent: &[Draw]) -> usize {
     (LAYERS_OF_BODY * translucent.len()).min(MOST_LAYERS)
 }

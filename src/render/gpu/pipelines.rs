@@ -1,9 +1,9 @@
 //! The ways of drawing: bodies with and without their back faces, translucent faces, the ground, and lines over all.
 
 use super::device::Device;
-use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT, SURFACE_FORMAT};
-use super::layout::{GpuVertex, InstanceData};
+use super::formats::COLOUR_FORMAT;
 use super::peel::Peel;
+use super::recipe::{BODY, Recipe, colour_target, render_pipeline};
 use wgpu::Face;
 
 /// All pipelines of one number of samples; clones are the same ones.
@@ -30,35 +30,6 @@ pub struct Pipelines {
     /// Layout of group 1, for lines: the surfaces.
     pub surfaces: wgpu::BindGroupLayout,
 }
-
-/// What tells one pipeline from another.
-pub(super) struct Recipe {
-    pub(super) label: &'static str,
-    pub(super) vertex: &'static str,
-    pub(super) fragment: &'static str,
-    pub(super) cull: Option<Face>,
-    pub(super) blend: Option<wgpu::BlendState>,
-    pub(super) compare: wgpu::CompareFunction,
-    pub(super) instanced: bool,
-}
-
-/// Opaque bodies, both sides.
-pub(super) const BODY: Recipe = Recipe {
-    label: "open bodies",
-    vertex: "body_vertex",
-    fragment: "body_opaque",
-    cull: None,
-    blend: None,
-    // Reversed depth: greater is nearer.
-    compare: wgpu::CompareFunction::Greater,
-    instanced: true,
-};
-
-const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 7 => Uint32];
-const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
-    2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Float32, 8 => Uint32x2
-];
 
 impl Pipelines {
     /// Compiles the shaders; failures are the device's to report (`Device::check`).
@@ -145,80 +116,6 @@ fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
-/// Buffers of vertices and of instances.
-pub(super) fn body_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
-    [
-        Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<GpuVertex>() as u64,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &VERTEX_ATTRIBUTES,
-        }),
-        Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<InstanceData>() as u64,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &INSTANCE_ATTRIBUTES,
-        }),
-    ]
-}
-
-/// A pipeline into colours and surfaces.
-pub(super) fn render_pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    module: &wgpu::ShaderModule,
-    sample_count: u32,
-    recipe: &Recipe,
-) -> wgpu::RenderPipeline {
-    let buffers = body_buffers();
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(recipe.label),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(recipe.vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: if recipe.instanced { &buffers } else { &[] },
-        },
-        primitive: wgpu::PrimitiveState {
-            cull_mode: recipe.cull,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(recipe.blend.is_none()),
-            depth_compare: Some(recipe.compare),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState {
-            count: sample_count,
-            ..wgpu::MultisampleState::default()
-        },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(recipe.fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[
-                target(COLOUR_FORMAT, recipe.blend),
-                target(SURFACE_FORMAT, None),
-            ],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-fn target(
-    format: wgpu::TextureFormat,
-    blend: Option<wgpu::BlendState>,
-) -> Option<wgpu::ColorTargetState> {
-    Some(wgpu::ColorTargetState {
-        format,
-        blend,
-        write_mask: wgpu::ColorWrites::ALL,
-    })
-}
-
 fn surface_layout(device: &wgpu::Device, multisampled: bool) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("surfaces"),
@@ -266,7 +163,7 @@ fn lines_pipeline(
             module,
             entry_point: Some(fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[target(
+            targets: &[colour_target(
                 COLOUR_FORMAT,
                 Some(wgpu::BlendState::ALPHA_BLENDING),
             )],
