@@ -69,6 +69,8 @@ pub mod geometry;
 #[doc(hidden)]
 pub mod import;
 #[doc(hidden)]
+pub mod intervals;
+#[doc(hidden)]
 pub mod jobs;
 #[doc(hidden)]
 pub mod kinematics;

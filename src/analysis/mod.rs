@@ -2,6 +2,7 @@
 
 pub mod cloud;
 pub mod enclosure;
+pub mod extremes;
 pub mod observer;
 pub mod optimise;
 pub mod random;

@@ -40,8 +40,8 @@ impl Distribution {
 pub struct Linear {
     /// Root of the sum of squares of slope times tolerance.
     pub root_sum_square: f64,
-    /// Sum of their magnitudes: all dimensions at their worst at once.
-    pub worst_case: f64,
+    /// Sum of their magnitudes: all dimensions at their worst at once, by the linear rule. Pieces can be farther out.
+    pub linear_sum: f64,
     /// Standard deviation if the dimensions scatter as [`Distribution`] says.
     pub deviation: f64,
 }
@@ -60,7 +60,7 @@ pub fn linear_tolerance(
             let parts = || row.iter().zip(tolerances);
             Linear {
                 root_sum_square: parts().map(|(d, t)| d * t).fold(0.0, square).sqrt(),
-                worst_case: parts().map(|(d, t)| (d * t).abs()).sum(),
+                linear_sum: parts().map(|(d, t)| (d * t).abs()).sum(),
                 deviation: parts()
                     .map(|(d, t)| d * distribution.deviation(*t))
                     .fold(0.0, square)

@@ -5,8 +5,10 @@ mod allowed;
 mod measures;
 mod motion;
 mod plan;
+mod stretches;
 
 pub use allowed::{Allowed, allowed_motion};
 pub use measures::{MeasureBand, enclose_measures};
-pub use motion::{Band, Bands, Enclosed, Obstacle, enclose_motion, shown_names};
+pub use motion::{Band, Bands, Enclosed, Obstacle, Stretch, enclose_motion, shown_names};
 pub use plan::{Dimension, MOST_DIMENSIONS, Plan};
+pub use stretches::enclose_stretches;

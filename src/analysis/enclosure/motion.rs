@@ -2,12 +2,15 @@
 //! range that pieces take.
 
 use super::plan::{Plan, sized};
+use crate::analysis::study::ParametricMechanism;
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::block::Unbounded;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::enclosure::region::Tolerance;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::motion::continuation::solve_unproved;
 use crate::kinematics::results::certificate::Reason;
+use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -66,6 +69,17 @@ pub struct Enclosed {
     pub bands: Result<Bands, Obstacle>,
 }
 
+/// The time between two samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Seconds.
+    pub from: f64,
+    /// Seconds.
+    pub until: f64,
+    /// Least and greatest value of every number that has a band, over all its times, or why they are not known.
+    pub bands: Result<Vec<[f64; 2]>, Obstacle>,
+}
+
 /// Names and kinds of what has a band.
 pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
     let unknowns = mechanism.unknowns.iter().map(|u| (u.name.clone(), u.kind));
@@ -79,8 +93,7 @@ pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
 /// Bands at `times`. `search` asks for the range that is found, too.
 pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) -> Vec<Enclosed> {
     let family = plan.family;
-    let motion = solve_unproved(family.system(), &family.actuation, times);
-    let samples = motion.of_one_motion();
+    let samples = samples_at(family, times);
     let encloser = Encloser::new(family.system());
     let work = |solver: &mut PoseSolver, index: usize| {
         let sample = &samples[index];
@@ -102,6 +115,15 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
     list.into_iter().map(|(_, enclosed)| enclosed).collect()
 }
 
+/// The samples at `times`, followed from the start of the drive, so that they are of its branch.
+pub(super) fn samples_at(family: &ParametricMechanism, times: &[f64]) -> Vec<Sample> {
+    let begins = times.first().is_none_or(|t| *t == 0.0);
+    let lead: &[f64] = if begins { &[] } else { &[0.0] };
+    let all = [lead, times].concat();
+    let motion = solve_unproved(family.system(), &family.actuation, &all);
+    motion.of_one_motion().split_off(lead.len())
+}
+
 /// The enclosure of all pieces beside a closed pose.
 pub(super) fn enclosed_pose<const N: usize>(
     plan: &Plan,
@@ -109,9 +131,20 @@ pub(super) fn enclosed_pose<const N: usize>(
     solver: &mut PoseSolver,
     pose: &[f64],
 ) -> Result<PoseEnclosure<N>, Obstacle> {
+    pose_enclosure(plan, encloser, solver, pose, &plan.tolerances(pose))
+}
+
+/// The same with tolerances of one's own.
+pub(super) fn pose_enclosure<const N: usize>(
+    plan: &Plan,
+    encloser: &Encloser,
+    solver: &mut PoseSolver,
+    pose: &[f64],
+    tolerances: &[Tolerance],
+) -> Result<PoseEnclosure<N>, Obstacle> {
     let bases = solver.best_rows(pose);
-    let (open, tolerances) = (plan.input_open(pose), plan.tolerances(pose));
-    Ok(encloser.enclose(pose, &open, &tolerances, &bases)?)
+    let open = plan.input_open(pose);
+    Ok(encloser.enclose(pose, &open, tolerances, &bases)?)
 }
 
 fn coordinate_bands<const N: usize>(

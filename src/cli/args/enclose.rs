@@ -37,6 +37,9 @@ pub struct EncloseArgs {
     /// Do not look for pieces near the ends of the bands.
     #[arg(long)]
     pub no_search: bool,
+    /// Prove bands between the samples, too: they hold for all pieces at all times.
+    #[arg(long, conflicts_with_all = ["at", "allow"])]
+    pub between: bool,
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,

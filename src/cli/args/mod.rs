@@ -72,7 +72,7 @@ pub enum Command {
     Snapshot(SnapshotArgs),
     /// Derivatives of the study's measures by every dimension, ranked.
     Sensitivity(SensitivityArgs),
-    /// Tolerance analysis of the study's measures: worst case, root-sum-square and Monte Carlo.
+    /// Tolerance analysis of the study's measures: linear sums, random pieces, and what no piece is beyond.
     Tolerance(ToleranceArgs),
     /// Bands that no piece within its tolerances leaves: the motion and its measures for all dimensions in their intervals.
     Enclose(EncloseArgs),

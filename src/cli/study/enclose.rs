@@ -1,8 +1,8 @@
 //! `mechanim enclose`: bands of the motion and its measures that no piece within its tolerances leaves.
 
 use crate::analysis::enclosure::{
-    Enclosed, MOST_DIMENSIONS, MeasureBand, Obstacle, Plan, allowed_motion, enclose_measures,
-    enclose_motion, shown_names,
+    Enclosed, MOST_DIMENSIONS, MeasureBand, Obstacle, Plan, Stretch, allowed_motion,
+    enclose_measures, enclose_motion, enclose_stretches, shown_names,
 };
 use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
@@ -48,6 +48,10 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         return allow_pieces(&plan, name, *limit, &times, threads, term);
     }
     let motion = enclose_motion(&plan, &times, threads, !args.no_search);
+    let stretches = match args.between {
+        true => enclose_stretches(&plan, &times, threads),
+        false => Vec::new(),
+    };
     let measures = measures_of(&plan)?;
     if let Some(path) = &args.out {
         write_out(
@@ -56,6 +60,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
             &plan,
             &motion,
             measures.as_ref().map(|m| &m.1[..]),
+            &stretches,
         )?;
     }
     if let (Some(path), Some(format)) = (&args.plot, format) {
@@ -78,6 +83,9 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         .iter()
         .filter_map(|e| report::refusal_text(&plan, e))
         .collect();
+    if args.between {
+        text += &report::between(&plan, &stretches);
+    }
     for line in refused.iter().take(MOST_TOLD) {
         text += &format!("\n  {line}");
     }
@@ -88,6 +96,9 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         text.push('\n');
     }
     io::print_beside(term, args.out.as_deref(), &text)?;
+    if stretches.iter().any(|s| s.bands.is_err()) {
+        return Ok(Outcome::CheckFailed);
+    }
     Ok(enclose_outcome(
         &plan,
         &motion,
@@ -168,10 +179,16 @@ fn piece_tolerances(
             "nothing has a tolerance: name parameters with --vary, or write --param NAME=880+-0.2";
         return Err(Failure::usage(message, Vec::new()));
     }
-    if all.len() > MOST_DIMENSIONS {
+    // Between samples the inputs are dimensions as well.
+    let inputs = if args.between {
+        mechanism.inputs.len()
+    } else {
+        0
+    };
+    if all.len() + inputs > MOST_DIMENSIONS {
         let message = format!(
             "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}",
-            all.len()
+            all.len() + inputs
         );
         return Err(Failure::usage(
             message,
@@ -265,23 +282,24 @@ fn write_out(
     plan: &Plan,
     motion: &[Enclosed],
     measures: Option<&[MeasureBand]>,
+    stretches: &[Stretch],
 ) -> Result<(), Failure> {
     let searched = !args.no_search;
     let is_json = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    match is_json {
-        true => io::write_json(
-            &args.scene,
-            path,
-            &report::enclosure_document(plan, motion, measures, searched),
-        ),
-        false => io::write_text(
+    if !is_json {
+        return io::write_text(
             &args.scene,
             path,
             &report::enclosure_csv(plan, motion, searched),
-        ),
+        );
     }
+    let mut document = report::enclosure_document(plan, motion, measures, searched);
+    if args.between {
+        document["stretches"] = report::stretches(plan, stretches);
+    }
+    io::write_json(&args.scene, path, &document)
 }
 
 /// Indices of the quantities that are drawn.

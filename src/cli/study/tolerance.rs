@@ -1,6 +1,8 @@
 //! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
-use crate::analysis::study::{Evaluator, Gradients};
+use crate::analysis::enclosure::{MOST_DIMENSIONS, MeasureBand, Plan, enclose_measures};
+use crate::analysis::extremes::found;
+use crate::analysis::study::{Evaluator, Gradients, Nominal, ParametricMechanism};
 use crate::analysis::tolerance::{
     Distribution, Linear, Pieces, SampleBatch, linear_tolerance, sample_pieces,
 };
@@ -15,7 +17,9 @@ use crate::cli::term::progress::Progress;
 use crate::export::{ExportError, Output, Target};
 use crate::jobs::core_count;
 use crate::model::measure::Measure;
+use crate::model::mechanism::Kind;
 use crate::report::cells::{aligned_rows, quoted_cell, six_digits};
+use crate::report::enclosure::{outer_end, rounded_end};
 use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::time::Instant;
@@ -56,10 +60,13 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     };
     let start = Instant::now();
     let mut evaluator = Evaluator::new(family);
-    let nominal = evaluator.nominal(family.nominal()?.poses);
+    let drawn = family.nominal()?;
+    let nominal = evaluator.nominal(drawn.poses.clone());
     let gradients = evaluator
         .gradients(&nominal)
         .map_err(|refusal| opened.refused(&evaluator, &nominal, &refusal))?;
+    let corners = found(&mut evaluator, &nominal, &gradients, &tolerances);
+    let bands = never_beyond(family, &drawn, &tolerances);
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);
     // The pieces made so far are worth waiting for.
@@ -77,6 +84,8 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         opened: &opened,
         args,
         linear: linear_tolerance(&gradients, &tolerances, distribution),
+        corners,
+        bands,
         gradients,
         pieces: made,
         seconds: start.elapsed().as_secs_f64(),
@@ -99,6 +108,21 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         )));
     }
     Ok(Outcome::Done)
+}
+
+/// What no piece within its tolerances is beyond; empty where that is not proved.
+fn never_beyond(
+    family: &ParametricMechanism,
+    drawn: &Nominal,
+    tolerances: &[f64],
+) -> Vec<MeasureBand> {
+    let variables = &family.study.variables;
+    if !family.kept.is_empty() || variables.len() > MOST_DIMENSIONS {
+        return Vec::new();
+    }
+    let named = variables.iter().map(|v| v.name.clone());
+    let list: Vec<(String, f64)> = named.zip(tolerances.iter().copied()).collect();
+    enclose_measures(&Plan::new(family, &list), drawn).unwrap_or_default()
 }
 
 /// Tolerance of every variable: the study's, else the one of the command line.
@@ -133,6 +157,10 @@ struct ToleranceReport<'a> {
     args: &'a ToleranceArgs,
     gradients: Gradients,
     linear: Vec<Linear>,
+    /// Least and greatest value at corners of the tolerances.
+    corners: Vec<[f64; 2]>,
+    /// What no piece is beyond; empty where a pose of a track has no box.
+    bands: Vec<MeasureBand>,
     pieces: Pieces,
     seconds: f64,
 }
@@ -144,7 +172,7 @@ impl ToleranceReport<'_> {
             "measure",
             "nominal",
             "RSS",
-            "worst case",
+            "linear sum",
             "deviation",
             "linear",
             "0.1 %",
@@ -152,13 +180,17 @@ impl ToleranceReport<'_> {
             "50 %",
             "95 %",
             "99.9 %",
+            "least found",
+            "greatest found",
+            "never below",
+            "never above",
         ];
         let mut rows = vec![heads.map(str::to_owned).to_vec()];
         for (index, measure) in self.opened.family.measures.list.iter().enumerate() {
             let unit = self.opened.family.units(measure.kind);
             let Linear {
                 root_sum_square,
-                worst_case,
+                linear_sum,
                 deviation,
             } = self.linear[index];
             let nominal = self.gradients.measures[index];
@@ -169,12 +201,14 @@ impl ToleranceReport<'_> {
             let numbers = [
                 nominal,
                 root_sum_square,
-                worst_case,
+                linear_sum,
                 scatter.deviation,
                 deviation,
             ];
             let numbers = numbers.iter().chain(&scatter.quantiles);
             row.extend(numbers.map(|v| six_digits(v * unit)));
+            row.extend(self.found(index).map(|v| six_digits(v * unit)));
+            row.extend(self.never_beyond(index, measure.kind));
             rows.push(row);
         }
         let samples = self.pieces.made;
@@ -186,7 +220,9 @@ impl ToleranceReport<'_> {
         );
         text.push_str(&aligned_rows(&rows));
         text.push_str(
-            "\nRSS and worst case: linear, of the tolerances. Deviation: of the pieces, and what the linear rule expects.\n",
+            "\nRSS and linear sum: of the tolerances, by the linear rule, which pieces can exceed. Deviation: of the pieces, and what \
+             the linear rule expects.\nFound: of the pieces and of corners within the tolerances. Never beyond: proved for all pieces within their \
+             tolerances.\n",
         );
         let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
         if self.opened.family.measures.list.iter().any(limited) {
@@ -201,6 +237,25 @@ impl ToleranceReport<'_> {
             self.pieces.digest, self.seconds
         ));
         text
+    }
+
+    /// The least and greatest value of a measure among the pieces and the corners.
+    fn found(&self, index: usize) -> [f64; 2] {
+        let values = self.pieces.values.iter().skip(index);
+        let values = values.step_by(self.pieces.measures.max(1));
+        // The comparison leaves out pieces without a value.
+        values.fold(self.corners[index], |[lo, hi], v| [v.min(lo), v.max(hi)])
+    }
+
+    /// The proved ends of a measure, rounded outwards.
+    fn never_beyond(&self, index: usize, kind: Kind) -> [String; 2] {
+        let mechanism = self.opened.family.mechanism();
+        let band = self.bands.get(index);
+        let ends = band.map_or([f64::NAN; 2], |b| [b.lo, b.hi]);
+        [(ends[0], -1.0), (ends[1], 1.0)].map(|(end, side)| match end.is_finite() {
+            true => outer_end(end, kind, mechanism, side),
+            false => "not bounded".to_owned(),
+        })
     }
 
     fn document(&self) -> Value {
@@ -220,11 +275,13 @@ impl ToleranceReport<'_> {
                 json!({
                     "nominal": self.gradients.measures[index] * unit,
                     "root_sum_square": linear.root_sum_square * unit,
-                    "worst_case": linear.worst_case * unit,
+                    "linear_sum": linear.linear_sum * unit,
                     "linear_deviation": linear.deviation * unit,
                     "mean": scatter.as_ref().map(|s| s.mean * unit),
                     "deviation": scatter.as_ref().map(|s| s.deviation * unit),
                     "quantiles": quantiles,
+                    "found": self.found(index).map(|v| v * unit),
+                    "never_beyond": self.proved(index, measure.kind),
                 }),
             );
         }
@@ -240,6 +297,20 @@ impl ToleranceReport<'_> {
             "digest": format!("{:016x}", self.pieces.digest),
             "measures": measures,
         })
+    }
+
+    /// The proved ends of a measure as numbers; null where it is not bounded.
+    fn proved(&self, index: usize, kind: Kind) -> Value {
+        let mechanism = self.opened.family.mechanism();
+        let Some(band) = self
+            .bands
+            .get(index)
+            .filter(|b| b.lo.is_finite() && b.hi.is_finite())
+        else {
+            return Value::Null;
+        };
+        let end = |v: f64, side: f64| rounded_end(v, kind, mechanism, side).parse::<f64>().ok();
+        json!([end(band.lo, -1.0), end(band.hi, 1.0)])
     }
 
     fn csv(&self, target: &mut Target) -> std::io::Result<()> {

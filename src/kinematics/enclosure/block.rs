@@ -8,7 +8,8 @@
 //! one pose in the box for every δ, if η + |A| w < w;    dx/dδ = S - G - A (dx/dδ - S)
 //! ```
 //!
-//! G vanishes at δ = 0, so that η is of second order, and what the derivatives leave open of third.
+//! η is taken along x + S δ, A over the box. G vanishes at δ = 0, so that η is of second order, and what the derivatives leave
+//! open of third.
 
 use super::region::Region;
 use super::rows::{Layout, Rows};
@@ -21,8 +22,8 @@ use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::{Ring, Scalar};
 
-/// The first box, as a share of the change of first order.
-const FIRST_SHARE: f64 = 0.05;
+/// The first box, as a multiple of η.
+const FIRST_SHARE: f64 = 2.0;
 
 /// No box is narrower, in scaled unknowns: rounding of the residual takes as much.
 const NARROWEST: f64 = 1e-13;
@@ -34,7 +35,7 @@ const WIDENED: f64 = 1.5;
 const NARROWED: f64 = 1.1;
 
 /// Boxes that are tried.
-const ATTEMPTS: usize = 8;
+const ATTEMPTS: usize = 10;
 
 /// A box that was mapped to more than this share of itself is good enough.
 const SHARP: f64 = 0.6;
@@ -94,21 +95,28 @@ pub fn enclose_block<const N: usize>(
 ) -> Result<(), Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
     let (n, m) = (centre.n, region.count);
-    // A first box from the rates along the dimensions and the Newton step.
+    // Along x + S δ itself: what the box adds to it is in |A| w.
+    centre.place(layout, region, &vec![0.0; n]);
+    let mut farthest = centre.farthest(layout, mechanism, m);
+    let refused = |reason: Reason, dimension| Unbounded { reason, dimension };
+    let eta = centre.map(layout, basis, region);
+    let eta = eta.map_err(|reason| refused(reason, farthest))?.eta;
+    // A first box from what the rows are off along the tangent.
     let mut box_of: Vec<f64> = (0..n)
         .map(|i| {
             let slot = layout.block.unknowns[i];
-            let moved: f64 = centre.rates[i * m..][..m].iter().map(|s| s.abs()).sum();
-            FIRST_SHARE * moved + 10.0 * centre.newton[i] + NARROWEST * mechanism.scale_of(slot)
+            FIRST_SHARE * eta[i] + NARROWEST * mechanism.scale_of(slot)
         })
         .collect();
-    let mut farthest = None;
     let mut passed: Option<(Mapped<N>, Vec<f64>)> = None;
     for _ in 0..ATTEMPTS {
         // The map of the whole box; where its image lies inside, every piece has a root there.
         centre.place(layout, region, &box_of);
-        let mapped = centre.map(layout, basis, region)?;
-        farthest = farthest.or_else(|| mapped.farthest());
+        let Ok(mut mapped) = centre.map(layout, basis, region) else {
+            break;
+        };
+        mapped.eta.clone_from(&eta);
+        farthest = mapped.farthest().or(farthest);
         let image = mapped.image(&box_of);
         let inside = image.iter().zip(&box_of).all(|(y, w)| y < w);
         if !inside && passed.is_some() {
@@ -117,8 +125,14 @@ pub fn enclose_block<const N: usize>(
         // Not inside: the box is widened. Inside: it is narrowed while that pays.
         let share = image_ratio(&image, &box_of);
         if !inside {
+            if !share.is_finite() {
+                break;
+            }
+            // Sides that hold stay: if all grew, those that do not hold would be run after for ever.
             let wider = image.iter().zip(&box_of);
-            box_of = wider.map(|(y, w)| WIDENED * y.max(*w)).collect();
+            box_of = wider
+                .map(|(y, w)| if y < w { *w } else { WIDENED * y })
+                .collect();
             continue;
         }
         let swept = (0..SWEEPS).fold(image, |w, _| mapped.image(&w));
@@ -129,10 +143,7 @@ pub fn enclose_block<const N: usize>(
         box_of = swept.iter().map(|w| NARROWED * w).collect();
     }
     let Some((mapped, box_of)) = passed else {
-        return Err(Unbounded {
-            reason: Reason::Singular,
-            dimension: farthest,
-        });
+        return Err(refused(Reason::Singular, farthest));
     };
     centre.settle(layout, region, &mapped, &box_of);
     Ok(())
@@ -198,6 +209,17 @@ impl Centre {
         })
     }
 
+    /// The dimension that moves the unknowns most.
+    fn farthest(&self, layout: &Layout, mechanism: &Mechanism, m: usize) -> Option<usize> {
+        let moved = |k: usize| {
+            let slots = layout.block.unknowns.iter().enumerate();
+            let scaled =
+                slots.map(|(i, slot)| self.rates[i * m + k].abs() / mechanism.scale_of(*slot));
+            scaled.fold(0.0, f64::max)
+        };
+        (0..m).max_by(|a, b| moved(*a).total_cmp(&moved(*b)))
+    }
+
     /// Puts the block's unknowns where they are to be looked for.
     fn place<const N: usize>(&self, layout: &Layout, region: &mut Region<N>, box_of: &[f64]) {
         let m = region.count;
@@ -214,11 +236,11 @@ impl Centre {
         layout: &Layout,
         basis: &[usize],
         region: &Region<N>,
-    ) -> Result<Mapped<N>, Unbounded> {
+    ) -> Result<Mapped<N>, Reason> {
         let (n, m, columns) = (self.n, region.count, layout.slots.len());
         let rows: Rows<AffineForm<N>> = layout.rows(&region.slots);
         if !rows.jacobian.iter().all(|entry| entry.is_finite()) {
-            return Err(Reason::Formula.into());
+            return Err(Reason::Formula);
         }
         // Fₖ of the rows of the basis.
         let mut by_dimension = vec![AffineForm::ZERO; n * m];

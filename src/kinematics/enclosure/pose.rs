@@ -6,6 +6,7 @@ use super::region::{Region, Tolerance};
 use super::rows::{Layout, Rates, expression_gradient};
 use super::twists::Twists;
 use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Mechanism, OutputSource};
@@ -51,6 +52,10 @@ impl<'s> Encloser<'s> {
         bases: &[Vec<usize>],
     ) -> Result<PoseEnclosure<N>, Unbounded> {
         let mechanism = self.system.mechanism();
+        if tolerances.len() > N {
+            // No form has room for them.
+            return Err(Reason::Formula.into());
+        }
         let mut region = Region::new(pose, mechanism.unknowns.len(), input_open, tolerances);
         for (layout, basis) in self.layouts.iter().zip(bases) {
             enclose_block(mechanism, layout, basis, &mut region)?;

@@ -10,6 +10,7 @@ use super::source::{Source, sources};
 const FLOORS: &[&[&str]] = &[
     &["diag.rs", "limits.rs", "math.rs", "jobs.rs", "linalg/"],
     &["numbers/"],
+    &["intervals/"],
     &["model/"],
     &["geometry/", "distance/"],
     &["scene/"],
@@ -46,6 +47,7 @@ const FLOORS: &[&[&str]] = &[
 /// Rooms that use no more of lower floors than this: none of them knows a mechanism.
 const NARROW: &[(&str, &[&str])] = &[
     ("numbers/", &["math.rs"]),
+    ("intervals/", &["linalg/", "math.rs", "numbers/"]),
     (
         "geometry/",
         &["diag.rs", "limits.rs", "math.rs", "model/shape.rs"],

@@ -3,5 +3,8 @@
 mod absence;
 mod certificate_bounds;
 mod certificates;
+mod dyads;
+mod enclosure;
+mod interval_systems;
 mod printed_rows;
 mod tubes;

@@ -130,7 +130,7 @@ fn random_pieces_do_not_depend_on_threads_or_on_how_they_are_shared() {
     let deviation = 0.2 / 3.0_f64.sqrt();
     assert!((stroke["linear_deviation"].as_f64().unwrap() - deviation).abs() < 1e-12);
     assert!((stroke["deviation"].as_f64().unwrap() - deviation).abs() < 0.006);
-    assert!((stroke["worst_case"].as_f64().unwrap() - 0.2).abs() < 1e-12);
+    assert!((stroke["linear_sum"].as_f64().unwrap() - 0.2).abs() < 1e-12);
     let other = run(&["--samples", "1000", "--seed", "2"]);
     assert_ne!(digest(&other), digest(&one));
 }

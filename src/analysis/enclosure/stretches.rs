@@ -1,0 +1,131 @@
+//! Bands between the samples: the inputs of a whole stretch of the drive are dimensions like the others, so that one box
+//! holds the poses of all pieces at all its times. Stretches that are too long are halved.
+
+use super::motion::{Obstacle, Stretch, pose_enclosure, samples_at};
+use super::plan::{Plan, sized};
+use crate::jobs::share_work;
+use crate::kinematics::enclosure::pose::Encloser;
+use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::motion::sampling::knot_times;
+use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::numbers::interval::Interval;
+use crate::numbers::rounding::GROW;
+
+/// How often a stretch is halved.
+const MOST_HALVINGS: u32 = 6;
+
+/// Ends of the bands between neighbours of `times`, and of the times where an input has a key, a kink or a jump.
+pub fn enclose_stretches(plan: &Plan, times: &[f64], threads: usize) -> Vec<Stretch> {
+    let family = plan.family;
+    let all = knot_times(&family.actuation, times);
+    let ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
+    let samples = samples_at(family, &middles);
+    let encloser = Encloser::new(family.system());
+    let work = |solver: &mut PoseSolver, index: usize| {
+        let [from, until] = ends[index];
+        let bands = match &samples[index].pose {
+            None => Err(Obstacle::NoPose),
+            Some(pose) => {
+                let pose = [pose.unknowns.as_slice(), &samples[index].inputs].concat();
+                let place = Place {
+                    plan,
+                    encloser: &encloser,
+                    pose,
+                };
+                place.bands(solver, [from, until], MOST_HALVINGS)
+            }
+        };
+        Some(Stretch { from, until, bands })
+    };
+    let make = || PoseSolver::new(family.system());
+    let list = share_work(ends.len(), threads, make, work);
+    list.into_iter().map(|(_, stretch)| stretch).collect()
+}
+
+/// A pose in the middle of a stretch.
+struct Place<'p> {
+    plan: &'p Plan<'p>,
+    encloser: &'p Encloser<'p>,
+    pose: Vec<f64>,
+}
+
+impl Place<'_> {
+    /// Ends of all bands over a stretch, in halves if need be.
+    fn bands(
+        &self,
+        solver: &mut PoseSolver,
+        [from, until]: [f64; 2],
+        halvings: u32,
+    ) -> Result<Vec<[f64; 2]>, Obstacle> {
+        let refusal = match self.whole(solver, [from, until]) {
+            Ok(bands) => return Ok(bands),
+            Err(refusal) if halvings == 0 => return Err(refusal),
+            Err(refusal) => refusal,
+        };
+        let middle = 0.5 * from + 0.5 * until;
+        let mut all: Option<Vec<[f64; 2]>> = None;
+        for half in [[from, middle], [middle, until]] {
+            let inputs = self.inputs_at(0.5 * half[0] + 0.5 * half[1]);
+            let pose = solver.step(&self.pose, &inputs, 1).ok_or(refusal)?;
+            let place = Place { pose, ..*self };
+            let bands = place.bands(solver, half, halvings - 1)?;
+            all = Some(match all {
+                None => bands,
+                Some(before) => before
+                    .iter()
+                    .zip(&bands)
+                    .map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])])
+                    .collect(),
+            });
+        }
+        all.ok_or(refusal)
+    }
+
+    /// The scene's own inputs at a time; dimensions stay.
+    fn inputs_at(&self, time: f64) -> Vec<f64> {
+        self.plan.family.actuation.inputs_at(time)
+    }
+
+    fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
+        let tolerances = self.tolerances(stretch);
+        sized!(tolerances.len(), N => {
+            let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, &self.pose, &tolerances)?;
+            let mechanism = self.plan.family.mechanism();
+            let unknowns = 0..mechanism.unknowns.len();
+            let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
+            let ends = shown.map(|slot| {
+                let range = enclosure.slot(slot).range();
+                [range.lo, range.hi]
+            });
+            Ok(ends.collect())
+        })
+    }
+
+    /// The dimensions, and the inputs that move over the stretch.
+    fn tolerances(&self, [from, until]: [f64; 2]) -> Vec<Tolerance> {
+        let family = self.plan.family;
+        let mut list = self.plan.tolerances(&self.pose);
+        let first = family.mechanism().unknowns.len();
+        let middle = 0.5 * from + 0.5 * until;
+        for (k, drive) in family
+            .actuation
+            .drives
+            .iter()
+            .enumerate()
+            .take(family.own_inputs())
+        {
+            let range: Interval = drive.value_beside(Interval::new(from, until), middle);
+            let half_width = range.distance(self.pose[first + k]) * GROW;
+            match list.iter_mut().find(|t| t.slot == first + k) {
+                Some(known) => known.half_width = (known.half_width + half_width) * GROW,
+                None if half_width > 0.0 => list.push(Tolerance {
+                    slot: first + k,
+                    half_width,
+                }),
+                None => {}
+            }
+        }
+        list
+    }
+}

@@ -1,0 +1,51 @@
+//! The least and the greatest value of every measure that pieces within their tolerances were found to have: the corner that
+//! the signs of the gradient point to, the one that they point to there, and so on.
+
+use super::study::{Evaluator, Gradients, TrackPoses};
+
+/// Corners that are looked at on the way to an extreme.
+const ROUNDS: usize = 4;
+
+/// The least and greatest value found of every measure, from the piece with the file's dimensions on.
+pub fn found(
+    evaluator: &mut Evaluator,
+    nominal: &TrackPoses,
+    gradients: &Gradients,
+    tolerances: &[f64],
+) -> Vec<[f64; 2]> {
+    let mut found: Vec<[f64; 2]> = gradients.measures.iter().map(|v| [*v; 2]).collect();
+    for index in 0..found.len() {
+        for sign in [-1.0, 1.0] {
+            let mut row = gradients.rows[index].clone();
+            let mut last: Vec<f64> = Vec::new();
+            for _ in 0..ROUNDS {
+                let corner = corner(nominal, &row, tolerances, sign);
+                if corner == last {
+                    break;
+                }
+                let Ok(stand) = evaluator.approach(nominal, &corner) else {
+                    break;
+                };
+                let stand = evaluator.settled(stand);
+                let Ok(there) = evaluator.gradients(&stand) else {
+                    break;
+                };
+                // A corner may be extreme for other measures as well.
+                for (known, value) in found.iter_mut().zip(&there.measures) {
+                    *known = [known[0].min(*value), known[1].max(*value)];
+                }
+                row.clone_from(&there.rows[index]);
+                last = corner;
+            }
+        }
+    }
+    found
+}
+
+/// The corner of the tolerances towards which `sign` times a function with this gradient grows.
+fn corner(nominal: &TrackPoses, gradient: &[f64], tolerances: &[f64], sign: f64) -> Vec<f64> {
+    let parts = nominal.values.iter().zip(gradient).zip(tolerances);
+    parts
+        .map(|((value, slope), tolerance)| value + tolerance * (sign * slope).signum())
+        .collect()
+}

@@ -1,0 +1,61 @@
+//! Auxiliary systems, "compress and inflate": where the formal solution is improper, that of a system with a narrower matrix
+//! or a wider right side may be proper. What it proves holds for the auxiliary system; for the one asked for only where
+//! the test with outward rounding says so.
+
+use super::formal::{Formal, formal};
+use super::kaucher::Kaucher;
+use super::system::{Answer, IntervalSystem, SolutionSet};
+
+/// One auxiliary system: the radii of A times `of_a`, those of b times `of_b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AuxiliaryPlan {
+    /// At most one.
+    pub of_a: f64,
+    /// At least one.
+    pub of_b: f64,
+}
+
+/// What came of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// The plan.
+    pub plan: AuxiliaryPlan,
+    /// The formal solution of its system for the set asked for.
+    pub formal: Formal,
+    /// Whether the solution, where it is proper, lies in the set of the system as it was given.
+    pub holds: Answer,
+}
+
+/// Solves the auxiliary systems of `plans` formally for the united or tolerable set. Boxes whose test says
+/// [`Answer::Yes`] lie in the set, and so does their union.
+pub fn auxiliary(
+    system: &IntervalSystem,
+    kind: &SolutionSet,
+    plans: &[AuxiliaryPlan],
+    tau: f64,
+) -> Vec<Tried> {
+    let of_plan = |plan: &AuxiliaryPlan| {
+        let changed = IntervalSystem {
+            a: (system.a.iter())
+                .map(|row| row.iter().map(|a| resized(*a, plan.of_a)).collect())
+                .collect(),
+            b: system.b.iter().map(|b| resized(*b, plan.of_b)).collect(),
+        };
+        let formal = formal(&changed.inclusion(kind), tau);
+        let holds = match &formal {
+            Formal::Solved { x, improper, .. } if improper.is_empty() => system.holds_box(x, kind),
+            _ => Answer::Open,
+        };
+        Tried {
+            plan: *plan,
+            formal,
+            holds,
+        }
+    };
+    plans.iter().map(of_plan).collect()
+}
+
+fn resized(interval: Kaucher, factor: f64) -> Kaucher {
+    let (middle, radius) = (interval.middle(), interval.radius() * factor);
+    Kaucher::new(middle - radius, middle + radius)
+}

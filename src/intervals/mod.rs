@@ -1,0 +1,19 @@
+//! Interval linear systems A x = b: Kaucher arithmetic, solution sets for any choice of quantifiers, formal solutions, and
+//! boxes inside and around the sets.
+//!
+//! Whether a point or a box belongs to a set is decided with outward rounding; hulls and best centres come from linear
+//! programmes in plain f64 and say so. After S. P. Shary (Reliable Computing 8, 2002; the subdifferential Newton method:
+//! SIAM J. Numer. Anal. 32, 1995) and the Russian source of the scene `dyads`.
+
+pub mod auxiliary;
+pub mod centre;
+pub mod dyad;
+pub mod formal;
+pub mod hull;
+pub mod kaucher;
+pub mod regular;
+mod simplex;
+pub mod system;
+
+pub use kaucher::Kaucher;
+pub use system::{IntervalSystem, Quantifier};

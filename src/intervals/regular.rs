@@ -1,0 +1,115 @@
+//! Whether all matrices in an interval matrix have an inverse.
+
+use super::system::IntervalSystem;
+use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::lanes::LaneMatrix;
+use crate::numbers::rounding::GROW;
+
+/// Steps of the iteration for the spectral radius.
+const STEPS: usize = 200;
+
+/// A bound of the spectral radius of |mid A⁻¹| rad A: below one all matrices are regular. Infinite where the middle has no
+/// inverse.
+///
+/// By Collatz and Wielandt the largest (M x)ᵢ / xᵢ is a bound for every positive x. The inverse is rounded; what R mid A
+/// differs from the identity by is added to M.
+pub fn spectral_bound(system: &IntervalSystem) -> f64 {
+    let n = system.unknowns();
+    if system.b.len() != n {
+        return f64::INFINITY;
+    }
+    let (mut middle, mut inverse) = (LaneMatrix::default(), LaneMatrix::default());
+    middle.reset(n, n);
+    for (i, row) in system.a.iter().enumerate() {
+        for (j, a) in row.iter().enumerate() {
+            *middle.at_mut(i, j) = a.middle();
+        }
+    }
+    if Elimination::default()
+        .invert_matrix(&middle, &mut inverse)
+        .is_none()
+    {
+        return f64::INFINITY;
+    }
+    let matrix: Vec<Vec<f64>> = (0..n)
+        .map(|i| {
+            (0..n)
+                .map(|j| {
+                    let (mut off, mut size, mut wide) = (if i == j { -1.0 } else { 0.0 }, 0.0, 0.0);
+                    for (l, row) in system.a.iter().enumerate() {
+                        let (r, a) = (inverse.at(i, l), row[j]);
+                        off += r * a.middle();
+                        size += (r * a.middle()).abs();
+                        wide += r.abs() * (a.radius() + f64::EPSILON * a.magnitude());
+                    }
+                    let rounding = (n as f64 + 4.0) * f64::EPSILON * (size + 1.0);
+                    (wide + off.abs() + rounding) * GROW
+                })
+                .collect()
+        })
+        .collect();
+    let (mut x, mut least) = (vec![1.0; n], f64::INFINITY);
+    for _ in 0..STEPS {
+        let y: Vec<f64> = matrix
+            .iter()
+            .map(|row| row.iter().zip(&x).map(|(m, x)| m * x).sum::<f64>() * GROW)
+            .collect();
+        let bound = y.iter().zip(&x).map(|(y, x)| y / x).fold(0.0, f64::max) * GROW;
+        least = least.min(bound);
+        let size = y.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(*v));
+        // A positive part of all components keeps every quotient defined.
+        x = y.iter().map(|v| v / size + 1e-9).collect();
+    }
+    least
+}
+
+/// The share of random matrices whose determinant is positive, of `count`; `random` gives numbers from 0 to 1.
+pub fn positive_share(
+    system: &IntervalSystem,
+    count: usize,
+    mut random: impl FnMut() -> f64,
+) -> f64 {
+    let n = system.unknowns();
+    let mut positive = 0_usize;
+    for _ in 0..count {
+        let mut matrix: Vec<Vec<f64>> = system
+            .a
+            .iter()
+            .map(|row| {
+                row.iter()
+                    .map(|a| a.lo + (a.hi - a.lo) * random())
+                    .collect()
+            })
+            .collect();
+        positive += usize::from(determinant_is_positive(&mut matrix, n));
+    }
+    positive as f64 / count.max(1) as f64
+}
+
+/// The sign of a determinant by elimination.
+fn determinant_is_positive(matrix: &mut [Vec<f64>], n: usize) -> bool {
+    let mut is_positive = true;
+    for k in 0..n {
+        let place = (k..n).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()));
+        let place = place.unwrap_or(k);
+        if place != k {
+            matrix.swap(place, k);
+            is_positive = !is_positive;
+        }
+        let pivot = matrix[k][k];
+        if pivot == 0.0 {
+            return false;
+        }
+        is_positive ^= pivot < 0.0;
+        let row = matrix[k].clone();
+        for below in &mut matrix[k + 1..] {
+            let factor = below[k] / pivot;
+            below
+                .iter_mut()
+                .zip(&row)
+                .skip(k)
+                .for_each(|(b, r)| *b -= factor * r);
+        }
+    }
+    is_positive
+}
