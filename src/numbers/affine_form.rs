@@ -332,7 +332,8 @@ impl<const N: usize> Div for AffineForm<N> {
     type Output = Self;
     fn div(self, b: Self) -> Self {
         let one = Interval::ONE;
-        self * b.function(|x| one / x, |x| -(one / x.square()))
+        let inverse = b.function(|x| one / x, |x| -(one / x.square()));
+        self.mul(inverse)
     }
 }
 

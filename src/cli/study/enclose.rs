@@ -72,12 +72,8 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     }
     let mut text = report::enclosure_summary(&plan, &motion, !args.no_search);
     if let Some((poses, list)) = &measures {
-        if !list.is_empty() {
-            text += &format!(
-                "\nMeasures over {poses} poses\n{}",
-                report::measure_lines(&plan, list)
-            );
-        }
+        let lines = report::measure_lines(&plan, list);
+        text += &format!("\nMeasures over {poses} poses\n{lines}");
     }
     let refused: Vec<String> = motion
         .iter()

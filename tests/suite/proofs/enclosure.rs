@@ -559,7 +559,7 @@ fn the_program_writes_bands_and_says_what_it_refuses() {
 #[test]
 fn a_dimension_that_stands_in_a_drive_is_refused() {
     let w = Workspace::new();
-    w.write("drive.toml", &FOUR_BAR.replace("360*t", "360*t + tilt"));
+    w.write("drive.toml", FOUR_BAR.replace("360*t", "360*t + tilt"));
     w.run(&[
         "enclose",
         "drive.toml",

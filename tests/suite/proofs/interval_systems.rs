@@ -360,10 +360,7 @@ fn auxiliary_systems_say_which_plans_hold() {
     assert!(tried.iter().all(|t| t.holds == Answer::Open));
     // Of the united set narrower systems have narrower solutions, which hold.
     let tried = auxiliary(&s2(), &SolutionSet::United, &plans, 1.0);
-    assert_eq!(
-        tried[0].holds == Answer::Yes || tried[1].holds == Answer::Yes,
-        true
-    );
+    assert!(tried[..2].iter().any(|t| t.holds == Answer::Yes));
     let Hull::Box(around) = hull(&s2(), &SolutionSet::United) else {
         panic!("no hull");
     };
@@ -386,7 +383,7 @@ fn regularity_is_proved_or_refuted() {
         &[[0.0, 1.0]; 2],
     );
     assert!(spectral_bound(&mixed) > 1.0);
-    let mut state = 0x1234_5u64;
+    let mut state = 0x1_2345_u64;
     let share = positive_share(&mixed, 2000, || {
         state ^= state << 13;
         state ^= state >> 7;
