@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
 /// The bound is this near to the value, as a share of all values' spread or of the value.
-const SHARE: f64 = 1e-7;
+const SHARE: f64 = 1e-9;
 
 /// Most parts that are looked at: a formula that cannot be bounded near its greatest value has no better bound then.
 const MOST_PARTS: usize = 20_000;

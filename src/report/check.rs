@@ -72,7 +72,7 @@ impl<'a> MotionReport<'a> {
         cases.push(self.poses.case(mechanism));
         let motion = self.motion.iter();
         cases.extend(motion.map(|proof| proof.case(mechanism, self.actuation)));
-        cases.extend(self.measured.iter().map(TakenMeasure::case));
+        cases.extend(self.measured.iter().map(|m| m.case(self.asked.estimates)));
         if let Some(report) = self.clearances {
             cases.extend(clearance::clearance_cases(mechanism, report, self.asked));
         }
@@ -167,7 +167,7 @@ impl<'a> MotionReport<'a> {
             "locked": self.poses.locked,
             "consistent": self.poses.consistent,
             "closes_to": (self.poses.consistent > 0).then_some(self.poses.closes_to),
-            "measures": self.measured.iter().map(TakenMeasure::json).collect::<Vec<_>>(),
+            "measures": self.measured.iter().map(|m| m.json(self.asked.estimates)).collect::<Vec<_>>(),
             "assumed": self.assumptions,
             "motion": self.motion.as_ref().map(MotionProof::json),
             "mobility": freedoms::freedoms_document(mechanism, &self.mobility),

@@ -101,11 +101,11 @@ fn decimals(value: f64) -> Option<usize> {
 
 impl TakenMeasure<'_> {
     /// Whether it has a value within its limits. A value without limits is just told.
-    fn status(&self) -> Status {
+    fn status(&self, estimates: bool) -> Status {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
         match self.value {
             Some(_) if self.is_broken() => Status::Failed,
-            Some(_) if is_limited && !self.is_proved() => Status::NotProved,
+            Some(_) if is_limited && !self.is_proved(estimates) => Status::NotProved,
             Some(_) if is_limited => Status::Passed,
             Some(_) => Status::Skipped,
             None => Status::Failed,
@@ -132,13 +132,13 @@ impl TakenMeasure<'_> {
 
     /// Whether everything between its value and its bound keeps the limits. The value is that of a pose, so that a limit on
     /// its other side takes no proof; of measures of the samples nothing is to be proved.
-    fn is_proved(&self) -> bool {
+    fn is_proved(&self, estimates: bool) -> bool {
         self.known.is_none_or(|known| {
             let is_limited = match known.bound < known.value {
                 true => self.measure.min.is_some(),
                 false => self.measure.max.is_some(),
             };
-            let bound_keeps = known.is_certified && !self.is_off(known.bound);
+            let bound_keeps = estimates || known.is_certified && !self.is_off(known.bound);
             !self.is_off(known.value) && (bound_keeps || !is_limited)
         })
     }
@@ -166,6 +166,9 @@ impl TakenMeasure<'_> {
         }
         let time = time.map_or_else(String::new, |time| format!(", at {time}"));
         let bound = known.bound * self.factor;
+        if !bound.is_finite() {
+            return format!("{time}; no bound: a kink or jump of the formula");
+        }
         let decimals = decimals(bound).map_or(12, |d| d.saturating_sub(3));
         let never = match known.bound < known.value {
             true => format!("never below {}", not_below(bound, decimals)),
@@ -210,7 +213,7 @@ impl TakenMeasure<'_> {
     }
 
     /// The question whether its limits are kept.
-    pub fn case(&self) -> Case {
+    pub fn case(&self, estimates: bool) -> Case {
         let limit = |word: &str, limit: Option<f64>| {
             limit.map(|v| format!("; {word} {} {}", v * self.factor, self.unit))
         };
@@ -223,11 +226,11 @@ impl TakenMeasure<'_> {
             true => format!("{}; no limit", self.sentence()),
             false => self.sentence() + &limits,
         };
-        Case::new(MEASURES, self.name(), self.status(), text)
+        Case::new(MEASURES, self.name(), self.status(estimates), text)
     }
 
     /// The same for machines.
-    pub fn json(&self) -> Value {
+    pub fn json(&self, estimates: bool) -> Value {
         let scaled = |value: Option<f64>| value.map(|v| v * self.factor);
         let mut value = json!({
             "name": self.measure.name,
@@ -235,10 +238,13 @@ impl TakenMeasure<'_> {
             "unit": self.unit,
             "min": scaled(self.measure.min),
             "max": scaled(self.measure.max),
-            "holds": !matches!(self.status(), Status::Failed | Status::NotProved),
+            "holds": !matches!(self.status(estimates), Status::Failed | Status::NotProved),
         });
         if let (Some(known), Some(object)) = (&self.known, value.as_object_mut()) {
-            object.insert("bound".to_owned(), json!(known.bound * self.factor));
+            object.insert(
+                "bound".to_owned(),
+                json!(known.bound.is_finite().then_some(known.bound * self.factor)),
+            );
             object.insert("certified".to_owned(), json!(known.is_certified));
             object.insert("time".to_owned(), json!(known.time));
         }

@@ -28,7 +28,8 @@ fn said(text: &str, samples: usize) -> Said {
     let measure = &report["measures"][0];
     Said {
         value: measure["value"].as_f64().expect("value"),
-        bound: measure["bound"].as_f64().expect("bound"),
+        // None near a kink or jump of the formula, which is no proof then.
+        bound: measure["bound"].as_f64().unwrap_or(f64::INFINITY),
         is_certified: measure["certified"].as_bool().expect("certified"),
         passed: check.passed(),
     }
@@ -195,6 +196,11 @@ fn bounds_hold_for_formulas_with_kinks_and_steps() {
             found.bound
         );
         assert!(found.value <= found.bound, "{formula}");
+        assert_eq!(found.is_certified, found.bound.is_finite(), "{formula}");
+        assert!(
+            case % 3 > 0 || found.bound - truth < 1e-5 * scale,
+            "{formula}"
+        );
         share = share.max((truth - found.value) / scale);
         if case % 3 < 2 {
             assert!(

@@ -3,13 +3,13 @@
 use crate::driven::{frame_times, solve};
 use mechanim::model::view::NamedView;
 use mechanim::render::overlay::Overlay;
-use mechanim::scene::{Overrides, Scene, builtin, load};
+use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::staging::marks::Marks;
 use mechanim::staging::{PictureOptions, Staging, panes};
 
 fn scene(name: &str) -> Scene {
-    let source = builtin::find(name).unwrap();
-    load(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
+    let source = builtin::find_builtin(name).unwrap();
+    load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{:#?}", e.diagnostics))
 }
 
 /// The rectangles of a staging's texts at some frames.
@@ -67,8 +67,8 @@ fn texts_keep_apart_and_inside_in_all_scenes_sizes_and_views() {
             size: [640, 480],
             samples: 4,
         };
-        let views = panes::scenes(&scene);
-        for (_, pane) in panes::stagings(&views, &trajectory, options, &Marks::default()) {
+        let views = panes::pane_scenes(&scene);
+        for (_, pane) in panes::pane_stagings(&views, &trajectory, options, &Marks::default()) {
             check(entry.name, &pane);
         }
     }

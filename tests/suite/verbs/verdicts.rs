@@ -307,7 +307,8 @@ fn every_fault_is_said_in_all_four_ways() {
             0,
         ),
         ("nothing judged", nothing(CRANK), none, 1, 0, 1),
-        ("an estimate", kinked(CRANK), none, 1, 0, 1),
+        // The stroke and the pair.
+        ("an estimate", kinked(CRANK), none, 1, 0, 2),
         (
             "an estimate that is enough",
             kinked(CRANK),
