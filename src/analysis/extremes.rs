@@ -7,7 +7,7 @@ use super::study::{Evaluator, Gradients, TrackPoses};
 const ROUNDS: usize = 4;
 
 /// The least and greatest value found of every measure, from the piece with the file's dimensions on.
-pub fn found(
+pub fn found_extremes(
     evaluator: &mut Evaluator,
     nominal: &TrackPoses,
     gradients: &Gradients,
@@ -19,7 +19,7 @@ pub fn found(
             let mut row = gradients.rows[index].clone();
             let mut last: Vec<f64> = Vec::new();
             for _ in 0..ROUNDS {
-                let corner = corner(nominal, &row, tolerances, sign);
+                let corner = steepest_corner(nominal, &row, tolerances, sign);
                 if corner == last {
                     break;
                 }
@@ -43,7 +43,12 @@ pub fn found(
 }
 
 /// The corner of the tolerances towards which `sign` times a function with this gradient grows.
-fn corner(nominal: &TrackPoses, gradient: &[f64], tolerances: &[f64], sign: f64) -> Vec<f64> {
+fn steepest_corner(
+    nominal: &TrackPoses,
+    gradient: &[f64],
+    tolerances: &[f64],
+    sign: f64,
+) -> Vec<f64> {
     let parts = nominal.values.iter().zip(gradient).zip(tolerances);
     parts
         .map(|((value, slope), tolerance)| value + tolerance * (sign * slope).signum())

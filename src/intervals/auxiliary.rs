@@ -2,7 +2,7 @@
 //! or a wider right side may be proper. What it proves holds for the auxiliary system; for the one asked for only where
 //! the test with outward rounding says so.
 
-use super::formal::{Formal, formal};
+use super::formal::{Formal, formal_solution};
 use super::kaucher::Kaucher;
 use super::system::{Answer, IntervalSystem, SolutionSet};
 
@@ -28,7 +28,7 @@ pub struct Tried {
 
 /// Solves the auxiliary systems of `plans` formally for the united or tolerable set. Boxes whose test says
 /// [`Answer::Yes`] lie in the set, and so does their union.
-pub fn auxiliary(
+pub fn auxiliary_solutions(
     system: &IntervalSystem,
     kind: &SolutionSet,
     plans: &[AuxiliaryPlan],
@@ -37,11 +37,19 @@ pub fn auxiliary(
     let of_plan = |plan: &AuxiliaryPlan| {
         let changed = IntervalSystem {
             a: (system.a.iter())
-                .map(|row| row.iter().map(|a| resized(*a, plan.of_a)).collect())
+                .map(|row| {
+                    row.iter()
+                        .map(|a| resized_interval(*a, plan.of_a))
+                        .collect()
+                })
                 .collect(),
-            b: system.b.iter().map(|b| resized(*b, plan.of_b)).collect(),
+            b: system
+                .b
+                .iter()
+                .map(|b| resized_interval(*b, plan.of_b))
+                .collect(),
         };
-        let formal = formal(&changed.inclusion(kind), tau);
+        let formal = formal_solution(&changed.inclusion(kind), tau);
         let holds = match &formal {
             Formal::Solved { x, improper, .. } if improper.is_empty() => system.holds_box(x, kind),
             _ => Answer::Open,
@@ -55,7 +63,7 @@ pub fn auxiliary(
     plans.iter().map(of_plan).collect()
 }
 
-fn resized(interval: Kaucher, factor: f64) -> Kaucher {
+fn resized_interval(interval: Kaucher, factor: f64) -> Kaucher {
     let (middle, radius) = (interval.middle(), interval.radius() * factor);
     Kaucher::new(middle - radius, middle + radius)
 }

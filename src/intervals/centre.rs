@@ -15,12 +15,12 @@ const SUMS: f64 = 1e-14;
 
 /// How far all A x of a point stay inside b: it is tolerable where this is not negative.
 pub fn tolerance_at(system: &IntervalSystem, t: &[f64]) -> f64 {
-    let rows = slacks(system, t).into_iter();
+    let rows = row_slacks(system, t).into_iter();
     rows.fold(f64::INFINITY, f64::min)
 }
 
 /// rad b - |mid b - A t| of every row.
-fn slacks(system: &IntervalSystem, t: &[f64]) -> Vec<f64> {
+fn row_slacks(system: &IntervalSystem, t: &[f64]) -> Vec<f64> {
     let point: Vec<Kaucher> = t.iter().map(|v| Kaucher::point(*v)).collect();
     let products = system.times(&point);
     let pairs = system.b.iter().zip(products);
@@ -30,14 +30,14 @@ fn slacks(system: &IntervalSystem, t: &[f64]) -> Vec<f64> {
 }
 
 /// Sum of the magnitudes of a row.
-fn magnitude(row: &[Kaucher]) -> f64 {
+fn row_magnitude(row: &[Kaucher]) -> f64 {
     row.iter().map(|a| a.magnitude()).sum()
 }
 
 /// The radius of the largest cube about `t` in the tolerable set; negative if `t` itself is not.
 pub fn tolerable_radius(system: &IntervalSystem, t: &[f64]) -> f64 {
-    let rows = slacks(system, t).into_iter().zip(&system.a);
-    let radii = rows.map(|(slack, row)| slack / magnitude(row));
+    let rows = row_slacks(system, t).into_iter().zip(&system.a);
+    let radii = rows.map(|(slack, row)| slack / row_magnitude(row));
     radii.fold(f64::INFINITY, f64::min)
 }
 
@@ -74,7 +74,7 @@ pub fn united_radius(system: &IntervalSystem, t: &[f64]) -> f64 {
 }
 
 /// The largest cube about `t` in the united or the tolerable set; `None` for other sets.
-pub fn centre(system: &IntervalSystem, t: &[f64], kind: &SolutionSet) -> Option<f64> {
+pub fn centre_radius(system: &IntervalSystem, t: &[f64], kind: &SolutionSet) -> Option<f64> {
     match kind {
         SolutionSet::Tolerable => Some(tolerable_radius(system, t)),
         SolutionSet::United => Some(united_radius(system, t)),

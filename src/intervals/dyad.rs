@@ -32,7 +32,7 @@ pub fn j_matrices(point: [f64; 2], ends: [[f64; 2]; 2]) -> Option<[Coefficients;
 
 /// The coefficients that positions have in place of velocities, those of the velocity polygon. The source prints i₂' = i₃ and
 /// i₃' = i₂, which belongs to a reflection.
-pub fn conjugate([a, b, c, d]: Coefficients) -> Coefficients {
+pub fn conjugate_coefficients([a, b, c, d]: Coefficients) -> Coefficients {
     [d, -c, -b, a]
 }
 
@@ -41,7 +41,7 @@ pub fn conjugate([a, b, c, d]: Coefficients) -> Coefficients {
 ///
 /// With s = 2 φ + δ free of δ, i₁ = ½ + sin s / (2 sin δ) and i₂ = (cos δ - cos s) / (2 sin δ): every value is taken at an
 /// end of δ, or where |sin δ| is least.
-pub fn ranges(delta: Kaucher) -> Option<[Kaucher; 4]> {
+pub fn exact_ranges(delta: Kaucher) -> Option<[Kaucher; 4]> {
     let half = Interval::point(0.5);
     let sine = delta.interval().sin_cos().0;
     if sine.holds_zero() {

@@ -42,24 +42,24 @@ const CLOSED: f64 = 1e-13;
 const SAME_END: f64 = 1e-12;
 
 /// Solves A x = b formally; `tau` damps the steps, 0 < tau ≤ 1.
-pub fn formal(system: &IntervalSystem, tau: f64) -> Formal {
+pub fn formal_solution(system: &IntervalSystem, tau: f64) -> Formal {
     let n = system.unknowns();
     if system.b.len() != n {
         return Formal::NotSquare;
     }
-    let side: Vec<f64> = immersed(&system.b);
+    let side: Vec<f64> = immersed_vector(&system.b);
     let size = side.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(v.abs()));
-    let Some(mut y) = solved(&middle(system), &side) else {
+    let Some(mut y) = solved_numbers(&immersed_middle(system), &side) else {
         return Formal::Singular { steps: 0 };
     };
     for steps in 0..=MOST_STEPS {
-        let (value, gradient) = immersion(system, &y);
+        let (value, gradient) = immersed_product(system, &y);
         let rest: Vec<f64> = value.iter().zip(&side).map(|(v, b)| v - b).collect();
         let largest = rest.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
         if largest <= CLOSED * size {
-            return finished(&y, steps);
+            return formal_from(&y, steps);
         }
-        let Some(step) = solved(&gradient, &rest) else {
+        let Some(step) = solved_numbers(&gradient, &rest) else {
             return Formal::Singular { steps };
         };
         let moved: f64 = step.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
@@ -67,13 +67,13 @@ pub fn formal(system: &IntervalSystem, tau: f64) -> Formal {
         y.iter_mut().zip(&step).for_each(|(y, s)| *y -= tau * s);
         // Rounding is all that is left, though the residual is that of long sums.
         if moved <= 4.0 * f64::EPSILON * length {
-            return finished(&y, steps + 1);
+            return formal_from(&y, steps + 1);
         }
     }
     Formal::NotConverged
 }
 
-fn finished(y: &[f64], steps: usize) -> Formal {
+fn formal_from(y: &[f64], steps: usize) -> Formal {
     let n = y.len() / 2;
     let x: Vec<Kaucher> = (0..n).map(|j| Kaucher::new(-y[j], y[n + j])).collect();
     let is_improper = |k: &Kaucher| k.lo - k.hi > SAME_END * k.magnitude();
@@ -82,13 +82,13 @@ fn finished(y: &[f64], steps: usize) -> Formal {
 }
 
 /// (-lo, hi)
-fn immersed(vector: &[Kaucher]) -> Vec<f64> {
+fn immersed_vector(vector: &[Kaucher]) -> Vec<f64> {
     let lows = vector.iter().map(|k| -k.lo);
     lows.chain(vector.iter().map(|k| k.hi)).collect()
 }
 
 /// The immersion of the middle of A.
-fn middle(system: &IntervalSystem) -> Vec<Vec<f64>> {
+fn immersed_middle(system: &IntervalSystem) -> Vec<Vec<f64>> {
     let n = system.unknowns();
     let mut matrix = vec![vec![0.0; 2 * n]; 2 * n];
     for (i, row) in system.a.iter().enumerate() {
@@ -103,13 +103,13 @@ fn middle(system: &IntervalSystem) -> Vec<Vec<f64>> {
 }
 
 /// The immersed product A x and a subgradient of it.
-fn immersion(system: &IntervalSystem, y: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn immersed_product(system: &IntervalSystem, y: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     let n = system.unknowns();
     let (mut value, mut matrix) = (vec![0.0; 2 * n], vec![vec![0.0; 2 * n]; 2 * n]);
     for (i, row) in system.a.iter().enumerate() {
         for (j, entry) in row.iter().enumerate() {
             let (lo, hi) = (-y[j], y[n + j]);
-            let [low, high] = ends(*entry, lo, hi);
+            let [low, high] = product_ends(*entry, lo, hi);
             // Signs: the first half of y are minus lower ends.
             value[i] -= low[0];
             matrix[i][j] += low[1];
@@ -123,7 +123,7 @@ fn immersion(system: &IntervalSystem, y: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
 }
 
 /// Both ends of a product with [lo, hi], each with its derivatives by lo and hi.
-fn ends(a: Kaucher, lo: f64, hi: f64) -> [[f64; 3]; 2] {
+fn product_ends(a: Kaucher, lo: f64, hi: f64) -> [[f64; 3]; 2] {
     let (p, q) = (a.lo, a.hi);
     // Parts of the ends above and below zero with the derivative of each.
     let up = |x: f64| if x > 0.0 { (x, 1.0) } else { (0.0, 0.0) };
@@ -151,7 +151,7 @@ fn ends(a: Kaucher, lo: f64, hi: f64) -> [[f64; 3]; 2] {
 }
 
 /// The solution of a square system of numbers.
-fn solved(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
+fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
     let n = side.len();
     let (mut rows, mut inverse) = (LaneMatrix::default(), LaneMatrix::default());
     rows.reset(n, n);

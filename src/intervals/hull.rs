@@ -21,7 +21,7 @@ pub enum Hull {
 }
 
 /// The hull of the set of that kind.
-pub fn hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
+pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
     let n = system.unknowns();
     if n > MOST_UNKNOWNS {
         return Hull::TooMany;

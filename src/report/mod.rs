@@ -7,6 +7,7 @@ pub mod clearance;
 mod clearance_json;
 pub mod closure;
 pub mod enclosure;
+pub mod enclosure_stretches;
 pub mod events;
 pub mod freedoms;
 pub mod inputs_box;

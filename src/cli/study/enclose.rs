@@ -17,6 +17,7 @@ use crate::jobs::core_count;
 use crate::kinematics::motion::sampling;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::enclosure as report;
+use crate::report::enclosure_stretches::{between_lines, stretch_objects};
 use crate::scene::{KeptIn, Scene};
 use std::path::Path;
 
@@ -80,7 +81,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         .filter_map(|e| report::refusal_text(&plan, e))
         .collect();
     if args.between {
-        text += &report::between(&plan, &stretches);
+        text += &between_lines(&plan, &stretches);
     }
     for line in refused.iter().take(MOST_TOLD) {
         text += &format!("\n  {line}");
@@ -293,7 +294,7 @@ fn write_out(
     }
     let mut document = report::enclosure_document(plan, motion, measures, searched);
     if args.between {
-        document["stretches"] = report::stretches(plan, stretches);
+        document["stretches"] = stretch_objects(plan, stretches);
     }
     io::write_json(&args.scene, path, &document)
 }

@@ -1,7 +1,7 @@
 //! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
 use crate::analysis::enclosure::{MOST_DIMENSIONS, MeasureBand, Plan, enclose_measures};
-use crate::analysis::extremes::found;
+use crate::analysis::extremes::found_extremes;
 use crate::analysis::study::{Evaluator, Gradients, Nominal, ParametricMechanism};
 use crate::analysis::tolerance::{
     Distribution, Linear, Pieces, SampleBatch, linear_tolerance, sample_pieces,
@@ -65,7 +65,7 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     let gradients = evaluator
         .gradients(&nominal)
         .map_err(|refusal| opened.refused(&evaluator, &nominal, &refusal))?;
-    let corners = found(&mut evaluator, &nominal, &gradients, &tolerances);
+    let corners = found_extremes(&mut evaluator, &nominal, &gradients, &tolerances);
     let bands = never_beyond(family, &drawn, &tolerances);
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);

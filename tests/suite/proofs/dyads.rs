@@ -2,7 +2,8 @@
 
 use mechanim::intervals::Kaucher;
 use mechanim::intervals::dyad::{
-    Dyad, conjugate, j_matrices, naive_ranges, printed_ranges, ranges, tied_cube, velocity_system,
+    Dyad, conjugate_coefficients, exact_ranges, j_matrices, naive_ranges, printed_ranges,
+    tied_cube, velocity_system,
 };
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -82,7 +83,7 @@ fn the_printed_ranges_are_exact_and_interval_arithmetic_is_wider() {
         ),
     ] {
         let delta = degrees(delta[0], delta[1]);
-        let [i1, i2, i3, i4] = ranges(delta).unwrap();
+        let [i1, i2, i3, i4] = exact_ranges(delta).unwrap();
         for (found, wanted) in [(i1, one), (i4, one), (i2, [-two, two]), (i3, [-two, two])] {
             assert!((found.lo - wanted[0]).abs() < 1e-11, "{found:?} {wanted:?}");
             assert!((found.hi - wanted[1]).abs() < 1e-11, "{found:?} {wanted:?}");
@@ -102,7 +103,7 @@ fn the_printed_ranges_are_exact_and_interval_arithmetic_is_wider() {
         printed_ranges(whole, degrees(10.0, 170.0)).lo,
         f64::NEG_INFINITY
     );
-    assert_eq!(ranges(degrees(170.0, 190.0)), None);
+    assert_eq!(exact_ranges(degrees(170.0, 190.0)), None);
 }
 
 #[test]
@@ -125,7 +126,7 @@ fn matrices_are_projectors_and_their_conjugates_are_those_of_the_velocity_polygo
         // Bars turned by a quarter: what positions have.
         let turned = |p: [f64; 2]| [-p[1], p[0]];
         let [quarter, _] = j_matrices(turned(POINTS[dyad.point]), far.map(turned)).unwrap();
-        let conjugate = conjugate(first);
+        let conjugate = conjugate_coefficients(first);
         assert!(
             (0..4).all(|k| (quarter[k] - conjugate[k]).abs() < 1e-14),
             "{quarter:?} {conjugate:?}"

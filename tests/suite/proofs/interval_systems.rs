@@ -1,9 +1,9 @@
 //! Interval linear systems: the test systems of the literature, every number of them.
 
-use mechanim::intervals::auxiliary::{AuxiliaryPlan, auxiliary};
-use mechanim::intervals::centre::{best_centre, centre, tolerance_at};
-use mechanim::intervals::formal::{Formal, formal};
-use mechanim::intervals::hull::{Hull, hull};
+use mechanim::intervals::auxiliary::{AuxiliaryPlan, auxiliary_solutions};
+use mechanim::intervals::centre::{best_centre, centre_radius, tolerance_at};
+use mechanim::intervals::formal::{Formal, formal_solution};
+use mechanim::intervals::hull::{Hull, solution_hull};
 use mechanim::intervals::regular::{positive_share, spectral_bound};
 use mechanim::intervals::system::{Answer, SolutionSet, SystemError};
 use mechanim::intervals::{IntervalSystem, Kaucher, Quantifier};
@@ -60,7 +60,7 @@ fn near(found: &[Kaucher], wanted: &[Ends], tolerance: f64) {
 }
 
 fn hull_is(system: &IntervalSystem, kind: &SolutionSet, wanted: &[Ends]) {
-    match hull(system, kind) {
+    match solution_hull(system, kind) {
         Hull::Box(found) => near(&found, wanted, 1e-9),
         other => panic!("{kind:?}: {other:?}"),
     }
@@ -75,7 +75,7 @@ fn hulls_of_all_kinds_are_those_of_the_literature() {
     );
     hull_is(&s1(), &united, &[[-4.0, 4.0]; 2]);
     hull_is(&s1(), &tolerable, &[[-0.5, 0.5]; 2]);
-    assert_eq!(hull(&s1(), &controllable), Hull::Empty);
+    assert_eq!(solution_hull(&s1(), &controllable), Hull::Empty);
     hull_is(&s2(), &united, &[[-120.0, 90.0], [-60.0, 240.0]]);
     hull_is(&s2(), &tolerable, &[[0.0, 36.0], [12.0, 80.0]]);
     hull_is(&s3(), &united, &[[-6.0, 8.0], [-7.0, 12.0]]);
@@ -88,10 +88,10 @@ fn hulls_of_all_kinds_are_those_of_the_literature() {
     );
     hull_is(&s5(), &united, &[[5.0 / 18.0, 3.5]; 2]);
     hull_is(&s5(), &controllable, &[[4.0 / 9.0, 3.0]; 2]);
-    assert_eq!(hull(&s5(), &tolerable), Hull::Empty);
+    assert_eq!(solution_hull(&s5(), &tolerable), Hull::Empty);
     // A singular matrix lets the set run away.
     let line = system(&[&[[-1.0, 1.0]]], &[[1.0, 2.0]]);
-    assert_eq!(hull(&line, &united), Hull::Unbounded(0));
+    assert_eq!(solution_hull(&line, &united), Hull::Unbounded(0));
 }
 
 #[test]
@@ -104,11 +104,11 @@ fn one_unknown_by_hand() {
     ];
     let (narrow, wide) = (of([3.0, 4.0]), of([3.0, 8.0]));
     hull_is(&narrow, &all[0], &[[1.5, 4.0]]);
-    assert_eq!(hull(&narrow, &all[1]), Hull::Empty);
+    assert_eq!(solution_hull(&narrow, &all[1]), Hull::Empty);
     hull_is(&narrow, &all[2], &[[2.0, 3.0]]);
     hull_is(&wide, &all[0], &[[1.5, 8.0]]);
     hull_is(&wide, &all[1], &[[3.0, 4.0]]);
-    assert_eq!(hull(&wide, &all[2]), Hull::Empty);
+    assert_eq!(solution_hull(&wide, &all[2]), Hull::Empty);
     for (x, kind, answer) in [
         (1.5, 0, Answer::Yes),
         (1.4999, 0, Answer::No),
@@ -149,7 +149,7 @@ fn any_mask_means_what_its_quantifiers_say() {
 }
 
 fn solved(system: &IntervalSystem, tau: f64) -> (Vec<Kaucher>, usize, Vec<usize>) {
-    match formal(system, tau) {
+    match formal_solution(system, tau) {
         Formal::Solved { x, steps, improper } => (x, steps, improper),
         other => panic!("{other:?}"),
     }
@@ -330,7 +330,7 @@ fn cubes_about_centres_are_those_of_the_literature() {
             .fold(0.0, f64::max);
         assert!(off < 1e-8, "{t:?}");
         assert!((tolerance_at(&system, &t) - most).abs() < 1e-8);
-        let r = centre(&system, &t, &SolutionSet::Tolerable).unwrap();
+        let r = centre_radius(&system, &t, &SolutionSet::Tolerable).unwrap();
         assert!((r - radius).abs() < 1e-8, "{r} {radius}");
         let cube =
             |r: f64| -> Vec<Kaucher> { t.iter().map(|t| Kaucher::new(t - r, t + r)).collect() };
@@ -339,7 +339,7 @@ fn cubes_about_centres_are_those_of_the_literature() {
             Answer::Yes
         );
         // The cube in the united set is proved as well.
-        let wide = centre(&system, &t, &SolutionSet::United).unwrap();
+        let wide = centre_radius(&system, &t, &SolutionSet::United).unwrap();
         assert!(wide >= r);
         let corner: Vec<f64> = t.iter().map(|t| t + 0.999_999 * wide).collect();
         assert_eq!(
@@ -347,7 +347,10 @@ fn cubes_about_centres_are_those_of_the_literature() {
             Answer::Yes
         );
     }
-    assert_eq!(centre(&s1(), &[0.0; 2], &SolutionSet::Controllable), None);
+    assert_eq!(
+        centre_radius(&s1(), &[0.0; 2], &SolutionSet::Controllable),
+        None
+    );
 }
 
 #[test]
@@ -356,12 +359,12 @@ fn auxiliary_systems_say_which_plans_hold() {
     // for the system as it stands.
     let plans = [(1.0, 1.0), (0.5, 1.0), (1.0, 12.0), (0.1, 1.0)];
     let plans = plans.map(|(of_a, of_b)| AuxiliaryPlan { of_a, of_b });
-    let tried = auxiliary(&s5(), &SolutionSet::Tolerable, &plans, 1.0);
+    let tried = auxiliary_solutions(&s5(), &SolutionSet::Tolerable, &plans, 1.0);
     assert!(tried.iter().all(|t| t.holds == Answer::Open));
     // Of the united set narrower systems have narrower solutions, which hold.
-    let tried = auxiliary(&s2(), &SolutionSet::United, &plans, 1.0);
+    let tried = auxiliary_solutions(&s2(), &SolutionSet::United, &plans, 1.0);
     assert!(tried[..2].iter().any(|t| t.holds == Answer::Yes));
-    let Hull::Box(around) = hull(&s2(), &SolutionSet::United) else {
+    let Hull::Box(around) = solution_hull(&s2(), &SolutionSet::United) else {
         panic!("no hull");
     };
     for t in tried.iter().filter(|t| t.holds == Answer::Yes) {
@@ -410,5 +413,8 @@ fn what_is_ill_posed_is_refused() {
         &[&[[1.0, 1.0], [2.0, 2.0]], &[[2.0, 2.0], [4.0, 4.0]]],
         &[[1.0, 1.0]; 2],
     );
-    assert_eq!(formal(&singular, 1.0), Formal::Singular { steps: 0 });
+    assert_eq!(
+        formal_solution(&singular, 1.0),
+        Formal::Singular { steps: 0 }
+    );
 }
