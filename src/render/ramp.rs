@@ -10,7 +10,7 @@ const STEPS: usize = 12;
 const TILT: f64 = 1.4;
 
 /// sRGB colours of a surface of `colour` (sRGB) from its side towards the key light to the one away from it.
-pub fn ramp(colour: [u8; 3], rim: Rim) -> Vec<[u8; 3]> {
+pub fn shaded_ramp(colour: [u8; 3], rim: Rim) -> Vec<[u8; 3]> {
     let curve = ToneCurve::shared();
     let around = Surroundings {
         up: [0.0, 1.0, 0.0],
@@ -35,7 +35,7 @@ mod tests {
 
     #[test]
     fn a_ramp_goes_from_light_to_dark_and_keeps_its_hue() {
-        let ramp = ramp([0xe5, 0x14, 0x1e], Rim::DARK);
+        let ramp = shaded_ramp([0xe5, 0x14, 0x1e], Rim::DARK);
         assert_eq!(ramp.len(), STEPS);
         let brightest = ramp.iter().map(|c| c[0]).max();
         assert!(brightest >= Some(0xe5) && ramp[STEPS - 1][0] < 0x90);

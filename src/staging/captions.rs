@@ -1,8 +1,8 @@
 //! Texts of a frame: labels of the scene, title, values of the inputs, and why there is no pose.
 
-use super::fitting::{self, Fitted, fit};
+use super::fitting::{self, Fitted, fit_pieces};
 use super::gauge::{self, Gauges};
-use super::symbols::symbol;
+use super::symbols::written_symbol;
 use super::value_text::{VALUE_SIZE, value_text};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -54,15 +54,15 @@ impl Captions {
             input_captions(mechanism, &at)
         });
         let wider = |(a, b): (String, String)| {
-            let is_wider = fitting::extent(&a, 1.0)[0] > fitting::extent(&b, 1.0)[0];
+            let is_wider = fitting::text_extent(&a, 1.0)[0] > fitting::text_extent(&b, 1.0)[0];
             if is_wider { a } else { b }
         };
         let widest: Vec<String> = low.into_iter().zip(high).map(wider).collect();
-        let title = fitting::words(&mechanism.title);
+        let title = fitting::split_words(&mechanism.title);
         Self {
             size,
-            title_fit: fit(&title, " ", TITLE_SIZE * size[1], room),
-            values_fit: fit(&widest, VALUE_GAP, VALUE_SIZE * size[1], room),
+            title_fit: fit_pieces(&title, " ", TITLE_SIZE * size[1], room),
+            values_fit: fit_pieces(&widest, VALUE_GAP, VALUE_SIZE * size[1], room),
             gauges: Gauges::new(mechanism, ranges, size),
             title,
         }
@@ -108,10 +108,10 @@ impl Captions {
             frame.labels.push(line(text, y, size, theme.faint_ink()));
         }
         if view.captions && sample.pose.is_none() {
-            let mut notice = fitting::words("no pose here:");
+            let mut notice = fitting::split_words("no pose here:");
             notice.extend(values);
             let room = width - 2.0 * INSET_IN_HATCHING * height;
-            let fitted = fit(&notice, " ", VALUE_SIZE * height, room);
+            let fitted = fit_pieces(&notice, " ", VALUE_SIZE * height, room);
             let text = fitted.text(&notice);
             frame
                 .labels
@@ -125,7 +125,7 @@ fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> Vec<String> {
     let inputs = mechanism.inputs.iter().zip(inputs);
     let texts = inputs.map(|(input, v)| {
         let value = value_text(mechanism, input, *v);
-        format!("{} = {value}", symbol(&input.name))
+        format!("{} = {value}", written_symbol(&input.name))
     });
     texts.collect()
 }

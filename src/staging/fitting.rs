@@ -35,30 +35,30 @@ impl Fitted {
 }
 
 /// Width and height of a text with capitals `size` pixels high.
-pub fn extent(text: &str, size: f64) -> [f64; 2] {
+pub fn text_extent(text: &str, size: f64) -> [f64; 2] {
     let setting = set_text(&FACE, text, size);
     [setting.width, setting.height]
 }
 
 /// `pieces` side by side with `gap` between them, in a room of `room` pixels: at `size` if they fit, smaller if that is
 /// enough, else in lines.
-pub fn fit(pieces: &[String], gap: &'static str, size: f64, room: f64) -> Fitted {
+pub fn fit_pieces(pieces: &[String], gap: &'static str, size: f64, room: f64) -> Fitted {
     let fitted = |size: f64, starts: Vec<usize>| Fitted { size, gap, starts };
-    let width = extent(&pieces.join(gap), size)[0];
+    let width = text_extent(&pieces.join(gap), size)[0];
     if width <= room || pieces.is_empty() {
         return fitted(size, Vec::new());
     }
     if SMALLEST * width <= room {
         return fitted(size * room / width, Vec::new());
     }
-    let widest = pieces.iter().map(|piece| extent(piece, 1.0)[0]);
+    let widest = pieces.iter().map(|piece| text_extent(piece, 1.0)[0]);
     let widest = widest.fold(0.0, f64::max);
     let size = (SMALLEST * size).min(room / widest.max(f64::MIN_POSITIVE));
     let mut starts = Vec::new();
     let mut line = String::new();
     for (index, piece) in pieces.iter().enumerate() {
         let longer = format!("{line}{gap}{piece}");
-        if index > 0 && extent(&longer, size)[0] <= room {
+        if index > 0 && text_extent(&longer, size)[0] <= room {
             line = longer;
         } else {
             starts.push(index);
@@ -69,7 +69,7 @@ pub fn fit(pieces: &[String], gap: &'static str, size: f64, room: f64) -> Fitted
 }
 
 /// The words of a text, to be fitted with single blanks between them.
-pub fn words(text: &str) -> Vec<String> {
+pub fn split_words(text: &str) -> Vec<String> {
     text.split_whitespace().map(str::to_owned).collect()
 }
 
@@ -79,14 +79,14 @@ mod tests {
 
     #[test]
     fn nothing_is_wider_than_its_room() {
-        let title = words("Truck gearshift, original dimensions, seen from the left");
+        let title = split_words("Truck gearshift, original dimensions, seen from the left");
         for room in [40.0, 90.0, 200.0, 400.0, 900.0] {
-            let fitted = fit(&title, " ", 17.0, room);
+            let fitted = fit_pieces(&title, " ", 17.0, room);
             let text = fitted.text(&title);
-            let [width, _] = extent(&text, fitted.size);
+            let [width, _] = text_extent(&text, fitted.size);
             assert!(width <= room + 1e-9, "{room}: {width} {fitted:?}");
-            assert_eq!(words(&text), title);
+            assert_eq!(split_words(&text), title);
         }
-        assert_eq!(fit(&title, " ", 17.0, 900.0).size, 17.0);
+        assert_eq!(fit_pieces(&title, " ", 17.0, 900.0).size, 17.0);
     }
 }

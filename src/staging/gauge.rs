@@ -1,7 +1,7 @@
 //! Gauges of the inputs: a bar with the range of the motion, filled up to the present value.
 
 use super::fitting;
-use super::symbols::symbol;
+use super::symbols::written_symbol;
 use super::value_text::{VALUE_SIZE, value_text};
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -65,7 +65,7 @@ impl Gauges {
                 ends.map(|end| gauges.text(mechanism, row, end))
             });
             let widest = texts
-                .map(|text| fitting::extent(&text, usual)[0])
+                .map(|text| fitting::text_extent(&text, usual)[0])
                 .fold(room.min(1.0), f64::max);
             gauges.text_size = usual * (room / widest).min(1.0);
             if gauges.text_size >= READABLE * usual {
@@ -78,7 +78,7 @@ impl Gauges {
     fn text(&self, mechanism: &Mechanism, row: usize, value: f64) -> String {
         let input = &mechanism.inputs[row];
         let own = value_text(mechanism, input, value);
-        let name = symbol(&input.name);
+        let name = written_symbol(&input.name);
         if !self.with_range {
             return format!("{name} = {own}");
         }

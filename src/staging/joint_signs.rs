@@ -67,7 +67,7 @@ impl JointSigns {
         let radius = RADIUS * extent;
         let mut signs = Self::default();
         if mechanism.bodies.is_empty() {
-            for link in link_signs::drawn(mechanism, ROD * radius) {
+            for link in link_signs::drawn_links(mechanism, ROD * radius) {
                 meshes.push(merged_mesh(&link.solids, FACETS * radius));
                 signs.pieces.push(SignPiece {
                     mesh: meshes.len() - 1,

@@ -98,12 +98,12 @@ impl Crowd {
 }
 
 /// Offsets of the middles of the labels from their anchors in pixels.
-pub fn place(labels: &[Lettering], paper: &Paper) -> Vec<[f64; 2]> {
+pub fn place_labels(labels: &[Lettering], paper: &Paper) -> Vec<[f64; 2]> {
     let mut offsets: Vec<Option<[f64; 2]>> = vec![None; labels.len()];
     for _ in 0..ROUNDS {
         for index in 0..labels.len() {
-            let costs = candidates(&labels[index]).into_iter().map(|offset| {
-                let cost = cost(labels, &offsets, index, offset, paper);
+            let costs = candidate_offsets(&labels[index]).into_iter().map(|offset| {
+                let cost = offset_cost(labels, &offsets, index, offset, paper);
                 (cost, offset)
             });
             // Of equally good ones the first, which is nearest to the wish.
@@ -118,7 +118,7 @@ pub fn place(labels: &[Lettering], paper: &Paper) -> Vec<[f64; 2]> {
         .collect()
 }
 
-fn candidates(label: &Lettering) -> Vec<[f64; 2]> {
+fn candidate_offsets(label: &Lettering) -> Vec<[f64; 2]> {
     let [width, height] = label.size;
     let mut all = vec![label.wish];
     for gap in GAPS {
@@ -135,7 +135,7 @@ fn candidates(label: &Lettering) -> Vec<[f64; 2]> {
 }
 
 /// What is wrong with label `index` at an offset, the mean over the frames.
-fn cost(
+fn offset_cost(
     labels: &[Lettering],
     offsets: &[Option<[f64; 2]>],
     index: usize,
@@ -150,17 +150,21 @@ fn cost(
     for (frame, anchor) in label.anchors.iter().enumerate() {
         let Some(anchor) = anchor else { continue };
         frames += 1.0;
-        let own = clamped(around(*anchor, offset, label.size), paper.size);
+        let own = clamped_into(label_rectangle(*anchor, offset, label.size), paper.size);
         let middle = [0.5 * (own[0] + own[2]), 0.5 * (own[1] + own[3])];
-        let away = gap(&own, *anchor);
+        let away = gap_to(&own, *anchor);
         sum += FAR * away / height;
         sum += STRAYS
-            * (distance(
+            * (point_distance(
                 middle,
                 [anchor[0] + label.wish[0], anchor[1] + label.wish[1]],
             ) / height)
                 .min(4.0);
-        let over_caption = paper.taken.iter().filter(|t| overlap(&own, t, air)).count();
+        let over_caption = paper
+            .taken
+            .iter()
+            .filter(|t| are_overlapping(&own, t, air))
+            .count();
         sum += COLLIDES * over_caption as f64;
         for (other, place) in labels.iter().zip(offsets) {
             if std::ptr::eq(other, label) {
@@ -169,12 +173,14 @@ fn cost(
             let Some(there) = other.anchors.get(frame).copied().flatten() else {
                 continue;
             };
-            if gap(&own, there) < 1.4 * away + 0.5 * height {
-                sum += MISLEADS;
+            if gap_to(&own, there) < 1.4 * away + 0.5 * height {
+                // Nearer to the other one is as bad as unreadable.
+                let is_nearer = gap_to(&own, there) <= away + 1.0;
+                sum += if is_nearer { COLLIDES } else { MISLEADS };
             }
-            let rectangle =
-                place.map(|offset| clamped(around(there, offset, other.size), paper.size));
-            if rectangle.is_some_and(|other| overlap(&own, &other, air)) {
+            let rectangle = place
+                .map(|offset| clamped_into(label_rectangle(there, offset, other.size), paper.size));
+            if rectangle.is_some_and(|other| are_overlapping(&own, &other, air)) {
                 sum += COLLIDES;
             }
         }
@@ -184,14 +190,14 @@ fn cost(
 }
 
 /// The rectangle of a label.
-fn around(anchor: [f64; 2], offset: [f64; 2], size: [f64; 2]) -> Rectangle {
+fn label_rectangle(anchor: [f64; 2], offset: [f64; 2], size: [f64; 2]) -> Rectangle {
     let [x, y] = [anchor[0] + offset[0], anchor[1] + offset[1]];
     let [w, h] = size.map(|s| 0.5 * s);
     [x - w, y - h, x + w, y + h]
 }
 
 /// The rectangle moved into the picture, as far as it fits.
-pub fn clamped([left, top, right, bottom]: Rectangle, size: [f64; 2]) -> Rectangle {
+pub fn clamped_into([left, top, right, bottom]: Rectangle, size: [f64; 2]) -> Rectangle {
     let shift = |low: f64, high: f64, limit: f64| {
         let inward = (limit - BORDER - high).min(0.0);
         inward + (BORDER - (low + inward)).max(0.0)
@@ -200,21 +206,21 @@ pub fn clamped([left, top, right, bottom]: Rectangle, size: [f64; 2]) -> Rectang
     [left + x, top + y, right + x, bottom + y]
 }
 
-fn overlap(a: &Rectangle, b: &Rectangle, air: f64) -> bool {
+fn are_overlapping(a: &Rectangle, b: &Rectangle, air: f64) -> bool {
     a[0] < b[2] + air && b[0] < a[2] + air && a[1] < b[3] + air && b[1] < a[3] + air
 }
 
 /// Distance of a point from a rectangle; 0 inside.
-fn gap(rectangle: &Rectangle, point: [f64; 2]) -> f64 {
+fn gap_to(rectangle: &Rectangle, point: [f64; 2]) -> f64 {
     let off = [0, 1].map(|k| {
         (rectangle[k] - point[k])
             .max(point[k] - rectangle[k + 2])
             .max(0.0)
     });
-    distance(off, [0.0; 2])
+    point_distance(off, [0.0; 2])
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+fn point_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     let [x, y] = [a[0] - b[0], a[1] - b[1]];
     (x * x + y * y).sqrt()
 }
@@ -242,7 +248,7 @@ mod tests {
     #[test]
     fn a_label_alone_stands_where_it_wishes() {
         let labels = [label([300.0, 200.0], [40.0, -9.0])];
-        assert_eq!(place(&labels, &paper()), [[40.0, -9.0]]);
+        assert_eq!(place_labels(&labels, &paper()), [[40.0, -9.0]]);
     }
 
     #[test]
@@ -250,13 +256,13 @@ mod tests {
         let labels: Vec<Lettering> = (0..6)
             .map(|k| label([300.0 + 17.0 * f64::from(k), 40.0], [0.0, -10.0]))
             .collect();
-        let offsets = place(&labels, &paper());
+        let offsets = place_labels(&labels, &paper());
         let boxes: Vec<Rectangle> = labels
             .iter()
             .zip(&offsets)
             .map(|(l, o)| {
-                clamped(
-                    around(l.anchors[0].unwrap_or_default(), *o, l.size),
+                clamped_into(
+                    label_rectangle(l.anchors[0].unwrap_or_default(), *o, l.size),
                     [640.0, 480.0],
                 )
             })
@@ -264,9 +270,9 @@ mod tests {
         for (i, own) in boxes.iter().enumerate() {
             assert!(own[0] >= 0.0 && own[1] >= 0.0);
             for (j, other) in boxes.iter().enumerate().filter(|(j, _)| *j != i) {
-                assert!(!overlap(own, other, 0.0), "{i} {j}");
+                assert!(!are_overlapping(own, other, 0.0), "{i} {j}");
                 let [mine, theirs] = [i, j].map(|k| labels[k].anchors[0].unwrap_or_default());
-                assert!(gap(own, mine) < gap(own, theirs), "{i} {j}");
+                assert!(gap_to(own, mine) < gap_to(own, theirs), "{i} {j}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The scene's labels with their places on the screen, which stay the same over a film.
 
-use super::lettering::{Crowd, Lettering, Paper, Rectangle, place as find_places};
+use super::lettering::{Crowd, Lettering, Paper, Rectangle, place_labels};
 use super::{captions, fitting};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
@@ -51,7 +51,7 @@ impl Letters {
 }
 
 /// Places of all labels of a scene, clear of captions and what is reserved and, where there is room, of `points`.
-pub fn place(
+pub fn place_letters(
     (scene, trajectory): (&Scene, &Trajectory),
     camera: &dyn Fn(usize) -> Camera,
     size: [u32; 2],
@@ -67,8 +67,14 @@ pub fn place(
     let closed: Vec<_> = closed
         .filter_map(|(k, s)| Some((k, s.pose.as_ref()?)))
         .collect();
-    let stride = closed.len().div_ceil(LOOKS).max(1);
-    let looks: Vec<_> = closed.iter().step_by(stride).collect();
+    // At even times, so that a still between the frames has the labels where the film has them.
+    let looks = (0..LOOKS).filter_map(|k| {
+        let time = scene.actuation.duration * k as f64 / LOOKS as f64;
+        let off = |sample: usize| (trajectory.samples[sample].time - time).abs();
+        let nearest = closed.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+        nearest.copied()
+    });
+    let looks: Vec<_> = looks.collect();
     let first = camera(closed.first().map_or(0, |(k, _)| *k));
     let on_screen = |camera: &Camera, point: DVec3| {
         let [x, y, _] = camera.project(point, size)?;
@@ -82,11 +88,11 @@ pub fn place(
                 let point = captions::anchor(label, on_trace, pose)?;
                 on_screen(&camera(*k), point)
             });
-            let text = fitting::extent(&label.text, label.size * height);
+            let text = fitting::text_extent(&label.text, label.size * height);
             Lettering {
                 anchors: anchors.collect(),
                 size: text,
-                wish: wish(label, on_trace, height, text, &|p| on_screen(&first, p)),
+                wish: wished_offset(label, on_trace, height, text, &|p| on_screen(&first, p)),
             }
         })
         .collect();
@@ -100,11 +106,11 @@ pub fn place(
         taken: captions
             .labels
             .iter()
-            .filter_map(|label| taken(label, size))
+            .filter_map(|label| caption_rectangle(label, size))
             .chain(reserved.iter().copied())
             .collect(),
     };
-    let offsets = find_places(&lettering, &paper);
+    let offsets = place_labels(&lettering, &paper);
     let placed = labels.iter().zip(&lettering).zip(offsets);
     placed
         .map(|((label, lettering), offset)| {
@@ -124,7 +130,7 @@ pub fn place(
 }
 
 /// Where a label would stand best: as the scene shifts it, beside its point, or over it.
-fn wish(
+fn wished_offset(
     label: &SceneLabel,
     on_trace: Option<DVec3>,
     height: f64,
@@ -153,11 +159,11 @@ fn wish(
 }
 
 /// The rectangle of a caption.
-fn taken(label: &Label, size: [u32; 2]) -> Option<Rectangle> {
+fn caption_rectangle(label: &Label, size: [u32; 2]) -> Option<Rectangle> {
     let Anchor::Screen([x, y]) = label.anchor else {
         return None;
     };
     let [x, y] = [x * f64::from(size[0]), y * f64::from(size[1])];
-    let [width, height] = fitting::extent(&label.text, label.size);
+    let [width, height] = fitting::text_extent(&label.text, label.size);
     Some([x, y, x + width, y + height])
 }

@@ -35,7 +35,7 @@ pub struct DrawnLink {
 }
 
 /// All links with two joints or more but the frame, which is drawn as ground; rods have the radius `radius`.
-pub fn drawn(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
+pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     let table = &mechanism.joints;
     let links = (1..table.links.len()).filter_map(|link| {
         let mut places: Vec<DVec3> = Vec::new();

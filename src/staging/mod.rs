@@ -34,7 +34,7 @@ use crate::model::view::{EdgeLines, GroundPlace, LabelPlace, SceneLabel, UpAxis,
 use crate::render::edges::Edges;
 use crate::render::look::Rim;
 use crate::render::overlay::border;
-use crate::render::ramp::ramp;
+use crate::render::ramp::shaded_ramp;
 use crate::render::{Camera, Frame, Ground, Instance, Label, Stage};
 use crate::scene::Scene;
 use cameras::Cameras;
@@ -159,7 +159,7 @@ impl<'a> Staging<'a> {
         let mut captions = Frame::default();
         self.add_captions(0, &mut captions);
         let taken = (&captions, reserved);
-        self.letters = letters::place(moving, &camera, self.stage.size, taken, &points);
+        self.letters = letters::place_letters(moving, &camera, self.stage.size, taken, &points);
     }
 
     /// Colours of texts and background.
@@ -187,7 +187,7 @@ impl<'a> Staging<'a> {
             .colours()
             .into_iter()
             .chain(self.decor.lit_colours());
-        colours.extend(lit.flat_map(|colour| ramp(colour, self.stage.rim)));
+        colours.extend(lit.flat_map(|colour| shaded_ramp(colour, self.stage.rim)));
         colours
     }
 

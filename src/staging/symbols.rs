@@ -40,7 +40,7 @@ const GREEK: [(&str, char); 35] = [
 ];
 
 /// `phi` as `φ`, `beta1` and `beta_1` as `β₁`, `s2` as `s₂`; other names as they are.
-pub fn symbol(name: &str) -> String {
+pub fn written_symbol(name: &str) -> String {
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
     let digits = &name[stem.len()..];
     let stem = match digits {
@@ -77,7 +77,7 @@ mod tests {
             ("Phi", "Φ"),
             ("phi_a", "phi_a"),
         ] {
-            assert_eq!(symbol(name), written);
+            assert_eq!(written_symbol(name), written);
         }
     }
 }

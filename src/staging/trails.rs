@@ -50,9 +50,9 @@ impl TracePart {
     /// The path at sample `index`.
     pub fn instances(&self, index: usize) -> Vec<Instance> {
         if self.shades.len() == 1 {
-            let past = piece(self.mesh, 0..self.triangles[index], self.shades[0]);
+            let past = trace_piece(self.mesh, 0..self.triangles[index], self.shades[0]);
             let ahead = self.ahead;
-            let ahead = ahead.map(|(mesh, count, shade)| piece(mesh, 0..count, shade));
+            let ahead = ahead.map(|(mesh, count, shade)| trace_piece(mesh, 0..count, shade));
             return ahead.into_iter().chain([past]).collect();
         }
         let shades = self.shades.len();
@@ -62,7 +62,7 @@ impl TracePart {
             let ranges = self.between(index, back);
             ranges
                 .into_iter()
-                .map(|range| piece(self.mesh, range, *shade))
+                .map(|range| trace_piece(self.mesh, range, *shade))
         });
         bands.filter(|piece| !piece.triangles.is_empty()).collect()
     }
@@ -101,7 +101,7 @@ impl TracePart {
     }
 }
 
-fn piece(mesh: usize, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
+fn trace_piece(mesh: usize, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
     Instance {
         mesh,
         world_from_mesh: Pose::IDENTITY,
@@ -170,7 +170,7 @@ pub fn of_traces(
             let path = trace_mesh(&kept, thin, TRACE_SIDES).mesh;
             let triangles = path.triangles.len() as u32;
             meshes.push(path);
-            let shade = mixed(look.background, trace.colour, AHEAD_SHADE);
+            let shade = mixed_colour(look.background, trace.colour, AHEAD_SHADE);
             (meshes.len() - 1, triangles, shade)
         });
         let path = trace_mesh(&kept, radius, TRACE_SIDES);
@@ -195,12 +195,12 @@ pub fn of_traces(
 
 /// From nearly the background to the colour itself.
 fn trail_shades(colour: [u8; 3], background: [u8; 3]) -> Vec<[u8; 3]> {
-    let shade = |k: usize| mixed(background, colour, (k + 1) as f64 / SHADES as f64);
+    let shade = |k: usize| mixed_colour(background, colour, (k + 1) as f64 / SHADES as f64);
     (0..SHADES).map(shade).collect()
 }
 
 /// `share` of the way from one colour to another.
-fn mixed(from: [u8; 3], to: [u8; 3], share: f64) -> [u8; 3] {
+fn mixed_colour(from: [u8; 3], to: [u8; 3], share: f64) -> [u8; 3] {
     std::array::from_fn(|c| {
         let [from, to] = [from[c], to[c]].map(f64::from);
         (from + (to - from) * share).round() as u8
