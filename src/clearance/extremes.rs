@@ -10,8 +10,8 @@ use crate::model::expression::Expression;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
-/// The bound is this near to the value, as a share of all values' spread or of the value.
-const SHARE: f64 = 1e-9;
+/// The bound is this near to the value, as a share of all values' spread or of the value: well inside the slack of limits.
+const SHARE: f64 = 2e-10;
 
 /// Most parts that are looked at: a formula that cannot be bounded near its greatest value has no better bound then.
 const MOST_PARTS: usize = 20_000;

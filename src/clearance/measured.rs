@@ -11,8 +11,9 @@ use crate::model::expression::{Expression, Op};
 use crate::model::measure::{Measure, MeasureSource, Taking};
 use crate::model::mechanism::{Kind, Mechanism, OutputSource};
 
-/// Values of formulas are as exact as poses are closed: this share of a length in sizes, of a radian, of a number.
-const SLACK: f64 = 1e-12;
+/// A limit is kept to this share of the mechanism's size, of a radian or of the value, as minimal distances are: a stroke of
+/// exactly 24 may be limited to 24.
+const SLACK: f64 = 1e-9;
 
 /// What is known of a measure: over the whole motion it is between `value` and `bound`.
 #[derive(Clone, Copy, Debug)]

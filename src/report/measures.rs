@@ -45,7 +45,7 @@ pub fn take_whole<'s>(
         if let MeasureSource::Formula(formula) = &measured.measure.source {
             // Of the earlier ones as they are now.
             measured.value = formula_value(formula, &slots);
-        } else if is_of_whole_motion(mechanism, measured.measure) {
+        } else if measured.value.is_some() && is_of_whole_motion(mechanism, measured.measure) {
             measured.known = known(&mut motion, measured.measure, tolerance);
             measured.value = measured.known.map(|known| known.value);
         }
@@ -169,7 +169,7 @@ impl TakenMeasure<'_> {
         if !bound.is_finite() {
             return format!("{time}; no bound: a kink or jump of the formula");
         }
-        let decimals = decimals(bound).map_or(12, |d| d.saturating_sub(3));
+        let decimals = decimals(bound).map_or(12, |d| d.saturating_sub(1));
         let never = match known.bound < known.value {
             true => format!("never below {}", not_below(bound, decimals)),
             false => format!("never above {}", not_above(bound, decimals)),

@@ -36,7 +36,8 @@ fn locked(lock: &str) -> BTreeSet<[String; 2]> {
 /// Name, version and licence of the rows of the table.
 fn listed(text: &str) -> Vec<[String; 3]> {
     let rows = text.lines().filter_map(|line| line.strip_prefix("| "));
-    rows.skip(2)
+    // The head of the table; its rule begins otherwise.
+    rows.skip(1)
         .map(|row| {
             let mut cells = row.split('|').map(|cell| cell.trim().to_owned());
             [(); 3].map(|()| cells.next().unwrap())
