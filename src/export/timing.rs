@@ -99,11 +99,14 @@ impl Schedule {
         };
         let mut shown = 0;
         let mut since = 0.0;
+        let whole = ticks(times.start(count) - times.start(0) + hold);
         // Differences of rounded absolute times, so that rounding never adds up.
         for k in 1..=count {
             let last = if k == count { hold } else { 0.0 };
             let start = ticks(times.start(k) - times.start(0) + last);
-            if k < count && start - since < f64::from(shortest) {
+            // A frame without time of its own, at either side, is left out: the one before stays.
+            let left = whole - start;
+            if k < count && (start - since).min(left) < f64::from(shortest) {
                 schedule.left_out += 1;
                 continue;
             }

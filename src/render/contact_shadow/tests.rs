@@ -100,7 +100,9 @@ fn the_key_light_throws_shadows_aslant() {
         assert!(dark([at.x + x / y * height, at.y]) < 0.5 * dark(thrown));
     }
     let without = shadow_of(0, DVec3::new(-0.5, -0.5, 2.4));
-    assert_eq!(without.dark, None);
+    let places =
+        (0..64 * 64).map(|k| without.sample((k % 64) as f32 / 64.0, (k / 64) as f32 / 64.0));
+    assert!(places.fold(0.0, f32::max) < 0.02);
 }
 
 #[test]

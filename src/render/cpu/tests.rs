@@ -241,7 +241,8 @@ fn translucent_bodies_may_cross() {
                     over(blue, red)
                 };
                 for k in 0..3 {
-                    assert!(pixel.0[k].abs_diff(expected[k]) <= 1, "{x} {pixel:?}");
+                    // Two layers, each rounded to the 8 bits of a sample.
+                    assert!(pixel.0[k].abs_diff(expected[k]) <= 2, "{x} {pixel:?}");
                 }
             }
         }
@@ -272,7 +273,11 @@ fn lines_follow_the_borders_of_bodies() {
                 (f64::from(x) - 49.5).abs() - 30.0,
                 (f64::from(y) - 39.5).abs() - 20.0,
             );
-            let off = dx.max(dy).abs();
+            // Beside a corner the border is as far as the corner.
+            let off = match dx > 0.0 && dy > 0.0 {
+                true => dx.hypot(dy),
+                false => dx.max(dy).abs(),
+            };
             let own = if dx.max(dy) < 0.0 {
                 [240, 200, 40]
             } else {
@@ -307,7 +312,8 @@ fn what_has_no_outline_takes_no_line_and_bodies_of_one_group_have_none_between_t
         middle(false, [Some(3), Some(4)]),
         middle(true, [Some(3), Some(3)]),
     ] {
-        assert!(dark.0[0] < 180, "{dark:?}");
+        // As much darker as on any border.
+        assert!(dark.0[0] < colour[0] - 30, "{dark:?}");
     }
 }
 

@@ -289,12 +289,10 @@ fn distances_are_those_of_every_pose_alone() {
             assert!(off < rounding, "{name} {:?}: {off:e}", p.pair);
         }
         for p in report.excluded.iter().filter(|p| !has(&report.judged, p)) {
-            let stride = times.len().div_ceil(24);
-            let looked = distances(&scene, p.pair, &trajectory).step_by(stride);
-            let off = looked.fold(f64::INFINITY, f64::min) - p.least.distance;
-            // Poses that bring less than this are left out.
+            // Between the samples they may be deeper: the least that is told is of the whole motion.
+            let least = distances(&scene, p.pair, &trajectory).fold(f64::INFINITY, f64::min);
             let allowed = 1e-10 * scene.mechanism.size + rounding;
-            assert!(off.abs() <= allowed, "{name} {:?}: {off:e}", p.pair);
+            assert!(p.least.distance <= least + allowed, "{name} {:?}", p.pair);
         }
         assert!(report.excluded.iter().any(|p| p.least.distance < -1.0));
     }
