@@ -285,8 +285,9 @@ fn lines_follow_the_borders_of_bodies() {
             };
             if off > 1.6 {
                 assert_eq!(pixel.0[..3], own, "{samples}: {x} {y}");
-            } else if off < 0.6 {
-                assert!(pixel.0[0] < own[0] - 30, "{samples}: {x} {y} {pixel:?}");
+            } else if off < 0.6 && dx.min(dy) < -1.0 {
+                // At a corner the line thins out.
+                assert!(pixel.0[0] < own[0] - 20, "{samples}: {x} {y} {pixel:?}");
             }
         }
     }
