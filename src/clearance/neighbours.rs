@@ -31,7 +31,7 @@ pub enum Neighbours {
         /// What kind of joint.
         words: &'static str,
         /// The parts of both bodies that touch there at the first pose.
-        region: JointRegion,
+        region: Box<JointRegion>,
     },
 }
 
@@ -77,7 +77,7 @@ pub fn joint_neighbours(
     let places = [world_from_a, world_from_b].map(|pose| place.seen_from(&pose));
     let region = JointRegion::new(hulls, &touching, &places, &a_from_b, minimum);
     let only_turns = matches!(joint.kind, JointKind::Revolute | JointKind::Spherical);
-    let region = region.turning(only_turns);
+    let region = Box::new(region.turning(only_turns));
     Some(Neighbours::Joined { words, region })
 }
 

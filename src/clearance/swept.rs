@@ -160,7 +160,7 @@ struct Field<'a> {
 
 impl Field<'_> {
     /// From the body at one pose; zero in a mesh.
-    fn from_pose(&self, pose: &Pose, point: DVec3) -> f64 {
+    fn off_pose(&self, pose: &Pose, point: DVec3) -> f64 {
         let local = pose.inverse().transform_point(point);
         let probe = Element {
             core: Primitive::Point(local),
@@ -235,7 +235,7 @@ impl Surface<'_> {
         let half = 0.5 * f64::from(side) * field.cell;
         let center = self.place(at) + DVec3::splat(half);
         let radius = 2.0 * HALF_DIAGONAL * half;
-        let of = |k: &u32| (field.from_pose(&field.poses[*k as usize], center), *k);
+        let of = |k: &u32| (field.off_pose(&field.poses[*k as usize], center), *k);
         let distances: Vec<(f64, u32)> = near.iter().map(of).collect();
         let least = distances
             .iter()
@@ -261,7 +261,7 @@ impl Surface<'_> {
         let field = self.field;
         *self.values.entry(at).or_insert_with(|| {
             let poses = near.iter().map(|k| &field.poses[*k as usize]);
-            let all = poses.map(|pose| field.from_pose(pose, place));
+            let all = poses.map(|pose| field.off_pose(pose, place));
             all.fold(f64::INFINITY, f64::min) - field.level
         })
     }

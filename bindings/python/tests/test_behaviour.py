@@ -15,13 +15,13 @@ import mechanim
 import numpy as np
 import pytest
 
-WRONG = "duration = 1\n[inputz]\nphi = 't'\n[loops]\nA = 'Rz(phi) Tx(q)'\n"
+WRONG = "duration = 1\n[inputz]\nphi = 't'\n[viev]\nfps = 3\n"
 
 
 def test_mistakes_are_all_told_with_their_places():
     with pytest.raises(mechanim.SceneError) as wrong:
         mechanim.loads(WRONG, name="mine")
-    assert "mine:2:2" in str(wrong.value) and "mine:5" in str(wrong.value)
+    assert "mine:2:2" in str(wrong.value) and "mine:4:2" in str(wrong.value)
     assert isinstance(wrong.value, ValueError)
     with pytest.raises(mechanim.SceneError):
         mechanim.load("no-such-scene")
@@ -104,7 +104,7 @@ def test_ctrl_c_ends_a_run_soon(python, tmp_path):
         "scene = mechanim.load('gearshift')\n"
         "print('ready', flush=True)\n"
         "try:\n"
-        "    scene.solve(samples=900_000)\n"
+        "    scene.solve(samples=400_000)\n"
         "except KeyboardInterrupt:\n"
         "    print('interrupted', flush=True)\n"
     )

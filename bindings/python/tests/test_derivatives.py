@@ -9,7 +9,6 @@ CASES = [
     ("slider-crank", ["h"], ["r", "L"]),
     ("four-bar", None, None),
     ("gearshift", ["M.x", "M.y", "M.z"], ["L6s", "ZR1"]),
-    ("bennett", None, None),
     ("seven-r", None, None),
 ]
 

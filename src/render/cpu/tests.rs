@@ -240,9 +240,9 @@ fn translucent_bodies_may_cross() {
                 } else {
                     over(blue, red)
                 };
-                for k in 0..3 {
+                for (found, expected) in pixel.0.iter().zip(expected) {
                     // Two layers, each rounded to the 8 bits of a sample.
-                    assert!(pixel.0[k].abs_diff(expected[k]) <= 2, "{x} {pixel:?}");
+                    assert!(found.abs_diff(expected) <= 2, "{x} {pixel:?}");
                 }
             }
         }

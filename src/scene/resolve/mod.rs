@@ -73,8 +73,7 @@ pub fn resolve_scene(
         varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
     }
     let scope = Scope::resolve(
-        file,
-        &parsed,
+        (file, &parsed),
         &bodies,
         &names,
         &traces,

@@ -29,8 +29,7 @@ pub struct Scope<'a> {
 impl<'a> Scope<'a> {
     /// Resolves the outputs in the order of the file.
     pub fn resolve(
-        file: &SceneFile,
-        parsed: &Parsed,
+        (file, parsed): (&SceneFile, &Parsed),
         bodies: &[Body],
         names: &'a Names,
         traces: &'a [Trace],

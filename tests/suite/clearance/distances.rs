@@ -121,7 +121,7 @@ fn a_least_distance_is_that_of_the_whole_motion() {
 #[test]
 fn a_study_makes_a_clearance_what_is_asked_though_it_varies_the_shape() {
     let w = Workspace::new();
-    w.write("balls.toml", &scene(0.0, 0.0));
+    w.write("balls.toml", scene(0.0, 0.0));
     w.run(&["optimise", "balls.toml", "--out", "better.toml"])
         .exits(0);
     let text = String::from_utf8(w.read("better.toml")).unwrap();
@@ -147,7 +147,7 @@ fn what_is_no_distance_is_refused() {
         ("[\"crank\", \"crank\"]", "itself"),
     ] {
         let text = scene(0.0, 0.0).replacen("[\"crank\", \"post\"]", asked, 1);
-        let error = Scene::parse("balls", &text).err().expect(asked).to_string();
+        let error = Scene::parse("balls", &text).expect_err(asked).to_string();
         assert!(error.contains(why), "{asked}: {error}");
     }
 }

@@ -169,7 +169,7 @@ fn truth() -> f64 {
 
 fn over_the_box(minimum: f64, code: i32) -> Value {
     let w = Workspace::new();
-    w.write("two.toml", &two_drives(minimum));
+    w.write("two.toml", two_drives(minimum));
     let sides = ["--inputs-box", "u=0:60", "--inputs-box", "v=-40:40"];
     w.run(&[&["check", "two.toml", "--json", "box.json"][..], &sides].concat())
         .exits(code);
@@ -236,7 +236,7 @@ pairs = [{{ pair = ["slider", "stop"], minimum = {minimum} }}]
     let least = 130.0 - h(0.1, 24.0) - 10.0;
     for (minimum, code) in [(least - 0.5, 0), (least + 0.5, 1)] {
         let w = Workspace::new();
-        w.write("crank.toml", &text(minimum));
+        w.write("crank.toml", text(minimum));
         let sides = ["--inputs-box", "phi=0.1:1.2", "--inputs-box", "r=16:24"];
         w.run(&[&["check", "crank.toml"][..], &sides].concat())
             .exits(code);

@@ -99,13 +99,13 @@ class Motion:
     def jacobian(self, names: str | Sequence[str], parameters: Sequence[str]) -> _Floats: ...
     def vjp(self, cotangents: Mapping[str, ArrayLike], parameters: Sequence[str]) -> _Floats: ...
     def render(
-        self, sample: int = 0, *, size: tuple[int, int] = (640, 480), dark: bool = False
+        self, sample: int = 0, *, size: tuple[int, int] = ..., dark: bool = False
     ) -> NDArray[np.uint8]: ...
     def save(
         self,
         path: str | PathLike[str],
         *,
-        size: tuple[int, int] = (640, 480),
+        size: tuple[int, int] = ...,
         rate: float | None = None,
         quality: int = 100,
         dark: bool = False,
