@@ -55,7 +55,7 @@ pub struct MotionStretch {
     pub start: f64,
     /// Seconds.
     pub end: f64,
-    /// Samples at its ends: places in [`Motion::samples`].
+    /// Samples at its ends: places in [`ProvedMotion::samples`].
     pub ends: [Option<usize>; 2],
     /// All arguments of joints over the stretch, which goes from -1 to 1.
     pub arguments: Vec<TaylorModel>,

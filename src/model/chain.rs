@@ -35,7 +35,7 @@ pub enum ChainStep {
     },
 }
 
-/// A step whose value changes, as [`Step::Joint`] holds it.
+/// A step whose value changes, as [`ChainStep::Joint`] holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChainJoint {
     /// Kind of motion.

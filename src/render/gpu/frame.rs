@@ -27,7 +27,7 @@ pub struct Draw {
     pub first_index: u32,
     /// Number of indices.
     pub indices: u32,
-    /// First instance of [`Plan::instances`].
+    /// First instance of the plan's instances.
     pub first_instance: u32,
     /// Number of instances.
     pub instances: u32,
