@@ -7,6 +7,7 @@ use super::motion::ProvedMotion;
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
+use crate::numbers::interval::Interval;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -15,6 +16,9 @@ const SHARE: f64 = 2e-10;
 
 /// Most parts that are looked at: a formula that cannot be bounded near its greatest value has no better bound then.
 const MOST_PARTS: usize = 20_000;
+
+/// Parts of halves reach this much over their ends: the middle of a stretch is a rounded time.
+const OVERLAP: f64 = 1e-9;
 
 /// Steps of the golden section that settle the value: each takes 0.6 of the width, and the value goes with its square.
 const SETTLING: u32 = 40;
@@ -55,7 +59,7 @@ impl Greatest {
         Self {
             value: self.value + other.value,
             time: None,
-            bound: self.bound + other.bound,
+            bound: (Interval::point(self.bound) + Interval::point(other.bound)).hi,
             is_certified: self.is_certified && other.is_certified,
         }
     }
@@ -202,8 +206,10 @@ impl Search<'_, '_> {
             self.push(stretch, from, middle);
             self.push(stretch, middle, to);
         } else if let Some(halves) = self.motion.halves(stretch) {
-            self.push(halves[0], 2.0 * from + 1.0, (2.0 * to + 1.0).min(1.0));
-            self.push(halves[1], (2.0 * from - 1.0).max(-1.0), 2.0 * to - 1.0);
+            for (half, shift) in halves.into_iter().zip([1.0, -1.0]) {
+                let [from, to] = [2.0 * from + shift - OVERLAP, 2.0 * to + shift + OVERLAP];
+                self.push(half, from.max(-1.0), to.min(1.0));
+            }
         } else {
             self.stuck = self.stuck.max(part.bound);
         }
@@ -222,7 +228,9 @@ impl Search<'_, '_> {
             }
         };
         let around = model.around(0.5 * (from + to), 0.5 * (to - from));
-        let bound = around.value + around.way.abs() + around.bend.abs() + around.off;
+        let moves = [around.way.abs(), around.bend.abs(), around.off];
+        let add = |sum: Interval, part: &f64| sum + Interval::point(*part);
+        let bound = moves.iter().fold(Interval::point(around.value), add).hi;
         let bound = if bound.is_nan() { f64::INFINITY } else { bound };
         self.parts.push(Part {
             bound,

@@ -155,6 +155,15 @@ impl TakenMeasure<'_> {
         }
     }
 
+    /// The bound in the file's unit, rounded away from the value.
+    fn shown_bound(&self, known: &Known) -> f64 {
+        let bound = known.bound * self.factor;
+        match known.bound < known.value {
+            true => bound.next_down(),
+            false => bound.next_up(),
+        }
+    }
+
     /// What is known of it over the whole motion.
     fn over(&self) -> String {
         let Some(known) = self.known else {
@@ -165,7 +174,7 @@ impl TakenMeasure<'_> {
             return format!(", deepest found at {}", time.unwrap_or_default());
         }
         let time = time.map_or_else(String::new, |time| format!(", at {time}"));
-        let bound = known.bound * self.factor;
+        let bound = self.shown_bound(&known);
         if !bound.is_finite() {
             return format!("{time}; no bound: a kink or jump of the formula");
         }
@@ -243,7 +252,7 @@ impl TakenMeasure<'_> {
         if let (Some(known), Some(object)) = (&self.known, value.as_object_mut()) {
             object.insert(
                 "bound".to_owned(),
-                json!(known.bound.is_finite().then_some(known.bound * self.factor)),
+                json!(Some(self.shown_bound(known)).filter(|b| b.is_finite())),
             );
             object.insert("certified".to_owned(), json!(known.is_certified));
             object.insert("time".to_owned(), json!(known.time));

@@ -144,10 +144,7 @@ impl<'m> Prover<'m> {
 
     /// The arguments of all joints over a tube's stretch.
     pub fn arguments(&self, tube: &Tube) -> Vec<TaylorModel> {
-        let mut coordinates = tube.path.coordinates.clone();
-        for (k, rest) in tube.rest.iter().enumerate() {
-            coordinates[k].rest += rest * self.system.mechanism().scale_of(k) * (1.0 + 1e-12);
-        }
+        let coordinates = tube.coordinates(self.system.mechanism());
         let count = self.system.mechanism().arguments.len();
         let of = |form: &Form| match form {
             Form::Affine(affine) => TaylorModel::of_affine(affine, &coordinates),

@@ -25,12 +25,14 @@ impl Tube {
     /// The slots of the motion in it.
     pub fn shown(&self, mechanism: &Mechanism) -> Shown {
         let [middle, everywhere] = self.path.series();
-        let place = |k: usize| {
-            let rest = self.rest.get(k).map_or(0.0, |r| r * mechanism.scale_of(k));
-            let off = Interval::around_zero(rest);
-            Line::linear(self.path.coordinates[k].range() + off, off, 1)
-        };
-        let beside: Vec<Line> = (0..mechanism.coordinate_count()).map(place).collect();
+        let unknowns = mechanism.unknowns.len();
+        let beside: Vec<Line> = (self.coordinates(mechanism).iter().enumerate())
+            .map(|(k, coordinate)| {
+                // The inputs' own remainder is part of the series.
+                let off = if k < unknowns { coordinate.rest } else { 0.0 };
+                Line::linear(coordinate.range(), Interval::around_zero(off), 1)
+            })
+            .collect();
         Shown {
             middle: observed_slots(mechanism, middle),
             everywhere: observed_slots(mechanism, everywhere),

@@ -1,5 +1,6 @@
 //! What is proved of a stretch, and the poses at its ends.
 
+use super::model::TaylorModel;
 use super::path::TubePath;
 use crate::model::mechanism::Mechanism;
 use std::sync::Arc;
@@ -31,6 +32,15 @@ impl Tube {
     /// The path's value of unknown `k` at a time of the stretch.
     pub fn centre(&self, k: usize, time: f64) -> f64 {
         self.path.at(k, time).middle()
+    }
+
+    /// All coordinates of the motion, wherever it is beside the path.
+    pub(super) fn coordinates(&self, mechanism: &Mechanism) -> Vec<TaylorModel> {
+        let mut coordinates = self.path.coordinates.clone();
+        for (k, rest) in self.rest.iter().enumerate() {
+            coordinates[k].rest += rest * mechanism.scale_of(k) * (1.0 + 1e-12);
+        }
+        coordinates
     }
 
     /// Rate of the path of unknown `k` at the end.
