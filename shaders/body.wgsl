@@ -9,7 +9,7 @@ struct BodyVertex {
     @location(4) @interpolate(flat) surface: u32,
 }
 
-// What a sample shows: its colour and, for lines, its surface.
+// What a sample shows: its colour and, for lines, its surface and, if it is translucent, its depth.
 struct Painted {
     @location(0) colour: vec4<f32>,
     @location(1) surface: vec4<u32>,
@@ -59,25 +59,24 @@ fn seen_normal(normal: vec3<f32>, front: bool) -> vec3<f32> {
     return select(-unit, unit, front);
 }
 
-// What lines need to know of a fragment.
-fn line_words(in: BodyVertex) -> vec4<u32> {
-    let nearness = select(in.place.z, -1.0 / in.place.z, globals.up.w > 0.5);
-    return surface_store(in.surface, nearness);
-}
-
 @fragment
 fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> Painted {
     let normal = seen_normal(in.normal, front);
     let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
-    return Painted(vec4<f32>(colour, 1.0), line_words(in));
+    return Painted(vec4<f32>(colour, 1.0), surface_store(in.surface, 0.0));
 }
 
+// Run for every sample, which makes the depth that of the sample.
 @fragment
-fn body_translucent(in: BodyVertex, @builtin(front_facing) front: bool) -> Painted {
+fn body_translucent(
+    in: BodyVertex,
+    @builtin(front_facing) front: bool,
+    @builtin(sample_index) sample: u32,
+) -> Painted {
     let normal = seen_normal(in.normal, front);
     let to_viewer = viewer_direction(in.place);
     let colour = shade(normal, to_viewer, globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
     let edge = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
     let opacity = mix(edge, in.colour.a, in.flatness);
-    return Painted(vec4<f32>(colour, opacity), line_words(in));
+    return Painted(vec4<f32>(colour, opacity), surface_store(in.surface, in.clip.z));
 }

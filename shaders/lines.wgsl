@@ -1,20 +1,30 @@
 // Lines between surfaces: src/render/edges.rs and src/render/cpu/outlines.rs, one to one. Every pixel reads the surfaces
-// and nearnesses of its own samples and of those within half a line's width. SAMPLES, PLACES, the texture SURFACES and
-// the function `surface_words` come in front of this text.
+// of its own samples and of those within half a line's width. SAMPLES, PLACES and the functions `surface_words` and
+// `depth_at` come in front of this text.
 
-struct Shown {
-    surface: u32,
-    nearness: f32,
-}
-
-fn shown(pixel: vec2<i32>, index: i32) -> Shown {
+fn surface_at(pixel: vec2<i32>, index: i32) -> u32 {
     let words = surface_words(pixel, index);
-    return Shown(words.x | (words.y << 16u), bitcast<f32>(words.z | (words.w << 16u)));
+    return words.x | (words.y << 16u);
 }
 
-// The four words in which a surface and its nearness are stored.
-fn surface_store(surface: u32, nearness: f32) -> vec4<u32> {
-    let bits = bitcast<u32>(nearness);
+// Nearness of what a sample shows, affine over the screen: inverse distance in a perspective, else minus the distance.
+// Of what is translucent the depth is stored beside the surface: the depth buffer has that of what is opaque.
+fn nearness_at(pixel: vec2<i32>, index: i32, over: bool) -> f32 {
+    var depth = depth_at(pixel, index);
+    if (over) {
+        let words = surface_words(pixel, index);
+        depth = bitcast<f32>(words.z | (words.w << 16u));
+    }
+    // See `scene.wgsl` for the depth of a distance.
+    if (globals.up.w > 0.5) {
+        return (depth - globals.depth.x) / globals.depth.y;
+    }
+    return (globals.depth.y - depth) / globals.depth.x;
+}
+
+// The four words in which a surface and its depth are stored.
+fn surface_store(surface: u32, depth: f32) -> vec4<u32> {
+    let bits = bitcast<u32>(depth);
     return vec4<u32>(surface & 0xffffu, surface >> 16u, bits & 0xffffu, bits >> 16u);
 }
 
@@ -24,16 +34,19 @@ fn lines_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f3
 }
 
 // Whether the surface falls back before a sample, a line's reach to both sides along `step`.
-fn falls(pixel: vec2<i32>, step: vec2<i32>, size: vec2<i32>, index: i32, own: Shown, limit: f32) -> bool {
+fn falls(pixel: vec2<i32>, step: vec2<i32>, size: vec2<i32>, index: i32, over: bool) -> bool {
     let before = pixel - step;
     let after = pixel + step;
     if (any(before < vec2<i32>(0)) || any(after >= size)) {
         return false;
     }
-    let a = shown(before, index);
-    let b = shown(after, index);
-    return a.surface == own.surface && b.surface == own.surface
-        && a.nearness + b.nearness - 2.0 * own.nearness < -limit;
+    let surface = surface_at(pixel, index);
+    if (surface_at(before, index) != surface || surface_at(after, index) != surface) {
+        return false;
+    }
+    let own = nearness_at(pixel, index, over);
+    let limit = select(globals.lines.z, globals.lines.z * own, globals.up.w > 0.5);
+    return nearness_at(before, index, over) + nearness_at(after, index, over) - 2.0 * own < -limit;
 }
 
 // The ink in a pixel; with `over` only that of lines with a translucent side.
@@ -44,8 +57,8 @@ fn inked(at: vec4<f32>, over: bool) -> vec4<f32> {
     let reach = i32(globals.lines.y);
     var count = 0;
     for (var s = 0; s < SAMPLES; s++) {
-        let own = shown(pixel, s);
-        if (own.surface == NO_LINES) {
+        let own = surface_at(pixel, s);
+        if (own == NO_LINES) {
             continue;
         }
         var marked = false;
@@ -58,17 +71,16 @@ fn inked(at: vec4<f32>, over: bool) -> vec4<f32> {
                 for (var t = 0; t < SAMPLES; t++) {
                     let off = vec2<f32>(f32(dx), f32(dy)) + PLACES[t] - PLACES[s];
                     if (dot(off, off) <= globals.lines.x) {
-                        let other = shown(there, t).surface;
-                        let is_over = max(other, own.surface) >= TRANSLUCENT;
-                        marked = marked || (other != own.surface && other != NO_LINES && (!over || is_over));
+                        let other = surface_at(there, t);
+                        let is_over = max(other, own) >= TRANSLUCENT;
+                        marked = marked || (other != own && other != NO_LINES && (!over || is_over));
                     }
                 }
             }
         }
-        if (!marked && own.surface >= least) {
-            let limit = select(globals.lines.z, globals.lines.z * own.nearness, globals.up.w > 0.5);
-            marked = falls(pixel, vec2<i32>(reach, 0), size, s, own, limit)
-                || falls(pixel, vec2<i32>(0, reach), size, s, own, limit);
+        if (!marked && own >= least) {
+            marked = falls(pixel, vec2<i32>(reach, 0), size, s, over)
+                || falls(pixel, vec2<i32>(0, reach), size, s, over);
         }
         count += select(0, 1, marked);
     }

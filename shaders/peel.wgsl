@@ -1,9 +1,9 @@
-// The next layer of what is translucent: of each sample the farthest fragment before the layer behind it. The texture
-// BEHIND and the function `behind_at` come in front of this text.
+// The next layer of what is translucent: of each sample the farthest fragment before the layer behind it, whose depths
+// are bound.
 
 @fragment
-fn peel(in: BodyVertex SAMPLE) {
-    if (in.clip.z <= behind_at(vec2<i32>(in.clip.xy), INDEX)) {
+fn peel(in: BodyVertex, @builtin(sample_index) sample: u32) {
+    if (in.clip.z <= depth_at(vec2<i32>(in.clip.xy), i32(sample))) {
         discard;
     }
 }

@@ -1,7 +1,7 @@
 //! The GPU renderer against the built-in one: the same stage, the same picture within stated bounds.
 //!
-//! All but the first test need a graphics adapter, a software one will do (Debian, Ubuntu: `mesa-vulkan-drivers`, or
-//! `libegl1 libgl1-mesa-dri`), and are ignored by default, so that a machine without one does not report them as
+//! All but the first test need a graphics adapter, a software one will do (Debian, Ubuntu: `mesa-vulkan-drivers`),
+//! and are ignored by default, so that a machine without one does not report them as
 //! passed: `cargo test --release --test gpu_parity -- --include-ignored`. They fail where there is no adapter.
 #![cfg(feature = "gpu")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -21,7 +21,7 @@ use mechanim::render::open::list_adapters;
 use mechanim::render::{Frame, Ground, Instance, Projection, RenderError, Renderer, Stage};
 use std::sync::Arc;
 
-/// Least likeness of the two renderers' pictures. Mesa's software adapters reach 55 to 60 dB.
+/// Least likeness of the two renderers' pictures. Mesa's software adapter reaches 53 to 60 dB.
 const LEAST_PSNR: f64 = 50.0;
 /// A channel this many levels apart is seen.
 const SEEN: u8 = 24;

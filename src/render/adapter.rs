@@ -22,7 +22,7 @@ pub struct AdapterInfo {
     pub name: String,
     /// Driver and its version; may be empty.
     pub driver: String,
-    /// Interface: Vulkan, Gl, Metal or Dx12.
+    /// Interface: Vulkan, Metal or Dx12.
     pub backend: String,
     /// Kind of device.
     pub device_type: DeviceKind,

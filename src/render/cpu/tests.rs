@@ -293,6 +293,37 @@ fn lines_follow_the_borders_of_bodies() {
     }
 }
 
+/// A veil that is all but clear and draws no line takes none away: neither under it nor where its own border parts the
+/// samples of a pixel.
+#[test]
+fn a_clear_veil_leaves_lines_as_they_are() {
+    let square = rectangle([-30.0, -20.0], [30.0, 20.0], 0.0);
+    let veil = rectangle([-40.0, 10.3], [-29.6, 30.0], 1.0);
+    for samples in [1, 2, 4, 8, 16] {
+        let stage = || {
+            let stage = flat_stage([100, 80], samples, vec![square.clone(), veil.clone()]);
+            lined(stage, true)
+        };
+        let body = Instance {
+            outline: Some(0),
+            ..instance(0, [240, 200, 40])
+        };
+        let clear = Instance {
+            opacity: 1e-3,
+            ..instance(1, WHITE)
+        };
+        let bare = draw(stage(), vec![body.clone()]);
+        let veiled = draw(stage(), vec![body, clear]);
+        for ((x, y, bare), veiled) in bare.enumerate_pixels().zip(veiled.pixels()) {
+            let off = bare.0.iter().zip(veiled.0).map(|(a, b)| a.abs_diff(b));
+            assert!(
+                off.max() <= Some(2),
+                "{samples}: {x} {y} {bare:?} {veiled:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn what_has_no_outline_takes_no_line_and_bodies_of_one_group_have_none_between_them() {
     let left = rectangle([-30.0, -20.0], [0.0, 20.0], 0.0);

@@ -180,11 +180,8 @@ impl Layers {
     /// The colour of a sample.
     fn seen(&self, sample: usize, inked: impl Fn(Rgb) -> Rgb) -> Rgb {
         let behind = self.behind[sample] as usize;
-        let mut rgb = self.colours.get(behind).copied().unwrap_or_default();
+        let mut rgb = inked(self.colours.get(behind).copied().unwrap_or_default());
         let mut at = self.farthest[sample];
-        if at != NONE {
-            rgb = inked(rgb);
-        }
         while let Some(fragment) = self.fragments.get(at as usize) {
             let surface = fragment.surface as usize;
             let (over, opacity) = (self.colours[surface], self.surfaces[surface].opacity);

@@ -2,7 +2,6 @@
 
 use crate::render::RenderError;
 use crate::render::adapter::{AdapterChoice, AdapterInfo, DeviceKind};
-use std::cmp::Ordering;
 
 /// The adapters of this machine, best first. Empty where no driver is installed.
 pub fn list_adapters() -> Vec<AdapterInfo> {
@@ -48,29 +47,15 @@ fn may_have_hardware() -> bool {
 fn found_adapters() -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-    // Stable: among equals the driver's own order stays.
-    adapters.sort_by(|a, b| {
-        adapter_preference(
-            &describe_adapter(a),
-            &describe_adapter(b),
-            trusts_software_vulkan(),
-        )
+    // Hardware before software; stable: among equals the driver's own order stays.
+    adapters.sort_by_key(|adapter| describe_adapter(adapter).device_type);
+    adapters.retain(|adapter| {
+        describe_adapter(adapter).device_type != DeviceKind::Software || trusts_software_vulkan()
     });
     adapters
 }
 
-/// Hardware before software; among the same kind Metal, DX12 and Vulkan before GL.
-fn adapter_preference(a: &AdapterInfo, b: &AdapterInfo, software_vulkan: bool) -> Ordering {
-    let rank = |info: &AdapterInfo| {
-        let is_gl = info.backend == "Gl";
-        let gl_first = info.device_type == DeviceKind::Software && !software_vulkan;
-        (info.device_type, is_gl != gl_first)
-    };
-    rank(a).cmp(&rank(b))
-}
-
-/// Mesa's software Vulkan has crashed with 128-bit vectors, which it takes on processors without AVX; its GL
-/// has not.
+/// Mesa's software Vulkan has crashed with 128-bit vectors, which it takes on processors without AVX.
 fn trusts_software_vulkan() -> bool {
     #[cfg(target_arch = "x86_64")]
     return std::arch::is_x86_feature_detected!("avx");
@@ -140,34 +125,13 @@ mod tests {
     }
 
     #[test]
-    fn hardware_comes_first_and_gl_last_of_its_kind() {
-        let order = |software_vulkan| {
-            let mut all = vec![
-                info(DeviceKind::Software, "Gl"),
-                info(DeviceKind::Software, "Vulkan"),
-                info(DeviceKind::Integrated, "Gl"),
-                info(DeviceKind::Integrated, "Vulkan"),
-                info(DeviceKind::Discrete, "Vulkan"),
-            ];
-            all.sort_by(|a, b| adapter_preference(a, b, software_vulkan));
-            all.into_iter()
-                .map(|i| format!("{} {}", i.device_type, i.backend))
-                .collect::<Vec<_>>()
-        };
-        let hardware = ["discrete Vulkan", "integrated Vulkan", "integrated Gl"];
-        assert_eq!(order(true)[..3], hardware);
-        assert_eq!(order(true)[3..], ["software Vulkan", "software Gl"]);
-        assert_eq!(order(false)[3..], ["software Gl", "software Vulkan"]);
-    }
-
-    #[test]
     fn the_explanation_names_backends_findings_and_package() {
-        let known = [info(DeviceKind::Software, "Gl")];
+        let known = [info(DeviceKind::Software, "Vulkan")];
         let text = explain_choice(&AdapterChoice::Hardware, &known, &["VULKAN".to_owned()]);
         for part in [
             "hardware adapter",
             "VULKAN",
-            "x (Gl, software)",
+            "x (Vulkan, software)",
             "mesa-vulkan-drivers",
         ] {
             assert!(text.contains(part), "{text}");

@@ -6,7 +6,6 @@ use super::layout::{GpuVertex, InstanceData};
 use crate::geometry::Mesh;
 use crate::math::narrow_vector;
 use crate::render::{RenderError, edges};
-use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// All meshes of a stage in one vertex and one index buffer; clones are the same ones.
@@ -21,7 +20,7 @@ pub struct Meshes {
 }
 
 impl Meshes {
-    /// Uploads a stage's meshes. Indices are absolute, since not every GL can offset them in a draw.
+    /// Uploads a stage's meshes; indices are absolute.
     pub fn new(device: &Device, meshes: &[Mesh]) -> Result<Self, RenderError> {
         check_total(meshes, device.device.limits().max_buffer_size)?;
         let mut vertices = Vec::new();
@@ -42,7 +41,6 @@ impl Meshes {
                 triangles: mesh.triangles.len() as u32,
                 closed: mesh.hides_its_inside(),
                 patches: patch_count,
-                middle: mesh_middle(mesh),
             });
             let sound = mesh.triangles.iter().map(|t| sound_corners(*t, count));
             indices.extend(sound.flatten().map(|corner| base + corner));
@@ -94,12 +92,6 @@ fn sound_corners(triangle: [u32; 3], vertices: u32) -> [u32; 3] {
     }
 }
 
-/// Middle of the bounding box; the origin for an empty mesh.
-fn mesh_middle(mesh: &Mesh) -> DVec3 {
-    mesh.bounds()
-        .map_or(DVec3::ZERO, |[low, high]| 0.5 * (low + high))
-}
-
 /// The instance buffer, which grows with the frames.
 pub struct InstanceBuffer {
     buffer: wgpu::Buffer,
@@ -141,15 +133,5 @@ mod tests {
     fn a_corner_without_vertex_takes_its_triangle_away() {
         assert_eq!(sound_corners([0, 1, 11], 12), [0, 1, 11]);
         assert_eq!(sound_corners([0, 1, 12], 12), [0; 3]);
-    }
-
-    #[test]
-    fn the_middle_is_that_of_the_box() {
-        let mesh = Mesh {
-            positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.2, 1.0, -4.0)],
-            ..Mesh::default()
-        };
-        assert_eq!(mesh_middle(&mesh), DVec3::new(0.5, 0.5, -2.0));
-        assert_eq!(mesh_middle(&Mesh::default()), DVec3::ZERO);
     }
 }

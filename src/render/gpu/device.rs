@@ -15,8 +15,6 @@ pub struct Device {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
-    /// Whether fragments can be shaded sample by sample, and depths of samples be read.
-    pub shades_samples: bool,
     /// Samples per pixel the adapter can draw in our formats.
     pub sample_counts: Vec<u32>,
     fault: Fault,
@@ -72,14 +70,9 @@ impl Device {
         } else {
             supported_sample_counts(adapter)
         };
-        let flags = adapter.get_downlevel_capabilities().flags;
-        // GL has no textures of many samples to read depths from on every driver.
-        let shades_samples = flags.contains(wgpu::DownlevelFlags::MULTISAMPLED_SHADING)
-            && adapter.get_info().backend != wgpu::Backend::Gl;
         Ok(Self {
             device,
             queue,
-            shades_samples,
             sample_counts,
             fault,
         })

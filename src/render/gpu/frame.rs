@@ -3,9 +3,8 @@
 use super::layout::{InstanceData, instance_data};
 use crate::math::Pose;
 use crate::render::{Frame, Instance, edges};
-use glam::DVec3;
 
-/// Where a mesh lies in the index buffer, and what the order of drawing needs to know of it.
+/// Where a mesh lies in the index buffer, and what drawing needs to know of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshSpan {
     /// First index.
@@ -16,8 +15,6 @@ pub struct MeshSpan {
     pub closed: bool,
     /// Smooth patches.
     pub patches: u32,
-    /// Middle of the bounding box, in the mesh's frame.
-    pub middle: DVec3,
 }
 
 /// One draw call.
@@ -38,11 +35,11 @@ pub struct Draw {
 /// What a frame draws.
 #[derive(Clone, Debug, Default)]
 pub struct DrawPlan {
-    /// Opaque instances in the frame's order, then translucent ones from back to front.
+    /// Opaque instances in the frame's order, then translucent ones.
     pub instances: Vec<InstanceData>,
     /// Opaque draws.
     pub opaque: Vec<Draw>,
-    /// Translucent draws, farthest first; each is drawn twice, back faces and front faces.
+    /// Translucent draws.
     pub translucent: Vec<Draw>,
 }
 
@@ -66,13 +63,10 @@ impl DrawPlan {
             if instance.opacity >= 1.0 {
                 push_draw(&mut plan.opaque, &mut plan.instances, &span, instance, data);
             } else if instance.opacity > 0.0 {
-                let place = *camera_from_world * instance.world_from_mesh;
-                translucent.push((place.transform_point(span.middle).z, span, instance, data));
+                translucent.push((span, instance, data));
             }
         }
-        // The camera looks along -z: the farthest have the least z. The sort is stable.
-        translucent.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, span, instance, data) in translucent {
+        for (span, instance, data) in translucent {
             let draws = &mut plan.translucent;
             push_draw(draws, &mut plan.instances, &span, instance, data);
         }
@@ -101,10 +95,8 @@ fn push_draw(
         closed: span.closed && end - start == span.triangles,
     };
     instances.push(data);
-    // Translucent draws stay single: back and front faces of one follow those of the one behind it.
-    let opaque = instance.opacity >= 1.0;
     match draws.last_mut() {
-        Some(last) if opaque && same_triangles(last, &draw) => last.instances += 1,
+        Some(last) if same_triangles(last, &draw) => last.instances += 1,
         _ => draws.push(draw),
     }
 }
@@ -117,6 +109,7 @@ fn same_triangles(a: &Draw, b: &Draw) -> bool {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
+    use glam::DVec3;
 
     const SPANS: [MeshSpan; 2] = [
         MeshSpan {
@@ -124,14 +117,12 @@ mod tests {
             triangles: 10,
             closed: true,
             patches: 1,
-            middle: DVec3::ZERO,
         },
         MeshSpan {
             first_index: 30,
             triangles: 4,
             closed: false,
             patches: 1,
-            middle: DVec3::ZERO,
         },
     ];
 
@@ -172,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn translucent_ones_come_last_from_far_to_near() {
+    fn translucent_ones_come_last() {
         let plan = plan(vec![
             instance(0, -1.0, 0.5),
             instance(0, -9.0, 0.5),
@@ -184,8 +175,11 @@ mod tests {
             .iter()
             .map(|i| i.camera_from_mesh[2][3])
             .collect();
-        assert_eq!(depths, [-5.0, -9.0, -1.0]);
-        assert_eq!(plan.translucent.len(), 2);
+        assert_eq!(depths, [-5.0, -1.0, -9.0]);
+        let [draw] = plan.translucent[..] else {
+            panic!("one mesh, one draw: {:?}", plan.translucent);
+        };
+        assert_eq!((draw.first_instance, draw.instances), (1, 2));
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! The renderer on a graphics adapter: wgpu over Vulkan, Metal, DX12 or GL, off-screen.
+//! The renderer on a graphics adapter: wgpu over Vulkan, Metal or DX12, off-screen.
 //!
+//! GL is left out: wgpu reads no textures of several samples there, which lines and translucent layers need.
 //! Opaque bodies and the ground, lines, translucent bodies layer by layer, lines again. The only room with
 //! wgpu. The look is `look`'s: constants are generated from it, formulas are in `shaders/look.wgsl`.
 
@@ -49,8 +50,8 @@ pub struct GpuRenderer {
     caster: Option<ShadowCaster>,
     bindings: wgpu::BindGroup,
     surfaces: wgpu::BindGroup,
-    /// Depths of translucent layers, where the adapter draws by them.
-    layers: Option<peel::PeeledLayers>,
+    /// Depths of translucent layers.
+    layers: peel::PeeledLayers,
     /// The camera of the globals.
     camera: Camera,
     /// Whether the ground's upper side is seen through it.
@@ -108,13 +109,14 @@ impl GpuRenderer {
         let surfaces = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("surfaces"),
             layout: &pipelines.surfaces,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&target.surfaces),
-            }],
+            entries: &[(0, &target.surfaces), (1, &target.depth)].map(|(binding, view)| {
+                wgpu::BindGroupEntry {
+                    binding,
+                    resource: wgpu::BindingResource::TextureView(view),
+                }
+            }),
         });
-        let peel = pipelines.peel.as_ref();
-        let layers = peel.map(|peel| peel.layers(&device, &target));
+        let layers = pipelines.peel.layers(&device, &target);
         device.check()?;
         Ok(Self {
             layers,
@@ -209,22 +211,14 @@ impl GpuRenderer {
         encoder
     }
 
-    /// Draws what is translucent: layer by layer, or body by body where the adapter cannot.
+    /// Draws what is translucent, layer by layer.
     fn draw_translucent(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         plan: &DrawPlan,
         instances: &wgpu::Buffer,
     ) {
-        let (Some(peel), Some(layers)) = (&self.pipelines.peel, &self.layers) else {
-            let mut pass = self.target.begin(encoder, None, &self.target.depth);
-            self.bind_bodies(&mut pass, instances);
-            for draw in &plan.translucent {
-                run_pipeline(&mut pass, &self.pipelines.translucent_back, draw);
-                run_pipeline(&mut pass, &self.pipelines.translucent_front, draw);
-            }
-            return;
-        };
+        let (peel, layers) = (&self.pipelines.peel, &self.layers);
         for layer in 0..peel::layers_of(&plan.translucent) {
             let own = &layers.depths[layer % 2];
             // Behind the first layer is what is opaque.

@@ -2,16 +2,15 @@
 //! Interactive Order-Independent Transparency, 2001, here from behind): bodies may cross.
 //!
 //! A layer takes two passes: its depths, found against those of the layer behind it, and its colours, blended where the
-//! depth is just that. Adapters that cannot shade sample by sample go without.
+//! depth is just that.
 
 use super::device::Device;
 use super::formats::DEPTH_FORMAT;
 use super::frame::Draw;
 use super::recipe::{BODY, Recipe, body_buffers, render_pipeline};
-use super::shader;
 use super::target::DrawTarget;
 
-/// PeeledLayers of a convex body are two, of a torus four; a body that has more loses its nearest ones.
+/// Layers of a convex body are two, of a torus four; a body that has more loses its nearest ones.
 const LAYERS_OF_BODY: usize = 4;
 
 /// Most layers of a picture.
@@ -29,22 +28,14 @@ pub struct Peel {
 }
 
 impl Peel {
-    /// Pipelines; `None` where the adapter cannot shade sample by sample.
+    /// Compiles the pipelines.
     pub fn new(
         device: &Device,
         bindings: &wgpu::BindGroupLayout,
         (scene, module): (&wgpu::PipelineLayout, &wgpu::ShaderModule),
         sample_count: u32,
-    ) -> Option<Self> {
-        if !device.shades_samples {
-            return None;
-        }
+    ) -> Self {
         let own = &device.device;
-        let source = shader::peel_source(sample_count);
-        let peel = own.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("peel"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
         let behind = own.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("layer behind"),
             entries: &[wgpu::BindGroupLayoutEntry {
@@ -65,11 +56,11 @@ impl Peel {
             compare: wgpu::CompareFunction::Equal,
             ..BODY
         };
-        Some(Self {
-            depths: depths(own, &peel, [bindings, &behind], sample_count),
+        Self {
+            depths: depths(own, module, [bindings, &behind], sample_count),
             colours: render_pipeline(own, scene, module, sample_count, &colours),
             behind,
-        })
+        }
     }
 
     /// The depths of two layers and what the next one is found against.
@@ -100,9 +91,12 @@ pub struct PeeledLayers {
     pub behind: [wgpu::BindGroup; 3],
 }
 
-/// PeeledLayers that a picture with these translucent draws needs.
+/// Layers that a picture with these translucent draws needs.
 pub fn layers_of(translucent: &[Draw]) -> usize {
-    (LAYERS_OF_BODY * translucent.len()).min(MOST_LAYERS)
+    let bodies: u32 = translucent.iter().map(|draw| draw.instances).sum();
+    LAYERS_OF_BODY
+        .saturating_mul(bodies as usize)
+        .min(MOST_LAYERS)
 }
 
 fn depths(

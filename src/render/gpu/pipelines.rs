@@ -1,4 +1,4 @@
-//! The ways of drawing: bodies with and without their back faces, translucent faces, the ground, and lines over all.
+//! The ways of drawing: bodies with and without their back faces, translucent layers, the ground, and lines over all.
 
 use super::device::Device;
 use super::formats::COLOUR_FORMAT;
@@ -13,21 +13,17 @@ pub struct Pipelines {
     pub closed: wgpu::RenderPipeline,
     /// Opaque, both sides.
     pub open: wgpu::RenderPipeline,
-    /// Translucent, the sides that look away.
-    pub translucent_back: wgpu::RenderPipeline,
-    /// Translucent, the sides that face the viewer.
-    pub translucent_front: wgpu::RenderPipeline,
     /// The ground.
     pub ground: wgpu::RenderPipeline,
-    /// Translucent bodies layer by layer, where the adapter can.
-    pub peel: Option<Peel>,
+    /// Translucent bodies layer by layer.
+    pub peel: Peel,
     /// Lines between the surfaces that were drawn.
     pub lines: wgpu::RenderPipeline,
     /// Lines with a translucent side.
     pub lines_over: wgpu::RenderPipeline,
     /// Layout of group 0: globals, shadow, sampler.
     pub bindings: wgpu::BindGroupLayout,
-    /// Layout of group 1, for lines: the surfaces.
+    /// Layout of group 1, for lines: the surfaces and the depths of what is opaque.
     pub surfaces: wgpu::BindGroupLayout,
 }
 
@@ -61,16 +57,9 @@ impl Pipelines {
             cull,
             ..BODY
         };
-        let translucent = |label, cull| Recipe {
-            fragment: "body_translucent",
-            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-            ..opaque(label, Some(cull))
-        };
         Self {
             closed: make(&opaque("closed bodies", Some(Face::Back))),
             open: make(&BODY),
-            translucent_back: make(&translucent("translucent back faces", Face::Front)),
-            translucent_front: make(&translucent("translucent front faces", Face::Back)),
             ground: make(&Recipe {
                 vertex: "ground_vertex",
                 fragment: "ground_fragment",
@@ -117,18 +106,22 @@ fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 fn surface_layout(device: &wgpu::Device, multisampled: bool) -> wgpu::BindGroupLayout {
+    let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled,
+        },
+        count: None,
+    };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("surfaces"),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Uint,
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled,
-            },
-            count: None,
-        }],
+        entries: &[
+            texture(0, wgpu::TextureSampleType::Uint),
+            texture(1, wgpu::TextureSampleType::Depth),
+        ],
     })
 }
 

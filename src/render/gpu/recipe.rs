@@ -96,7 +96,8 @@ pub(super) fn render_pipeline(
     })
 }
 
-/// A target of colours or surfaces.
+/// A target of colours or surfaces. What is blended leaves the picture's opacity alone: it is opaque from the start, and
+/// eight bits of a blended one need not add up to that.
 pub(super) fn colour_target(
     format: wgpu::TextureFormat,
     blend: Option<wgpu::BlendState>,
@@ -104,6 +105,6 @@ pub(super) fn colour_target(
     Some(wgpu::ColorTargetState {
         format,
         blend,
-        write_mask: wgpu::ColorWrites::ALL,
+        write_mask: blend.map_or(wgpu::ColorWrites::ALL, |_| wgpu::ColorWrites::COLOR),
     })
 }

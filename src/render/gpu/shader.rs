@@ -13,6 +13,7 @@ pub fn shader_source(samples: u32) -> String {
         include_str!("../../../shaders/scene.wgsl"),
         include_str!("../../../shaders/lines.wgsl"),
         include_str!("../../../shaders/body.wgsl"),
+        include_str!("../../../shaders/peel.wgsl"),
         include_str!("../../../shaders/ground.wgsl"),
     ] {
         text.push('\n');
@@ -21,25 +22,7 @@ pub fn shader_source(samples: u32) -> String {
     text
 }
 
-/// The text of the module that finds the layers of what is translucent.
-pub fn peel_source(samples: u32) -> String {
-    let (kind, sample, index) = if samples > 1 {
-        let sample = ", @builtin(sample_index) sample: u32";
-        ("texture_depth_multisampled_2d", sample, "i32(sample)")
-    } else {
-        ("texture_depth_2d", "", "0")
-    };
-    let mut text = shader_source(samples);
-    let _ = writeln!(text, "@group(1) @binding(1) var behind: {kind};");
-    let _ = writeln!(
-        text,
-        "fn behind_at(pixel: vec2<i32>, index: i32) -> f32 {{ return textureLoad(behind, pixel, index); }}"
-    );
-    let peel = include_str!("../../../shaders/peel.wgsl");
-    text + &peel.replace(" SAMPLE", sample).replace("INDEX", index)
-}
-
-/// The texture of surfaces, which is another type with one sample, and where the samples of a pixel are.
+/// The textures of surfaces and depths, which are other types with one sample, and where the samples of a pixel are.
 fn surfaces(samples: u32) -> String {
     let mut text = String::new();
     let places: Vec<String> = sample_places(samples)
@@ -53,13 +36,20 @@ fn surfaces(samples: u32) -> String {
         "var<private> PLACES: array<vec2<f32>, {count}> = array<vec2<f32>, {count}>({});",
         places.join(", ")
     );
-    let kind = if count > 1 {
-        "texture_multisampled_2d"
-    } else {
-        "texture_2d"
+    let [surfaces, depths, index] = match count {
+        1 => ["texture_2d", "texture_depth_2d", "0"],
+        _ => [
+            "texture_multisampled_2d",
+            "texture_depth_multisampled_2d",
+            "index",
+        ],
     };
-    let index = if count > 1 { "index" } else { "0" };
-    let _ = writeln!(text, "@group(1) @binding(0) var surfaces: {kind}<u32>;");
+    let _ = writeln!(text, "@group(1) @binding(0) var surfaces: {surfaces}<u32>;");
+    let _ = writeln!(text, "@group(1) @binding(1) var depths: {depths};");
+    let _ = writeln!(
+        text,
+        "fn depth_at(pixel: vec2<i32>, index: i32) -> f32 {{ return textureLoad(depths, pixel, {index}); }}"
+    );
     let _ = writeln!(
         text,
         "fn surface_words(pixel: vec2<i32>, index: i32) -> vec4<u32> {{ return textureLoad(surfaces, pixel, {index}); }}"
@@ -120,16 +110,12 @@ mod tests {
     }
 
     #[test]
-    fn the_shaders_are_valid_without_any_extension() {
+    fn the_shaders_need_no_more_than_shading_by_samples() {
         let flags = naga::valid::ValidationFlags::all();
-        let capabilities = naga::valid::Capabilities::empty();
+        let capabilities = naga::valid::Capabilities::MULTISAMPLED_SHADING;
         for samples in [1, 4, 16] {
             naga::valid::Validator::new(flags, capabilities)
                 .validate(&module(samples))
-                .unwrap();
-            let peel = naga::front::wgsl::parse_str(&peel_source(samples)).unwrap();
-            naga::valid::Validator::new(flags, naga::valid::Capabilities::MULTISAMPLED_SHADING)
-                .validate(&peel)
                 .unwrap();
         }
     }
@@ -151,6 +137,7 @@ mod tests {
             "lines_vertex",
             "lines_fragment",
             "lines_over_fragment",
+            "peel",
         ] {
             assert!(names.contains(&name), "{name} of {names:?}");
         }
