@@ -18,16 +18,15 @@ const GRACE: Duration = Duration::from_millis(350);
 /// How long the proof of what was found may still take then.
 const GRACE_OF_PROOF: Duration = Duration::from_millis(150);
 
-/// Waits for a run to end after Ctrl-C. Where it does not, removes what is half-written and says so; true if the process
-/// is to end then.
-pub fn is_overdue() -> bool {
+/// Waits for a run to end after Ctrl-C. Where it does not, and has nothing to save, removes what is half-written and says
+/// so; the process is to end then.
+pub fn wait_until_overdue() {
     std::thread::sleep(GRACE);
-    if SAVES.load(Ordering::Relaxed) {
-        return false;
+    while SAVES.load(Ordering::Relaxed) {
+        std::thread::sleep(LOOK);
     }
     crate::export::remove_unfinished();
     eprintln!("error: {}", Failure::Interrupted);
-    true
 }
 
 /// How often somebody looks whether the work of another thread is done.
@@ -57,9 +56,9 @@ pub fn unless_interrupted<T: Send + 'static>(
     }
 }
 
-/// Says that this run has results to save on Ctrl-C.
-pub fn save_results() {
-    SAVES.store(true, Ordering::Relaxed);
+/// Says whether this run has results to save on Ctrl-C by now: none at first, and none once they are written.
+pub fn save_results(has_some: bool) {
+    SAVES.store(has_some, Ordering::Relaxed);
 }
 
 /// Whether Ctrl-C came.

@@ -1,6 +1,7 @@
 //! The whole program: signals, deadline, dispatch, exit code.
 
-use super::interrupt::{CANCEL, is_overdue};
+use super::interrupt::{CANCEL, wait_until_overdue};
+use super::term::outcome::INTERRUPTED;
 use std::ffi::OsString;
 use std::panic::UnwindSafe;
 use std::sync::atomic::Ordering;
@@ -11,9 +12,16 @@ pub fn main(arguments: impl IntoIterator<Item = OsString> + UnwindSafe) -> i32 {
     take_full_files_for_errors();
     // The first Ctrl-C ends a run in order, or after a short while without order; a second one does not wait.
     let handler = ctrlc::set_handler(|| {
-        let is_second = CANCEL.swap(true, Ordering::Relaxed);
-        if is_second || is_overdue() {
-            std::process::exit(130);
+        let end = || {
+            wait_until_overdue();
+            std::process::exit(INTERRUPTED)
+        };
+        if CANCEL.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+        // On a thread of its own, so that a second signal is heard; where there is none, behind this one.
+        if std::thread::Builder::new().spawn(end).is_err() {
+            end();
         }
     });
     if let Err(error) = handler {

@@ -152,14 +152,19 @@ impl Evaluator<'_> {
             true => jobs::core_count().min(poses.div_ceil(LEAST_PORTION)),
             false => 1,
         };
-        let found = jobs::share_work(poses, threads, || (), |(), index| Some(work(index)));
-        let changes = found.into_iter().map(|(index, changes)| {
-            changes.ok_or_else(|| {
-                let (track, pose) = self.family.place_of(index);
-                Rejection::NotReached { track, pose }
-            })
-        });
-        changes.collect()
+        let work = |(): &mut (), index| (!self.is_cancelled()).then(|| work(index));
+        let found = jobs::share_work(poses, threads, || (), work);
+        let not_reached = |index| {
+            let (track, pose) = self.family.place_of(index);
+            Rejection::NotReached { track, pose }
+        };
+        if let Some(missing) = (0..poses).find(|k| found.get(*k).is_none_or(|(at, _)| at != k)) {
+            return Err(not_reached(missing));
+        }
+        let changes = found.into_iter();
+        changes
+            .map(|(index, changes)| changes.ok_or_else(|| not_reached(index)))
+            .collect()
     }
 
     fn changes_at(&self, index: usize, pose: &[f64], slopes: MeasureSlopes) -> Option<Changes> {

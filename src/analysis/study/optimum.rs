@@ -5,10 +5,11 @@ use super::peaks::Peaks;
 use super::search::{Refusals, StudySearch, Watch};
 use super::stand::Evaluator;
 use crate::analysis::optimise::{
-    Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
+    Ended, Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
 };
 use crate::diag::Source;
 use crate::scene::Overrides;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A violation of a constraint that is let pass, as a share of its bound.
 const LET_PASS: f64 = 1e-7;
@@ -60,7 +61,8 @@ pub struct Optimum {
     pub refusals: Refusals,
 }
 
-/// Minimises the study's objective within bounds and constraints.
+/// Minimises the study's objective within bounds and constraints; ended with the best so far as soon as `cancel` is raised.
+/// The value is infinite where that comes before the first pose.
 ///
 /// # Errors
 /// No objective, no poses at the start, or no bounds where the method needs them.
@@ -69,11 +71,28 @@ pub fn find_optimum(
     method: Method,
     iterations: usize,
     watch: Box<Watch<'_>>,
+    cancel: &AtomicBool,
 ) -> Result<Optimum, FamilyError> {
-    if let Method::Minimax { tolerance } = method {
-        return least_largest(family, tolerance, iterations, watch);
+    let mut optimum = match method {
+        Method::Minimax { tolerance } => {
+            least_largest(family, tolerance, iterations, watch, cancel)?
+        }
+        _ => search_optimum(family, method, iterations, watch, cancel)?,
+    };
+    if cancel.load(Ordering::Relaxed) {
+        optimum.minimum.ended = Ended::Stopped;
     }
-    let mut search = StudySearch::new(family, watch)?;
+    Ok(optimum)
+}
+
+fn search_optimum(
+    family: &ParametricMechanism,
+    method: Method,
+    iterations: usize,
+    watch: Box<Watch<'_>>,
+    cancel: &AtomicBool,
+) -> Result<Optimum, FamilyError> {
+    let mut search = StudySearch::new(family, watch)?.until(cancel);
     let (bounds, scales) = (search.bounds(), search.scales());
     let finite = bounds
         .lower
@@ -150,10 +169,11 @@ fn least_largest(
     tolerance: f64,
     iterations: usize,
     watch: Box<Watch<'_>>,
+    cancel: &AtomicBool,
 ) -> Result<Optimum, FamilyError> {
     let quiet = StudySearch::new(family, Box::new(|_, _, _| true))?;
     let (bounds, scales, first_value) = (quiet.bounds(), quiet.scales(), quiet.value());
-    let mut evaluator = Evaluator::new(family);
+    let mut evaluator = Evaluator::new(family).until(cancel);
     let start = evaluator.nominal(family.nominal()?.poses);
     let mut peaks = Peaks::new(family, evaluator, start, watch)?;
     let search = minimax::MinimaxSearch {

@@ -77,7 +77,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         }
         // Regularity at the start says how near to singular poses the search may go.
         let base = evaluator.settled(start);
-        let here = row_nearness(family, &base.poses, 1.0, 0.0)
+        let here = row_nearness(&evaluator, &base.poses, 1.0, 0.0)
             .values
             .into_iter();
         let least_sigma = SHARE_OF_SIGMA * (1.0 - here.fold(0.0, f64::max));
@@ -154,7 +154,9 @@ impl<'f, 'w> Peaks<'f, 'w> {
         match self.look_or_refuse(x, with_slopes) {
             Ok(found) => found,
             Err(rejection) => {
-                self.refusals.count_one(&rejection);
+                if !self.evaluator.is_cancelled() {
+                    self.refusals.count_one(&rejection);
+                }
                 None
             }
         }
@@ -182,8 +184,8 @@ impl<'f, 'w> Peaks<'f, 'w> {
             return Ok(None);
         }
         // The peaks of the objective first, then the limits row by row.
-        let family = self.evaluator.family();
-        let mut lists = list_rows(family, &self.rows, &stand.poses, with_slopes).into_iter();
+        let lists = list_rows(&self.evaluator, &self.rows, &stand.poses, with_slopes);
+        let mut lists = lists.into_iter();
         let Listed { values, slopes } = lists.next().unwrap_or_default();
         let mut heights = PeakValues {
             peaks: values,
@@ -195,7 +197,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         };
         // Regularity is a limit as well: no pose may come near a singular one.
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
-        let regular = row_nearness(family, &stand.poses, self.least_sigma, near);
+        let regular = row_nearness(&self.evaluator, &stand.poses, self.least_sigma, near);
         for mut list in lists.chain([regular]) {
             heights.limits.append(&mut list.values);
             slopes.limits.append(&mut list.slopes);
@@ -204,7 +206,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             self.add_singles(&stand, with_slopes, &mut heights, &mut slopes)?;
         }
         let mut all = heights.peaks.iter().chain(&heights.limits);
-        if !all.all(|v| v.is_finite()) {
+        if !all.all(|v| v.is_finite()) || self.evaluator.is_cancelled() {
             return Err(Rejection::NoValue("the objective".to_owned()));
         }
         let largest = |list: &[f64]| list.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -293,7 +295,7 @@ impl MinimaxProblem for Peaks<'_, '_> {
     }
 
     fn is_stopped(&self) -> bool {
-        self.goes_on.is_some_and(|goes_on| !goes_on())
+        self.goes_on.is_some_and(|goes_on| !goes_on()) || self.evaluator.is_cancelled()
     }
 
     fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {

@@ -2,6 +2,7 @@
 //! variables. The poses are shared among threads; the numbers do not depend on how many there are.
 
 use super::family::ParametricMechanism;
+use super::stand::Evaluator;
 use crate::jobs::{core_count, share_work};
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
@@ -254,9 +255,9 @@ impl<'f> Reader<'f> {
     }
 }
 
-/// Values of all rows at the poses of a stand, list by list.
+/// Values of all rows at the poses of a stand, list by list; less of them where the evaluator is cancelled.
 pub(super) fn list_rows(
-    family: &ParametricMechanism,
+    evaluator: &Evaluator,
     rows: &[StudyRows],
     poses: &[Vec<f64>],
     with_slopes: bool,
@@ -269,7 +270,7 @@ pub(super) fn list_rows(
                 .map(move |pose| (Question::Formula(r), pose))
         })
         .collect();
-    let mut found = row_answers(family, &jobs, poses, &|_| with_slopes).into_iter();
+    let mut found = row_answers(evaluator, &jobs, poses, &|_| with_slopes).into_iter();
     rows.iter()
         .map(|r| one_sided(r, found.by_ref().take(r.poses.len()).collect()))
         .collect()
@@ -278,7 +279,7 @@ pub(super) fn list_rows(
 /// How near to singular poses the poses of a stand are, as `1 - σ/least`: not positive where the smallest singular value
 /// is at least `least`. Slopes only where it is below `slopes_below` times that, else zeros.
 pub(super) fn row_nearness(
-    family: &ParametricMechanism,
+    evaluator: &Evaluator,
     poses: &[Vec<f64>],
     least: f64,
     slopes_below: f64,
@@ -288,25 +289,28 @@ pub(super) fn row_nearness(
         .collect();
     let mut listed = Listed::default();
     let is_near = |sigma: f64| sigma < slopes_below * least;
-    for (sigma, mut slope) in row_answers(family, &jobs, poses, &is_near) {
+    for (sigma, mut slope) in row_answers(evaluator, &jobs, poses, &is_near) {
         listed.values.push(1.0 - sigma / least);
         slope.iter_mut().for_each(|d| *d /= -least);
-        slope.resize(family.study.variables.len(), 0.0);
+        slope.resize(evaluator.family().study.variables.len(), 0.0);
         listed.slopes.push(slope);
     }
     listed
 }
 
 fn row_answers(
-    family: &ParametricMechanism,
+    evaluator: &Evaluator,
     jobs: &[(Question, usize)],
     poses: &[Vec<f64>],
     with_slope: &(dyn Fn(f64) -> bool + Sync),
 ) -> Vec<(f64, Vec<f64>)> {
     let threads = core_count().min(jobs.len().div_ceil(LEAST_PORTION));
-    let make = || Reader::new(family);
+    let make = || Reader::new(evaluator.family());
     let found = share_work(jobs.len(), threads, make, |reader, job| {
         let (question, pose) = jobs[job];
+        if evaluator.is_cancelled() {
+            return None;
+        }
         Some(reader.answer(question, &poses[pose], with_slope))
     });
     found.into_iter().map(|(_, answer)| answer).collect()

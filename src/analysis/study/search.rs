@@ -4,6 +4,7 @@ use super::family::{FamilyError, ParametricMechanism};
 use super::stand::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::constraints::Constrained;
 use crate::analysis::optimise::{Objective, VariableBounds};
+use std::sync::atomic::AtomicBool;
 
 /// How many candidates were refused, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,8 +44,30 @@ pub struct StudySearch<'f, 'w> {
     objective: usize,
     /// Candidates that were refused.
     pub refusals: Refusals,
+    /// The point of the last iteration, then those looked at since.
+    looked_at: Vec<LookedAt>,
     watch: Box<Watch<'w>>,
 }
+
+/// A point with the objective and the constraints there.
+struct LookedAt {
+    x: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl LookedAt {
+    /// The largest difference of a variable, as a share of it.
+    fn distance(&self, x: &[f64]) -> f64 {
+        let shares = self.x.iter().zip(x).map(|(a, b)| {
+            let size = a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+            (a - b).abs() / size
+        });
+        shares.fold(0.0, f64::max)
+    }
+}
+
+/// Points nearer than this are one: minimisers count in scaled variables and back.
+const SAME_POINT: f64 = 1e-12;
 
 impl<'f, 'w> StudySearch<'f, 'w> {
     /// Prepares the search from the file's own values.
@@ -76,8 +99,17 @@ impl<'f, 'w> StudySearch<'f, 'w> {
             base,
             objective,
             refusals: Refusals::default(),
+            looked_at: Vec::new(),
             watch,
         })
+    }
+
+    /// The same, which refuses all new points as soon as `cancel` is raised, so that a search ends with what it has.
+    pub fn until(self, cancel: &'f AtomicBool) -> Self {
+        Self {
+            evaluator: self.evaluator.until(cancel),
+            ..self
+        }
     }
 
     /// The objective at the best values so far (at the start: at the file's own).
@@ -127,7 +159,9 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         match self.look_or_refuse(x, with_gradients) {
             Ok(found) => Some(found),
             Err(rejection) => {
-                self.refusals.count_one(&rejection);
+                if !self.evaluator.is_cancelled() {
+                    self.refusals.count_one(&rejection);
+                }
                 None
             }
         }
@@ -155,16 +189,28 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         }
         Ok((measures, rows))
     }
+
+    fn remember(&mut self, x: &[f64], values: &[f64]) {
+        self.looked_at.push(LookedAt {
+            x: x.to_vec(),
+            values: values.to_vec(),
+        });
+    }
 }
 
 impl Constrained for StudySearch<'_, '_> {
     fn values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        if self.evaluator.is_cancelled() {
+            let known = self.looked_at.iter().find(|p| p.distance(x) <= SAME_POINT);
+            return known.map(|point| point.values.clone());
+        }
         let (measures, _) = self.look(x, false)?;
         let mut values = vec![measures[self.objective]];
         for (measure, value) in self.evaluator.family().measures.list.iter().zip(&measures) {
             values.extend(measure.max.map(|high| value - high));
             values.extend(measure.min.map(|low| low - value));
         }
+        self.remember(x, &values);
         Some(values)
     }
 
@@ -183,10 +229,13 @@ impl Constrained for StudySearch<'_, '_> {
                 gradients.push(row.iter().map(|d| -d).collect());
             }
         }
+        self.remember(x, &values);
         Some((values, gradients))
     }
 
     fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
+        self.looked_at
+            .retain(|point| point.distance(x) <= SAME_POINT);
         (self.watch)(iteration, x, value)
     }
 }

@@ -6,6 +6,7 @@ use crate::kinematics::motion::tracker::steps::Steps;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::{PoseSolver, follows_prediction};
 use crate::kinematics::solve::predictor::Prediction;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Smallest share of the way that is tried before a candidate is given up.
 const SMALLEST_SHARE: f64 = 1.0 / 256.0;
@@ -70,6 +71,7 @@ pub enum Rejection {
 pub struct Evaluator<'f> {
     pub(super) family: &'f ParametricMechanism,
     pub(super) solver: PoseSolver<'f>,
+    cancel: Option<&'f AtomicBool>,
 }
 
 impl<'f> Evaluator<'f> {
@@ -78,7 +80,21 @@ impl<'f> Evaluator<'f> {
         Self {
             family,
             solver: PoseSolver::new(family.system()),
+            cancel: None,
         }
+    }
+
+    /// The same, which refuses whatever it is asked as soon as `cancel` is raised.
+    pub fn until(self, cancel: &'f AtomicBool) -> Self {
+        Self {
+            cancel: Some(cancel),
+            ..self
+        }
+    }
+
+    /// Whether it was told to end; what it says from then on is no finding.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|c| c.load(Ordering::Relaxed))
     }
 
     /// The family that is posed.
@@ -201,6 +217,9 @@ impl<'f> Evaluator<'f> {
         let mut poses = Vec::with_capacity(count);
         let mut sensitivities = Vec::with_capacity(if settle { count } else { 0 });
         for index in 0..count {
+            if self.is_cancelled() {
+                return Err(index);
+            }
             let pose = self.pose(stand, index, &change, values).ok_or(index)?;
             if settle {
                 // The correction has just factored the loops at this pose.

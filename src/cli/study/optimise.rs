@@ -1,14 +1,14 @@
 //! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
 
-use super::kept_clearances::Clearances;
+use super::kept_clearances::{Clearances, settle_clearances};
 use super::method::{SCHEMA, ending_word, search_method, widen_variables};
 use super::search_film::Improvement;
-use super::{kept_clearances as optimise_clearance, pairs, search_film as optimise_film};
-use crate::analysis::optimise::Ended;
+use super::{pairs, search_film as optimise_film};
+use crate::analysis::optimise::{Ended, Minimum};
 use crate::analysis::study::FamilyError;
 use crate::analysis::study::optimum::{Optimum, Verified, find_optimum, verify_optimum};
 use crate::cli::args::study::OptimiseArgs;
-use crate::cli::interrupt::{CANCEL, unless_interrupted};
+use crate::cli::interrupt::{CANCEL, is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::{Opened, open_study};
 use crate::cli::term::Term;
@@ -18,7 +18,7 @@ use crate::report::cells::{aligned_rows, six_digits};
 use crate::report::rounded::at_most;
 use crate::scene::edit::with_values;
 use serde_json::{Value, json};
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
@@ -44,20 +44,14 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     if let Some(share) = args.within {
         widen_variables(&mut opened.family, share);
     }
-    // The best so far is worth waiting for.
-    crate::cli::interrupt::save_results();
     if args.pairs {
         return pairs::run_pairs(args, &opened, term);
     }
     let start = Instant::now();
+    let opened = Arc::new(opened);
     let (mut optimum, improvements) = search_optimum(args, &opened, term)?;
+    let clearances = settled(&opened, &mut optimum.minimum, &improvements)?;
     let is_stopped = optimum.minimum.ended == Ended::Stopped;
-    let clearances = match is_stopped {
-        true => None,
-        false => {
-            optimise_clearance::settle_clearances(&opened, &mut optimum.minimum, &improvements)?
-        }
-    };
     let seconds = start.elapsed().as_secs_f64();
     let study = &opened.family.study;
     let vary: Vec<String> = study.variables.iter().map(|v| v.name.clone()).collect();
@@ -103,6 +97,7 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
         );
         return Err(Failure::Stopped(kept));
     }
+    save_results(false);
     if let Some(film) = &film {
         optimise_film::write_search_film(film, &opened, &improvements, term)?;
     }
@@ -111,6 +106,35 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
         Ok(v) if v.violation <= KEPT && result.agrees(v) && is_kept => Outcome::Done,
         _ => Outcome::CheckFailed,
     })
+}
+
+/// The clearances at the minimum, which may move for them; of a search that was interrupted they are not looked at.
+fn settled(
+    opened: &Arc<Opened>,
+    minimum: &mut Minimum,
+    improvements: &[Improvement],
+) -> Result<Option<Clearances>, Failure> {
+    if minimum.ended == Ended::Stopped {
+        return Ok(None);
+    }
+    let (opened, found) = (Arc::clone(opened), minimum.clone());
+    let improvements = improvements.to_vec();
+    let work = move || {
+        let mut minimum = found.clone();
+        let clearances = settle_clearances(&opened, &mut minimum, &improvements);
+        clearances.map(|clearances| (clearances, minimum))
+    };
+    match unless_interrupted(work) {
+        Some(settled) => {
+            let (clearances, place) = settled?;
+            *minimum = place;
+            Ok(clearances)
+        }
+        None => {
+            minimum.ended = Ended::Stopped;
+            Ok(None)
+        }
+    }
 }
 
 /// The independent motion, unless Ctrl-C comes before it is there.
@@ -152,11 +176,17 @@ fn search_optimum(
                 objective: value,
             });
         }
-        !CANCEL.load(Ordering::Relaxed)
+        // From here on the best so far is worth waiting for.
+        save_results(true);
+        true
     };
     let method = search_method(args);
-    let optimum = find_optimum(&opened.family, method, args.iterations, Box::new(watch))?;
+    let (family, watch) = (&opened.family, Box::new(watch));
+    let optimum = find_optimum(family, method, args.iterations, watch, &CANCEL)?;
     progress.end();
+    if improvements.is_empty() && is_interrupted() {
+        return Err(Failure::Interrupted);
+    }
     let first = Improvement {
         iteration: 0,
         values: opened.family.start(),

@@ -4,7 +4,7 @@ use super::method::{SCHEMA, ending_word, search_method, widen_variables};
 use crate::analysis::study::optimum::{Optimum, find_optimum};
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::cli::args::study::OptimiseArgs;
-use crate::cli::interrupt::CANCEL;
+use crate::cli::interrupt::{CANCEL, save_results};
 use crate::cli::io;
 use crate::cli::open::study::Opened;
 use crate::cli::term::Term;
@@ -49,7 +49,12 @@ pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Ou
         let names = jobs[index].clone();
         let found = optimise_pair(args, opened, &names);
         // What an interrupt has cut short is no optimum of the pair.
-        (!CANCEL.load(Ordering::Relaxed)).then_some(Pair { names, found })
+        if CANCEL.load(Ordering::Relaxed) {
+            return None;
+        }
+        // From here on there is a ranking to save.
+        save_results(true);
+        Some(Pair { names, found })
     };
     let watch = |done| progress.show(done, jobs.len());
     let mut done = share_watched(jobs.len(), threads, || (), one, &watch);
@@ -91,12 +96,13 @@ fn optimise_pair(
     if let Some(share) = args.within {
         widen_variables(&mut family, share);
     }
-    let watch = |_: usize, _: &[f64], _: f64| !CANCEL.load(Ordering::Relaxed);
+    let watch = Box::new(|_: usize, _: &[f64], _: f64| true);
     find_optimum(
         &family,
         search_method(args),
         args.iterations,
-        Box::new(watch),
+        watch,
+        &CANCEL,
     )
 }
 

@@ -6,7 +6,7 @@ use crate::analysis::synthesis::verify::{Proof, prove_found};
 use crate::analysis::synthesis::{From, Listener, SearchPlan, Start, Synthesis, synthesise_path};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
-use crate::cli::interrupt::{is_interrupted, unless_interrupted};
+use crate::cli::interrupt::{is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::{Opened, open_study};
 use crate::cli::term::Term;
@@ -37,8 +37,6 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     ];
     reports.extend(targets.iter().map(|path| ("--out", Some(path.as_path()))));
     io::refuse_clashes(&scenes.iter().collect::<Vec<_>>(), &reports)?;
-    // The best so far is worth waiting for.
-    crate::cli::interrupt::save_results();
     let mut found = Vec::new();
     for ((opened, scene), name) in opened.iter().zip(&scenes).zip(&args.scenes) {
         if is_interrupted() {
@@ -148,6 +146,8 @@ fn synthesise_one<'a>(
         .objective()
         .map_or(1.0, |m| opened.family.units(m.kind));
     let done = |index: usize, start: &Start| {
+        // From here on the best so far is worth waiting for.
+        save_results(true);
         let from = start.origin.words();
         let (first, last) = (
             six_digits(start.first * unit),

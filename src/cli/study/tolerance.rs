@@ -70,7 +70,7 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);
     // The pieces made so far are worth waiting for.
-    crate::cli::interrupt::save_results();
+    crate::cli::interrupt::save_results(true);
     let made = sample_pieces(family, &nominal, &tolerances, batch, &CANCEL, &watch);
     progress.end();
     if made.made == 0 {

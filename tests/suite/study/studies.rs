@@ -2,6 +2,7 @@
 
 use mechanim::analysis::study::{Evaluator, ParametricMechanism};
 use mechanim::scene::{Overrides, builtin};
+use std::sync::atomic::AtomicBool;
 
 const DIMENSIONS: [&str; 22] = [
     "L3k", "L4", "L5d", "XR1", "YR1", "ZR1", "L5h", "L6s", "L6v", "L7", "L4v", "L4s", "L6r", "L6h",
@@ -156,7 +157,8 @@ fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
     let source = builtin::find_builtin("torus-torus").unwrap();
     let family = ParametricMechanism::load(&source, &Overrides::default(), &[]).unwrap();
     let method = Method::Minimax { tolerance: 1e-9 };
-    let found = find_optimum(&family, method, 12, Box::new(|_, _, _| true)).unwrap();
+    let never = AtomicBool::new(false);
+    let found = find_optimum(&family, method, 12, Box::new(|_, _, _| true), &never).unwrap();
     assert!((found.first_value - 0.00903136).abs() < 1e-7);
     assert!(found.minimum.value < 0.004, "{found:?}");
     let units = |k: usize| {
