@@ -27,6 +27,7 @@
 //! | solve a motion at chosen times | [`Scene::solve`], [`Samples`] |
 //! | read values, rates, placements and proofs | [`Motion`], [`Pose`], [`Certificate`] |
 //! | check a design | [`Scene::check`], [`Check`], [`PairClearance`] |
+//! | ask what its dimensions do to its measures, and for better ones | [`Scene::study`], [`Study`] |
 //! | draw it | [`Motion::film`], [`Film`] |
 //! | list its assemblies | [`Scene::assemblies`], [`Assembly`] |
 //!
@@ -41,9 +42,12 @@ mod api;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+pub use analysis::study::optimum::SearchMethod;
+pub use analysis::tolerance::Distribution;
 pub use api::{
-    Assembly, Check, CheckOptions, Error, ErrorKind, Film, FilmFile, Motion, PairClearance,
-    Placement, Pose, Quantity, Samples, Scene,
+    Assembly, Check, CheckOptions, Error, ErrorKind, Film, FilmFile, MeasureScatter, Motion,
+    OptimiseOptions, Optimum, PairClearance, Placement, Pose, Quantity, Samples, Scene,
+    Sensitivity, Study, Tolerance, ToleranceOptions,
 };
 pub use kinematics::results::certificate::{Certificate, Reason};
 

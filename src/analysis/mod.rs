@@ -11,4 +11,5 @@ pub mod routes;
 pub mod study;
 pub mod synthesis;
 pub mod tolerance;
+pub mod tolerance_study;
 pub mod work_precision;

@@ -1,5 +1,6 @@
 //! What can go wrong, as one type.
 
+use crate::analysis::study::FamilyError;
 use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
 use crate::export::ExportError;
 use crate::export::pump::PumpError;
@@ -119,6 +120,25 @@ impl From<SceneError> for Error {
 impl From<StructureError> for Error {
     fn from(error: StructureError) -> Self {
         Self::new(ErrorKind::Mechanism, error.to_string(), Vec::new())
+    }
+}
+
+impl From<FamilyError> for Error {
+    fn from(error: FamilyError) -> Self {
+        let message = error.to_string();
+        match error {
+            FamilyError::Scene(error) => (*error).into(),
+            FamilyError::Structure(error) => error.into(),
+            FamilyError::Track { .. } => Self::new(ErrorKind::Mechanism, message, Vec::new()),
+            FamilyError::NoMeasure { name, known } => {
+                Self::unknown_name("measure", &name, known.iter().map(String::as_str))
+            }
+            FamilyError::NoTolerance(_) => {
+                let hint = "give one for all, or each its own: `[study.variables]` NAME = { tolerance = 0.5 }";
+                Self::new(ErrorKind::Argument, message, vec![hint.to_owned()])
+            }
+            FamilyError::Lacks(_) => Self::new(ErrorKind::Argument, message, Vec::new()),
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The library's face: a scene, its motion, what is known of every pose, checks and films.
+//! The library's face: a scene, its motion, what is known of every pose, checks, studies and films.
 
 mod assembly;
 mod check;
@@ -8,14 +8,22 @@ mod error;
 mod film;
 mod loaded;
 mod motion;
+mod optimum;
 mod pose;
 mod rows;
 mod scene;
+mod sensitivity;
+mod study;
+mod tolerance;
 
 pub use assembly::Assembly;
 pub use check::{Check, CheckOptions, PairClearance};
 pub use error::{Error, ErrorKind};
 pub use film::{Film, FilmFile};
 pub use motion::{Motion, Samples};
+pub use optimum::{OptimiseOptions, Optimum};
 pub use pose::{Placement, Pose};
 pub use scene::{Quantity, Scene};
+pub use sensitivity::Sensitivity;
+pub use study::Study;
+pub use tolerance::{MeasureScatter, Tolerance, ToleranceOptions};

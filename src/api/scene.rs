@@ -7,6 +7,7 @@ use super::error::{Error, line};
 use super::loaded::Loaded;
 use super::motion::{Motion, Samples};
 use super::rows;
+use super::study::Study;
 use crate::diag::Source;
 use crate::model::mechanism::Kind;
 use crate::scene::{Overrides, builtin, source};
@@ -204,7 +205,7 @@ impl Scene {
         self.changed(|overrides| set(&mut overrides.guess, name, &value))
     }
 
-    fn load(text: Source, overrides: Overrides) -> Result<Self, Error> {
+    pub(super) fn load(text: Source, overrides: Overrides) -> Result<Self, Error> {
         let loaded = Arc::new(Loaded::new(text, overrides)?);
         Ok(Self { loaded })
     }
@@ -365,6 +366,17 @@ impl Scene {
     /// ```
     pub fn check(&self, options: &CheckOptions) -> Result<Check, Error> {
         Check::run(&self.loaded, options)
+    }
+
+    /// The measures of the scene as functions of its parameters.
+    ///
+    /// ```
+    /// let study = mechanim::Scene::builtin("slider-crank")?.study();
+    /// assert!(study.sensitivity().is_err(), "the scene measures nothing");
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn study(&self) -> Study {
+        Study::new(Arc::clone(&self.loaded))
     }
 
     /// The assemblies at the inputs of a time, as far as a search from many starts finds them.

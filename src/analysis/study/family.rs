@@ -74,6 +74,17 @@ pub enum FamilyError {
     /// Something the study needs is missing.
     #[error("{0}")]
     Lacks(String),
+    /// Dimensions without a tolerance.
+    #[error("no tolerance is known of {0}")]
+    NoTolerance(String),
+    /// A measure that the scene does not have.
+    #[error("the scene has no measure `{name}`")]
+    NoMeasure {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
     /// A pose of a track does not exist with the file's own values.
     #[error("track `{track}`: {message}")]
     Track {
@@ -224,6 +235,16 @@ impl ParametricMechanism {
             }
         }
         family
+    }
+
+    /// Frees every variable within this share of its value, in place of its own range; one that is zero keeps its own.
+    pub fn free_within(&mut self, share: f64) {
+        for variable in &mut self.study.variables {
+            let half = share * variable.start.abs();
+            if half > 0.0 {
+                (variable.lower, variable.upper) = (variable.start - half, variable.start + half);
+            }
+        }
     }
 
     /// The same family with so many steps on its tracks for each of its own.

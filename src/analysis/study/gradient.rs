@@ -3,7 +3,7 @@
 
 use super::measure::ShownMeasure;
 use super::slopes::MeasureSlopes;
-use super::stand::{Evaluator, Rejection, TrackPoses};
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::jobs;
 use crate::kinematics::measures::values_along;
 use crate::model::expression::Expression;

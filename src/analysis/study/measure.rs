@@ -1,6 +1,7 @@
 //! Measures of a stand: what every pose shows, reduced along the tracks, put into the measures' formulas.
 
-use super::stand::{Evaluator, Rejection, TrackPoses};
+use super::family::FamilyError;
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::kinematics::measures::reduce::{Reduced, reduce_values};
 use crate::kinematics::measures::values_along;
 use crate::model::expression::Expression;
@@ -115,8 +116,17 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Why the file's own values cannot be studied.
+    pub fn refused_start(&self, poses: &TrackPoses, rejection: &Rejection) -> FamilyError {
+        let why = match rejection {
+            Rejection::NoValue(name) => self.why(poses, name),
+            Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
+        };
+        FamilyError::Lacks(format!("at the file's own values: {rejection}{why}"))
+    }
+
     /// Why the measure called `name` has no value at a stand: which operation, at which pose.
-    pub fn why(&self, stand: &TrackPoses, name: &str) -> String {
+    fn why(&self, stand: &TrackPoses, name: &str) -> String {
         let (measures, shown) = (&self.family.measures.list, self.shown(stand));
         let (numbers, _) = self.numbers(stand, &shown);
         let source = measures.iter().find(|m| m.name == name).map(|m| &m.source);

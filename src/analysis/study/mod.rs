@@ -1,21 +1,26 @@
 //! A mechanism with variables, posed along the tracks of its study, and the measures of that: values and exact
 //! gradients. Optimisers, sensitivities and tolerances are loops around this.
 
+mod branch_breaks;
 mod family;
 mod gradient;
+pub mod kept_clearances;
+mod loaded;
 mod measure;
 pub mod optimum;
 mod peaks;
 mod reshaped;
 mod rows;
 mod search;
+mod search_steps;
 mod slopes;
-mod stand;
-mod tears;
+mod track_poses;
 
 pub use family::{FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
+pub use loaded::{LoadedStudy, NominalStudy, varied_names};
 pub use measure::Measured;
 pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, StudySearch, Watch};
-pub use stand::{Evaluator, Rejection, TrackPoses};
+pub use search_steps::{FoundOptimum, KEPT};
+pub use track_poses::{Evaluator, Rejection, TrackPoses};

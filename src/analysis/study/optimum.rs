@@ -3,7 +3,7 @@
 use super::family::{FamilyError, ParametricMechanism};
 use super::peaks::Peaks;
 use super::search::{Refusals, StudySearch, Watch};
-use super::stand::Evaluator;
+use super::track_poses::Evaluator;
 use crate::analysis::optimise::{
     Ended, Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
 };
@@ -48,6 +48,49 @@ pub enum Method {
         /// Where random numbers start.
         seed: u64,
     },
+}
+
+/// The methods without their tolerances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SearchMethod {
+    /// Simplex search of Nelder and Mead: values only.
+    NelderMead,
+    /// Quasi-Newton method with exact gradients.
+    #[default]
+    Bfgs,
+    /// Linear programmes on every pose: for an objective that is the largest of many values.
+    Minimax,
+    /// Differential evolution over the whole ranges, then quasi-Newton from its best.
+    Evolution,
+}
+
+/// Tolerances where none is asked for: what the common simplex search takes, and what rounding allows.
+const SIMPLEX_TOLERANCE: f64 = 1e-4;
+const GRADIENT_TOLERANCE: f64 = 1e-9;
+
+impl SearchMethod {
+    /// The method with a tolerance of its own where none is asked for; `seed` is where random numbers start.
+    pub fn with_tolerance(self, tolerance: Option<f64>, seed: u64) -> Method {
+        let simplex = tolerance.unwrap_or(SIMPLEX_TOLERANCE);
+        let tolerance = tolerance.unwrap_or(GRADIENT_TOLERANCE);
+        match self {
+            Self::NelderMead => Method::NelderMead { tolerance: simplex },
+            Self::Bfgs => Method::Bfgs { tolerance },
+            Self::Minimax => Method::Minimax { tolerance },
+            Self::Evolution => Method::Evolution { tolerance, seed },
+        }
+    }
+}
+
+/// A better point that a search came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Improvement {
+    /// Iteration; zero for the start.
+    pub iteration: usize,
+    /// Values of the variables.
+    pub values: Vec<f64>,
+    /// The objective.
+    pub objective: f64,
 }
 
 /// What a search of a study found.

@@ -3,7 +3,7 @@
 use super::family::{FamilyError, ParametricMechanism};
 use super::rows::{Listed, StudyRows, list_rows, row_nearness};
 use super::search::{Refusals, Watch};
-use super::stand::{Evaluator, Rejection, TrackPoses};
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::VariableBounds;
 use crate::analysis::optimise::minimax::{MinimaxProblem, PeakGradients, PeakValues, TrustEdge};
 

@@ -1,7 +1,7 @@
 //! A study as a function for the minimisers: poses from the best stand so far, refused candidates counted by cause.
 
 use super::family::{FamilyError, ParametricMechanism};
-use super::stand::{Evaluator, Rejection, TrackPoses};
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::constraints::Constrained;
 use crate::analysis::optimise::{Objective, VariableBounds};
 use std::sync::atomic::AtomicBool;
@@ -86,13 +86,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         let mut evaluator = Evaluator::new(family);
         let base = evaluator.nominal(family.nominal()?.poses);
         let measured = evaluator.measure(&base);
-        let measures = measured.map_err(|refusal| {
-            let why = match &refusal {
-                Rejection::NoValue(name) => evaluator.why(&base, name),
-                Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
-            };
-            FamilyError::Lacks(format!("at the file's own values: {refusal}{why}"))
-        })?;
+        let measures = measured.map_err(|refusal| evaluator.refused_start(&base, &refusal))?;
         Ok(Self {
             base_value: measures.measures[objective],
             evaluator,

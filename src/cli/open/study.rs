@@ -1,7 +1,7 @@
 //! What the verbs on studies share: opening a family, and its variables as parameters of the scene file.
 
 use super::{inputs_table, mode, scene as open_scene};
-use crate::analysis::study::{Evaluator, FamilyError, ParametricMechanism, Rejection, TrackPoses};
+use crate::analysis::study::{FamilyError, LoadedStudy, varied_names};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
 use crate::cli::term::Term;
@@ -12,34 +12,16 @@ use crate::model::measure::{Measure, MeasureSource};
 use crate::scene::{OtherDrives, Overrides, Scene, load_scene};
 use std::sync::Arc;
 
-/// A scene that is to be studied.
-pub struct Opened {
-    /// Its text.
-    pub source: Source,
-    /// What the command line changes in it.
-    pub overrides: Overrides,
-    /// With its variables as inputs.
-    pub family: ParametricMechanism,
-}
-
-/// Stands for every dimension.
-const ALL: &str = "all";
-
 /// Reads the scene; `all_by_default` decides what is varied where nothing is said.
 pub fn open_study(
     scene: &SceneArgs,
     vary: &VaryArgs,
     all_by_default: bool,
     term: &Term,
-) -> Result<Opened, Failure> {
+) -> Result<LoadedStudy, Failure> {
     let (source, overrides, nominal) = nominal_source(scene, term)?;
-    let names = varied_names(vary, all_by_default, nominal)?;
-    let family = ParametricMechanism::load(&source, &overrides, &names)?;
-    Ok(Opened {
-        source,
-        overrides,
-        family,
-    })
+    let names = varied_names(&vary.vary, all_by_default, &nominal.dimensions)?;
+    Ok(LoadedStudy::new(source, overrides, &names)?)
 }
 
 /// The scene as it is without variables.
@@ -52,29 +34,6 @@ pub fn nominal_source(
     apply_variables(scene, &mut nominal, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);
     Ok((source, overrides, nominal))
-}
-
-/// What `--vary` names.
-pub fn varied_names(
-    vary: &VaryArgs,
-    all_by_default: bool,
-    nominal: Scene,
-) -> Result<Vec<String>, Failure> {
-    let all = vary.vary.iter().any(|v| v == ALL) || (vary.vary.is_empty() && all_by_default);
-    let mut names = if all { nominal.dimensions } else { Vec::new() };
-    // What stands beside `all` may be one of them.
-    let named = vary.vary.iter().filter(|name| *name != ALL);
-    let more: Vec<_> = named.filter(|n| !(all && names.contains(n))).collect();
-    names.extend(more.into_iter().cloned());
-    for (k, name) in names.iter().enumerate() {
-        if names[..k].contains(name) {
-            return Err(Failure::usage(
-                format!("`{name}` is to be varied twice"),
-                Vec::new(),
-            ));
-        }
-    }
-    Ok(names)
 }
 
 /// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.
@@ -118,6 +77,18 @@ impl From<FamilyError> for Failure {
             FamilyError::Scene(error) => Self::Scene(error),
             FamilyError::Structure(error) => Self::Structure(error),
             FamilyError::Lacks(message) => Self::usage(message, Vec::new()),
+            FamilyError::NoTolerance(_) => Self::usage(
+                error.to_string(),
+                vec![
+                    "give one for all with --tolerance 0.5, or each its own: \
+                     `[study.variables]` NAME = { tolerance = 0.5 }"
+                        .to_owned(),
+                ],
+            ),
+            FamilyError::NoMeasure { ref known, .. } => {
+                let hint = format!("measures: {}", known.join(", "));
+                Self::usage(error.to_string(), vec![hint])
+            }
             FamilyError::Track { .. } => Self::NeverClosed {
                 message: error.to_string(),
                 hints: vec![
@@ -126,45 +97,5 @@ impl From<FamilyError> for Failure {
                 ],
             },
         }
-    }
-}
-
-impl Opened {
-    /// What is said of a stand that cannot be studied.
-    pub fn refused(
-        &self,
-        evaluator: &Evaluator,
-        stand: &TrackPoses,
-        refusal: &Rejection,
-    ) -> Failure {
-        let why = match refusal {
-            Rejection::NoValue(name) => evaluator.why(stand, name),
-            Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
-        };
-        let message = format!("at the file's own values: {refusal}{why}");
-        Failure::usage(message, Vec::new())
-    }
-
-    /// Index of the measure of that name.
-    pub fn measure(&self, name: &str) -> Result<usize, Failure> {
-        let measures = &self.family.measures.list;
-        measures.iter().position(|m| m.name == name).ok_or_else(|| {
-            let names: Vec<&str> = measures.iter().map(|m| m.name.as_str()).collect();
-            Failure::usage(
-                format!("the scene has no measure `{name}`"),
-                vec![format!("measures: {}", names.join(", "))],
-            )
-        })
-    }
-
-    /// Values of the variables as formulas of the file, with what the command line replaced before them.
-    pub fn parameters(&self, values: &[f64]) -> Vec<(String, String)> {
-        let mut list = self.overrides.parameters.clone();
-        for (variable, value) in self.family.study.variables.iter().zip(values) {
-            list.retain(|(name, _)| *name != variable.name);
-            let value = value * self.family.units(variable.kind);
-            list.push((variable.name.clone(), format!("{value:?}")));
-        }
-        list
     }
 }

@@ -3,8 +3,9 @@
 use super::paths;
 use super::paths::PathLine;
 use crate::analysis::cloud::{PathCloud, path_clouds};
-use crate::analysis::study::TrackPoses;
+use crate::analysis::study::LoadedStudy;
 use crate::analysis::tolerance::SampleBatch;
+use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::charts::cloud::cloud_chart;
 use crate::cli::args::study::ToleranceArgs;
 use crate::cli::args::values::ThemeArg;
@@ -13,7 +14,6 @@ use crate::cli::files::chart::PlotFormat;
 use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
 use crate::cli::motion::solve::up_to;
-use crate::cli::open::study::Opened;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::even_times;
@@ -44,17 +44,12 @@ fn path_opacity(pieces: usize) -> u8 {
 }
 
 /// Draws what is asked for.
-pub fn write_cloud(
-    args: &ToleranceArgs,
-    opened: &Opened,
-    nominal: &TrackPoses,
-    tolerances: &[f64],
-    batch: SampleBatch,
-) -> Result<(), Failure> {
+pub fn write_cloud(args: &ToleranceArgs, scattered: &ToleranceStudy) -> Result<(), Failure> {
     if args.picture.is_none() && args.plot.is_none() {
         return Ok(());
     }
-    let family = &opened.family;
+    let (study, batch) = (scattered.study, scattered.batch());
+    let family = &study.family;
     if family.mechanism().traces.is_empty() {
         return Err(Failure::usage(
             "the cloud is drawn around the paths of traced points, and the scene traces none",
@@ -65,8 +60,14 @@ pub fn write_cloud(
         samples: args.paths.min(batch.samples),
         ..batch
     };
-    let found =
-        path_clouds(family, nominal, tolerances, few, &CANCEL).ok_or(Failure::Interrupted)?;
+    let found = path_clouds(
+        family,
+        &scattered.nominal.poses,
+        &scattered.tolerances,
+        few,
+        &CANCEL,
+    )
+    .ok_or(Failure::Interrupted)?;
     if let Some(path) = &args.plot {
         let format = PlotFormat::of(path)?;
         let mechanism = family.mechanism();
@@ -76,7 +77,7 @@ pub fn write_cloud(
         output.commit()?;
     }
     if let Some(path) = &args.picture {
-        io::write_png(&cloud_picture(args, opened, &found)?, path)?;
+        io::write_png(&cloud_picture(args, study, &found)?, path)?;
     }
     Ok(())
 }
@@ -95,10 +96,10 @@ pub fn refuse_cloud(args: &ToleranceArgs) -> Result<(), Failure> {
 
 fn cloud_picture(
     args: &ToleranceArgs,
-    opened: &Opened,
+    study: &LoadedStudy,
     clouds: &[PathCloud],
 ) -> Result<RgbaImage, Failure> {
-    let mut scene = load_scene(&opened.source, &opened.overrides).map_err(Box::new)?;
+    let mut scene = load_scene(&study.source, &study.overrides).map_err(Box::new)?;
     scene.view.decor.trails = Trails::None;
     // The camera holds the whole motion; the pose is the one that the drive reaches.
     let even = even_times(&scene.mechanism, &scene.actuation, CAMERA_SAMPLES);

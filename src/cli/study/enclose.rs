@@ -4,13 +4,13 @@ use crate::analysis::enclosure::{
     Enclosed, MOST_DIMENSIONS, MeasureBand, Obstacle, Plan, Stretch, allowed_motion,
     enclose_measures, enclose_motion, enclose_stretches, shown_names,
 };
-use crate::analysis::study::{Nominal, ParametricMechanism};
+use crate::analysis::study::{Nominal, ParametricMechanism, varied_names};
 use crate::charts::bands;
 use crate::cli::args::enclose::EncloseArgs;
 use crate::cli::files::chart::{PlotFormat, write_chart};
 use crate::cli::io;
 use crate::cli::open::intervals::interval_middles;
-use crate::cli::open::study::{nominal_source, varied_names};
+use crate::cli::open::study::nominal_source;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::jobs::core_count;
@@ -156,7 +156,7 @@ fn piece_tolerances(
         .filter_map(|v| Some((v.name.as_str(), v.tolerance?)))
         .collect();
     let listed = if !args.vary.vary.is_empty() {
-        varied_names(&args.vary, false, drawn.clone())?
+        varied_names(&args.vary.vary, false, &drawn.dimensions)?
     } else if own.is_empty() && of_study.is_empty() {
         drawn.dimensions.clone()
     } else {

@@ -2,8 +2,6 @@
 
 pub mod accuracy;
 pub mod enclose;
-pub mod kept_clearances;
-pub mod method;
 pub mod optimise;
 pub mod pairs;
 pub mod search_film;

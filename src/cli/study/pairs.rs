@@ -1,17 +1,17 @@
 //! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
 
-use super::method::{SCHEMA, ending_word, search_method, widen_variables};
+use super::optimise::search_method;
 use crate::analysis::study::optimum::{Optimum, find_optimum};
-use crate::analysis::study::{FamilyError, ParametricMechanism};
+use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism};
 use crate::cli::args::study::OptimiseArgs;
 use crate::cli::interrupt::{CANCEL, save_results};
 use crate::cli::io;
-use crate::cli::open::study::Opened;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::jobs::{core_count, share_watched};
 use crate::report::cells::{aligned_rows, six_digits};
+use crate::report::optimum::{SCHEMA, ending_word};
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -23,8 +23,12 @@ struct Pair {
 }
 
 /// Runs all pairs; an interrupt leaves the ranking of those that were done.
-pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Outcome, Failure> {
-    let variables = &opened.family.study.variables;
+pub fn run_pairs(
+    args: &OptimiseArgs,
+    study: &LoadedStudy,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    let variables = &study.family.study.variables;
     let mut jobs = Vec::new();
     for (k, a) in variables.iter().enumerate() {
         jobs.extend(
@@ -47,7 +51,7 @@ pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Ou
             return None;
         }
         let names = jobs[index].clone();
-        let found = optimise_pair(args, opened, &names);
+        let found = optimise_pair(args, study, &names);
         // What an interrupt has cut short is no optimum of the pair.
         if CANCEL.load(Ordering::Relaxed) {
             return None;
@@ -67,10 +71,10 @@ pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Ou
     let ranked: Vec<Pair> = done.into_iter().map(|(_, pair)| pair).collect();
     let seconds = start.elapsed().as_secs_f64();
     if let Some(path) = &args.json {
-        let rows: Vec<Value> = ranked.iter().map(|p| pair_document(opened, p)).collect();
+        let rows: Vec<Value> = ranked.iter().map(|p| pair_document(study, p)).collect();
         let document = json!({
             "schema": format!("mechanim-pairs/{SCHEMA}"),
-            "title": opened.family.mechanism().title,
+            "title": study.family.mechanism().title,
             "pairs": rows,
         });
         io::write_json(&args.scene, path, &document)?;
@@ -78,7 +82,7 @@ pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Ou
     io::print_beside(
         term,
         args.json.as_deref(),
-        &pair_ranking(opened, &ranked, args.worst, seconds),
+        &pair_ranking(study, &ranked, args.worst, seconds),
     )?;
     if ranked.len() < jobs.len() {
         let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());
@@ -89,12 +93,12 @@ pub fn run_pairs(args: &OptimiseArgs, opened: &Opened, term: &Term) -> Result<Ou
 
 fn optimise_pair(
     args: &OptimiseArgs,
-    opened: &Opened,
+    study: &LoadedStudy,
     names: &[String; 2],
 ) -> Result<Optimum, FamilyError> {
-    let mut family = ParametricMechanism::load(&opened.source, &opened.overrides, names)?;
+    let mut family = ParametricMechanism::load(&study.source, &study.overrides, names)?;
     if let Some(share) = args.within {
-        widen_variables(&mut family, share);
+        family.free_within(share);
     }
     let watch = Box::new(|_: usize, _: &[f64], _: f64| true);
     find_optimum(
@@ -106,9 +110,9 @@ fn optimise_pair(
     )
 }
 
-fn pair_ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> String {
-    let objective = opened.family.objective();
-    let unit = objective.map_or(1.0, |m| opened.family.units(m.kind));
+fn pair_ranking(study: &LoadedStudy, ranked: &[Pair], most: usize, seconds: f64) -> String {
+    let objective = study.family.objective();
+    let unit = objective.map_or(1.0, |m| study.family.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
     let mut rows = vec![
         ["pair", name, "first", "second", "evaluations"]
@@ -119,7 +123,7 @@ fn pair_ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> 
         let mut row = vec![pair.names.join(" + ")];
         match &pair.found {
             Ok(o) => {
-                let [a, b] = pair_places(opened, pair, o);
+                let [a, b] = pair_places(study, pair, o);
                 row.extend([
                     six_digits(o.minimum.value * unit),
                     six_digits(a),
@@ -133,7 +137,7 @@ fn pair_ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> 
     }
     format!(
         "{}\n  {} pairs optimised in {seconds:.2} s, the best {} of them:\n\n{}",
-        opened.family.mechanism().title,
+        study.family.mechanism().title,
         ranked.len(),
         rows.len() - 1,
         aligned_rows(&rows)
@@ -141,21 +145,21 @@ fn pair_ranking(opened: &Opened, ranked: &[Pair], most: usize, seconds: f64) -> 
 }
 
 /// Values of a pair's variables in the file's units.
-fn pair_places(opened: &Opened, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
+fn pair_places(study: &LoadedStudy, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
     let unit = |k: usize| {
-        let mut variables = opened.family.study.variables.iter();
+        let mut variables = study.family.study.variables.iter();
         let variable = variables.find(|v| v.name == pair.names[k]);
-        variable.map_or(1.0, |v| opened.family.units(v.kind))
+        variable.map_or(1.0, |v| study.family.units(v.kind))
     };
     [0, 1].map(|k| optimum.minimum.x[k] * unit(k))
 }
 
-fn pair_document(opened: &Opened, pair: &Pair) -> Value {
+fn pair_document(study: &LoadedStudy, pair: &Pair) -> Value {
     match &pair.found {
         Ok(o) => json!({
             "names": pair.names,
             "objective": o.minimum.value,
-            "values": pair_places(opened, pair, o),
+            "values": pair_places(study, pair, o),
             "iterations": o.minimum.iterations,
             "evaluations": o.minimum.evaluations,
             "ended": ending_word(o.minimum.ended),

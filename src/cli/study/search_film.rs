@@ -1,10 +1,11 @@
 //! `mechanim optimise --film`: one frame an improvement, with the mechanism and its paths as they are then, and the
 //! paths of the start.
 
+use crate::analysis::study::LoadedStudy;
+use crate::analysis::study::optimum::Improvement;
 use crate::cli::args::files::{FileArgs, ProgressArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::OpenFilm;
-use crate::cli::open::study::Opened;
 use crate::cli::pictures::paths;
 use crate::cli::pictures::paths::PathLine;
 use crate::cli::term::Term;
@@ -18,7 +19,7 @@ use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;
 use crate::plot::theme::Dashes;
 use crate::report::cells::six_digits;
-use crate::scene::{Overrides, Scene, load_scene};
+use crate::scene::Scene;
 use crate::staging::outlook::SharedCamera;
 use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
@@ -44,17 +45,6 @@ const DRIVE_SAMPLES: usize = 120;
 
 /// Colour of the start's paths.
 const GHOST: [u8; 4] = [0x59, 0x63, 0x6e, 190];
-
-/// A better point that a search came to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Improvement {
-    /// Iteration; zero for the start.
-    pub iteration: usize,
-    /// Values of the variables.
-    pub values: Vec<f64>,
-    /// The objective.
-    pub objective: f64,
-}
 
 /// A traced path and its colour.
 type ColouredPath = (Vec<DVec3>, [u8; 3]);
@@ -95,14 +85,14 @@ pub fn film_file(out: &Path) -> Result<FileArgs, Failure> {
 /// Draws and writes the film.
 pub fn write_search_film(
     args: &FileArgs,
-    opened: &Opened,
+    study: &LoadedStudy,
     improvements: &[Improvement],
     term: &Term,
 ) -> Result<(), Failure> {
     let chosen = thin_improvements(improvements);
     let shots: Vec<Shot> = chosen
         .iter()
-        .map(|i| improvement_shot(opened, i))
+        .map(|i| improvement_shot(study, i))
         .collect::<Result<_, _>>()?;
     let Some(first) = shots.first() else {
         return Ok(());
@@ -153,21 +143,15 @@ fn thin_improvements(improvements: &[Improvement]) -> Vec<&Improvement> {
         .collect()
 }
 
-fn improvement_shot(opened: &Opened, improvement: &Improvement) -> Result<Shot, Failure> {
-    let overrides = Overrides {
-        parameters: opened.parameters(&improvement.values),
-        ..opened.overrides.clone()
-    };
-    let mut scene = load_scene(&opened.source, &overrides).map_err(Box::new)?;
+fn improvement_shot(study: &LoadedStudy, improvement: &Improvement) -> Result<Shot, Failure> {
+    let mut scene = study.scene_at(&improvement.values)?;
     scene.view.decor.trails = Trails::None;
     // Labels on a trace need the whole drive; the path is drawn beside it.
     scene.view.labels.clear();
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let paths = coloured_paths(&scene, &system);
     let trajectory = solve_motion(&system, &scene.actuation, &[0.0]);
-    let (name, unit) = opened.family.objective().map_or(("objective", 1.0), |m| {
-        (&m.name, opened.family.units(m.kind))
-    });
+    let (name, unit) = (study.objective_name(), study.objective_unit());
     let text = format!(
         "{name} = {}   iteration {}",
         six_digits(improvement.objective * unit),

@@ -1,6 +1,5 @@
 //! `mechanim sensitivity`: the exact derivative of every measure by every dimension, ranked; tolerances proposed.
 
-use crate::analysis::study::Evaluator;
 use crate::cli::args::study::SensitivityArgs;
 use crate::cli::io;
 use crate::cli::open::study::open_study;
@@ -14,24 +13,17 @@ pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, F
     let plot = args.plot.as_deref();
     let plot = plot.map(|path| sensitivity_plot::open_bars(&args.scene, path));
     let plot = plot.transpose()?;
-    let opened = open_study(&args.scene, &args.vary, true, term)?;
-    let family = &opened.family;
-    let mut evaluator = Evaluator::new(family);
-    let nominal = family.nominal()?;
-    let stand = evaluator.nominal(nominal.poses);
-    let gradients = evaluator
-        .gradients(&stand)
-        .map_err(|refusal| opened.refused(&evaluator, &stand, &refusal))?;
+    let study = open_study(&args.scene, &args.vary, true, term)?;
+    let family = &study.family;
+    let gradients = study.nominal()?.gradients;
     let rank = match &args.rank {
-        Some(name) => opened.measure(name)?,
+        Some(name) => study.measure(name)?,
         None => family.study.objective.unwrap_or(0),
     };
     let allowed = match &args.allow {
         Some((name, scatter)) => {
-            let measure = opened.measure(name)?;
-            let unit = opened
-                .family
-                .units(opened.family.measures.list[measure].kind);
+            let measure = study.measure(name)?;
+            let unit = family.units(family.measures.list[measure].kind);
             Some((measure, scatter / unit))
         }
         None => None,

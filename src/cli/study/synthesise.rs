@@ -1,6 +1,6 @@
 //! `mechanim synthesise`: dimensions found from many starts, proved, reported, and written as scenes.
 
-use crate::analysis::study::FamilyError;
+use crate::analysis::study::{FamilyError, LoadedStudy};
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::{Proof, prove_found};
 use crate::analysis::synthesis::{From, Listener, SearchPlan, Start, Synthesis, synthesise_path};
@@ -8,7 +8,7 @@ use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::{is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
-use crate::cli::open::study::{Opened, open_study};
+use crate::cli::open::study::open_study;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
@@ -119,7 +119,7 @@ fn target_files(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
 
 fn synthesise_one<'a>(
     args: &SynthesiseArgs,
-    opened: &'a Opened,
+    opened: &'a LoadedStudy,
     name: &str,
     term: &Term,
 ) -> Result<FoundMechanism<'a>, Failure> {
@@ -141,10 +141,7 @@ fn synthesise_one<'a>(
         overrides: &opened.overrides,
         parameters: &parameters,
     };
-    let unit = opened
-        .family
-        .objective()
-        .map_or(1.0, |m| opened.family.units(m.kind));
+    let unit = opened.objective_unit();
     let done = |index: usize, start: &Start| {
         // From here on the best so far is worth waiting for.
         save_results(true);
@@ -190,7 +187,10 @@ fn prove_scene(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyEr
 }
 
 /// The found values as changes of the scene, and as the text of a scene of its own.
-fn write_found(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, String), Failure> {
+fn write_found(
+    opened: &LoadedStudy,
+    synthesis: &Synthesis,
+) -> Result<(Overrides, String), Failure> {
     let parameters = opened.parameters(&synthesis.best);
     let unknowns = &opened.family.mechanism().unknowns;
     let guess: Vec<(String, String)> = match &synthesis.unknowns {
@@ -222,7 +222,7 @@ fn write_found(opened: &Opened, synthesis: &Synthesis) -> Result<(Overrides, Str
 }
 
 /// Measures at the scene's own values.
-fn own_measures(opened: &Opened) -> Result<Vec<f64>, FamilyError> {
+fn own_measures(opened: &LoadedStudy) -> Result<Vec<f64>, FamilyError> {
     let family = &opened.family;
     let mut evaluator = crate::analysis::study::Evaluator::new(family);
     let stand = evaluator.nominal(family.nominal()?.poses);

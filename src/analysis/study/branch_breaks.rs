@@ -1,7 +1,7 @@
 //! Whether neighbouring poses of a track still belong to one motion. Each pose follows the variables by itself; where a
 //! singular pose passes between two samples of a track, they end up on different branches, and no sample shows it.
 
-use super::stand::{Evaluator, Rejection, TrackPoses};
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::observer::{largest_distance, marked_positions};
 use crate::kinematics::motion::continuation::solve_whole;
 use crate::kinematics::results::trajectory::EventKind;

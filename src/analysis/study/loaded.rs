@@ -1,0 +1,158 @@
+//! A study as it was asked for: the text of a scene, what is changed in it, and the mechanism with its variables as inputs.
+
+use super::family::{FamilyError, Nominal, ParametricMechanism};
+use super::gradient::Gradients;
+use super::track_poses::{Evaluator, TrackPoses};
+use crate::diag::Source;
+use crate::scene::{Overrides, Scene, load_scene};
+
+/// A scene that is studied.
+#[derive(Clone, Debug)]
+pub struct LoadedStudy {
+    /// Its text.
+    pub source: Source,
+    /// What is changed in it.
+    pub overrides: Overrides,
+    /// With its variables as inputs.
+    pub family: ParametricMechanism,
+}
+
+/// A study at the file's own values.
+pub struct NominalStudy {
+    /// The poses and what is proved of them.
+    pub drawn: Nominal,
+    /// The same poses, as pieces near them are reached from.
+    pub poses: TrackPoses,
+    /// Measures and their derivatives.
+    pub gradients: Gradients,
+}
+
+/// Stands for every dimension.
+const ALL: &str = "all";
+
+/// The parameters that `vary` names; `all` stands for the scene's `dimensions`, and so does nothing if `all_by_default`.
+///
+/// # Errors
+/// A parameter that is named twice.
+pub fn varied_names(
+    vary: &[String],
+    all_by_default: bool,
+    dimensions: &[String],
+) -> Result<Vec<String>, FamilyError> {
+    let all = vary.iter().any(|v| v == ALL) || (vary.is_empty() && all_by_default);
+    let mut names = if all { dimensions.to_vec() } else { Vec::new() };
+    // What stands beside `all` may be one of them.
+    let named = vary.iter().filter(|name| *name != ALL);
+    let more: Vec<_> = named.filter(|n| !(all && names.contains(n))).collect();
+    names.extend(more.into_iter().cloned());
+    for (k, name) in names.iter().enumerate() {
+        if names[..k].contains(name) {
+            let message = format!("`{name}` is to be varied twice");
+            return Err(FamilyError::Lacks(message));
+        }
+    }
+    Ok(names)
+}
+
+impl LoadedStudy {
+    /// Reads the scene with the parameters called `names` as variables, or with those of its `[study]`.
+    ///
+    /// # Errors
+    /// Mistakes in the scene; nothing to vary or to measure; a mechanism that is not determined.
+    pub fn new(
+        source: Source,
+        overrides: Overrides,
+        names: &[String],
+    ) -> Result<Self, FamilyError> {
+        let family = ParametricMechanism::load(&source, &overrides, names)?;
+        Ok(Self {
+            source,
+            overrides,
+            family,
+        })
+    }
+
+    /// Poses, measures and derivatives with the file's values.
+    ///
+    /// # Errors
+    /// A pose that does not exist, or a measure without a value.
+    pub fn nominal(&self) -> Result<NominalStudy, FamilyError> {
+        let mut evaluator = Evaluator::new(&self.family);
+        let drawn = self.family.nominal()?;
+        let poses = evaluator.nominal(drawn.poses.clone());
+        let gradients = evaluator
+            .gradients(&poses)
+            .map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
+        Ok(NominalStudy {
+            drawn,
+            poses,
+            gradients,
+        })
+    }
+
+    /// Index of the measure of that name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn measure(&self, name: &str) -> Result<usize, FamilyError> {
+        let names = self.family.measures.list.iter().map(|m| &m.name);
+        let found = names.clone().position(|known| known == name);
+        found.ok_or_else(|| FamilyError::NoMeasure {
+            name: name.to_owned(),
+            known: names.cloned().collect(),
+        })
+    }
+
+    /// Factor from internal values of the objective to the file's unit.
+    pub fn objective_unit(&self) -> f64 {
+        let objective = self.family.objective();
+        objective.map_or(1.0, |m| self.family.units(m.kind))
+    }
+
+    /// Name of the objective.
+    pub fn objective_name(&self) -> &str {
+        let objective = self.family.objective();
+        objective.map_or("objective", |m| &m.name)
+    }
+
+    /// Tolerance of every variable, in internal units: the study's, else `general`, in the file's units.
+    ///
+    /// # Errors
+    /// A variable that has neither.
+    pub fn tolerances(&self, general: Option<f64>) -> Result<Vec<f64>, FamilyError> {
+        let variables = &self.family.study.variables;
+        let given = variables.iter().map(|v| {
+            v.tolerance
+                .or(general.map(|t| t / self.family.units(v.kind)))
+        });
+        let missing = given.clone().zip(variables).filter(|(t, _)| t.is_none());
+        let missing: Vec<&str> = missing.map(|(_, v)| v.name.as_str()).collect();
+        match missing.is_empty() {
+            true => Ok(given.flatten().collect()),
+            false => Err(FamilyError::NoTolerance(missing.join(", "))),
+        }
+    }
+
+    /// Values of the variables as formulas of the file, with what was replaced before them.
+    pub fn parameters(&self, values: &[f64]) -> Vec<(String, String)> {
+        let mut list = self.overrides.parameters.clone();
+        for (variable, value) in self.family.study.variables.iter().zip(values) {
+            list.retain(|(name, _)| *name != variable.name);
+            let value = value * self.family.units(variable.kind);
+            list.push((variable.name.clone(), format!("{value:?}")));
+        }
+        list
+    }
+
+    /// The scene with other values of the variables.
+    ///
+    /// # Errors
+    /// Values that the scene does not allow.
+    pub fn scene_at(&self, values: &[f64]) -> Result<Scene, FamilyError> {
+        let overrides = Overrides {
+            parameters: self.parameters(values),
+            ..self.overrides.clone()
+        };
+        Ok(load_scene(&self.source, &overrides).map_err(Box::new)?)
+    }
+}

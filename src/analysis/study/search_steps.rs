@@ -1,0 +1,119 @@
+//! A study's optimum from the search to the proof, put together once: the program and the library ask it.
+
+use super::family::FamilyError;
+use super::kept_clearances::{Clearances, settle_clearances};
+use super::loaded::LoadedStudy;
+use super::optimum::{Improvement, Method, Optimum, Verified, find_optimum, verify_optimum};
+use std::sync::atomic::AtomicBool;
+
+/// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
+pub const KEPT: f64 = 1e-6;
+
+/// How far an objective that is measured again may be off, as a share of it (or of this share of the first value).
+const SAME: f64 = 1e-6;
+
+/// What became of a study's objective.
+#[derive(Clone)]
+pub struct FoundOptimum {
+    /// The best values, and how they were found.
+    pub optimum: Optimum,
+    /// The points that the search came to, from the start on.
+    pub improvements: Vec<Improvement>,
+    /// What the bodies do with these values; `None` if nothing is asked of them.
+    pub clearances: Option<Clearances>,
+}
+
+impl LoadedStudy {
+    /// Searches the optimum and keeps the points that the search came to. `heard` is told of every iteration with the best
+    /// objective so far; the search ends with that as soon as `cancel` is raised.
+    ///
+    /// # Errors
+    /// Those of [`find_optimum`].
+    pub fn search_optimum(
+        &self,
+        method: Method,
+        iterations: usize,
+        heard: &mut dyn FnMut(usize, f64),
+        cancel: &AtomicBool,
+    ) -> Result<FoundOptimum, FamilyError> {
+        let mut found: Vec<Improvement> = Vec::new();
+        let watch = |iteration: usize, values: &[f64], objective: f64| {
+            add_improvement(&mut found, iteration, values, objective);
+            heard(iteration, objective);
+            true
+        };
+        let optimum = find_optimum(&self.family, method, iterations, Box::new(watch), cancel)?;
+        let mut improvements = vec![Improvement {
+            iteration: 0,
+            values: self.family.start(),
+            objective: optimum.first_value,
+        }];
+        improvements.append(&mut found);
+        let last = &optimum.minimum;
+        add_improvement(&mut improvements, last.iterations, &last.x, last.value);
+        Ok(FoundOptimum {
+            optimum,
+            improvements,
+            clearances: None,
+        })
+    }
+
+    /// Looks whether the found values keep the clearances that the scene asks for, and goes back to those that do.
+    ///
+    /// # Errors
+    /// Values that the scene does not allow.
+    pub fn settle(&self, found: &mut FoundOptimum) -> Result<(), FamilyError> {
+        let (minimum, improvements) = (&mut found.optimum.minimum, &found.improvements);
+        found.clearances = settle_clearances(self, minimum, improvements)?;
+        Ok(())
+    }
+
+    /// Follows the tracks again with these values from the start values on, and proves every pose.
+    ///
+    /// # Errors
+    /// Those of [`verify_optimum`].
+    pub fn verify(&self, values: &[f64]) -> Result<Verified, FamilyError> {
+        let variables = self.family.study.variables.iter();
+        let names: Vec<String> = variables.map(|v| v.name.clone()).collect();
+        verify_optimum(
+            &self.source,
+            &self.overrides,
+            self.parameters(values),
+            &names,
+        )
+    }
+}
+
+/// A point that is not the one before it.
+fn add_improvement(list: &mut Vec<Improvement>, iteration: usize, values: &[f64], objective: f64) {
+    if list.last().is_none_or(|last| last.values != values) {
+        list.push(Improvement {
+            iteration,
+            values: values.to_vec(),
+            objective,
+        });
+    }
+}
+
+impl FoundOptimum {
+    /// Whether the search ended before its first iteration.
+    pub fn is_empty(&self) -> bool {
+        self.improvements.len() < 2 && self.optimum.minimum.iterations == 0
+    }
+
+    /// Whether the motion that was followed again is the one that was optimised.
+    pub fn agrees(&self, study: &LoadedStudy, verified: &Verified) -> bool {
+        let objective = study.family.study.objective;
+        let again = objective.map(|index| verified.measures[index]);
+        let value = self.optimum.minimum.value;
+        let scale = value.abs().max(SAME * self.optimum.first_value.abs());
+        again.is_some_and(|again| (again - value).abs() <= SAME * scale)
+    }
+
+    /// Whether the independent motion has the same objective and all limits and clearances are kept.
+    pub fn holds(&self, study: &LoadedStudy, verified: &Result<Verified, FamilyError>) -> bool {
+        let is_clear = self.clearances.as_ref().is_none_or(|c| c.kept);
+        let is_verified = |v: &Verified| v.violation <= KEPT && self.agrees(study, v);
+        verified.as_ref().is_ok_and(is_verified) && is_clear
+    }
+}

@@ -1,0 +1,92 @@
+//! What tolerances do to the measures of a study, put together once: linear rules, corners, proved bands, random pieces.
+
+use super::enclosure::{MOST_DIMENSIONS, MeasureBand, Plan, enclose_measures};
+use super::extremes::found_extremes;
+use super::study::{
+    Evaluator, FamilyError, LoadedStudy, Nominal, NominalStudy, ParametricMechanism,
+};
+use super::tolerance::{Linear, Pieces, SampleBatch, linear_tolerance, sample_pieces};
+use std::sync::atomic::AtomicBool;
+
+/// A study whose dimensions scatter.
+pub struct ToleranceStudy<'a> {
+    /// The study.
+    pub study: &'a LoadedStudy,
+    /// It at the file's own values.
+    pub nominal: NominalStudy,
+    /// Half the width of every variable's tolerance, in internal units.
+    pub tolerances: Vec<f64>,
+    /// The linear scatter of every measure.
+    pub linear: Vec<Linear>,
+    /// Least and greatest value of every measure at corners of the tolerances.
+    corners: Vec<[f64; 2]>,
+    /// What no piece is beyond; empty where that is not proved.
+    bands: Vec<MeasureBand>,
+    batch: SampleBatch,
+}
+
+impl<'a> ToleranceStudy<'a> {
+    /// Everything but the random pieces of `batch`. `general` is the tolerance of variables that have none of their own, in
+    /// the file's units.
+    ///
+    /// # Errors
+    /// A variable without a tolerance; poses or measures that do not exist with the file's values.
+    pub fn new(
+        study: &'a LoadedStudy,
+        general: Option<f64>,
+        batch: SampleBatch,
+    ) -> Result<Self, FamilyError> {
+        let tolerances = study.tolerances(general)?;
+        let nominal = study.nominal()?;
+        let mut evaluator = Evaluator::new(&study.family);
+        let (poses, gradients) = (&nominal.poses, &nominal.gradients);
+        Ok(Self {
+            linear: linear_tolerance(gradients, &tolerances, batch.distribution),
+            corners: found_extremes(&mut evaluator, poses, gradients, &tolerances),
+            bands: never_beyond(&study.family, &nominal.drawn, &tolerances),
+            study,
+            nominal,
+            tolerances,
+            batch,
+        })
+    }
+
+    /// How many pieces were asked for, and how they scatter.
+    pub fn batch(&self) -> SampleBatch {
+        self.batch
+    }
+
+    /// The random pieces; those made so far if `cancel` is raised. `watch` hears now and then how many there are.
+    pub fn pieces(&self, cancel: &AtomicBool, watch: &dyn Fn(usize)) -> Pieces {
+        let (family, poses) = (&self.study.family, &self.nominal.poses);
+        sample_pieces(family, poses, &self.tolerances, self.batch, cancel, watch)
+    }
+
+    /// The least and greatest value of a measure among pieces and corners.
+    pub fn found(&self, pieces: &Pieces, measure: usize) -> [f64; 2] {
+        let values = pieces.values.iter().skip(measure);
+        let values = values.step_by(pieces.measures.max(1));
+        // The comparison leaves out pieces without a value.
+        values.fold(self.corners[measure], |[lo, hi], v| [v.min(lo), v.max(hi)])
+    }
+
+    /// What a measure of no piece is below, and above; an end is infinite where that is not proved.
+    pub fn band(&self, measure: usize) -> [f64; 2] {
+        let band = self.bands.get(measure);
+        band.map_or([f64::NEG_INFINITY, f64::INFINITY], |b| [b.lo, b.hi])
+    }
+}
+
+fn never_beyond(
+    family: &ParametricMechanism,
+    drawn: &Nominal,
+    tolerances: &[f64],
+) -> Vec<MeasureBand> {
+    let variables = &family.study.variables;
+    if !family.kept.is_empty() || variables.len() > MOST_DIMENSIONS {
+        return Vec::new();
+    }
+    let named = variables.iter().map(|v| v.name.clone());
+    let list: Vec<(String, f64)> = named.zip(tolerances.iter().copied()).collect();
+    enclose_measures(&Plan::new(family, &list), drawn).unwrap_or_default()
+}

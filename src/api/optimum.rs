@@ -1,0 +1,185 @@
+//! The best values of a study's variables.
+
+use super::error::{Error, ErrorKind};
+use super::scene::Scene;
+use crate::analysis::study::optimum::{SearchMethod, Verified};
+use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
+use crate::diag::Source;
+use crate::report::optimum::OptimumReport;
+use crate::scene::Overrides;
+use crate::scene::edit::with_values;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// How an optimum is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OptimiseOptions {
+    /// The method.
+    pub method: SearchMethod,
+    /// Most iterations.
+    pub iterations: usize,
+    /// Relative accuracy; the method's own if absent.
+    pub tolerance: Option<f64>,
+    /// Frees every variable within this share of its value, in place of the study's ranges.
+    pub within: Option<f64>,
+    /// Where random numbers start ([`SearchMethod::Evolution`]).
+    pub seed: u64,
+}
+
+impl Default for OptimiseOptions {
+    fn default() -> Self {
+        Self {
+            method: SearchMethod::Bfgs,
+            iterations: 1000,
+            tolerance: None,
+            within: None,
+            seed: 1,
+        }
+    }
+}
+
+/// Values of a study's variables that make its objective least. Made by [`Study::optimise`](crate::Study::optimise).
+pub struct Optimum {
+    study: LoadedStudy,
+    found: FoundOptimum,
+    verified: Result<Verified, FamilyError>,
+    seconds: f64,
+}
+
+impl Optimum {
+    pub(super) fn search(mut study: LoadedStudy, options: &OptimiseOptions) -> Result<Self, Error> {
+        if let Some(share) = options.within {
+            study.family.free_within(share);
+        }
+        let begun = Instant::now();
+        let method = options
+            .method
+            .with_tolerance(options.tolerance, options.seed);
+        let never = AtomicBool::new(false);
+        let mut found = study.search_optimum(method, options.iterations, &mut |_, _| {}, &never)?;
+        study.settle(&mut found)?;
+        let verified = study.verify(&found.optimum.minimum.x);
+        Ok(Self {
+            seconds: begun.elapsed().as_secs_f64(),
+            study,
+            found,
+            verified,
+        })
+    }
+
+    /// The objective before and after, in the scene's units.
+    ///
+    /// ```
+    /// # use mechanim::{OptimiseOptions, Scene};
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let [before, after] = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?.objective();
+    /// assert!(after <= before);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn objective(&self) -> [f64; 2] {
+        let (unit, optimum) = (self.study.objective_unit(), &self.found.optimum);
+        [optimum.first_value, optimum.minimum.value].map(|value| value * unit)
+    }
+
+    /// The variables with their best values, in the scene's units.
+    ///
+    /// ```
+    /// # use mechanim::{OptimiseOptions, Scene};
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
+    /// assert!(best.values().iter().all(|(_, value)| value.is_finite()));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn values(&self) -> Vec<(&str, f64)> {
+        let family = &self.study.family;
+        let pairs = family.study.variables.iter().zip(self.best());
+        let shown = pairs.map(|(v, value)| (v.name.as_str(), value * family.units(v.kind)));
+        shown.collect()
+    }
+
+    /// Whether an independent motion with these values has the same objective, and all limits and clearances are kept.
+    ///
+    /// ```
+    /// # use mechanim::{OptimiseOptions, Scene};
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
+    /// assert!(best.holds(), "{}", best.text());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn holds(&self) -> bool {
+        self.report().holds()
+    }
+
+    /// The scene with the best values in place of its own: [`Scene::text`] has them.
+    ///
+    /// Errors: a text whose values cannot be replaced.
+    ///
+    /// ```
+    /// # use mechanim::{OptimiseOptions, Scene};
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
+    /// assert!(best.scene()?.check(&Default::default())?.passed());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn scene(&self) -> Result<Scene, Error> {
+        let LoadedStudy {
+            source, overrides, ..
+        } = &self.study;
+        let parameters = self.study.parameters(self.best());
+        let text = with_values(source, &parameters, &overrides.guess);
+        let text = text.ok_or_else(|| {
+            let why = "the scene's text cannot be given these values";
+            Error::new(ErrorKind::Scene, why, Vec::new())
+        })?;
+        let text = Source {
+            name: source.name.clone(),
+            text,
+        };
+        // What the text holds now; changed drives stay beside it.
+        let beside = Overrides {
+            parameters: Vec::new(),
+            guess: Vec::new(),
+            ..overrides.clone()
+        };
+        Scene::load(text, beside)
+    }
+
+    /// The report that `mechanim optimise` prints.
+    ///
+    /// ```
+    /// # use mechanim::{OptimiseOptions, Scene};
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
+    /// assert!(best.text().contains("Followed again"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn text(&self) -> String {
+        self.report().text()
+    }
+
+    /// The same as a JSON document.
+    ///
+    /// ```
+    /// # use mechanim::{OptimiseOptions, Scene};
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
+    /// assert!(best.to_json().contains("mechanim-optimise/1"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn to_json(&self) -> String {
+        format!("{:#}\n", self.report().document())
+    }
+
+    fn best(&self) -> &[f64] {
+        &self.found.optimum.minimum.x
+    }
+
+    fn report(&self) -> OptimumReport<'_> {
+        OptimumReport {
+            study: &self.study,
+            found: &self.found,
+            verified: &self.verified,
+            seconds: self.seconds,
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Studies: what becomes of the measures of a scene when its parameters change.
+
+use super::error::Error;
+use super::loaded::Loaded;
+use super::optimum::{OptimiseOptions, Optimum};
+use super::sensitivity::Sensitivity;
+use super::tolerance::{Tolerance, ToleranceOptions};
+use crate::analysis::study::{LoadedStudy, varied_names};
+use std::sync::Arc;
+
+/// The measures of a scene as functions of its parameters. Made by [`Scene::study`](crate::Scene::study).
+///
+/// ```
+/// let study = mechanim::Scene::builtin("gearshift")?.study();
+/// let sensitivity = study.vary(&["L4", "L5d"]).sensitivity()?;
+/// println!("{}", sensitivity.text());
+/// # Ok::<(), mechanim::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Study {
+    loaded: Arc<Loaded>,
+    names: Vec<String>,
+}
+
+impl Study {
+    pub(super) fn new(loaded: Arc<Loaded>) -> Self {
+        let names = Vec::new();
+        Self { loaded, names }
+    }
+
+    /// The study with these parameters as its variables, in place of those that it has by itself: the scene's
+    /// `[study.variables]` where something is minimised, else every length and angle. `"all"` stands for the latter, too.
+    ///
+    /// ```
+    /// let study = mechanim::Scene::builtin("gearshift")?.study();
+    /// assert!(study.vary(&["L4"]).sensitivity().is_ok());
+    /// assert!(study.vary(&["O2X"]).sensitivity().is_err());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn vary(&self, names: &[&str]) -> Self {
+        Self {
+            loaded: Arc::clone(&self.loaded),
+            names: names.iter().map(|name| (*name).to_owned()).collect(),
+        }
+    }
+
+    /// The exact derivative of every measure by every variable.
+    ///
+    /// Errors: nothing to measure; no such parameter; a pose that does not exist.
+    ///
+    /// ```
+    /// let study = mechanim::Scene::builtin("rope-drum")?.study();
+    /// let sensitivity = study.sensitivity()?;
+    /// assert!(!sensitivity.variables().is_empty());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn sensitivity(&self) -> Result<Sensitivity, Error> {
+        Sensitivity::of(self.load(true)?)
+    }
+
+    /// What tolerances of the variables do to the measures: linear rules, random pieces, and proved bands.
+    ///
+    /// Errors: likewise; a variable without a tolerance.
+    ///
+    /// ```
+    /// use mechanim::{Scene, ToleranceOptions};
+    ///
+    /// let study = Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
+    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// let tolerance = study.tolerance(&options)?;
+    /// for measure in tolerance.measures() {
+    ///     println!("{}: {} +- {}", measure.name, measure.nominal, measure.linear_sum);
+    /// }
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn tolerance(&self, options: &ToleranceOptions) -> Result<Tolerance, Error> {
+        Tolerance::of(&self.load(true)?, options)
+    }
+
+    /// The values of the variables that make the study's objective least, kept within its limits, and proved afterwards.
+    ///
+    /// Errors: nothing to minimise or to vary; a pose that does not exist. Limits that cannot be kept are no error: see
+    /// [`Optimum::holds`].
+    ///
+    /// ```
+    /// use mechanim::{OptimiseOptions, Scene};
+    ///
+    /// let study = Scene::builtin("gearshift-optimised")?.study();
+    /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
+    /// let [before, after] = best.objective();
+    /// assert!(after <= before);
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn optimise(&self, options: &OptimiseOptions) -> Result<Optimum, Error> {
+        Optimum::search(self.load(false)?, options)
+    }
+
+    fn load(&self, all_by_default: bool) -> Result<LoadedStudy, Error> {
+        let Loaded {
+            text,
+            overrides,
+            scene,
+            ..
+        } = &*self.loaded;
+        let names = varied_names(&self.names, all_by_default, &scene.dimensions)?;
+        Ok(LoadedStudy::new(text.clone(), overrides.clone(), &names)?)
+    }
+}

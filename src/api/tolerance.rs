@@ -1,0 +1,166 @@
+//! What tolerances of the dimensions do to measures.
+
+use super::error::Error;
+use crate::analysis::study::LoadedStudy;
+use crate::analysis::tolerance::{Distribution, SampleBatch};
+use crate::analysis::tolerance_study::ToleranceStudy;
+use crate::jobs::core_count;
+use crate::report::tolerance::ToleranceReport;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// How dimensions scatter, and how many random pieces are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToleranceOptions {
+    /// Half the width of the tolerance of every dimension that the study gives none, in the dimension's unit.
+    pub tolerance: Option<f64>,
+    /// Number of random pieces.
+    pub samples: usize,
+    /// How a dimension scatters within its tolerance.
+    pub distribution: Distribution,
+    /// Where random numbers start.
+    pub seed: u64,
+}
+
+impl Default for ToleranceOptions {
+    fn default() -> Self {
+        Self {
+            tolerance: None,
+            samples: 10_000,
+            distribution: Distribution::Uniform,
+            seed: 1,
+        }
+    }
+}
+
+/// How a measure scatters, in the scene's units.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MeasureScatter {
+    /// Its name.
+    pub name: String,
+    /// With the file's own dimensions.
+    pub nominal: f64,
+    /// Root of the sum of squares of slope times tolerance.
+    pub root_sum_square: f64,
+    /// The sum of their magnitudes: the worst case by the linear rule, which pieces can exceed.
+    pub linear_sum: f64,
+    /// Mean over the random pieces that assemble; NaN if there are none.
+    pub mean: f64,
+    /// Standard deviation over them.
+    pub deviation: f64,
+    /// Least and greatest value found among pieces and corners of the tolerances.
+    pub found: [f64; 2],
+    /// No piece within the tolerances leaves this band, proved; `None` where that is not proved.
+    pub band: Option<[f64; 2]>,
+}
+
+/// What tolerances do to the measures of a study. Made by [`Study::tolerance`](crate::Study::tolerance).
+pub struct Tolerance {
+    measures: Vec<MeasureScatter>,
+    good: f64,
+    text: String,
+    json: String,
+}
+
+impl Tolerance {
+    pub(super) fn of(loaded: &LoadedStudy, options: &ToleranceOptions) -> Result<Self, Error> {
+        let batch = SampleBatch {
+            samples: options.samples.max(1),
+            first: 0,
+            seed: options.seed,
+            distribution: options.distribution,
+            threads: core_count(),
+        };
+        let begun = Instant::now();
+        let study = ToleranceStudy::new(loaded, options.tolerance, batch)?;
+        let pieces = study.pieces(&AtomicBool::new(false), &|_| {});
+        let report = ToleranceReport {
+            study: &study,
+            pieces: &pieces,
+            seconds: begun.elapsed().as_secs_f64(),
+        };
+        let list = loaded.family.measures.list.iter().enumerate();
+        Ok(Self {
+            measures: list.map(|(k, _)| scatter(&report, k)).collect(),
+            good: pieces.good as f64 / pieces.made as f64,
+            text: report.text(),
+            json: format!("{:#}\n", report.document()),
+        })
+    }
+
+    /// Every measure with its scatter.
+    ///
+    /// ```
+    /// # use mechanim::{Scene, ToleranceOptions};
+    /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
+    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// for measure in study.tolerance(&options)?.measures() {
+    ///     let [low, high] = measure.band.expect("proved for one small tolerance");
+    ///     assert!(low <= measure.found[0] && measure.found[1] <= high);
+    /// }
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn measures(&self) -> &[MeasureScatter] {
+        &self.measures
+    }
+
+    /// The share of the random pieces that assemble and keep the limits of all measures, from 0 to 1.
+    ///
+    /// ```
+    /// # use mechanim::{Scene, ToleranceOptions};
+    /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
+    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// assert!((0.0..=1.0).contains(&study.tolerance(&options)?.yield_share()));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn yield_share(&self) -> f64 {
+        self.good
+    }
+
+    /// The table that `mechanim tolerance` prints.
+    ///
+    /// ```
+    /// # use mechanim::{Scene, ToleranceOptions};
+    /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
+    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// assert!(study.tolerance(&options)?.text().contains("64 pieces"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The same as a JSON document.
+    ///
+    /// ```
+    /// # use mechanim::{Scene, ToleranceOptions};
+    /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
+    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// assert!(study.tolerance(&options)?.to_json().contains("mechanim-tolerance/1"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn to_json(&self) -> &str {
+        &self.json
+    }
+}
+
+fn scatter(report: &ToleranceReport, index: usize) -> MeasureScatter {
+    let (study, pieces) = (report.study, report.pieces);
+    let family = &study.study.family;
+    let measure = &family.measures.list[index];
+    let shown = |value: f64| family.shown(measure, value);
+    let linear = &study.linear[index];
+    let found = pieces.scatter(index, &[]);
+    let [mean, deviation] = found.map_or([f64::NAN; 2], |s| [s.mean, s.deviation]);
+    MeasureScatter {
+        name: measure.name.clone(),
+        nominal: shown(study.nominal.gradients.measures[index]),
+        root_sum_square: shown(linear.root_sum_square),
+        linear_sum: shown(linear.linear_sum),
+        mean: shown(mean),
+        deviation: shown(deviation),
+        found: study.found(pieces, index).map(shown),
+        band: report.proved_ends(index, measure.kind),
+    }
+}

@@ -1,0 +1,192 @@
+//! What tolerances do to the measures of a study: in words, as CSV and as a JSON document.
+
+use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::enclosure::{outer_end, rounded_end};
+use crate::analysis::study::ParametricMechanism;
+use crate::analysis::tolerance::Pieces;
+use crate::analysis::tolerance_study::ToleranceStudy;
+use crate::model::measure::Measure;
+use crate::model::mechanism::Kind;
+use serde_json::{Map, Value, json};
+use std::io::Write;
+
+/// Version of the JSON document.
+const SCHEMA: u32 = 1;
+
+/// Shares at which quantiles are given.
+const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
+
+/// Heads of the table.
+const HEADS: [&str; 15] = [
+    "measure",
+    "nominal",
+    "RSS",
+    "linear sum",
+    "deviation",
+    "linear",
+    "0.1 %",
+    "5 %",
+    "50 %",
+    "95 %",
+    "99.9 %",
+    "least found",
+    "greatest found",
+    "never below",
+    "never above",
+];
+
+/// What the columns of the table mean.
+const LEGEND: &str = "
+RSS and linear sum: of the tolerances, by the linear rule, which pieces can exceed. Deviation: of the pieces, and what \
+the linear rule expects.
+Found: of the pieces and of corners within the tolerances. Never beyond: proved for all pieces within their tolerances.
+";
+
+/// A study with its random pieces.
+pub struct ToleranceReport<'a> {
+    /// The study.
+    pub study: &'a ToleranceStudy<'a>,
+    /// The pieces.
+    pub pieces: &'a Pieces,
+    /// What they took.
+    pub seconds: f64,
+}
+
+impl ToleranceReport<'_> {
+    fn family(&self) -> &ParametricMechanism {
+        &self.study.study.family
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let (family, pieces) = (self.family(), self.pieces);
+        let mut rows = vec![HEADS.map(str::to_owned).to_vec()];
+        let list = family.measures.list.iter().enumerate();
+        rows.extend(list.filter_map(|(index, measure)| self.row(index, measure)));
+        let samples = pieces.made;
+        let mut text = format!(
+            "{}\n  {} dimensions scatter, {samples} pieces, {} of them cannot be assembled\n\n",
+            family.mechanism().title,
+            family.study.variables.len(),
+            pieces.failed,
+        );
+        text.push_str(&aligned_rows(&rows));
+        text.push_str(LEGEND);
+        let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
+        if family.measures.list.iter().any(limited) {
+            let share = 100.0 * pieces.good as f64 / samples as f64;
+            text.push_str(&format!(
+                "Yield: {} of {samples} ({share:.3} %) keep the limits of all measures.\n",
+                pieces.good
+            ));
+        }
+        text.push_str(&format!(
+            "Digest {:016x}; {:.2} s.\n",
+            pieces.digest, self.seconds
+        ));
+        text
+    }
+
+    /// A measure's row of the table; `None` if no piece can be assembled.
+    fn row(&self, index: usize, measure: &Measure) -> Option<Vec<String>> {
+        let unit = self.family().units(measure.kind);
+        let scatter = self.pieces.scatter(index, &SHARES)?;
+        let (study, linear) = (self.study, self.study.linear[index]);
+        let numbers = [
+            study.nominal.gradients.measures[index],
+            linear.root_sum_square,
+            linear.linear_sum,
+            scatter.deviation,
+            linear.deviation,
+        ];
+        let found = study.found(self.pieces, index);
+        let numbers = numbers.iter().chain(&scatter.quantiles).chain(&found);
+        let mut row = vec![measure.name.clone()];
+        row.extend(numbers.map(|v| six_digits(v * unit)));
+        row.extend(self.never_beyond(index, measure.kind));
+        Some(row)
+    }
+
+    /// The proved ends of a measure, rounded outwards.
+    fn never_beyond(&self, index: usize, kind: Kind) -> [String; 2] {
+        let mechanism = self.family().mechanism();
+        let [lo, hi] = self.study.band(index);
+        [(lo, -1.0), (hi, 1.0)].map(|(end, side)| match end.is_finite() {
+            true => outer_end(end, kind, mechanism, side),
+            false => "not bounded".to_owned(),
+        })
+    }
+
+    /// The proved ends of a measure as numbers of the file's unit, rounded outwards; `None` where one is not bounded.
+    pub fn proved_ends(&self, index: usize, kind: Kind) -> Option<[f64; 2]> {
+        let mechanism = self.family().mechanism();
+        let [lo, hi] = self.study.band(index);
+        let end = |v: f64, side: f64| rounded_end(v, kind, mechanism, side).parse::<f64>().ok();
+        (lo.is_finite() && hi.is_finite()).then_some([end(lo, -1.0)?, end(hi, 1.0)?])
+    }
+
+    /// For machines.
+    pub fn document(&self) -> Value {
+        let (family, pieces, batch) = (self.family(), self.pieces, self.study.batch());
+        let list = family.measures.list.iter().enumerate();
+        let measures = list.map(|(index, m)| (m.name.clone(), self.measure_object(index, m)));
+        let variables = family.study.variables.iter();
+        json!({
+            "schema": format!("mechanim-tolerance/{SCHEMA}"),
+            "title": family.mechanism().title,
+            "dimensions": variables.map(|v| v.name.as_str()).collect::<Vec<_>>(),
+            "samples": pieces.made,
+            "first": batch.first,
+            "seed": batch.seed,
+            "failed": pieces.failed,
+            "good": pieces.good,
+            "digest": format!("{:016x}", pieces.digest),
+            "measures": measures.collect::<Map<String, Value>>(),
+        })
+    }
+
+    fn measure_object(&self, index: usize, measure: &Measure) -> Value {
+        let unit = self.family().units(measure.kind);
+        let linear = self.study.linear[index];
+        let scatter = self.pieces.scatter(index, &SHARES);
+        let quantiles = scatter.as_ref().map(|s| {
+            let pairs = SHARES.iter().zip(&s.quantiles);
+            let pairs = pairs.map(|(share, v)| (share.to_string(), json!(v * unit)));
+            pairs.collect::<Map<String, Value>>()
+        });
+        json!({
+            "nominal": self.study.nominal.gradients.measures[index] * unit,
+            "root_sum_square": linear.root_sum_square * unit,
+            "linear_sum": linear.linear_sum * unit,
+            "linear_deviation": linear.deviation * unit,
+            "mean": scatter.as_ref().map(|s| s.mean * unit),
+            "deviation": scatter.as_ref().map(|s| s.deviation * unit),
+            "quantiles": quantiles,
+            "found": self.study.found(self.pieces, index).map(|v| v * unit),
+            "never_beyond": self.proved_ends(index, measure.kind),
+        })
+    }
+
+    /// The measures of every piece, a row each.
+    ///
+    /// # Errors
+    /// What cannot be written.
+    pub fn write_csv(&self, target: &mut dyn Write) -> std::io::Result<()> {
+        let family = self.family();
+        let measures = &family.measures.list;
+        let names: Vec<String> = measures.iter().map(|m| quoted_cell(&m.name)).collect();
+        writeln!(target, "piece,{}", names.join(","))?;
+        let first = self.study.batch().first;
+        for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {
+            write!(target, "{}", first + item)?;
+            for (measure, value) in measures.iter().zip(piece) {
+                match value.is_nan() {
+                    true => write!(target, ",")?,
+                    false => write!(target, ",{:?}", family.shown(measure, *value))?,
+                }
+            }
+            writeln!(target)?;
+        }
+        Ok(())
+    }
+}
