@@ -1,12 +1,9 @@
 //! The best values of a study's variables.
 
 use super::error::{Error, ErrorKind};
-use super::scene::Scene;
 use crate::analysis::study::optimum::{SearchMethod, Verified};
 use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
-use crate::diag::Source;
 use crate::report::optimum::OptimumReport;
-use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -110,7 +107,7 @@ impl Optimum {
         self.report().holds()
     }
 
-    /// The scene with the best values in place of its own: [`Scene::text`] has them.
+    /// The text of the scene with the best values in place of its own.
     ///
     /// Errors: a text whose values cannot be replaced.
     ///
@@ -118,30 +115,19 @@ impl Optimum {
     /// # use mechanim::{OptimiseOptions, Scene};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
-    /// assert!(best.scene()?.check(&Default::default())?.passed());
+    /// let better = Scene::parse("better", &best.scene_text()?)?;
+    /// assert!(better.check(&Default::default())?.passed());
     /// # Ok::<(), mechanim::Error>(())
     /// ```
-    pub fn scene(&self) -> Result<Scene, Error> {
+    pub fn scene_text(&self) -> Result<String, Error> {
         let LoadedStudy {
             source, overrides, ..
         } = &self.study;
         let parameters = self.study.parameters(self.best());
-        let text = with_values(source, &parameters, &overrides.guess);
-        let text = text.ok_or_else(|| {
+        with_values(source, &parameters, &overrides.guess).ok_or_else(|| {
             let why = "the scene's text cannot be given these values";
             Error::new(ErrorKind::Scene, why, Vec::new())
-        })?;
-        let text = Source {
-            name: source.name.clone(),
-            text,
-        };
-        // What the text holds now; changed drives stay beside it.
-        let beside = Overrides {
-            parameters: Vec::new(),
-            guess: Vec::new(),
-            ..overrides.clone()
-        };
-        Scene::load(text, beside)
+        })
     }
 
     /// The report that `mechanim optimise` prints.

@@ -205,7 +205,7 @@ impl Scene {
         self.changed(|overrides| set(&mut overrides.guess, name, &value))
     }
 
-    pub(super) fn load(text: Source, overrides: Overrides) -> Result<Self, Error> {
+    fn load(text: Source, overrides: Overrides) -> Result<Self, Error> {
         let loaded = Arc::new(Loaded::new(text, overrides)?);
         Ok(Self { loaded })
     }

@@ -10,6 +10,9 @@ pub enum Theme {
 }
 
 impl Theme {
+    /// Names in files and options.
+    pub const NAMES: [(&'static str, Self); 2] = [("light", Self::Light), ("dark", Self::Dark)];
+
     /// sRGB colour behind everything.
     pub const fn background(self) -> [u8; 3] {
         match self {

@@ -13,6 +13,11 @@ pub enum UpAxis {
     Z,
 }
 
+impl UpAxis {
+    /// Names in scene files; the first is the default, here as below.
+    pub const NAMES: [(&'static str, Self); 3] = [("z", Self::Z), ("y", Self::Y), ("x", Self::X)];
+}
+
 /// Kind of projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewProjection {
@@ -26,6 +31,9 @@ pub enum ViewProjection {
 }
 
 impl ViewProjection {
+    /// Names in files and options, and whether the rays are parallel.
+    pub const NAMES: [(&'static str, bool); 2] = [("perspective", false), ("orthographic", true)];
+
     /// A perspective of 24 degrees: that of a long lens, which bends little.
     pub const DEFAULT: Self = Self::Perspective {
         fov_y: 24.0 * std::f64::consts::PI / 180.0,
@@ -45,6 +53,17 @@ pub enum NamedView {
     Side,
     /// Top, front, side and the scene's own perspective in one picture.
     Four,
+}
+
+impl NamedView {
+    /// Names in files and options.
+    pub const NAMES: [(&'static str, Self); 5] = [
+        ("iso", Self::Iso),
+        ("front", Self::Front),
+        ("top", Self::Top),
+        ("side", Self::Side),
+        ("four", Self::Four),
+    ];
 }
 
 /// Earlier poses that stay as translucent bodies.
@@ -69,6 +88,16 @@ pub enum Trails {
     None,
 }
 
+impl Trails {
+    /// Names in files and options; how long a fading one is stands elsewhere.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("whole", Self::Whole),
+        ("grow", Self::Grow),
+        ("fading", Self::Fading(None)),
+        ("none", Self::None),
+    ];
+}
+
 /// Lines between surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EdgeLines {
@@ -81,6 +110,15 @@ pub enum EdgeLines {
     All,
 }
 
+impl EdgeLines {
+    /// Names in files and options.
+    pub const NAMES: [(&'static str, Self); 3] = [
+        ("all", Self::All),
+        ("outline", Self::Outline),
+        ("none", Self::None),
+    ];
+}
+
 /// Which frames show their axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
@@ -89,6 +127,16 @@ pub enum ShownAxes {
     World,
     Bodies,
     All,
+}
+
+impl ShownAxes {
+    /// Names in files and options.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("none", Self::None),
+        ("world", Self::World),
+        ("bodies", Self::Bodies),
+        ("all", Self::All),
+    ];
 }
 
 /// What a picture shows beside the bodies.

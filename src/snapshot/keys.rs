@@ -1,9 +1,7 @@
 //! The keys of a list of golden pictures.
 
-use crate::scene::keys::Holds::{
-    Colour, Flag, Formula, Formulas, Named, Table, Tables, Text, Word,
-};
-use crate::scene::keys::{Holds, Key, Keys};
+use crate::scene::keys::Holds::{Flag, Formula, Formulas, Named, Table, Tables, Text};
+use crate::scene::keys::{Holds, Key, Keys, view};
 
 const fn snapshot_key(name: &'static str, holds: Holds, says: &'static str) -> Key {
     Key::new(name, holds, says)
@@ -42,42 +40,22 @@ static PICTURE: Keys = Keys::new(
 static VIEW: Keys = Keys::new(
     "view",
     &[
-        snapshot_key("azimuth", Formula, "degrees"),
-        snapshot_key("elevation", Formula, "degrees"),
-        snapshot_key("fov", Formula, "vertical angle of a perspective, degrees"),
-        snapshot_key("orbit", Formula, "degrees that the camera turns"),
-        snapshot_key(
-            "projection",
-            Word(&["perspective", "orthographic"]),
-            "kind of projection",
-        ),
-        snapshot_key(
-            "from",
-            Word(&["iso", "front", "top", "side", "four"]),
-            "direction by name",
-        ),
-        snapshot_key("theme", Word(&["light", "dark"]), "colours around bodies"),
-        snapshot_key(
-            "edges",
-            Word(&["all", "outline", "none"]),
-            "lines between surfaces",
-        ),
-        snapshot_key("background", Colour, "in place of the theme's"),
-        snapshot_key("captions", Flag, "title and inputs are written"),
+        view::AZIMUTH,
+        view::ELEVATION,
+        view::FOV,
+        view::ORBIT,
+        view::PROJECTION,
+        view::FROM,
+        view::THEME,
+        view::EDGES,
+        view::BACKGROUND,
+        view::CAPTIONS,
         snapshot_key("ground", Flag, "the ground is drawn"),
-        snapshot_key("ghosts", Formula, "how many earlier poses stay"),
-        snapshot_key(
-            "trails",
-            Word(&["whole", "grow", "fading", "none"]),
-            "how paths are drawn",
-        ),
-        snapshot_key("arrows", Flag, "velocity arrows on traced points"),
-        snapshot_key(
-            "axes",
-            Word(&["none", "world", "bodies", "all"]),
-            "axes of frames",
-        ),
-        snapshot_key("gauge", Flag, "gauges of the inputs"),
-        snapshot_key("joints", Flag, "joints drawn by kind"),
+        view::GHOSTS,
+        view::TRAILS,
+        view::ARROWS,
+        view::AXES,
+        view::GAUGE,
+        view::JOINTS,
     ],
 );

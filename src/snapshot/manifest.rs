@@ -3,13 +3,12 @@
 use super::keys::LIST;
 use crate::compare::film::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
-use crate::model::view::{Ghosts, ViewProjection};
+use crate::model::theme::Theme;
+use crate::model::view::{EdgeLines, Ghosts, NamedView, ShownAxes, Trails, ViewProjection};
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FoundValue, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
-use crate::scene::resolve::choices::{
-    AXES, EDGES, MOST_GHOSTS, NAMED_VIEWS, THEMES, TRAILS, chosen_word,
-};
+use crate::scene::resolve::choices::{MOST_GHOSTS, chosen_word};
 use crate::scene::values::FormulaText;
 use std::collections::HashSet;
 use toml::de::DeTable;
@@ -213,26 +212,16 @@ fn read_view(r: &mut TableReader) -> ViewChange {
     let elevation = degrees("elevation", -90.0, 90.0);
     let fov = degrees("fov", 1.0, 120.0);
     let orbit = degrees("orbit", -MOST_ORBIT, MOST_ORBIT);
-    let kind = r.string("projection");
-    let projection = match kind.as_ref().map(|kind| kind.value.as_str()) {
-        Some("orthographic") => Some(ViewProjection::Orthographic),
-        Some("perspective") => Some(ViewProjection::Perspective {
+    let projection = match read_word(r, "projection", &ViewProjection::NAMES) {
+        Some(true) => Some(ViewProjection::Orthographic),
+        Some(false) => Some(ViewProjection::Perspective {
             fov_y: fov.unwrap_or(DEFAULT_FOV_DEG.to_radians()),
         }),
-        _ => fov.map(|fov_y| ViewProjection::Perspective { fov_y }),
+        None => fov.map(|fov_y| ViewProjection::Perspective { fov_y }),
     };
-    if let Some(kind) =
-        kind.filter(|k| !["orthographic", "perspective"].contains(&k.value.as_str()))
-    {
-        r.diagnostics.push(
-            Diagnostic::error(format!("unknown projection `{}`", kind.value))
-                .at(kind.span)
-                .hint("one of perspective, orthographic"),
-        );
-    }
-    let from = read_word(r, "from", &NAMED_VIEWS);
-    let theme = read_word(r, "theme", &THEMES);
-    let edges = read_word(r, "edges", &EDGES);
+    let from = read_word(r, "from", &NamedView::NAMES);
+    let theme = read_word(r, "theme", &Theme::NAMES);
+    let edges = read_word(r, "edges", &EdgeLines::NAMES);
     ViewChange {
         from,
         azimuth,
@@ -245,9 +234,9 @@ fn read_view(r: &mut TableReader) -> ViewChange {
         ground: r.boolean("ground"),
         ghosts: read_number(r, "ghosts", 0.0, MOST_GHOSTS as f64)
             .map(|n| Ghosts::Count(n as usize)),
-        trails: read_word(r, "trails", &TRAILS),
+        trails: read_word(r, "trails", &Trails::NAMES),
         arrows: r.boolean("arrows"),
-        axes: read_word(r, "axes", &AXES),
+        axes: read_word(r, "axes", &ShownAxes::NAMES),
         gauge: r.boolean("gauge"),
         joints: r.boolean("joints"),
         orbit,

@@ -1,7 +1,8 @@
 //! The arguments of the verbs that draw charts: `plot` and `accuracy`.
 
 use super::scene::SceneArgs;
-use super::values::{ThemeArg, frame_count, picture_size, rate_order};
+use super::values::{frame_count, named_word, picture_size, rate_order};
+use crate::model::theme::Theme;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -39,8 +40,8 @@ pub struct PlotArgs {
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
     /// Dark on white, or light on nearly black.
-    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
-    pub theme: ThemeArg,
+    #[arg(long, value_parser = named_word(&Theme::NAMES), default_value = "light")]
+    pub theme: Theme,
 }
 
 /// `mechanim accuracy`
@@ -62,8 +63,8 @@ pub struct AccuracyArgs {
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
     /// Dark on white, or light on nearly black.
-    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
-    pub theme: ThemeArg,
+    #[arg(long, value_parser = named_word(&Theme::NAMES), default_value = "light")]
+    pub theme: Theme,
 }
 
 fn pose_count(text: &str) -> Result<usize, String> {

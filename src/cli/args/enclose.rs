@@ -2,7 +2,8 @@
 
 use super::scene::SceneArgs;
 use super::study::{VaryArgs, named_limit, positive_number, thread_count};
-use super::values::{ThemeArg, frame_count};
+use super::values::{frame_count, named_word};
+use crate::model::theme::Theme;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -53,6 +54,6 @@ pub struct EncloseArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "plot")]
     pub only: Vec<String>,
     /// Dark on white, or light on nearly black.
-    #[arg(long, value_enum, default_value_t = ThemeArg::Light)]
-    pub theme: ThemeArg,
+    #[arg(long, value_parser = named_word(&Theme::NAMES), default_value = "light")]
+    pub theme: Theme,
 }

@@ -2,6 +2,7 @@
 
 use super::files::ProgressArg;
 use super::scene::SceneArgs;
+use crate::analysis::study::optimum::{Method, SearchMethod};
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -136,6 +137,19 @@ pub struct OptimiseArgs {
     /// Write the report as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+impl OptimiseArgs {
+    /// The method asked for.
+    pub fn search_method(&self) -> Method {
+        let method = match self.method {
+            MethodArg::NelderMead => SearchMethod::NelderMead,
+            MethodArg::Bfgs => SearchMethod::Bfgs,
+            MethodArg::Minimax => SearchMethod::Minimax,
+            MethodArg::Evolution => SearchMethod::Evolution,
+        };
+        method.with_tolerance(self.tolerance, self.seed)
+    }
 }
 
 /// Where searches start.

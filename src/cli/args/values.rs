@@ -1,6 +1,7 @@
 //! Values that several verbs take, and their ranges.
 
 use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// `--color`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -11,12 +12,15 @@ pub enum ColourChoice {
     Never,
 }
 
-/// `--theme`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum ThemeArg {
-    Light,
-    Dark,
+/// One of the words of a list, as what it stands for; the help lists them.
+pub fn named_word<T: Copy + Send + Sync + 'static, const N: usize>(
+    named: &'static [(&'static str, T); N],
+) -> impl TypedValueParser<Value = T> {
+    let words = PossibleValuesParser::new(named.map(|(word, _)| word));
+    words.try_map(move |found| {
+        let entry = named.iter().find(|(word, _)| *word == found);
+        entry.map(|(_, value)| *value).ok_or("no such word")
+    })
 }
 
 /// Longest side of a picture: 16384 squared at 16 samples is already 20 GiB of samples in a naive renderer.

@@ -1,23 +1,23 @@
 //! The options of `mechanim render` that change the scene's `[view]`.
 
-use super::values::{ThemeArg, hex_colour};
+use super::values::{hex_colour, named_word};
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
 use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, Ghosts, NamedView, ShownAxes, Trails};
+use crate::model::view::{EdgeLines, Ghosts, NamedView, ShownAxes, Trails, ViewProjection};
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::MOST_GHOSTS;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 /// How the scene is looked at; each replaces a key of its `[view]`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "View")]
 pub struct ViewArgs {
     /// Look from a named direction, in parallel projection; `four` shows top, front and side with the scene's view.
-    #[arg(long, value_enum)]
-    pub view: Option<ViewArg>,
+    #[arg(long, value_parser = named_word(&NamedView::NAMES))]
+    pub view: Option<NamedView>,
     /// Direction of the viewer about the up axis, in degrees.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = azimuth_angle)]
     pub azimuth: Option<f64>,
@@ -28,14 +28,14 @@ pub struct ViewArgs {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = orbit_angle)]
     pub orbit: Option<f64>,
     /// Kind of projection.
-    #[arg(long, value_enum)]
-    pub projection: Option<ProjectionArg>,
+    #[arg(long = "projection", value_parser = named_word(&ViewProjection::NAMES))]
+    pub parallel: Option<bool>,
     /// Colours of background, text and ground.
-    #[arg(long, value_enum)]
-    pub theme: Option<ThemeArg>,
+    #[arg(long, value_parser = named_word(&Theme::NAMES))]
+    pub theme: Option<Theme>,
     /// Lines between surfaces: around bodies, at creases as well, or none.
-    #[arg(long, value_enum)]
-    pub edges: Option<EdgesArg>,
+    #[arg(long, value_parser = named_word(&EdgeLines::NAMES))]
+    pub edges: Option<EdgeLines>,
     /// Colour of the background.
     #[arg(long, value_name = "#rrggbb", value_parser = hex_colour)]
     pub background: Option<[u8; 3]>,
@@ -55,8 +55,8 @@ pub struct ViewArgs {
     )]
     pub ghost_times: Option<Vec<f64>>,
     /// How traced paths are drawn.
-    #[arg(long, value_enum)]
-    pub trails: Option<TrailsArg>,
+    #[arg(long, value_parser = named_word(&Trails::NAMES))]
+    pub trails: Option<Trails>,
     /// Length of fading trails in seconds.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub trail_length: Option<f64>,
@@ -66,9 +66,9 @@ pub struct ViewArgs {
     /// Seconds of motion that a velocity arrow is long.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub arrow_scale: Option<f64>,
-    /// ShownAxes of frames.
-    #[arg(long, value_enum)]
-    pub axes: Option<AxesArg>,
+    /// Axes of frames.
+    #[arg(long, value_parser = named_word(&ShownAxes::NAMES))]
+    pub axes: Option<ShownAxes>,
     /// Gauges of the inputs with their ranges, in place of their values.
     #[arg(long)]
     pub gauge: bool,
@@ -80,77 +80,16 @@ pub struct ViewArgs {
     pub no_captions: bool,
 }
 
-/// `--view`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum ViewArg {
-    Iso,
-    Front,
-    Top,
-    Side,
-    Four,
-}
-
-/// `--projection`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum ProjectionArg {
-    Perspective,
-    Orthographic,
-}
-
-/// `--trails`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum TrailsArg {
-    Whole,
-    Grow,
-    Fading,
-    None,
-}
-
-/// `--edges`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum EdgesArg {
-    All,
-    Outline,
-    None,
-}
-
-/// `--axes`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs)]
-pub enum AxesArg {
-    None,
-    World,
-    Bodies,
-    All,
-}
-
 impl ViewArgs {
     fn change(&self) -> ViewChange {
         let yes = |flag: bool| flag.then_some(true);
         ViewChange {
-            from: self.view.map(|view| match view {
-                ViewArg::Iso => NamedView::Iso,
-                ViewArg::Front => NamedView::Front,
-                ViewArg::Top => NamedView::Top,
-                ViewArg::Side => NamedView::Side,
-                ViewArg::Four => NamedView::Four,
-            }),
+            from: self.view,
             azimuth: self.azimuth.map(f64::to_radians),
             elevation: self.elevation.map(f64::to_radians),
-            parallel: self.projection.map(|p| p == ProjectionArg::Orthographic),
-            theme: self.theme.map(|theme| match theme {
-                ThemeArg::Light => Theme::Light,
-                ThemeArg::Dark => Theme::Dark,
-            }),
-            edges: self.edges.map(|edges| match edges {
-                EdgesArg::All => EdgeLines::All,
-                EdgesArg::Outline => EdgeLines::Outline,
-                EdgesArg::None => EdgeLines::None,
-            }),
+            parallel: self.parallel,
+            theme: self.theme,
+            edges: self.edges,
             background: self.background,
             // A background that is asked for is drawn, whatever the scene says.
             transparent: yes(self.transparent).or(self.background.map(|_| false)),
@@ -159,19 +98,9 @@ impl ViewArgs {
                 .ghosts
                 .map(Ghosts::Count)
                 .or_else(|| self.ghost_times.clone().map(Ghosts::Times)),
-            trails: self.trails.map(|trails| match trails {
-                TrailsArg::Whole => Trails::Whole,
-                TrailsArg::Grow => Trails::Grow,
-                TrailsArg::Fading => Trails::Fading(None),
-                TrailsArg::None => Trails::None,
-            }),
+            trails: self.trails,
             arrows: yes(self.arrows),
-            axes: self.axes.map(|axes| match axes {
-                AxesArg::None => ShownAxes::None,
-                AxesArg::World => ShownAxes::World,
-                AxesArg::Bodies => ShownAxes::Bodies,
-                AxesArg::All => ShownAxes::All,
-            }),
+            axes: self.axes,
             gauge: yes(self.gauge),
             joints: yes(self.joints),
             orbit: self.orbit.map(f64::to_radians),

@@ -1,9 +1,9 @@
 //! Charts as files: shapes or pixels.
 
-use crate::cli::args::values::ThemeArg;
 use crate::cli::term::outcome::Failure;
 use crate::export::Output;
 use crate::export::png::{Effort, encode_png};
+use crate::model::theme::Theme;
 use crate::plot::raster::ChartPainter;
 use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, svg};
 use std::path::Path;
@@ -40,13 +40,13 @@ pub fn write_chart(
     chart: &Chart,
     format: PlotFormat,
     size: Option<[u32; 2]>,
-    theme: ThemeArg,
+    theme: Theme,
     output: &mut dyn Output,
 ) -> Result<(), Failure> {
     let size = size.unwrap_or_else(|| crate::plot::usual_size(chart));
     let theme = match theme {
-        ThemeArg::Light => ChartTheme::LIGHT,
-        ThemeArg::Dark => ChartTheme::DARK,
+        Theme::Light => ChartTheme::LIGHT,
+        Theme::Dark => ChartTheme::DARK,
     };
     write_drawing(&draw_chart(chart, size, theme), format, output)
 }

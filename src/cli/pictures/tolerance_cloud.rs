@@ -8,7 +8,6 @@ use crate::analysis::tolerance::SampleBatch;
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::charts::cloud::cloud_chart;
 use crate::cli::args::study::ToleranceArgs;
-use crate::cli::args::values::ThemeArg;
 use crate::cli::files::chart;
 use crate::cli::files::chart::PlotFormat;
 use crate::cli::interrupt::CANCEL;
@@ -18,6 +17,7 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::structure::system::System;
+use crate::model::theme::Theme;
 use crate::model::view::Trails;
 use crate::plot::primitive::Stroke;
 use crate::scene::load_scene;
@@ -73,7 +73,7 @@ pub fn write_cloud(args: &ToleranceArgs, scattered: &ToleranceStudy) -> Result<(
         let mechanism = family.mechanism();
         let chart = cloud_chart(&mechanism.title, &mechanism.length_unit, &found);
         let mut output = io::open_output(path)?;
-        chart::write_chart(&chart, format, None, ThemeArg::Light, output.as_mut())?;
+        chart::write_chart(&chart, format, None, Theme::Light, output.as_mut())?;
         output.commit()?;
     }
     if let Some(path) = &args.picture {

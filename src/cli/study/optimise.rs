@@ -2,9 +2,9 @@
 
 use super::{pairs, search_film};
 use crate::analysis::optimise::Ended;
-use crate::analysis::study::optimum::{Method, SearchMethod, Verified};
+use crate::analysis::study::optimum::Verified;
 use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
-use crate::cli::args::study::{MethodArg, OptimiseArgs};
+use crate::cli::args::study::OptimiseArgs;
 use crate::cli::interrupt::{CANCEL, is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::open_study;
@@ -147,22 +147,11 @@ fn search_with_progress(
         // From here on the best so far is worth waiting for.
         save_results(true);
     };
-    let method = search_method(args);
+    let method = args.search_method();
     let found = study.search_optimum(method, args.iterations, &mut heard, &CANCEL)?;
     progress.end();
     if found.is_empty() && is_interrupted() {
         return Err(Failure::Interrupted);
     }
     Ok(found)
-}
-
-/// The method asked for.
-pub(super) fn search_method(args: &OptimiseArgs) -> Method {
-    let method = match args.method {
-        MethodArg::NelderMead => SearchMethod::NelderMead,
-        MethodArg::Bfgs => SearchMethod::Bfgs,
-        MethodArg::Minimax => SearchMethod::Minimax,
-        MethodArg::Evolution => SearchMethod::Evolution,
-    };
-    method.with_tolerance(args.tolerance, args.seed)
 }

@@ -1,6 +1,5 @@
 //! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
 
-use super::optimise::search_method;
 use crate::analysis::study::optimum::{Optimum, find_optimum};
 use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism};
 use crate::cli::args::study::OptimiseArgs;
@@ -103,7 +102,7 @@ fn optimise_pair(
     let watch = Box::new(|_: usize, _: &[f64], _: f64| true);
     find_optimum(
         &family,
-        search_method(args),
+        args.search_method(),
         args.iterations,
         watch,
         &CANCEL,

@@ -3,6 +3,7 @@
 
 mod shapes;
 pub mod tables;
+pub mod view;
 
 /// The keys of one table.
 #[derive(Debug)]
@@ -113,6 +114,17 @@ impl Keys {
             _ => &NONE,
         }
     }
+}
+
+/// The names in a list of names with what they stand for.
+const fn words<T: Copy, const N: usize>(named: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut k = 0;
+    while k < N {
+        words[k] = named[k].0;
+        k += 1;
+    }
+    words
 }
 
 /// A table without keys.

@@ -4,11 +4,17 @@ use super::Holds::{
     Any, Colour, Flag, Formula, Formulas, Named, Rows, Table, Tables, Text, Texts, Word,
 };
 use super::shapes::SHAPE;
-use super::{Holds, Key, Keys, NONE};
+use super::view::VIEW;
+use super::{Holds, Key, Keys, NONE, words};
+use crate::model::drive::Ease;
+use crate::model::measure::Taking;
 
 const fn table_key(name: &'static str, holds: Holds, says: &'static str) -> Key {
     Key::new(name, holds, says)
 }
+
+static EASES: [&str; Ease::NAMES.len()] = words(&Ease::NAMES);
+static TAKINGS: [&str; Taking::NAMES.len()] = words(&Taking::NAMES);
 
 const FORMULAS_BY_NAME: Holds = Named(&[Formula]);
 
@@ -95,11 +101,7 @@ pub static INPUT: Keys = Keys::new(
     &[
         table_key("formula", Formula, "a formula of the time t"),
         table_key("keys", Rows(2), "time and value of every key"),
-        table_key(
-            "ease",
-            Word(&["linear", "smooth", "smoother", "step"]),
-            "how values change between keys",
-        ),
+        table_key("ease", Word(&EASES), "how values change between keys"),
     ],
 );
 
@@ -216,10 +218,7 @@ pub static MEASURE: Keys = Keys::new(
         table_key("per", Text, "an input: the derivative by it is taken"),
         table_key(
             "take",
-            Word(&[
-                "first", "last", "change", "min", "max", "range", "largest", "positive", "sum",
-                "mean", "norm", "chord", "bow",
-            ]),
+            Word(&TAKINGS),
             "how one number is made of the row of values",
         )
         .required(),
@@ -291,85 +290,6 @@ static PLOT: Keys = Keys::new(
         table_key("angle", Word(&["rad", "deg"]), "unit of angles in it"),
         table_key("marks", Rows(2), "reference points"),
         table_key("lines", Rows(4), "reference lines"),
-    ],
-);
-
-static VIEW: Keys = Keys::new(
-    "view",
-    &[
-        table_key("azimuth", Formula, "where the viewer stands, in degrees"),
-        table_key("elevation", Formula, "height above the horizon, in degrees"),
-        table_key("up", Word(&["z", "y", "x"]), "the axis that points up"),
-        table_key(
-            "projection",
-            Word(&["perspective", "orthographic"]),
-            "kind of projection",
-        ),
-        table_key("fov", Formula, "vertical angle of a perspective, degrees"),
-        table_key("margin", Formula, "free border, as a fraction"),
-        table_key(
-            "from",
-            Word(&["iso", "front", "top", "side", "four"]),
-            "direction by name",
-        ),
-        table_key("theme", Word(&["light", "dark"]), "colours around bodies"),
-        table_key(
-            "edges",
-            Word(&["all", "outline", "none"]),
-            "lines between surfaces",
-        ),
-        table_key("background", Colour, "in place of the theme's"),
-        table_key("transparent", Flag, "no background, in PNG and APNG"),
-        table_key(
-            "trails",
-            Word(&["whole", "grow", "fading", "none"]),
-            "how traced paths are drawn",
-        ),
-        table_key("trail_length", Formula, "seconds that a fading trail holds"),
-        table_key("ghosts", Formula, "how many earlier poses stay"),
-        table_key("ghost_times", Formulas(0), "poses at these seconds stay"),
-        table_key("arrows", Flag, "velocity arrows on traced points"),
-        table_key(
-            "arrow_scale",
-            Formula,
-            "seconds of motion that an arrow is long",
-        ),
-        table_key(
-            "axes",
-            Word(&["none", "world", "bodies", "all"]),
-            "axes of frames",
-        ),
-        table_key("gauge", Flag, "gauges of the inputs"),
-        table_key("joints", Flag, "joints drawn by kind"),
-        table_key(
-            "ground",
-            Formula,
-            "\"auto\", \"none\", or a height along the up axis",
-        ),
-        table_key("orbit", Formula, "degrees that the camera turns"),
-        table_key("camera_path", Tables(&CAMERA), "keys of a moving camera"),
-        table_key("fps", Formula, "frames a second"),
-        table_key(
-            "captions",
-            Flag,
-            "title and inputs are written in the corners",
-        ),
-    ],
-);
-
-static CAMERA: Keys = Keys::new(
-    "camera key",
-    &[
-        table_key("t", Formula, "seconds"),
-        table_key("azimuth", Formula, "degrees"),
-        table_key("elevation", Formula, "degrees"),
-        table_key("zoom", Formula, "1 where the whole motion just fits"),
-        table_key(
-            "distance",
-            Formula,
-            "of the eye from the target, in place of zoom",
-        ),
-        table_key("target", Formulas(3), "the point in the picture's middle"),
     ],
 );
 

@@ -1,47 +1,10 @@
-//! Words that stand for one of a few values in `[view]`, and how they are looked up.
+//! Words that stand for one of a few values, looked up.
 
 use super::super::reader::Spanned;
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, NamedView, ShownAxes, Trails};
 
 /// Most ghosts: more of them hide what they are to show.
 pub const MOST_GHOSTS: usize = 60;
-
-/// The words of `axes`; the first is the default, here as below.
-pub const AXES: [(&str, ShownAxes); 4] = [
-    ("none", ShownAxes::None),
-    ("world", ShownAxes::World),
-    ("bodies", ShownAxes::Bodies),
-    ("all", ShownAxes::All),
-];
-
-/// The words of `trails`; how long a fading one is stands elsewhere.
-pub const TRAILS: [(&str, Trails); 4] = [
-    ("whole", Trails::Whole),
-    ("grow", Trails::Grow),
-    ("fading", Trails::Fading(None)),
-    ("none", Trails::None),
-];
-
-/// The words of `edges`.
-pub const EDGES: [(&str, EdgeLines); 3] = [
-    ("all", EdgeLines::All),
-    ("outline", EdgeLines::Outline),
-    ("none", EdgeLines::None),
-];
-
-/// The words of `theme`.
-pub const THEMES: [(&str, Theme); 2] = [("light", Theme::Light), ("dark", Theme::Dark)];
-
-/// The words of `from`.
-pub const NAMED_VIEWS: [(&str, NamedView); 5] = [
-    ("iso", NamedView::Iso),
-    ("front", NamedView::Front),
-    ("top", NamedView::Top),
-    ("side", NamedView::Side),
-    ("four", NamedView::Four),
-];
 
 /// One of the named values; the first is the default.
 pub fn chosen_word<T: Copy>(

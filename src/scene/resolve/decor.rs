@@ -2,9 +2,9 @@
 
 use super::super::views::ViewFile;
 use super::bodies::BodyConstants;
-use super::choices::{AXES, MOST_GHOSTS, TRAILS, chosen_word};
+use super::choices::{MOST_GHOSTS, chosen_word};
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
-use crate::model::view::{Decor, Ghosts, Trails};
+use crate::model::view::{Decor, Ghosts, ShownAxes, Trails};
 use crate::scene::values::FormulaText;
 
 /// Resolves them; what is wrong is said and left as if it were absent.
@@ -19,7 +19,7 @@ pub fn resolve_decor(
     };
     let length = positive("trail_length", &view.trail_length);
     let arrow_scale = positive("arrow_scale", &view.arrow_scale);
-    let trails = match chosen_word(&view.trails, &TRAILS, "kind of trails", diagnostics) {
+    let trails = match chosen_word(&view.trails, &Trails::NAMES, "kind of trails", diagnostics) {
         Trails::Fading(_) => Trails::Fading(length),
         other => other,
     };
@@ -28,7 +28,7 @@ pub fn resolve_decor(
         trails,
         arrows: view.arrows.unwrap_or(false),
         arrow_scale,
-        axes: chosen_word(&view.axes, &AXES, "choice of axes", diagnostics),
+        axes: chosen_word(&view.axes, &ShownAxes::NAMES, "choice of axes", diagnostics),
         gauge: view.gauge.unwrap_or(false),
         joints: view.joints.unwrap_or(false),
     }

@@ -2,12 +2,15 @@
 
 use super::super::file::{LabelFile, SceneFile};
 use super::bodies::{BodyConstants, body_index};
-use super::choices::{EDGES, NAMED_VIEWS, THEMES, chosen_word};
+use super::choices::chosen_word;
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
-use crate::model::view::{GroundPlace, LabelPlace, SceneLabel, UpAxis, View, ViewProjection};
+use crate::model::theme::Theme;
+use crate::model::view::{
+    EdgeLines, GroundPlace, LabelPlace, NamedView, SceneLabel, UpAxis, View, ViewProjection,
+};
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
@@ -55,17 +58,17 @@ pub fn resolve_view(
     let fov_y = number(&view.fov, DEFAULT_FOV_DEG, 1.0, 120.0, "fov").to_radians();
     let margin = number(&view.margin, DEFAULT_MARGIN, 0.0, 0.4, "margin");
     let fps = number(&view.fps, DEFAULT_FPS, 0.01, 1000.0, "fps");
-    let up = chosen_word(
-        &view.up,
-        &[("z", UpAxis::Z), ("y", UpAxis::Y), ("x", UpAxis::X)],
-        "up axis",
+    let up = chosen_word(&view.up, &UpAxis::NAMES, "up axis", diagnostics);
+    let parallel = chosen_word(
+        &view.projection,
+        &ViewProjection::NAMES,
+        "projection",
         diagnostics,
     );
-    let projections = [
-        ("perspective", ViewProjection::Perspective { fov_y }),
-        ("orthographic", ViewProjection::Orthographic),
-    ];
-    let projection = chosen_word(&view.projection, &projections, "projection", diagnostics);
+    let projection = match parallel {
+        true => ViewProjection::Orthographic,
+        false => ViewProjection::Perspective { fov_y },
+    };
     let ground = match &view.ground {
         None => GroundPlace::Auto,
         Some(text) if text.text == "auto" => GroundPlace::Auto,
@@ -79,7 +82,7 @@ pub fn resolve_view(
         .iter()
         .filter_map(|l| resolve_label(l, &constants, bodies, traces, diagnostics))
         .collect();
-    let theme = chosen_word(&view.theme, &THEMES, "theme", diagnostics);
+    let theme = chosen_word(&view.theme, &Theme::NAMES, "theme", diagnostics);
     let decor = super::decor::resolve_decor(view, &constants, diagnostics);
     let mut resolved = View {
         azimuth: azimuth.to_radians(),
@@ -91,7 +94,7 @@ pub fn resolve_view(
         theme,
         transparent: view.transparent.unwrap_or(false),
         background: view.background.unwrap_or(theme.background()),
-        edges: chosen_word(&view.edges, &EDGES, "kind of edges", diagnostics),
+        edges: chosen_word(&view.edges, &EdgeLines::NAMES, "kind of edges", diagnostics),
         ground,
         fps,
         captions: view.captions.unwrap_or(true),
@@ -101,7 +104,12 @@ pub fn resolve_view(
     };
     if view.from.is_some() {
         let change = ViewChange {
-            from: Some(chosen_word(&view.from, &NAMED_VIEWS, "view", diagnostics)),
+            from: Some(chosen_word(
+                &view.from,
+                &NamedView::NAMES,
+                "view",
+                diagnostics,
+            )),
             // What the scene says of its own goes before the name.
             azimuth: view.azimuth.as_ref().map(|_| resolved.azimuth),
             elevation: view.elevation.as_ref().map(|_| resolved.elevation),

@@ -1,6 +1,6 @@
 //! `mechanim check` and `render --show clearance` as their users meet them: exit codes, files, pictures, warnings.
 
-use crate::program::Workspace;
+use crate::program::{LEAVES, SLIDER, Workspace};
 
 const SWING: &str = r#"title = "swing"
 duration = 1
@@ -132,25 +132,7 @@ fn bodies_that_are_too_near_turn_red() {
 #[test]
 fn what_was_not_closed_is_not_passed() {
     let w = Workspace::new();
-    let text = r#"duration = 1
-units = { length = "mm" }
-[inputs]
-phi = "1.2*t"
-[loops]
-A = "Rz(phi) Tx(80) Rz(alpha) Tx(60) Rz(beta) Tx(-h)"
-[guess]
-h = 140
-[[bodies]]
-name = "crank"
-frame = "Rz(phi)"
-shapes = [{ capsule = { from = [0, 0, 0], to = [80, 0, 0], radius = 5 } }]
-[[bodies]]
-name = "slider"
-frame = "Tx(h)"
-shapes = [{ sphere = { radius = 5 } }]
-[clearance]
-minimum = 1
-"#;
+    let text = LEAVES.to_owned() + SLIDER;
     w.write("leaves.toml", text);
     let out = w.run(&["check", "leaves.toml"]).exits(4).text();
     assert!(out.contains("not checked from t = "), "{out}");

@@ -1,27 +1,17 @@
 //! Half-spaces against every other solid: depths and distances against closed forms and dense surface points.
 
 use crate::driven::{check, even_times, knots, solve};
+use crate::solids::element;
 use glam::DVec3;
 use mechanim::clearance::check::Judgement;
 use mechanim::diag::Source;
-use mechanim::distance::core::{Element, shape_elements};
 use mechanim::distance::pair::{is_inside, signed_distance};
 use mechanim::geometry::mesh_of;
 
 use mechanim::math::Pose;
-use mechanim::model::shape::{Shape, Solid, TriangleSoup};
+use mechanim::model::shape::{Solid, TriangleSoup};
 use mechanim::scene::{Overrides, load_scene};
 use std::sync::Arc;
-
-fn element(solid: Solid) -> Element {
-    let shape = Shape {
-        solid,
-        body_from_shape: Pose::IDENTITY,
-        colour: [0; 3],
-        opacity: 1.0,
-    };
-    shape_elements(&[shape]).remove(0)
-}
 
 fn solids() -> Vec<Solid> {
     let (from, to) = (DVec3::new(-1.0, 0.3, 0.2), DVec3::new(1.5, 0.1, -0.7));

@@ -1,7 +1,9 @@
 //! Signed distances of pairs of solids: cases known in closed form, random pairs against the separating plane, and
 //! what no pair may depend on. The slow reference is in `clearance_reference.rs`.
 
-use crate::solids::{Random, capsule, cone, cuboid, cylinder, element, sphere, torus, v};
+use crate::solids::{
+    BOX_TRIANGLES, Random, box_corner, capsule, cone, cuboid, cylinder, element, sphere, torus, v,
+};
 use glam::{DMat3, DQuat, DVec3};
 use mechanim::distance::core::{Element, Primitive};
 use mechanim::distance::mesh::one_inside;
@@ -402,21 +404,8 @@ fn scaled(e: &Element, by: f64) -> Element {
 
 /// A cube of twelve triangles, its corners counted by bits.
 fn cube(half: f64, inside_out: bool) -> TriangleSoup {
-    let corner = |k: usize| {
-        let s = |bit: usize| if k & bit == 0 { -half } else { half };
-        v(s(1), s(2), s(4))
-    };
-    let mut triangles = Vec::new();
-    for [a, b, c, d] in [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ] {
-        triangles.extend([[a, b, c], [a, c, d]]);
-    }
+    let corner = |k: usize| half * box_corner(k);
+    let mut triangles = BOX_TRIANGLES.map(|t| t.map(|k| k as u32)).to_vec();
     if inside_out {
         triangles.iter_mut().for_each(|t| t.swap(0, 1));
     }

@@ -2,12 +2,12 @@
 //! A pair passes only where that is proved; the verdict depends neither on the samples nor on the tolerance.
 
 use crate::driven::{check, even_times, knots, solve};
+use crate::solids::{BOX_TRIANGLES, box_corner, stl_text};
 use glam::DVec3;
 use mechanim::clearance::check::{ClearanceReport, Judgement};
 use mechanim::diag::Source;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::f64::consts::TAU;
-use std::fmt::Write;
 use std::path::Path;
 
 /// What the gate must say.
@@ -53,30 +53,10 @@ fn formula(text: &str) -> String {
 
 /// Boxes of triangles: centre and half edge each.
 fn stl(boxes: &[(DVec3, DVec3)]) -> String {
-    let mut text = String::from("solid part\n");
-    for (center, half) in boxes {
-        let corner = |k: usize| {
-            let s = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
-            *center + *half * DVec3::new(s(1), s(2), s(4))
-        };
-        for [a, b, c, d] in [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ] {
-            for t in [[a, b, c], [a, c, d]] {
-                text += "facet normal 0 0 0\nouter loop\n";
-                for p in t.map(corner) {
-                    writeln!(text, "vertex {} {} {}", p.x, p.y, p.z).unwrap();
-                }
-                text += "endloop\nendfacet\n";
-            }
-        }
-    }
-    text + "endsolid part\n"
+    let of_box = |&(center, half): &(DVec3, DVec3)| {
+        BOX_TRIANGLES.map(|t| t.map(|k| center + half * box_corner(k)))
+    };
+    stl_text(boxes.iter().flat_map(of_box))
 }
 
 fn open(row: &Row, folder: &Path) -> Scene {

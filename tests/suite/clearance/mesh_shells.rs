@@ -1,38 +1,17 @@
 //! What of a mesh encloses space: cracks, facets turned round, flaps, walls inside, and what is no solid.
 
+use crate::solids::{BOX_TRIANGLES, box_corner, v};
 use glam::DVec3;
 use mechanim::distance::mesh_tree::{MeshTree, ShellEnclosure};
 use mechanim::model::shape::TriangleSoup;
 
 type Triangles = Vec<[DVec3; 3]>;
 
-fn v(x: f64, y: f64, z: f64) -> DVec3 {
-    DVec3::new(x, y, z)
-}
-
 /// A cuboid, outside out; face `k` are triangles 2 k and 2 k + 1.
 fn cuboid(low: DVec3, high: DVec3) -> Triangles {
-    let at = |k: usize| {
-        let pick = |axis: usize| {
-            if k & (1 << axis) == 0 {
-                low[axis]
-            } else {
-                high[axis]
-            }
-        };
-        v(pick(0), pick(1), pick(2))
-    };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
-    let triangles = faces.into_iter().flat_map(halves);
-    triangles.map(|t| t.map(at)).collect()
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let at = |k: usize| middle + half * box_corner(k);
+    BOX_TRIANGLES.map(|t| t.map(at)).to_vec()
 }
 
 fn cube() -> Triangles {

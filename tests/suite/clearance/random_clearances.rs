@@ -3,6 +3,7 @@
 //! `MECHANIM_SCENES` is how many, `MECHANIM_SEED` where they begin; every scene depends on its number only.
 
 use crate::dense::{Fine, Place, Solid, distance, golden};
+use crate::solids::{BOX_TRIANGLES, stl_text};
 use glam::{DMat3, DVec3};
 use mechanim::{CheckOptions, PairClearance, Samples, Scene};
 use std::f64::consts::PI;
@@ -194,26 +195,7 @@ fn solid(random: &mut Random, folder: &Path, number: u64, side: usize) -> (Strin
 
 /// A box as STL text.
 fn stl(corners: &[DVec3]) -> String {
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let mut text = String::from("solid box\n");
-    for [a, b, c, d] in faces {
-        for triangle in [[a, b, c], [a, c, d]] {
-            text.push_str("facet normal 0 0 0\nouter loop\n");
-            for k in triangle {
-                let p: DVec3 = corners[k];
-                text.push_str(&format!("vertex {:.17e} {:.17e} {:.17e}\n", p.x, p.y, p.z));
-            }
-            text.push_str("endloop\nendfacet\n");
-        }
-    }
-    text + "endsolid box\n"
+    stl_text(BOX_TRIANGLES.map(|t| t.map(|k| corners[k])))
 }
 
 /// One random scene.

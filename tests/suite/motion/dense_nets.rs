@@ -39,13 +39,7 @@ fn the_set_up_of_a_large_net_can_be_interrupted() {
     let mut command = folder.command(&["solve", "net.toml", "--out", "rows.csv"]);
     let child = command.spawn().unwrap();
     std::thread::sleep(Duration::from_millis(400));
-    let signal = |name: &str| {
-        let id = child.id().to_string();
-        std::process::Command::new("kill")
-            .args([name, &id])
-            .status()
-    };
-    assert!(signal("-INT").unwrap().success());
+    program::interrupt(&child);
     let run = program::finish(child);
     assert_eq!(run.code, 130, "{}", run.stderr);
     assert_eq!(folder.files(), ["net.toml"]);

@@ -125,6 +125,14 @@ impl Workspace {
     }
 }
 
+/// Ctrl-C.
+#[cfg(unix)]
+pub fn interrupt(child: &Child) {
+    let id = child.id().to_string();
+    let kill = Command::new("kill").args(["-INT", &id]).status();
+    assert!(kill.unwrap().success());
+}
+
 /// Waits for the end. A signal counts as 128 and its number, as a shell says it.
 pub fn finish(child: Child) -> Run {
     let output = child.wait_with_output().unwrap();
@@ -165,6 +173,43 @@ h = 100
 name = "crank"
 frame = "Rz(phi)"
 shapes = [{ capsule = { from = [0, 0, 0], to = [40, 0, 0], radius = 5 } }]
+"#;
+
+/// A crank longer than its rod: closes only where |sin phi| <= 60/80, so up to phi = asin 0.75.
+pub const LEAVES: &str = r#"title = "leaves"
+duration = 1
+units = { length = "mm" }
+[inputs]
+phi = "1.2*t"
+[loops]
+A = "Rz(phi) Tx(80) Rz(alpha) Tx(60) Rz(beta) Tx(-h)"
+[guess]
+h = 140
+[[bodies]]
+name = "crank"
+frame = "Rz(phi)"
+shapes = [{ capsule = { from = [0, 0, 0], to = [80, 0, 0], radius = 5 } }]
+"#;
+
+/// The crank as long as the rod: at 90 degrees the pose is singular, and the motion goes on.
+pub const CHANGES: &str = r#"title = "changes"
+duration = 1
+units = { length = "mm", angle = "deg" }
+[inputs]
+phi = "60 + 60*t"
+[loops]
+A = "Rz(phi) Tx(80) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
+[guess]
+h = 140
+"#;
+
+/// A slider at the end of a rod, which keeps 1 mm from the crank.
+pub const SLIDER: &str = r#"[[bodies]]
+name = "slider"
+frame = "Tx(h)"
+shapes = [{ sphere = { radius = 5 } }]
+[clearance]
+minimum = 1
 "#;
 
 /// The same over half a second, in four frames.

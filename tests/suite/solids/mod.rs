@@ -7,6 +7,41 @@ use mechanim::distance::core::{Element, shape_elements};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid};
 
+/// Triangles of a box, outside out, whose corners are counted by bits: x, y, z from the lowest on. Two a face.
+pub const BOX_TRIANGLES: [[usize; 3]; 12] = [
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+];
+
+/// Corner `k` of the box from -1 to 1.
+pub fn box_corner(k: usize) -> DVec3 {
+    let side = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
+    v(side(1), side(2), side(4))
+}
+
+/// Triangles as STL text.
+pub fn stl_text(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> String {
+    let mut text = String::from("solid part\n");
+    for triangle in triangles {
+        text += "facet normal 0 0 0\nouter loop\n";
+        for p in triangle {
+            text += &format!("vertex {:.17e} {:.17e} {:.17e}\n", p.x, p.y, p.z);
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid part\n"
+}
+
 pub fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }

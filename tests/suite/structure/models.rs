@@ -1,6 +1,7 @@
 //! 3-D files read back by other people's readers: the motion is the trajectory's, the shapes are where they stand.
 
 use crate::driven::{frame_times, solve};
+use crate::program::LEAVES;
 use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
 use mechanim::export::glb::write_glb;
 use mechanim::export::model::ExportModel;
@@ -233,29 +234,20 @@ fn colours_and_paths_are_in_a_glb() {
     assert!(points.len() > 50);
 }
 
-/// Closes only up to phi = asin 0.75; the drive goes there and back.
-const GAP: &str = r#"units = { length = "mm" }
-[inputs]
-phi = { keys = [[0, 0], [1, 1.2], [2, 0]], ease = "linear" }
-[loops]
-A = "Rz(phi) Tx(80) Rz(alpha) Tx(60) Rz(beta) Tx(-h)"
-[guess]
-h = 140
-[[bodies]]
-name = "crank"
-frame = "Rz(phi)"
-shapes = [{ capsule = { from = [0, 0, 0], to = [80, 0, 0], radius = 5 } }]
-[[traces]]
-name = "tip"
-body = "crank"
-point = [80, 0, 0]
-"#;
+/// The drive goes there, where there is no pose, and back; with a point to be traced.
+fn gap() -> String {
+    let drive = "{ keys = [[0, 0], [1, 1.2], [2, 0]], ease = \"linear\" }";
+    LEAVES
+        .replace("duration = 1\n", "")
+        .replace("\"1.2*t\"", drive)
+        + "[[traces]]\nname = \"tip\"\nbody = \"crank\"\npoint = [80, 0, 0]\n"
+}
 
 #[test]
 fn nothing_is_invented_where_there_is_no_pose() {
     let source = mechanim::diag::Source {
         name: "gap".into(),
-        text: GAP.into(),
+        text: gap(),
     };
     let scene = load_scene(&source, &Overrides::default()).unwrap();
     let trajectory = solve(&scene, &frame_times(&scene, 20.0)).unwrap();

@@ -1,22 +1,6 @@
 //! The command line as its users meet it: exit codes, what goes to which stream, and that nothing half-done stays.
 
-use crate::program::{STILL, Workspace, finish, moving};
-
-/// A crank longer than its rod: closes only where |sin phi| ≤ 60/80, so up to phi = asin 0.75.
-const LEAVES: &str = r#"title = "leaves"
-duration = 1
-units = { length = "mm" }
-[inputs]
-phi = "1.2*t"
-[loops]
-A = "Rz(phi) Tx(80) Rz(alpha) Tx(60) Rz(beta) Tx(-h)"
-[guess]
-h = 140
-[[bodies]]
-name = "crank"
-frame = "Rz(phi)"
-shapes = [{ capsule = { from = [0, 0, 0], to = [80, 0, 0], radius = 5 } }]
-"#;
+use crate::program::{CHANGES, LEAVES, STILL, Workspace, finish, interrupt, moving};
 
 /// Links of 50, 60 and 30 do not reach over 150: 10 are always missing.
 const NEVER: &str = r#"units = { length = "mm" }
@@ -472,11 +456,7 @@ fn ctrl_c_leaves_nothing_behind() {
         while w.files().len() < 3 {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
-        let id = child.id().to_string();
-        let kill = std::process::Command::new("kill")
-            .args(["-INT", &id])
-            .status();
-        assert!(kill.unwrap().success());
+        interrupt(&child);
         finish(child).exits(130).says(&["interrupted"]);
         assert_eq!(w.files(), ["moving.toml", "still.toml"], "{out}");
     }
@@ -495,11 +475,7 @@ fn ctrl_c_ends_a_solve_in_its_middle() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         std::thread::sleep(std::time::Duration::from_millis(300));
-        let id = child.id().to_string();
-        let kill = std::process::Command::new("kill")
-            .args(["-INT", &id])
-            .status();
-        assert!(kill.unwrap().success());
+        interrupt(&child);
         finish(child).exits(130).says(&["interrupted"]);
         assert_eq!(w.files(), ["long.toml", "moving.toml", "still.toml"]);
     }
@@ -864,17 +840,6 @@ fn measures_are_printed_and_their_limits_enforced() {
     assert_eq!(document["measures"][0]["holds"], false);
     assert_eq!(document["measures"][0]["min"], 0.0);
 }
-
-/// The crank as long as the rod: two motions meet at 90 degrees.
-const CHANGES: &str = r#"duration = 1
-units = { length = "mm", angle = "deg" }
-[inputs]
-phi = "60 + 60*t"
-[loops]
-A = "Rz(phi) Tx(80) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
-[guess]
-h = 140
-"#;
 
 #[test]
 fn motion_is_proved_on_request() {

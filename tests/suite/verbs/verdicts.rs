@@ -1,6 +1,6 @@
 //! Exit code, text, JSON and JUnit of a check say the same, whatever is wrong with the scene.
 
-use crate::program::{Run, Workspace};
+use crate::program::{CHANGES, Run, Workspace};
 use mechanim::scene::builtin;
 use serde_json::Value;
 use xml::reader::{EventReader, XmlEvent};
@@ -27,18 +27,6 @@ frame = "Tx(h)"
 shapes = [{ sphere = { radius = 5 } }]
 [clearance]
 minimum = 1
-"#;
-
-/// The crank as long as the rod: at 90 degrees the pose is singular, and the motion goes on.
-const CHANGES: &str = r#"title = "changes"
-duration = 1
-units = { length = "mm", angle = "deg" }
-[inputs]
-phi = "60 + 60*t"
-[loops]
-A = "Rz(phi) Tx(80) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
-[guess]
-h = 140
 "#;
 
 /// A question of a JUnit file: its name and what its element holds.

@@ -1,0 +1,67 @@
+//! Why an STL file cannot be used, and how much of one is read.
+
+/// Most triangles read from one file: more cannot be told apart in a picture and would fill the memory.
+pub const MAX_STL_TRIANGLES: usize = 2_000_000;
+/// Largest coordinate: pictures count in single precision, and squares of lengths must fit there.
+pub(super) const LARGEST: f64 = 1e18;
+
+/// Why an STL file could not be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StlError {
+    /// Missing, not readable, a folder.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// No triangles at all.
+    #[error("{path} holds no triangles")]
+    Empty {
+        /// The file.
+        path: String,
+    },
+    /// The file ends before the triangles it announces.
+    #[error("{path} is cut short, or no STL file: it has no room for the triangles it announces")]
+    Truncated {
+        /// The file.
+        path: String,
+    },
+    /// A folder, a device, a pipe.
+    #[error("cannot read {path}: it is no regular file")]
+    NoFile {
+        /// The file.
+        path: String,
+    },
+    /// All triangles are points or lines.
+    #[error("{path} holds no triangle with an area")]
+    Flat {
+        /// The file.
+        path: String,
+    },
+    /// More than [`MAX_STL_TRIANGLES`].
+    #[error("{path} holds more than {MAX_STL_TRIANGLES} triangles; reduce it first")]
+    TooLarge {
+        /// The file.
+        path: String,
+    },
+    /// A coordinate that is infinite, not a number, or beyond `LARGEST`.
+    #[error(
+        "triangle {triangle} of {path} has a corner that is not a finite number, or beyond {LARGEST:e}"
+    )]
+    NotFinite {
+        /// The file.
+        path: String,
+        /// Its number, from 1.
+        triangle: usize,
+    },
+    /// Neither form of STL.
+    #[error("{path} is not an STL file: {detail}")]
+    Syntax {
+        /// The file.
+        path: String,
+        /// What the reader says.
+        detail: String,
+    },
+}

@@ -1,0 +1,133 @@
+//! The text form of STL.
+
+use super::TriangleCorners;
+use std::io::{BufRead, Read};
+use std::ops::Range;
+
+/// Longest line.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// The triangles of the text form. What stands in the file is not repeated in messages: it may be another file than an
+/// STL, and none of the reader's business.
+pub(super) struct StlText<R> {
+    file: R,
+    /// The line that is read, and where its next word is looked for.
+    bytes: Vec<u8>,
+    at: usize,
+    line: usize,
+}
+
+impl<R: BufRead> StlText<R> {
+    pub(super) fn new(file: R) -> Self {
+        Self {
+            file,
+            bytes: Vec::new(),
+            at: 0,
+            line: 0,
+        }
+    }
+
+    /// The next word; the titles of solids are left out. `None` at the end.
+    fn word(&mut self) -> Result<Option<Range<usize>>, String> {
+        loop {
+            let rest = &self.bytes[self.at..];
+            if let Some(start) = rest.iter().position(|b| !b.is_ascii_whitespace()) {
+                let start = self.at + start;
+                let rest = &self.bytes[start..];
+                let end = rest.iter().position(u8::is_ascii_whitespace);
+                self.at = end.map_or(self.bytes.len(), |end| start + end);
+                return Ok(Some(start..self.at));
+            }
+            if !self.next_line()? {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn next_line(&mut self) -> Result<bool, String> {
+        self.bytes.clear();
+        self.at = 0;
+        let mut line = (&mut self.file).take(LONGEST_LINE);
+        let count = line
+            .read_until(b'\n', &mut self.bytes)
+            .map_err(|e| e.to_string())?;
+        self.line += 1;
+        if count as u64 == LONGEST_LINE {
+            return Err(format!(
+                "line {} is longer than {LONGEST_LINE} bytes",
+                self.line
+            ));
+        }
+        let mut words = self
+            .bytes
+            .split(u8::is_ascii_whitespace)
+            .filter(|w| !w.is_empty());
+        let is_title = words.next().is_some_and(|first| {
+            [&b"solid"[..], b"endsolid"]
+                .iter()
+                .any(|word| first.eq_ignore_ascii_case(word))
+        });
+        if is_title {
+            self.at = self.bytes.len();
+        }
+        Ok(count > 0)
+    }
+
+    fn expect(&mut self, words: &[&str]) -> Result<(), String> {
+        for expected in words {
+            let word = self
+                .word()?
+                .ok_or_else(|| format!("it ends where `{expected}` stands"))?;
+            if !self.bytes[word].eq_ignore_ascii_case(expected.as_bytes()) {
+                return Err(format!(
+                    "line {} has no `{expected}` where one stands",
+                    self.line
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn numbers(&mut self) -> Result<[f64; 3], String> {
+        let mut numbers = [0.0; 3];
+        for number in &mut numbers {
+            let word = self.word()?.ok_or("it ends where a number stands")?;
+            let word = std::str::from_utf8(&self.bytes[word]).unwrap_or_default();
+            let value = word.parse();
+            *number =
+                value.map_err(|_| format!("line {} has no number where one stands", self.line))?;
+        }
+        Ok(numbers)
+    }
+
+    fn triangle(&mut self) -> Result<TriangleCorners, String> {
+        self.expect(&["normal"])?;
+        self.numbers()?;
+        self.expect(&["outer", "loop"])?;
+        let mut corners = TriangleCorners::default();
+        for corner in &mut corners {
+            self.expect(&["vertex"])?;
+            *corner = self.numbers()?;
+        }
+        self.expect(&["endloop", "endfacet"])?;
+        Ok(corners)
+    }
+}
+
+impl<R: BufRead> Iterator for StlText<R> {
+    type Item = Result<TriangleCorners, String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match self.word() {
+            Err(error) => Some(Err(error)),
+            Ok(None) => None,
+            Ok(Some(word)) if self.bytes[word.clone()].eq_ignore_ascii_case(b"facet") => {
+                Some(self.triangle())
+            }
+            Ok(Some(_)) => Some(Err(format!(
+                "line {} has no `facet` where one stands",
+                self.line
+            ))),
+        }
+    }
+}
