@@ -3,7 +3,7 @@
 use crate::analysis::study::FamilyError;
 use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
 use crate::export::ExportError;
-use crate::export::pump::PumpError;
+use crate::export::frame_pipeline::PipelineError;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
 use crate::render::RenderError;
@@ -160,8 +160,8 @@ impl From<RenderError> for Error {
     }
 }
 
-impl From<PumpError<RenderError>> for Error {
-    fn from(error: PumpError<RenderError>) -> Self {
+impl From<PipelineError<RenderError>> for Error {
+    fn from(error: PipelineError<RenderError>) -> Self {
         Self::new(ErrorKind::File, error.to_string(), Vec::new())
     }
 }

@@ -1,6 +1,6 @@
 //! Animated PNG: every colour, changed rectangles, exact delays. Source: PNG specification, third edition, W3C 2025.
 
-use super::delta::PixelArea;
+use super::changed_area::PixelArea;
 use super::error::ExportError;
 use super::png::{Effort, PngSettings, check_size, smallest_encoding};
 use super::target::Output;

@@ -1,13 +1,13 @@
 //! Frames into a picture file of any kind: the sink that a format needs, and all frames through it.
 
 use super::apng::{ApngSettings, ApngSink};
+use super::colour_histogram::Histogram;
 use super::error::ExportError;
 use super::format::FramePattern;
+use super::frame_pipeline::{DrawnSamples, PipelineError, draw_samples, look_at, write_frames};
 use super::gif::{GifSettings, GifSink, Quality, sample_indices};
-use super::histogram::Histogram;
 use super::palette::{MOST_COLOURS, Palette};
 use super::png::{Effort, PngSettings, SequenceSink, StillSink};
-use super::pump::{DrawnSamples, PumpError, draw_samples, look_at, pump_frames};
 use super::raw::{Chroma, RawKind, RawSink};
 use super::timing::{FrameTimes, Schedule};
 use super::{ExportSummary, Format, FrameSink, Output, Target};
@@ -90,7 +90,7 @@ impl FilmSettings<'_> {
         destination: Destination,
         workers: &mut [W],
         cancel: &AtomicBool,
-    ) -> Result<Prepared, PumpError<E>>
+    ) -> Result<Prepared, PipelineError<E>>
     where
         W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
         E: std::error::Error + Send + 'static,
@@ -112,7 +112,7 @@ impl FilmSettings<'_> {
             Format::Y4m => Box::new(RawSink::new(file, RawKind::Y4m { fps, chroma }, size)?),
             Format::Rgba => Box::new(RawSink::new(file, RawKind::Rgba { fps }, size)?),
             Format::Glb | Format::Stl | Format::Obj => {
-                return Err(PumpError::Export(ExportError::NoPixels {
+                return Err(PipelineError::Export(ExportError::NoPixels {
                     format: self.format.name(),
                 }));
             }
@@ -129,13 +129,13 @@ impl FilmSettings<'_> {
         workers: Vec<W>,
         show: &dyn Fn(usize, usize),
         cancel: &AtomicBool,
-    ) -> Result<ExportSummary, PumpError<E>>
+    ) -> Result<ExportSummary, PipelineError<E>>
     where
         W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
         E: std::error::Error + Send + 'static,
     {
         let Prepared { sink, samples, .. } = prepared;
-        pump_frames(workers, self.count, samples, sink, show, cancel)
+        write_frames(workers, self.count, samples, sink, show, cancel)
     }
 
     fn gif<W, E>(
@@ -143,7 +143,7 @@ impl FilmSettings<'_> {
         file: Box<dyn Output>,
         workers: &mut [W],
         cancel: &AtomicBool,
-    ) -> Result<Prepared, PumpError<E>>
+    ) -> Result<Prepared, PipelineError<E>>
     where
         W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
         E: std::error::Error + Send + 'static,
@@ -170,7 +170,7 @@ impl FilmSettings<'_> {
         &self,
         workers: &mut [W],
         cancel: &AtomicBool,
-    ) -> Result<(Palette, DrawnSamples), PumpError<E>>
+    ) -> Result<(Palette, DrawnSamples), PipelineError<E>>
     where
         W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
         E: std::error::Error + Send + 'static,

@@ -1,6 +1,6 @@
 //! Weighted clustering of a few thousand colours. Deterministic: fixed order, no random start.
 
-use super::nearest::Nearest;
+use super::nearest_colour::Nearest;
 
 /// A colour in the space of the metric, with the number of pixels it stands for.
 #[derive(Clone, Copy, Debug)]

@@ -4,9 +4,9 @@
 //! perceptual ones (0.5 dB; mean colour difference 0.159 against 0.153): clusters of 255 colours are so small that
 //! the spaces differ only in how they weigh dark colours, where the eye's advantage is lost to rounding.
 
-use super::histogram::Histogram;
+use super::colour_histogram::Histogram;
 use super::kmeans::{self, ColourPoint};
-use super::nearest::Nearest;
+use super::nearest_colour::Nearest;
 use image::RgbaImage;
 
 /// Most colours of a palette: 256 less the one that means "as before".
@@ -111,7 +111,7 @@ impl Palette {
         (level + u32::from(level * level < squared)).min(255) as u8
     }
 
-    /// Index of the nearest colour. Slow; [`super::mapping::Mapper`] remembers the answers.
+    /// Index of the nearest colour. Slow; [`super::gif::index_mapper::Mapper`] remembers the answers.
     pub fn map(&self, rgb: [u8; 3]) -> u8 {
         self.nearest.find(rgb.map(f32::from))
     }

@@ -1,6 +1,6 @@
 //! The room a motion takes: points that the camera must hold.
 
-use super::link_signs;
+use super::link_symbols;
 use crate::geometry::coarse_mesh_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
@@ -77,7 +77,7 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
     points.extend(poses.iter().flat_map(|pose| pose.traces.iter().copied()));
     points.retain(|p| p.is_finite());
     if mechanism.bodies.is_empty() {
-        points.extend(link_signs::moving_points(mechanism, trajectory));
+        points.extend(link_symbols::moving_points(mechanism, trajectory));
     }
     points
 }

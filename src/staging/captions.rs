@@ -2,7 +2,7 @@
 
 use super::fitting::{self, Fitted, fit_pieces};
 use super::gauge::{self, Gauges};
-use super::symbols::written_symbol;
+use super::quantity_names::written_symbol;
 use super::value_text::{VALUE_SIZE, value_text};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::Mechanism;

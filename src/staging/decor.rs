@@ -2,8 +2,8 @@
 
 use super::arrows::Arrows;
 use super::axes::{self, AxisSigns};
-use super::joint_signs::JointSigns;
-use super::parts::StagedPart;
+use super::body_meshes::StagedPart;
+use super::joint_symbols::JointSymbols;
 use super::trails::{self, TracePart, TrailLook};
 use super::{bounds, ghosts, joints};
 use crate::geometry::Mesh;
@@ -18,7 +18,7 @@ type MovingDecor<'a> = (&'a Scene, &'a Trajectory);
 /// Everything that is drawn beside the bodies; empty where the scene asks for none.
 pub struct DecorParts {
     extent: f64,
-    joints: JointSigns,
+    joints: JointSymbols,
     axes: AxisSigns,
     traces: Vec<TracePart>,
     arrows: Option<Arrows>,
@@ -36,9 +36,9 @@ impl DecorParts {
         let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
         // A scene without bodies draws its joints and links instead.
         let joints = if decor.joints || mechanism.bodies.is_empty() {
-            JointSigns::new(mechanism, trajectory, (extent, up), meshes)
+            JointSymbols::new(mechanism, trajectory, (extent, up), meshes)
         } else {
-            JointSigns::default()
+            JointSymbols::default()
         };
         bounds.extend(joints.still_points(meshes));
         if let Some(length) = axes::world_length(decor.axes, extent) {

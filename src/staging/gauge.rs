@@ -1,7 +1,7 @@
 //! Gauges of the inputs: a bar with the range of the motion, filled up to the present value.
 
 use super::fitting;
-use super::symbols::written_symbol;
+use super::quantity_names::written_symbol;
 use super::value_text::{VALUE_SIZE, value_text};
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::trajectory::Trajectory;

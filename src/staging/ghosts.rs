@@ -1,6 +1,6 @@
 //! Earlier poses that stay in the picture as translucent bodies.
 
-use super::parts::StagedPart;
+use super::body_meshes::StagedPart;
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::math::Pose;

@@ -1,5 +1,5 @@
 //! The joints of the mechanism's table as pictures need them, and where they are at a pose. Their signs are made in
-//! `joint_signs`.
+//! `joint_symbols`.
 
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};

@@ -4,6 +4,7 @@
 
 mod arrows;
 mod axes;
+mod body_meshes;
 mod bounds;
 mod cameras;
 mod captions;
@@ -12,19 +13,18 @@ mod fitting;
 mod gauge;
 mod ghosts;
 mod joint_places;
-mod joint_signs;
+mod joint_symbols;
 pub mod joints;
-pub mod lettering;
-mod letters;
-mod link_signs;
+pub mod label_placement;
+mod link_symbols;
 pub mod marks;
 pub mod model;
-pub mod outlook;
+mod occlusion;
 pub mod panes;
-mod parts;
-mod sight;
+mod placed_labels;
+mod quantity_names;
+pub mod shared_camera;
 mod solids;
-mod symbols;
 mod trails;
 mod value_text;
 
@@ -37,14 +37,14 @@ use crate::render::overlay::border;
 use crate::render::ramp::shaded_ramp;
 use crate::render::{Camera, Frame, Ground, Instance, Label, Stage};
 use crate::scene::Scene;
+use body_meshes::StagedPart;
 use cameras::Cameras;
 use captions::Captions;
 use decor::DecorParts;
 use glam::DVec3;
-use lettering::Rectangle;
-use letters::Letters;
+use label_placement::Rectangle;
 use marks::Marks;
-use parts::StagedPart;
+use placed_labels::Letters;
 use std::sync::Arc;
 
 /// Size and sampling of the pictures.
@@ -112,8 +112,8 @@ impl<'a> Staging<'a> {
         let duration = scene.actuation.duration;
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let ground = view_ground(view, &bounds, up);
-        let pixel = parts::pixel_size(cameras.all(), options.size, &bounds);
-        let parts = parts::of_bodies(&scene.mechanism, pixel, &mut meshes);
+        let pixel = body_meshes::pixel_size(cameras.all(), options.size, &bounds);
+        let parts = body_meshes::of_bodies(&scene.mechanism, pixel, &mut meshes);
         let height = f64::from(options.size[1]);
         decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
@@ -159,7 +159,8 @@ impl<'a> Staging<'a> {
         let mut captions = Frame::default();
         self.add_captions(0, &mut captions);
         let taken = (&captions, reserved);
-        self.letters = letters::place_letters(moving, &camera, self.stage.size, taken, &points);
+        self.letters =
+            placed_labels::place_letters(moving, &camera, self.stage.size, taken, &points);
     }
 
     /// Colours of texts and background.
@@ -280,7 +281,7 @@ impl<'a> Staging<'a> {
             LabelPlace::OnBody { body, .. } => Some(body),
             LabelPlace::OnTrace { .. } => None,
         };
-        sight::is_hidden(point, own, camera, &self.parts, pose, &self.stage.meshes)
+        occlusion::is_hidden(point, own, camera, &self.parts, pose, &self.stage.meshes)
     }
 }
 

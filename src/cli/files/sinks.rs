@@ -6,9 +6,9 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
 use crate::export::film::{Destination, FilmSettings, Prepared};
+use crate::export::frame_pipeline::PipelineError;
 use crate::export::gif::Quality;
 use crate::export::png::Effort;
-use crate::export::pump::PumpError;
 use crate::export::raw::Chroma;
 use crate::export::{ExportSummary, Format, Output, Stream, Target};
 use image::RgbaImage;
@@ -154,7 +154,7 @@ impl<'a> OpenFilm<'a> {
         Failure: From<E>,
     {
         let prepared = self.settings.open(destination, workers, &CANCEL);
-        let prepared = prepared.map_err(pump_failure)?;
+        let prepared = prepared.map_err(pipeline_failure)?;
         if prepared.left_out > 0 {
             term.warning(&format!(
                 "a GIF shows at most 50 frames a second: {} of {} frames are left out; an .apng keeps them",
@@ -180,7 +180,7 @@ impl<'a> OpenFilm<'a> {
         let show = |done, all| progress.show(done, all);
         let result = self.settings.write(prepared, workers, &show, &CANCEL);
         progress.end();
-        result.map_err(pump_failure)
+        result.map_err(pipeline_failure)
     }
 
     /// Says what was written, unless it went to standard output, and what older frames stand behind it.
@@ -217,15 +217,15 @@ impl<'a> OpenFilm<'a> {
     }
 }
 
-fn pump_failure<E>(error: PumpError<E>) -> Failure
+fn pipeline_failure<E>(error: PipelineError<E>) -> Failure
 where
     E: std::error::Error + 'static,
     Failure: From<E>,
 {
     match error {
-        PumpError::Draw { source, .. } => source.into(),
-        PumpError::Export(error) => error.into(),
-        PumpError::Cancelled => Failure::Interrupted,
-        PumpError::NoWorkers => Failure::Internal(error.to_string()),
+        PipelineError::Draw { source, .. } => source.into(),
+        PipelineError::Export(error) => error.into(),
+        PipelineError::Cancelled => Failure::Interrupted,
+        PipelineError::NoWorkers => Failure::Internal(error.to_string()),
     }
 }

@@ -20,7 +20,7 @@ use crate::plot::primitive::Stroke;
 use crate::plot::theme::Dashes;
 use crate::report::cells::six_digits;
 use crate::scene::Scene;
-use crate::staging::outlook::SharedCamera;
+use crate::staging::shared_camera::SharedCamera;
 use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
 use image::RgbaImage;

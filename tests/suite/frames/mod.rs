@@ -1,9 +1,9 @@
 //! Frames to export and a decoder that shows what a viewer would see.
 
 use image::{Rgba, RgbaImage};
+use mechanim::export::frame_pipeline::{DrawnSamples, PipelineError, write_frames};
 use mechanim::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use mechanim::export::palette::{MOST_COLOURS, Palette};
-use mechanim::export::pump::{DrawnSamples, PumpError, pump_frames};
 use mechanim::export::timing::{FrameTimes, Schedule};
 use mechanim::export::{ExportSummary, FrameSink, Output};
 use std::convert::Infallible;
@@ -76,7 +76,7 @@ pub fn run(
     count: usize,
     draw: fn(usize) -> RgbaImage,
     sink: Box<dyn FrameSink>,
-) -> Result<ExportSummary, PumpError<Infallible>> {
+) -> Result<ExportSummary, PipelineError<Infallible>> {
     let worker = || {
         move |k: usize, image: &mut RgbaImage| {
             image.copy_from_slice(draw(k).as_raw());
@@ -84,7 +84,7 @@ pub fn run(
         }
     };
     let workers = (0..workers).map(|_| worker()).collect();
-    pump_frames(
+    write_frames(
         workers,
         count,
         DrawnSamples::new(),

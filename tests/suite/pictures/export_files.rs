@@ -4,8 +4,8 @@ use crate::frames;
 use crate::frames::{flat, run, shaded, sink};
 use image::RgbaImage;
 use mechanim::export::format::FramePattern;
+use mechanim::export::frame_pipeline::{PipelineError, draw_samples, write_frames};
 use mechanim::export::png::{Effort, PngSettings, SequenceSink, StillSink};
-use mechanim::export::pump::{PumpError, draw_samples, pump_frames};
 use mechanim::export::{ExportError, Output, Stream, Target};
 use std::io::{self, Write};
 use std::path::Path;
@@ -150,7 +150,7 @@ fn a_full_disk_leaves_no_file_wherever_it_fills() {
         let settings = frames::settings(&shaded(0), 25.0, 30, 100);
         let palette = std::sync::Arc::new(frames::palette(shaded, 30));
         let outcome = match mechanim::export::gif::GifSink::new(output, settings, palette) {
-            Err(error) => Err(PumpError::Export(error)),
+            Err(error) => Err(PipelineError::Export(error)),
             Ok(sink) => run(2, 30, shaded, Box::new(sink)),
         };
         let error = outcome.unwrap_err().to_string();
@@ -182,7 +182,7 @@ fn a_frame_that_cannot_be_drawn_leaves_no_file() {
     };
     let workers = vec![worker(), worker()];
     let sink = sink(output, flat, 40, 100);
-    let error = pump_frames(
+    let error = write_frames(
         workers,
         40,
         Vec::new(),
@@ -192,7 +192,7 @@ fn a_frame_that_cannot_be_drawn_leaves_no_file() {
     )
     .unwrap_err();
     assert!(
-        matches!(error, PumpError::Draw { frame: 17, .. }),
+        matches!(error, PipelineError::Draw { frame: 17, .. }),
         "{error}"
     );
     assert!(names(folder.path()).is_empty());
@@ -211,7 +211,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
     };
     let stop_at = |done, _| cancel.store(done >= 10, Ordering::Relaxed);
     let output = Box::new(Target::create(&folder.path().join("a.gif")).unwrap());
-    let outcome = pump_frames(
+    let outcome = write_frames(
         vec![worker(), worker()],
         1000,
         Vec::new(),
@@ -219,7 +219,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
         &stop_at,
         &cancel,
     );
-    assert!(matches!(outcome, Err(PumpError::Cancelled)));
+    assert!(matches!(outcome, Err(PipelineError::Cancelled)));
     assert!(names(folder.path()).is_empty());
     // The window of two workers, no more.
     assert!(
@@ -232,7 +232,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
     let pattern = FramePattern::parse(&folder.path().join("shots/f%d.png")).unwrap();
     let sequence = Box::new(SequenceSink::new(pattern, opaque([20, 14], Effort::Fast)).unwrap());
     assert!(folder.path().join("shots").is_dir());
-    let outcome = pump_frames(
+    let outcome = write_frames(
         vec![worker()],
         1000,
         Vec::new(),
@@ -240,7 +240,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
         &stop_at,
         &cancel,
     );
-    assert!(matches!(outcome, Err(PumpError::Cancelled)));
+    assert!(matches!(outcome, Err(PipelineError::Cancelled)));
     assert!(names(folder.path()).is_empty());
 }
 
@@ -260,7 +260,7 @@ fn a_sequence_is_lossless_numbered_and_keeps_what_was_there() {
         image.copy_from_slice(shaded(k).as_raw());
         if k == 3 { Err(NoPose) } else { Ok(()) }
     });
-    pump_frames(
+    write_frames(
         vec![worker],
         5,
         Vec::new(),
@@ -315,11 +315,17 @@ fn a_still_takes_exactly_one_frame() {
     };
     assert!(matches!(
         run(1, 2, shaded, open()),
-        Err(PumpError::Export(ExportError::FrameCount { got: 2, .. }))
+        Err(PipelineError::Export(ExportError::FrameCount {
+            got: 2,
+            ..
+        }))
     ));
     assert!(matches!(
         run(1, 0, shaded, open()),
-        Err(PumpError::Export(ExportError::FrameCount { got: 0, .. }))
+        Err(PipelineError::Export(ExportError::FrameCount {
+            got: 0,
+            ..
+        }))
     ));
     assert!(!path.exists());
     run(1, 1, shaded, open()).unwrap();
@@ -346,7 +352,7 @@ fn a_broken_pipe_is_recognised() {
     let output = Box::new(Stream::new("standard output", Broken));
     let sink = StillSink::new(output, opaque([20, 14], Effort::Balanced)).unwrap();
     match run(1, 1, flat, Box::new(sink)).unwrap_err() {
-        PumpError::Export(error) => {
+        PipelineError::Export(error) => {
             assert!(error.is_broken_pipe() && error.to_string().contains("standard output"))
         }
         other => panic!("{other}"),
@@ -370,13 +376,13 @@ fn samples_come_in_order_and_are_not_drawn_again() {
     assert_eq!(order, [0, 7, 3, 19]);
     assert!(samples.iter().all(|(k, image)| *image == flat(*k)));
     let sink = sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
-    pump_frames(workers, 20, samples, sink, &|_, _| {}, &cancel).unwrap();
+    write_frames(workers, 20, samples, sink, &|_, _| {}, &cancel).unwrap();
     assert_eq!(drawn.load(Ordering::Relaxed), 20);
     let nobody: Vec<Draw> = Vec::new();
     let sink = frames::sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
     assert!(matches!(
-        pump_frames(nobody, 20, Vec::new(), sink, &|_, _| {}, &cancel),
-        Err(PumpError::NoWorkers)
+        write_frames(nobody, 20, Vec::new(), sink, &|_, _| {}, &cancel),
+        Err(PipelineError::NoWorkers)
     ));
 }
 
@@ -385,7 +391,7 @@ fn a_panicking_worker_is_not_waited_for() {
     let outcome = std::panic::catch_unwind(|| {
         let worker: Draw = Box::new(|_, _| panic!("planted"));
         let sink = sink(Box::new(Stream::new("memory", Vec::new())), flat, 20, 100);
-        pump_frames(
+        write_frames(
             vec![worker],
             20,
             Vec::new(),

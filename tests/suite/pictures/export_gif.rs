@@ -3,8 +3,8 @@
 use crate::frames::{Shown, flat, palette, run, settings, shaded, sink};
 use image::{Rgba, RgbaImage};
 use mechanim::compare::{Comparison, compare_pictures};
+use mechanim::export::gif::index_mapper::Mapper;
 use mechanim::export::gif::{GifSink, Quality, sample_indices};
-use mechanim::export::mapping::Mapper;
 use mechanim::export::palette::Palette;
 use mechanim::export::timing::{FrameTimes, Schedule};
 use mechanim::export::{ExportError, ExportSummary, FrameSink, Stream};

@@ -3,7 +3,7 @@
 
 use super::joint_places::Outlines;
 use super::joints::{self, PlacedJoint};
-use super::link_signs;
+use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -48,11 +48,11 @@ struct SignPiece {
 
 /// All signs.
 #[derive(Default)]
-pub struct JointSigns {
+pub struct JointSymbols {
     pieces: Vec<SignPiece>,
 }
 
-impl JointSigns {
+impl JointSymbols {
     /// Adds the meshes of all joints; nothing without any pose.
     pub fn new(
         mechanism: &Mechanism,
@@ -67,7 +67,7 @@ impl JointSigns {
         let radius = RADIUS * extent;
         let mut signs = Self::default();
         if mechanism.bodies.is_empty() {
-            for link in link_signs::drawn_links(mechanism, ROD * radius) {
+            for link in link_symbols::drawn_links(mechanism, ROD * radius) {
                 meshes.push(merged_mesh(&link.solids, FACETS * radius));
                 signs.pieces.push(SignPiece {
                     mesh: meshes.len() - 1,

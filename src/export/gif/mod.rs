@@ -1,19 +1,27 @@
-//! Animated GIF: one palette and further ones for frames that it misses, changed rectangles, absolute times. The container, LZW and colour live next door.
+//! Animated GIF: one palette and further ones for frames that it misses, changed rectangles, absolute times.
 
-use super::costs::{Loss, Pixel};
-use super::delta::PixelArea;
-use super::error::ExportError;
-use super::gif_file::{GifBlock, GifFile, table};
-use super::mapping::Mapper;
-use super::matching::Matcher;
-use super::own_table::{OwnTable, translation};
-use super::palette::Palette;
-use super::screen::Screen;
-use super::target::Output;
-use super::timing::Schedule;
-use super::{ExportSummary, FrameCoder, FrameSink};
+mod canvas;
+mod colour_costs;
+mod container;
+pub mod index_mapper;
+mod local_palette;
+mod lzw;
+mod string_search;
+
+use crate::export::changed_area::PixelArea;
+use crate::export::error::ExportError;
+use crate::export::palette::Palette;
+use crate::export::target::Output;
+use crate::export::timing::Schedule;
+use crate::export::{ExportSummary, FrameCoder, FrameSink};
+use canvas::Screen;
+use colour_costs::{Loss, Pixel};
+use container::{GifBlock, GifFile, table};
 use image::RgbaImage;
+use index_mapper::Mapper;
+use local_palette::{OwnTable, translation};
 use std::sync::Arc;
+use string_search::Matcher;
 
 /// Greatest side of a GIF, a 16-bit field.
 const LONGEST_SIDE: u32 = u16::MAX as u32;
@@ -288,7 +296,7 @@ struct GifCoder {
 
 impl FrameCoder for GifCoder {
     fn code(&mut self, frame: &RgbaImage, coded: &mut Vec<u8>) -> Result<(), ExportError> {
-        super::check_frame(frame, self.size)?;
+        crate::export::check_frame(frame, self.size)?;
         self.mapper.map(frame, coded);
         if let Some(missed) = self.mapper.missed() {
             OwnTable::new(frame, missed).append(coded);

@@ -1,6 +1,6 @@
 //! The table of colours that one frame of a GIF brings for what the animation's palette misses.
 
-use super::palette::Palette;
+use crate::export::palette::Palette;
 use image::RgbaImage;
 use std::collections::HashMap;
 

@@ -5,7 +5,7 @@
 //! once; a longer string wins if the error it adds is worth the pixels it covers. Pixels that did not change stay
 //! as they are shown, whatever that is: nothing still ever flickers.
 
-use super::costs::{Costs, Loss, NEVER, Pixel, PixelChange};
+use super::colour_costs::{Costs, Loss, NEVER, Pixel, PixelChange};
 use super::lzw::{BitWriter, Dictionary, NONE};
 
 /// Strings followed at once. Against two, four make the file 2 % smaller at the same price and take longer; one makes

@@ -1,6 +1,6 @@
 //! Pixels to palette indices, remembering every colour met. One mapper a worker thread.
 
-use super::palette::Palette;
+use crate::export::palette::Palette;
 use image::RgbaImage;
 use std::sync::Arc;
 

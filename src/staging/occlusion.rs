@@ -1,6 +1,6 @@
 //! Whether a body stands between the eye and a point.
 
-use super::parts::StagedPart;
+use super::body_meshes::StagedPart;
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::render::{Camera, Instance};

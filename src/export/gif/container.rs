@@ -1,8 +1,8 @@
 //! The GIF around the compressed pixels: the `gif` crate's container over an output of ours.
 
-use super::delta::PixelArea;
-use super::error::ExportError;
-use super::target::Output;
+use crate::export::changed_area::PixelArea;
+use crate::export::error::ExportError;
+use crate::export::target::Output;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 use std::borrow::Cow;
 use std::io::{self, Write};

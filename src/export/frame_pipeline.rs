@@ -22,7 +22,7 @@ pub type DrawnSamples = Vec<(usize, RgbaImage)>;
 
 /// Why no file came out.
 #[derive(Debug, thiserror::Error)]
-pub enum PumpError<E: std::error::Error + 'static> {
+pub enum PipelineError<E: std::error::Error + 'static> {
     /// A frame could not be drawn.
     #[error("frame {frame}: {source}")]
     Draw {
@@ -50,7 +50,7 @@ pub fn draw_samples<W, E>(
     indices: &[usize],
     size: [u32; 2],
     cancel: &AtomicBool,
-) -> Result<DrawnSamples, PumpError<E>>
+) -> Result<DrawnSamples, PipelineError<E>>
 where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
     E: std::error::Error + Send + 'static,
@@ -79,7 +79,7 @@ pub fn look_at<W, E>(
     size: [u32; 2],
     cancel: &AtomicBool,
     take: &(dyn Fn(usize, &mut RgbaImage) + Sync),
-) -> Result<(), PumpError<E>>
+) -> Result<(), PipelineError<E>>
 where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
     E: std::error::Error + Send + 'static,
@@ -97,7 +97,7 @@ where
             }
             match draw(frame, &mut image) {
                 Ok(()) => take(place, &mut image),
-                Err(source) => *lock_mutex(&failed) = Some(PumpError::Draw { frame, source }),
+                Err(source) => *lock_mutex(&failed) = Some(PipelineError::Draw { frame, source }),
             }
         }
     };
@@ -116,7 +116,7 @@ where
     });
     match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(failure) => Err(failure),
-        None if cancel.load(Ordering::Relaxed) => Err(PumpError::Cancelled),
+        None if cancel.load(Ordering::Relaxed) => Err(PipelineError::Cancelled),
         None => Ok(()),
     }
 }
@@ -127,20 +127,20 @@ where
 /// thread with (frames written, frames in all). Raising `cancel` stops after the frames being drawn.
 ///
 /// Errors: a worker's, the sink's, or `Cancelled`; the sink is then dropped unfinished and nothing is left.
-pub fn pump_frames<W, E>(
+pub fn write_frames<W, E>(
     workers: Vec<W>,
     frame_count: usize,
     samples: DrawnSamples,
     mut sink: Box<dyn FrameSink>,
     progress: &dyn Fn(usize, usize),
     cancel: &AtomicBool,
-) -> Result<ExportSummary, PumpError<E>>
+) -> Result<ExportSummary, PipelineError<E>>
 where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
     E: std::error::Error + Send + 'static,
 {
     if workers.is_empty() {
-        return Err(PumpError::NoWorkers);
+        return Err(PipelineError::NoWorkers);
     }
     let shared = Shared {
         frame_count,
@@ -187,10 +187,10 @@ where
             shared.written(coded);
             progress(index + 1, frame_count);
         }
-        Ok::<(), PumpError<E>>(())
+        Ok::<(), PipelineError<E>>(())
     })?;
     if cancel.load(Ordering::Relaxed) {
-        return Err(PumpError::Cancelled);
+        return Err(PipelineError::Cancelled);
     }
     Ok(sink.finish()?)
 }
@@ -202,7 +202,7 @@ struct State<E: std::error::Error + 'static> {
     samples: DrawnSamples,
     /// Buffers to use again.
     spare: Vec<Vec<u8>>,
-    failure: Option<PumpError<E>>,
+    failure: Option<PipelineError<E>>,
     stop: bool,
 }
 
@@ -235,14 +235,14 @@ struct Task {
 
 impl<E: std::error::Error + 'static> Shared<E> {
     /// Waits until the next frame is coded and takes it.
-    fn next_coded(&self, cancel: &AtomicBool) -> Result<Vec<u8>, PumpError<E>> {
+    fn next_coded(&self, cancel: &AtomicBool) -> Result<Vec<u8>, PipelineError<E>> {
         let mut state = lock_mutex(&self.state);
         loop {
             if let Some(failure) = state.failure.take() {
                 return Err(failure);
             }
             if cancel.load(Ordering::Relaxed) || state.stop {
-                return Err(PumpError::Cancelled);
+                return Err(PipelineError::Cancelled);
             }
             if let Some(coded) = state.slots.front_mut().and_then(Option::take) {
                 return Ok(coded);
@@ -296,7 +296,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
         self.changed.notify_all();
     }
 
-    fn fail(&self, failure: PumpError<E>) {
+    fn fail(&self, failure: PipelineError<E>) {
         let mut state = lock_mutex(&self.state);
         state.failure.get_or_insert(failure);
         self.changed.notify_all();
@@ -330,7 +330,7 @@ where
         drawn.map_err(|failure| self.shared.fail(failure)).is_ok()
     }
 
-    fn frame(&mut self, task: Task) -> Result<(), PumpError<E>> {
+    fn frame(&mut self, task: Task) -> Result<(), PipelineError<E>> {
         let Task {
             index,
             sample,
@@ -338,7 +338,7 @@ where
         } = task;
         if sample.is_none() {
             let drawn = (self.draw)(index, &mut self.image);
-            drawn.map_err(|source| PumpError::Draw {
+            drawn.map_err(|source| PipelineError::Draw {
                 frame: index,
                 source,
             })?;

@@ -1,6 +1,6 @@
 //! The scene's labels with their places on the screen, which stay the same over a film.
 
-use super::lettering::{Crowd, Lettering, Paper, Rectangle, place_labels};
+use super::label_placement::{Crowd, Lettering, Paper, Rectangle, place_labels};
 use super::{captions, fitting};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;

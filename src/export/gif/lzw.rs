@@ -1,4 +1,4 @@
-//! LZW as GIF wants it: the dictionary and the bit stream. Which strings to send is [`super::matching`]'s part.
+//! LZW as GIF wants it: the dictionary and the bit stream. Which strings to send is [`super::string_search`]'s part.
 //!
 //! Written here because choosing among several admissible pixel values needs the dictionary itself, which encoder
 //! crates keep to themselves.

@@ -1,7 +1,7 @@
 //! What a viewer of the animation sees so far, and what the next frame has to change.
 
-use super::costs::{Pixel, PixelChange};
-use super::delta::PixelArea;
+use super::colour_costs::{Pixel, PixelChange};
+use crate::export::changed_area::PixelArea;
 
 /// Stretches of unchanged pixels at least this long are only ever coded as transparent. Shorter ones may also
 /// repeat their colour where that continues a string (30 % of the file); in longer ones the choice only costs time.
