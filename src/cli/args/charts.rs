@@ -24,10 +24,10 @@ pub struct PlotArgs {
     /// A unit is as long on both axes: for paths in a plane.
     #[arg(long, requires = "y")]
     pub equal: bool,
-    /// Add the derivatives of the curves up to this order (1 to 8), by time.
+    /// Rates up to this order (1 to 8) of the curves are drawn as well: derivatives by time.
     #[arg(long, value_name = "N", requires = "y", value_parser = rate_order)]
     pub order: Option<usize>,
-    /// Take these derivatives by an input in place of time: transfer functions.
+    /// Rates by this input in place of time, the others standing still: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
     /// Only the plot of the scene with this title.
@@ -36,10 +36,10 @@ pub struct PlotArgs {
     /// Number of samples, spread evenly over the motion; 361 if absent.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
-    /// Picture size in pixels; as high as the panels need if absent.
+    /// Size in pixels; as high as the panels need if absent.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
-    /// Dark on white, or light on nearly black.
+    /// Light or dark: colours of background, text and lines.
     #[arg(long, value_parser = named_word(&Theme::NAMES), default_value = "light")]
     pub theme: Theme,
 }
@@ -50,7 +50,7 @@ pub struct AccuracyArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Also write the report: .json, .csv, or a chart as .svg or .png; `-` for JSON on standard output.
+    /// File to write: the report as .json or .csv, or a chart as .svg or .png; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Poses that every route delivers, spread evenly over the motion.
@@ -59,10 +59,10 @@ pub struct AccuracyArgs {
     /// Most turns of the drift table, for motions that return to their start.
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = turn_count)]
     pub turns: usize,
-    /// Size of the chart in pixels.
+    /// Size in pixels of the chart.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
-    /// Dark on white, or light on nearly black.
+    /// Light or dark: colours of background, text and lines.
     #[arg(long, value_parser = named_word(&Theme::NAMES), default_value = "light")]
     pub theme: Theme,
 }

@@ -23,7 +23,7 @@ pub struct EncloseArgs {
     /// Number of samples, spread evenly over the motion.
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = frame_count)]
     pub samples: usize,
-    /// Times of the samples in seconds, separated by commas, in place of even ones.
+    /// Time in seconds of a sample; several separated by commas, in place of even ones.
     #[arg(
         long,
         value_name = "SECONDS",
@@ -31,8 +31,8 @@ pub struct EncloseArgs {
         conflicts_with = "samples"
     )]
     pub at: Vec<f64>,
-    /// Find how much larger or smaller all tolerances may be for a band to stay within this of the motion as drawn (of an
-    /// unknown, a traced point or an output), or of a measure's value: NAME=VALUE.
+    /// Find tolerances that keep a band (of an unknown, a traced point or an output) within this of the motion as drawn, or
+    /// a measure within this of its value: how many times the given ones. NAME=VALUE.
     #[arg(long, value_name = "NAME=VALUE", value_parser = named_limit)]
     pub allow: Option<(String, f64)>,
     /// Do not look for pieces near the ends of the bands.
@@ -44,16 +44,16 @@ pub struct EncloseArgs {
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Write the bands of every sample: .csv or .json; `-` for CSV on standard output.
+    /// File to write: the bands of every sample as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Draw the bands over time, about the motion as drawn: .svg or .png.
+    /// Draw a chart (.svg or .png): the bands over time, about the motion as drawn.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// What is drawn, separated by commas; outputs and traced points if absent.
+    /// Only these are drawn, separated by commas; outputs and traced points if absent.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "plot")]
     pub only: Vec<String>,
-    /// Dark on white, or light on nearly black.
+    /// Light or dark: colours of background, text and lines.
     #[arg(long, value_parser = named_word(&Theme::NAMES), default_value = "light")]
     pub theme: Theme,
 }

@@ -49,7 +49,7 @@ pub struct EncodeArgs {
     /// Keep the order of the command line.
     #[arg(long)]
     pub no_sort: bool,
-    /// Lay translucent frames over this colour.
+    /// Colour of the background, under translucent frames.
     #[arg(long, value_name = "#rrggbb", value_parser = hex_colour)]
     pub background: Option<[u8; 3]>,
 }
@@ -62,12 +62,17 @@ pub struct DiffArgs {
     /// What came out, of the same kind.
     pub b: PathBuf,
     /// Levels of 0 to 255 that a channel may be off.
-    #[arg(long, value_name = "LEVELS", default_value_t = 0)]
+    #[arg(
+        long = "levels",
+        alias = "tolerance",
+        value_name = "N",
+        default_value_t = 0
+    )]
     pub tolerance: u8,
     /// Pixels of a picture that may be off by more.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub max_pixels: u64,
-    /// Write A, the difference and B side by side as a PNG; of several frames the worst.
+    /// File to write: A, the difference and B side by side as a PNG; of several frames the worst.
     #[arg(long, short, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).

@@ -17,7 +17,7 @@ pub struct RenderArgs {
     /// What is written.
     #[command(flatten)]
     pub file: FileArgs,
-    /// Picture size in pixels.
+    /// Size in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = picture_size)]
     pub size: [u32; 2],
     /// Frames a second; the scene decides if absent.
@@ -26,14 +26,14 @@ pub struct RenderArgs {
     /// Number of frames, spread evenly over the motion.
     #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = frame_count)]
     pub frames: Option<usize>,
-    /// Draw one picture at this time in seconds.
+    /// Time in seconds of the one picture to draw.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     pub at: Option<f64>,
     /// Draw one picture: the frame with this number, counted from 0.
     #[arg(long, value_name = "N", conflicts_with = "at")]
     pub frame: Option<usize>,
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = sample_count)]
+    #[arg(long = "supersample", alias = "samples", value_name = "N", default_value_t = 4, value_parser = sample_count)]
     pub samples: u32,
     /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
     #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
@@ -53,8 +53,8 @@ pub struct RenderArgs {
     /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
     #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub panel: Option<String>,
-    /// Show Newton's iterates from the start values instead of the motion: a still with all of them as ghosts, or one
-    /// a frame.
+    /// Newton's iterates from the start values in place of the motion: a still with all of them as ghosts, or one a
+    /// frame.
     #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "show"])]
     pub trace_iterations: bool,
     /// How it is looked at.
@@ -68,27 +68,27 @@ pub struct SolveArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table to write: .csv or .json; `-` for CSV on standard output.
+    /// File to write: the table as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
-    /// Solve at this time in seconds only (following the motion up to it).
+    /// Time in seconds of the one pose to solve; the motion is followed up to it.
     #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
     pub at: Option<f64>,
-    /// Write Newton's iterates from the start values at the start of the drive instead of the motion: unknowns,
-    /// corrections and gaps of every loop; in JSON the opened polygons, too.
+    /// Newton's iterates from the start values at the start of the drive, in place of the motion: unknowns, corrections
+    /// and gaps of every loop; in JSON the opened polygons, too.
     #[arg(long, conflicts_with_all = ["samples", "at", "rates", "order"])]
     pub trace_iterations: bool,
     /// Add columns with the rates of the unknowns per second.
     #[arg(long)]
     pub rates: bool,
-    /// Add columns with the rates up to order N (1 to 8) of unknowns, traced points and outputs. At a
-    /// keyframe they are those of the piece that begins there.
+    /// Rates up to this order (1 to 8) of unknowns, traced points and outputs, as further columns. At a keyframe they
+    /// are those of the piece that begins there.
     #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = rate_order)]
     pub order: Option<usize>,
-    /// Take these rates by an input, the others standing still, in place of time: transfer functions.
+    /// Rates by this input in place of time, the others standing still: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
     /// Add columns with proved bounds of traced points and outputs, as they are printed: bound(NAME).
@@ -101,7 +101,7 @@ pub struct SolveArgs {
     /// What is proved: nothing, every pose, or also the motion between the samples.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
-    /// Format of the table if the file name does not tell.
+    /// Format, where the file name does not tell.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,
 }
@@ -126,8 +126,8 @@ pub struct CheckArgs {
     /// are sampled in any case.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
-    /// What must be proved: nothing, every pose and the bounds of clearances, or also the motion between the samples.
-    /// What is asked for and cannot be proved fails the check.
+    /// What is proved: nothing, every pose and the bounds of clearances, or also the motion between the samples. What
+    /// is asked for and cannot be proved fails the check.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
     /// Write the report as JSON to this file (`-` for standard output).
@@ -136,11 +136,11 @@ pub struct CheckArgs {
     /// Write the verdict as JUnit XML, one case for everything that was asked: closing, proofs, measures, pairs of bodies.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Write the distance of every judged pair over time as CSV.
+    /// Write a table as CSV: the distance of every judged pair over time.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub csv: Option<PathBuf>,
-    /// Plot the distances of the worst pairs over time, with their minimum, the bound and the worst moment, to this file
-    /// (.svg or .png).
+    /// Draw a chart (.svg or .png): the distances of the worst pairs over time, with their minimum, the bound and the
+    /// worst moment.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub plot: Option<PathBuf>,
     /// Draw the moment at which the worst pair is nearest, with the distance, time and verdict, to this PNG file; in red if
@@ -179,7 +179,7 @@ pub struct CheckArgs {
     pub worst: usize,
     /// How near the proved bound must come to the least distance found, as a part of the pair's minimum (of that
     /// distance where the minimum is 0).
-    #[arg(long, value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
+    #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
     pub tolerance: f64,
 }
 
@@ -192,10 +192,11 @@ pub struct ModesArgs {
     /// Time in seconds at which the inputs are taken from the drive.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     pub at: f64,
-    /// Most starts, random and others. Fewer are made where an estimate says that hardly anything is left to be found.
+    /// Number of starts at most, random and others. Fewer are made where an estimate says that hardly anything is left
+    /// to be found.
     #[arg(long, value_name = "N", default_value_t = crate::kinematics::assemblies::DEFAULT_STARTS, value_parser = start_count)]
     pub starts: usize,
-    /// Write the list as JSON to this file (`-` for standard output).
+    /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }

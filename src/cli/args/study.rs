@@ -27,13 +27,13 @@ pub struct SensitivityArgs {
     /// Rank by this measure; the study's objective if absent.
     #[arg(long, value_name = "MEASURE")]
     pub rank: Option<String>,
-    /// Propose tolerances that give a measure this scatter, shared equally: MEASURE=VALUE.
+    /// Find tolerances that keep the scatter of a measure to this, shared equally by the dimensions: MEASURE=VALUE.
     #[arg(long, value_name = "MEASURE=VALUE", value_parser = named_limit)]
     pub allow: Option<(String, f64)>,
-    /// Draw the derivatives as bars, ranked: .svg or .png.
+    /// Draw a chart (.svg or .png): the derivatives as bars, ranked.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Write the whole table: .csv or .json; `-` for JSON on standard output.
+    /// File to write: the whole table as .csv or .json; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -47,11 +47,11 @@ pub struct ToleranceArgs {
     /// What scatters; every length and angle if absent.
     #[command(flatten)]
     pub vary: VaryArgs,
-    /// Tolerance of every dimension that the study gives none: half the width, in the dimension's unit.
+    /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
     #[arg(long, value_name = "VALUE", value_parser = half_width)]
     pub tolerance: Option<f64>,
     /// Number of random pieces.
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
+    #[arg(long = "pieces", alias = "samples", value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
     pub samples: usize,
     /// Number of the first piece: runs on several machines can share the work.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -65,16 +65,16 @@ pub struct ToleranceArgs {
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Write the report as JSON; `-` for standard output.
+    /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the measures of every piece as CSV.
+    /// Write a table as CSV: the measures of every piece.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
     /// Draw the mechanism with the paths of random pieces around those of its traced points.
     #[arg(long, value_name = "FILE.png")]
     pub picture: Option<PathBuf>,
-    /// Plot these paths unrolled: the deviation across the path with bands of quantiles (.svg or .png).
+    /// Draw a chart (.svg or .png): these paths unrolled, with the deviation across the path as bands of quantiles.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Most pieces whose paths are drawn.
@@ -106,8 +106,9 @@ pub struct OptimiseArgs {
     /// Free every variable within this share of its value (0.2 or 20%), in place of the study's ranges.
     #[arg(long, value_name = "SHARE", value_parser = proper_share)]
     pub within: Option<f64>,
-    /// Relative accuracy: of gradients (bfgs), of values and variables (nelder-mead), of the generation (evolution).
-    #[arg(long, value_name = "VALUE", value_parser = relative)]
+    /// Relative accuracy at which a search ends: of gradients (bfgs), of values and variables (nelder-mead), of the
+    /// generation (evolution).
+    #[arg(long = "convergence", alias = "tolerance", value_name = "VALUE", value_parser = relative)]
     pub tolerance: Option<f64>,
     /// Most iterations.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
@@ -118,10 +119,16 @@ pub struct OptimiseArgs {
     /// Optimise every pair of the variables on its own and rank the pairs.
     #[arg(long)]
     pub pairs: bool,
-    /// Rows of the ranking that are printed.
-    #[arg(long, value_name = "N", default_value_t = 20, requires = "pairs")]
-    pub worst: usize,
-    /// Worker threads for --pairs; all cores if absent. The numbers do not depend on it.
+    /// Rows of the ranking that are printed, the best first.
+    #[arg(
+        long,
+        alias = "worst",
+        value_name = "N",
+        default_value_t = 20,
+        requires = "pairs"
+    )]
+    pub rows: usize,
+    /// Worker threads; all cores if absent. Pairs are shared among them (--pairs); the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write a film of the improvements, one frame each: .gif, .apng, a folder, or a pattern of frames.
@@ -131,10 +138,10 @@ pub struct OptimiseArgs {
     /// (plain), or none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
     pub progress: ProgressArg,
-    /// Write the scene with the best values: a scene file that solves and renders.
+    /// File to write: the scene with the best values, which solves and renders.
     #[arg(long, short, value_name = "FILE.toml", conflicts_with = "pairs")]
     pub out: Option<PathBuf>,
-    /// Write the report as JSON; `-` for standard output.
+    /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -169,7 +176,7 @@ pub struct SynthesiseArgs {
     /// Built-in scenes or scene files with a study that minimises the largest of many values; several make one report.
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<OsString>,
-    /// Replace a parameter in every scene: NAME=FORMULA. May be repeated.
+    /// Replace a parameter of every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::name_and_text)]
     pub parameters: Vec<(String, String)>,
     /// Number of starts: the scene's own values, then in turn near the minima found and random ones of the whole ranges.
@@ -191,13 +198,13 @@ pub struct SynthesiseArgs {
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Write the scene with the best values (of one scene), or all of them into a folder.
+    /// File to write: the scene with the best values; of several scenes a folder of them.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
     pub out: Option<PathBuf>,
-    /// Write the report as JSON; `-` for standard output.
+    /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the ladder as CSV: a row for every scene and measure or variable.
+    /// Write a table as CSV: a row for every scene and measure or variable.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
 }

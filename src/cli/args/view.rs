@@ -30,7 +30,7 @@ pub struct ViewArgs {
     /// Kind of projection.
     #[arg(long = "projection", value_parser = named_word(&ViewProjection::NAMES))]
     pub parallel: Option<bool>,
-    /// Colours of background, text and ground.
+    /// Light or dark: colours of background, text and ground.
     #[arg(long, value_parser = named_word(&Theme::NAMES))]
     pub theme: Option<Theme>,
     /// Lines between surfaces: around bodies, at creases as well, or none.

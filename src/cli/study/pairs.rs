@@ -81,7 +81,7 @@ pub fn run_pairs(
     io::print_beside(
         term,
         args.json.as_deref(),
-        &pair_ranking(study, &ranked, args.worst, seconds),
+        &pair_ranking(study, &ranked, args.rows, seconds),
     )?;
     if ranked.len() < jobs.len() {
         let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());

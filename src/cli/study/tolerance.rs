@@ -19,7 +19,7 @@ use std::time::Instant;
 pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_cloud::refuse_cloud(args)?;
     if args.first.checked_add(args.samples).is_none() {
-        let message = "--first and --samples together are more numbers than there are";
+        let message = "--first and --pieces together are more numbers than there are";
         return Err(Failure::usage(message, Vec::new()));
     }
     let reports = [

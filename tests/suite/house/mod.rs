@@ -7,5 +7,5 @@ mod lock;
 mod names;
 mod paths;
 mod rooms;
-mod source;
+pub mod source;
 mod walls;

@@ -5,6 +5,7 @@ mod cli;
 mod document_commands;
 mod documents;
 mod face;
+mod flags;
 mod large_texts;
 #[cfg(target_os = "linux")]
 mod memory;
