@@ -2,7 +2,7 @@
 //! variables. The poses are shared among threads; the numbers do not depend on how many there are.
 
 use super::family::ParametricMechanism;
-use super::stand::Evaluator;
+use super::track_poses::Evaluator;
 use crate::jobs::{core_count, share_work};
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
